@@ -1,5 +1,5 @@
 // The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the files that are written.
-#include "verbs.h"
+#include "commands.h"
 
 #include "accuracy/accuracy.h"
 #include "bench.h"
@@ -221,9 +221,9 @@ static int list_cases( void )
     return STATUS_GOOD;
 }
 
-static void show_progress( void* user, double share, const char* what )
+static void show_progress( void* user, double fraction, const char* what )
 {
-    progress_show( user, share, what );
+    progress_show( user, fraction, what );
 }
 
 static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_error* error )
@@ -273,7 +273,7 @@ static wisp_status write_report( const bench_arguments* arguments, const results
 }
 
 // What the engine's kernels use here, as an empty world says.
-static wisp_status describe( machine_facts* out, wisp_error* error )
+static wisp_status describe( machine_info* out, wisp_error* error )
 {
     wisp_world_def def = wisp_default_world_def();
     def.workers = 1;
@@ -303,8 +303,8 @@ int main( int argc, char** argv )
     results out = { 0 };
     wisp_error error = { 0 };
     wisp_status status = describe( &out.machine, &error );
-    status = status == WISP_OK ? verb_check_writable( arguments.output, &error ) : status;
-    status = status == WISP_OK ? verb_check_writable( arguments.report, &error ) : status;
+    status = status == WISP_OK ? command_check_writable( arguments.output, &error ) : status;
+    status = status == WISP_OK ? command_check_writable( arguments.report, &error ) : status;
     if ( status == WISP_OK && arguments.options.pictures != NULL )
     {
         status = io_folder_make( arguments.options.pictures, &error );
@@ -322,7 +322,7 @@ int main( int argc, char** argv )
     results_free( &out );
     if ( status != WISP_OK )
     {
-        return verb_fail( &error );
+        return command_fail( &error );
     }
     if ( failed )
     {

@@ -1,5 +1,5 @@
 // `wisp bench` is the program wisp-bench in the folder of this one, so that simulating needs no benchmark to be built.
-#include "verbs.h"
+#include "commands.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -27,7 +27,7 @@ static wisp_status find_bench( char out[PATH_MAX], wisp_error* error )
     return WISP_OK;
 }
 
-int verb_bench( int argc, char** argv )
+int command_bench( int argc, char** argv )
 {
     (void)argc;
     char path[PATH_MAX];
@@ -38,5 +38,5 @@ int verb_bench( int argc, char** argv )
         wisp_fail( &error, WISP_IO_ERROR, "%s: %s; `wisp bench` runs this program, which `./dev bench` builds", path,
                    strerror( errno ) );
     }
-    return verb_fail( &error );
+    return command_fail( &error );
 }

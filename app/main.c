@@ -1,19 +1,19 @@
-#include "verbs.h"
+#include "commands.h"
 
 #include "nearest.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct program_verb
+typedef struct program_command
 {
     const char* name;
-    verb_fn* run;
-} program_verb;
+    command_fn* run;
+} program_command;
 
-static const program_verb verbs[] = {
-    { "run", verb_run },   { "plan", verb_plan },     { "bench", verb_bench },
-    { "info", verb_info }, { "render", verb_render }, { "tune", verb_tune },
+static const program_command commands[] = {
+    { "run", command_run },   { "plan", command_plan },     { "bench", command_bench },
+    { "info", command_info }, { "render", command_render }, { "tune", command_tune },
 };
 
 static const char program_doc[] =
@@ -52,14 +52,14 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
     }
 }
 
-static int unknown_verb( const char* word )
+static int unknown_command( const char* word )
 {
-    const char* names[WISP_COUNT( verbs )];
-    for ( int i = 0; i < WISP_COUNT( verbs ); ++i )
+    const char* names[WISP_COUNT( commands )];
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
-        names[i] = verbs[i].name;
+        names[i] = commands[i].name;
     }
-    const char* nearest = nearest_word( word, names, WISP_COUNT( verbs ) );
+    const char* nearest = nearest_word( word, names, WISP_COUNT( commands ) );
     if ( nearest )
     {
         fprintf( stderr, "wisp: got command '%s'; did you mean '%s'?\n", word, nearest );
@@ -82,15 +82,15 @@ int main( int argc, char** argv )
     const struct argp parser = { .parser = parse_program, .args_doc = "COMMAND [ARGUMENT...]", .doc = program_doc };
     argp_parse( &parser, argc, argv, ARGP_IN_ORDER, NULL, &place );
 
-    for ( int i = 0; i < WISP_COUNT( verbs ); ++i )
+    for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
-        if ( strcmp( argv[place], verbs[i].name ) == 0 )
+        if ( strcmp( argv[place], commands[i].name ) == 0 )
         {
             char name[40];
-            snprintf( name, sizeof( name ), "wisp %s", verbs[i].name );
+            snprintf( name, sizeof( name ), "wisp %s", commands[i].name );
             argv[place] = name;
-            return verbs[i].run( argc - place, argv + place );
+            return commands[i].run( argc - place, argv + place );
         }
     }
-    return unknown_verb( argv[place] );
+    return unknown_command( argv[place] );
 }

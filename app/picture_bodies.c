@@ -66,7 +66,7 @@ wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_e
     {
         return WISP_OK;
     }
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_status status = wisp_mesh_examine( &mesh, &report, error );
     *is_closed = status == WISP_OK && report.closed;
     return status;

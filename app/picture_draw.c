@@ -173,12 +173,12 @@ static render_camera camera_of( const drawing* d, int picture )
 
 // ---- one picture ----
 
-static void show_share( void* user, double share )
+static void show_fraction( void* user, double fraction )
 {
     drawing* d = user;
     char what[48];
     snprintf( what, sizeof( what ), "picture %d of %d", d->picture + 1, d->plan.count );
-    progress_show( &d->bar, ( d->picture + share ) / d->plan.count, what );
+    progress_show( &d->bar, ( d->picture + fraction ) / d->plan.count, what );
 }
 
 static void put_legend( const drawing* d, image* picture )
@@ -210,7 +210,7 @@ static wisp_status render_one( drawing* d, image* out, wisp_error* error )
         if ( status != WISP_OK )
         {
             wisp_fail( error, status, "%s: frame %d: %s", d->source.path, frame_of( &d->plan, d->picture ),
-                       cause.sentence );
+                       cause.message );
         }
     }
     picture_stage_release( &stage );
@@ -351,7 +351,7 @@ static void set_render_options( drawing* d )
     }
     d->render.samples = options->samples;
     d->render.threads = options->workers > 0 ? options->workers : core_count();
-    d->render.progress = show_share;
+    d->render.progress = show_fraction;
     d->render.progress_user = d;
 }
 

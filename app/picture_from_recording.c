@@ -261,7 +261,7 @@ wisp_status picture_open_recording( picture_source* source, const picture_source
     }
     wisp_recording_info info = wisp_recording_describe( p->recording );
     source->frame_count = info.frame_count;
-    source->step = info.step_seconds;
+    source->step = info.dt;
     source->has_seconds = true;
     status =
         info.frame_count > 0 ? picture_make_bodies( source, info.body_count, error ) : refuse_empty( source, error );

@@ -18,9 +18,9 @@ static bool is_surface( const picture_body* body )
     return body->kind == SCENE_BODY_CLOTH || body->kind == SCENE_BODY_BALLOON;
 }
 
-static bool has_look( const simulation* s, int body )
+static bool has_appearance( const simulation* s, int body )
 {
-    return body < s->scene.strands_count && s->scene.strands[body].has_look;
+    return body < s->scene.strands_count && s->scene.strands[body].has_appearance;
 }
 
 // Guides, whose ghosts or curves are to be seen instead.
@@ -31,7 +31,7 @@ static bool is_hidden( const simulation* s, int body )
 
 // ---- the world ----
 
-static wisp_status want_all( const picture_source* source, simulation* s, wisp_error* error )
+static wisp_status request_all( const picture_source* source, simulation* s, wisp_error* error )
 {
     int moving = scene_world_moving_count( &s->world );
     wisp_status status = WISP_OK;
@@ -41,19 +41,19 @@ static wisp_status want_all( const picture_source* source, simulation* s, wisp_e
         {
             continue;
         }
-        status = scene_world_want( &s->world, i, SCENE_WISH_POINTS, error );
+        status = scene_world_request( &s->world, i, SCENE_REQUEST_POINTS, error );
         if ( status == WISP_OK && source->bodies[i].values )
         {
-            status = scene_world_want(
-                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_WISH_STRAIN : SCENE_WISH_SPEED, error );
+            status = scene_world_request(
+                &s->world, i, source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED, error );
         }
-        if ( status == WISP_OK && has_look( s, i ) )
+        if ( status == WISP_OK && has_appearance( s, i ) )
         {
-            status = scene_world_want( &s->world, i, SCENE_WISH_WIDTH, error );
+            status = scene_world_request( &s->world, i, SCENE_REQUEST_WIDTH, error );
         }
-        if ( status == WISP_OK && has_look( s, i ) )
+        if ( status == WISP_OK && has_appearance( s, i ) )
         {
-            status = scene_world_want( &s->world, i, SCENE_WISH_COLOUR, error );
+            status = scene_world_request( &s->world, i, SCENE_REQUEST_COLOUR, error );
         }
     }
     return status;
@@ -119,7 +119,7 @@ static wisp_status read_layer( picture_source* source, simulation* s, int body, 
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
     for ( int i = 0; i < view.samples->count; ++i )
     {
-        const float* p = view.samples->quads + 4 * (size_t)i;
+        const float* p = view.samples->xyzw + 4 * (size_t)i;
         const float* n = view.samples->normals + 4 * (size_t)i;
         layer->points[i] = ( wisp_vec3 ){ p[0], p[1], p[2] };
         layer->normals[i] = ( wisp_vec3 ){ n[0], n[1], n[2] };
@@ -138,13 +138,13 @@ static wisp_status read_body( picture_source* source, simulation* s, int body, w
     if ( status == WISP_OK && b->values )
     {
         status = scene_world_numbers( &s->world, body,
-                                      source->value == PICTURE_STRAIN ? SCENE_WISH_STRAIN : SCENE_WISH_SPEED,
+                                      source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED,
                                       b->values, error );
     }
     // Nothing has made width and colour before the first step; what the bodies have of it is left to them.
-    if ( status == WISP_OK && has_look( s, body ) && s->world.next_step > 0 )
+    if ( status == WISP_OK && has_appearance( s, body ) && s->world.next_step > 0 )
     {
-        status = scene_world_numbers( &s->world, body, SCENE_WISH_WIDTH, b->widths, error );
+        status = scene_world_numbers( &s->world, body, SCENE_REQUEST_WIDTH, b->widths, error );
         if ( status == WISP_OK )
         {
             status = scene_world_colours( &s->world, body, b->colours, error );
@@ -179,7 +179,7 @@ static wisp_status start_again( picture_source* source, simulation* s, wisp_erro
         source->bodies[i].triangles = body.triangles;
         source->bodies[i].offsets = body.offsets;
     }
-    return status == WISP_OK ? want_all( source, s, error ) : status;
+    return status == WISP_OK ? request_all( source, s, error ) : status;
 }
 
 static wisp_status load( picture_source* source, int frame, wisp_error* error )
@@ -229,12 +229,12 @@ static bool dress_strands( simulation* s, int body, picture_body* b )
     const wisp_groom* groom = &s->world.grooms[body];
     size_t count = (size_t)b->vertex_count;
     bool made = true;
-    if ( groom->thickness || has_look( s, body ) )
+    if ( groom->thickness || has_appearance( s, body ) )
     {
         b->widths = calloc( count + 1, sizeof *b->widths );
         made = b->widths != NULL;
     }
-    if ( groom->colour || has_look( s, body ) )
+    if ( groom->colour || has_appearance( s, body ) )
     {
         b->colours = calloc( count + 1, sizeof *b->colours );
         made = made && b->colours;
@@ -288,7 +288,7 @@ static wisp_status borrow_first_look( picture_source* source, simulation* s, wis
     bool is_needed = false;
     for ( int i = 0; i < s->scene.strands_count; ++i )
     {
-        is_needed = is_needed || has_look( s, i );
+        is_needed = is_needed || has_appearance( s, i );
     }
     return is_needed && s->scene.steps > 0 ? load( source, 1, error ) : WISP_OK;
 }
@@ -331,12 +331,12 @@ wisp_status picture_open_scene( picture_source* source, const picture_source_def
         return status;
     }
     source->frame_count = s->scene.steps + 1;
-    source->step = (double)s->scene.step_seconds;
+    source->step = (double)s->scene.dt;
     source->has_seconds = true;
     status = add_bodies( source, s, error );
     if ( status == WISP_OK )
     {
-        status = want_all( source, s, error );
+        status = request_all( source, s, error );
     }
     return status == WISP_OK ? borrow_first_look( source, s, error ) : status;
 }

@@ -1,6 +1,6 @@
 #include "picture_options.h"
 
-#include "verbs.h"
+#include "commands.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -25,8 +25,8 @@ void picture_parse_numbers( struct argp_state* state, const char* option, const 
     {
         char* end = NULL;
         out[i] = strtof( at, &end );
-        char wanted = i + 1 < count ? ',' : '\0';
-        if ( end == at || *end != wanted || !isfinite( out[i] ) )
+        char requested = i + 1 < count ? ',' : '\0';
+        if ( end == at || *end != requested || !isfinite( out[i] ) )
         {
             argp_error( state, "%s: got '%s', expected %d number%s", option, text, count,
                         count == 1 ? "" : "s separated by commas" );
@@ -95,8 +95,8 @@ void picture_parse_ground( struct argp_state* state, const char* text, picture_o
 
 static float linear_of_srgb( unsigned long byte )
 {
-    float share = (float)byte / 255.0f;
-    return share <= 0.04045f ? share / 12.92f : powf( ( share + 0.055f ) / 1.055f, 2.4f );
+    float fraction = (float)byte / 255.0f;
+    return fraction <= 0.04045f ? fraction / 12.92f : powf( ( fraction + 0.055f ) / 1.055f, 2.4f );
 }
 
 static const char* parse_colour( const char* text, wisp_vec3* out )

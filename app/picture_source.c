@@ -48,7 +48,7 @@ static wisp_status read_still_groom( picture_source* source, wisp_error* error )
     wisp_error cause = { 0 };
     if ( status == WISP_OK && wisp_groom_check( groom, &cause ) != WISP_OK )
     {
-        status = wisp_fail( error, cause.status, "%s: %s", source->path, cause.sentence );
+        status = wisp_fail( error, cause.status, "%s: %s", source->path, cause.message );
     }
     if ( status != WISP_OK )
     {
@@ -158,8 +158,8 @@ static wisp_status check_layers( const picture_source* source, const picture_sou
     {
         has_layer = has_layer || source->bodies[i].layer.spacing > 0.0f;
     }
-    const bool is_asked = def->layer == PICTURE_LAYER_NORMAL || def->layer == PICTURE_LAYER_CLASS;
-    if ( has_layer || !( is_asked || def->has_layer_normals ) )
+    const bool is_queried = def->layer == PICTURE_LAYER_NORMAL || def->layer == PICTURE_LAYER_CLASS;
+    if ( has_layer || !( is_queried || def->has_layer_normals ) )
     {
         return WISP_OK;
     }
@@ -206,25 +206,25 @@ wisp_status picture_source_find( picture_source* source, double seconds, int* fr
         return wisp_fail( error, WISP_BAD_INPUT, "%s: its frames have no times; select one with --frame",
                           source->path );
     }
-    int low = 0, high = source->frame_count;
+    int lower = 0, upper = source->frame_count;
     double before = 0.0, after = 0.0;
     wisp_status status = source->input->time( source, 0, &before, error );
-    while ( status == WISP_OK && high - low > 1 )
+    while ( status == WISP_OK && upper - lower > 1 )
     {
-        int middle = low + ( high - low ) / 2;
+        int middle = lower + ( upper - lower ) / 2;
         double at = 0.0;
         status = source->input->time( source, middle, &at, error );
-        low = at <= seconds ? middle : low;
-        high = at <= seconds ? high : middle;
-        before = low == middle ? at : before;
-        after = high == middle ? at : after;
+        lower = at <= seconds ? middle : lower;
+        upper = at <= seconds ? upper : middle;
+        before = lower == middle ? at : before;
+        after = upper == middle ? at : after;
     }
     if ( status != WISP_OK )
     {
         return status;
     }
-    bool is_nearer_to_next = high < source->frame_count && after - seconds < seconds - before;
-    *frame = is_nearer_to_next ? low + 1 : low;
+    bool is_nearer_to_next = upper < source->frame_count && after - seconds < seconds - before;
+    *frame = is_nearer_to_next ? lower + 1 : lower;
     double found = is_nearer_to_next ? after : before;
     if ( fabs( found - seconds ) > source->step )
     {

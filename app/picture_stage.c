@@ -40,13 +40,13 @@ static wisp_vec3 body_colour( scene_body_kind kind, int* cloths, int* balloons )
 // A level plane without an end is what the renderer calls the ground; a slope is drawn as the square it comes with.
 bool picture_is_floor( const picture_body* body )
 {
-    float low = INFINITY, high = -INFINITY;
+    float lower = INFINITY, upper = -INFINITY;
     for ( int v = 0; v < body->vertex_count; ++v )
     {
-        low = fminf( low, body->points[v].y );
-        high = fmaxf( high, body->points[v].y );
+        lower = fminf( lower, body->points[v].y );
+        upper = fmaxf( upper, body->points[v].y );
     }
-    return body->kind == SCENE_BODY_PLANE && high - low <= 1e-4f;
+    return body->kind == SCENE_BODY_PLANE && upper - lower <= 1e-4f;
 }
 
 // ---- the stage ----

@@ -96,7 +96,7 @@ static void survey_values( const picture_body* body, picture_survey* survey )
     {
         float value = body->values[v];
         survey->square_sum += (double)value * (double)value;
-        survey->value_most = fmaxf( survey->value_most, value );
+        survey->max_value = fmaxf( survey->max_value, value );
     }
     survey->value_count += body->values ? body->vertex_count : 0;
 }
@@ -130,8 +130,8 @@ void picture_survey_add( const picture_source* source, picture_survey* survey )
 
 static double size_of( const render_bounds* bounds )
 {
-    double x = (double)( bounds->high.x - bounds->low.x ), y = (double)( bounds->high.y - bounds->low.y );
-    double z = (double)( bounds->high.z - bounds->low.z );
+    double x = (double)( bounds->upper.x - bounds->lower.x ), y = (double)( bounds->upper.y - bounds->lower.y );
+    double z = (double)( bounds->upper.z - bounds->lower.z );
     return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
 }
 
@@ -217,9 +217,9 @@ wisp_status picture_survey_camera( const picture_survey* survey, render_camera* 
 static void find_range( const picture_survey* survey, picture_look* look )
 {
     double root = survey->value_count > 0.0 ? sqrt( survey->square_sum / survey->value_count ) : 0.0;
-    double high = fmin( (double)survey->value_most, 3.0 * root );
+    double upper = fmin( (double)survey->max_value, 3.0 * root );
     look->range[0] = 0.0f;
-    look->range[1] = high > 0.0 ? (float)high : 1.0f;
+    look->range[1] = upper > 0.0 ? (float)upper : 1.0f;
 }
 
 picture_look picture_survey_look( const picture_survey* survey )
@@ -249,7 +249,7 @@ picture_look picture_survey_look( const picture_survey* survey )
     else if ( options->ground == PICTURE_GROUND_AUTO && survey->has_mesh && bounds.is_filled )
     {
         look.has_ground = true;
-        look.ground_height = bounds.low.y - (float)( 2e-3 * size_of( &bounds ) );
+        look.ground_height = bounds.lower.y - (float)( 2e-3 * size_of( &bounds ) );
     }
     return look;
 }

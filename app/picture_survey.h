@@ -26,7 +26,7 @@ typedef struct picture_survey
     float floor_height;
     double square_sum; ///< of the values
     double value_count;
-    float value_most;
+    float max_value;
 } picture_survey;
 
 /// @param source the first frame is loaded

@@ -32,11 +32,11 @@ static void print_node( FILE* out, const plan_sheet* sheet, int pass )
     fputs( " [label=\"", out );
     print_escaped( out, p->name );
     fprintf( out, "\\nwave %d%s%s%s, %d x %s in %d blocks\\npredicted %.1f %%", p->wave, p->is_fused ? ", fused" : "",
-             p->joined != NULL ? ", in " : "", p->joined != NULL ? p->joined : "", p->items, p->domain, p->blocks,
-             100.0 * p->share );
+             p->fusion != NULL ? ", in " : "", p->fusion != NULL ? p->fusion : "", p->items, p->domain, p->blocks,
+             100.0 * p->fraction );
     if ( sheet->pass_seconds > 0.0 )
     {
-        fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_share( sheet, pass ) );
+        fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_fraction( sheet, pass ) );
     }
     fputs( "\", tooltip=", out );
     print_quoted( out, p->because );
@@ -47,7 +47,7 @@ static void print_node( FILE* out, const plan_sheet* sheet, int pass )
 static void print_stage( FILE* out, const plan_sheet* sheet, const char* loop, const char* stage, int* cluster )
 {
     bool is_open = false;
-    for ( int i = 0; i < sheet->report->kept_count; ++i )
+    for ( int i = 0; i < sheet->report->active_count; ++i )
     {
         const wisp_plan_pass* p = sheet->report->passes + i;
         if ( strcmp( p->loop, loop ) != 0 || strcmp( p->stage, stage ) != 0 )
@@ -67,9 +67,9 @@ static void print_stage( FILE* out, const plan_sheet* sheet, const char* loop, c
 // Passes stand in the order of the plan, so a loop's are neighbours.
 static void print_loops( FILE* out, const plan_sheet* sheet )
 {
-    const wisp_plan_report* report = sheet->report;
+    const wisp_plan_info* report = sheet->report;
     int cluster = 0;
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
         const char* loop = report->passes[i].loop;
         if ( i > 0 && strcmp( report->passes[i - 1].loop, loop ) == 0 )
@@ -77,7 +77,7 @@ static void print_loops( FILE* out, const plan_sheet* sheet )
             continue;
         }
         fprintf( out, "  subgraph cluster_%d {\n    label=\"%s\";\n", cluster++, loop );
-        for ( int k = i; k < report->kept_count && strcmp( report->passes[k].loop, loop ) == 0; ++k )
+        for ( int k = i; k < report->active_count && strcmp( report->passes[k].loop, loop ) == 0; ++k )
         {
             bool is_first = true;
             for ( int before = i; before < k; ++before )
@@ -106,13 +106,13 @@ static bool lists( const char* const* names, const char* name )
 }
 
 // Find the writer of what a pass reads: the last one before it, else the last of all. @return -1: the scene supplies it
-static int writer_of( const wisp_plan_report* report, int reader, const char* component )
+static int writer_of( const wisp_plan_info* report, int reader, const char* component )
 {
-    for ( int step = 1; step < report->kept_count; ++step )
+    for ( int step = 1; step < report->active_count; ++step )
     {
-        const int at = ( reader - step + report->kept_count ) % report->kept_count;
+        const int at = ( reader - step + report->active_count ) % report->active_count;
         const wisp_plan_pass* p = report->passes + at;
-        if ( lists( p->writes, component ) || lists( p->across, component ) )
+        if ( lists( p->writes, component ) || lists( p->foreign, component ) )
         {
             return at;
         }
@@ -121,7 +121,7 @@ static int writer_of( const wisp_plan_report* report, int reader, const char* co
 }
 
 // One edge for all components that lead from one pass to another.
-static void print_edge( FILE* out, const wisp_plan_report* report, int writer, int reader )
+static void print_edge( FILE* out, const wisp_plan_info* report, int writer, int reader )
 {
     const wisp_plan_pass* to = report->passes + reader;
     const char* separator = "";
@@ -149,12 +149,12 @@ static void print_edge( FILE* out, const wisp_plan_report* report, int writer, i
     }
 }
 
-static void print_absent( FILE* out, const wisp_plan_report* report )
+static void print_absent( FILE* out, const wisp_plan_info* report )
 {
     for ( int i = 0; i < report->module_count; ++i )
     {
         const wisp_plan_module* m = report->modules + i;
-        if ( m->kept_count == 0 )
+        if ( m->active_count == 0 )
         {
             fprintf( out, "  absent_%d [shape=note, style=dashed, label=\"", i );
             print_escaped( out, m->name );
@@ -168,7 +168,7 @@ static void print_absent( FILE* out, const wisp_plan_report* report )
 void plan_sheet_dot( const plan_sheet* sheet, FILE* out )
 {
     char title[256];
-    wisp_plan_report_text( sheet->report, title, sizeof( title ) );
+    wisp_plan_info_text( sheet->report, title, sizeof( title ) );
     fputs( "digraph wisp_plan {\n  graph [labelloc=t, fontname=\"sans-serif\", label=\"", out );
     print_escaped( out, sheet->scene );
     fputs( "\\n", out );
@@ -176,9 +176,9 @@ void plan_sheet_dot( const plan_sheet* sheet, FILE* out )
     fputs( "\"];\n  node [shape=box, fontname=\"sans-serif\"];\n  edge [fontname=\"sans-serif\", fontsize=10];\n",
            out );
     print_loops( out, sheet );
-    for ( int reader = 0; reader < sheet->report->kept_count; ++reader )
+    for ( int reader = 0; reader < sheet->report->active_count; ++reader )
     {
-        for ( int writer = 0; writer < sheet->report->kept_count; ++writer )
+        for ( int writer = 0; writer < sheet->report->active_count; ++writer )
         {
             print_edge( out, sheet->report, writer, reader );
         }

@@ -37,10 +37,10 @@ static json_t* reasons( const wisp_plan_pass* p )
 
 static json_t* place( const wisp_plan_pass* p )
 {
-    return p->state != WISP_PLAN_KEPT
+    return p->state != WISP_PLAN_ACTIVE
                ? json_null()
                : json_pack( "{s:s, s:i, s:i, s:b, s:o, s:i, s:i, s:i, s:i, s:I}", "loop", p->loop, "wave", p->wave,
-                            "node", p->node, "fused", p->is_fused, "fusion", text( p->joined ), "entities",
+                            "node", p->node, "fused", p->is_fused, "fusion", text( p->fusion ), "entities",
                             p->entities, "items", p->items, "blocks", p->blocks, "runs", p->runs, "bytes",
                             (json_int_t)p->bytes );
 }
@@ -49,26 +49,26 @@ static json_t* pass_object( const plan_sheet* sheet, int i )
 {
     static const char* const STATES[] = { "missing", "split", "excluded", "unrequested", "active" };
     const wisp_plan_pass* p = sheet->report->passes + i;
-    const double share = plan_sheet_share( sheet, i );
+    const double fraction = plan_sheet_fraction( sheet, i );
     return json_pack( "{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:s, s:o, s:o, s:o}", "name",
                       p->name, "module", p->module, "state", STATES[p->state], "stage", p->stage, "domain", p->domain,
-                      "place", place( p ), "requires", list( p->needs ), "excludes", list( p->lacks ), "reads",
-                      list( p->reads ), "writes", list( p->writes ), "foreign", list( p->across ), "missing",
+                      "place", place( p ), "requires", list( p->required ), "excludes", list( p->excluded ), "reads",
+                      list( p->reads ), "writes", list( p->writes ), "foreign", list( p->foreign ), "missing",
                       list( p->missing ), "reasons", reasons( p ), "because", p->because, "predicted_fraction",
-                      number( p->share ), "measured_fraction", number( share ), "measured_ms_per_step",
-                      number( isfinite( share ) ? 1e3 * sheet->seconds[i] / sheet->steps : (double)NAN ) );
+                      number( p->fraction ), "measured_fraction", number( fraction ), "measured_ms_per_step",
+                      number( isfinite( fraction ) ? 1e3 * sheet->seconds[i] / sheet->steps : (double)NAN ) );
 }
 
-static json_t* modules( const wisp_plan_report* report )
+static json_t* modules( const wisp_plan_info* report )
 {
     json_t* array = json_array();
     for ( int i = 0; i < report->module_count; ++i )
     {
         const wisp_plan_module* m = report->modules + i;
         json_array_append_new( array, json_pack( "{s:s, s:b, s:i, s:i, s:o, s:o}", "name", m->name, "present",
-                                                 m->kept_count > 0, "passes", m->pass_count, "active", m->kept_count,
-                                                 "missing", text( m->missing ), "because",
-                                                 text( m->kept_count > 0 ? NULL : m->because ) ) );
+                                                 m->active_count > 0, "passes", m->pass_count, "active",
+                                                 m->active_count, "missing", text( m->missing ), "because",
+                                                 text( m->active_count > 0 ? NULL : m->because ) ) );
     }
     return array;
 }
@@ -79,13 +79,13 @@ static json_t* measured( const plan_sheet* sheet )
     return sheet->steps == 0
                ? json_null()
                : json_pack( "{s:i, s:i, s:o, s:o, s:i}", "steps", sheet->steps, "workers", 1, "ms_per_step",
-                            number( 1e3 * sheet->step_seconds / steps ), "ms_per_step_in_passes",
+                            number( 1e3 * sheet->dt / steps ), "ms_per_step_in_passes",
                             number( 1e3 * sheet->pass_seconds / steps ), "plan_changes", sheet->plan_changes );
 }
 
 bool plan_sheet_json( const plan_sheet* sheet, FILE* out )
 {
-    const wisp_plan_report* report = sheet->report;
+    const wisp_plan_info* report = sheet->report;
     char hash[24];
     snprintf( hash, sizeof( hash ), "%016llx", (unsigned long long)report->hash );
     json_t* passes = json_array();
@@ -95,7 +95,7 @@ bool plan_sheet_json( const plan_sheet* sheet, FILE* out )
     }
     json_t* root =
         json_pack( "{s:i, s:s, s:s, s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o}", "wisp_plan", 2, "scene", sheet->scene,
-                   "hash", hash, "active", report->kept_count, "nodes", report->node_count, "waves",
+                   "hash", hash, "active", report->active_count, "nodes", report->node_count, "waves",
                    report->wave_count, "substeps", report->substeps, "iterations", report->iterations, "passes",
                    passes, "modules", modules( report ), "measured", measured( sheet ) );
     char* written = root != NULL ? json_dumps( root, JSON_INDENT( 2 ) ) : NULL;

@@ -6,11 +6,11 @@
 
 static void add_times( plan_sheet* sheet, wisp_profile profile )
 {
-    sheet->step_seconds += profile.seconds;
+    sheet->dt += profile.seconds;
     for ( int i = 0; i < profile.count; ++i )
     {
         sheet->pass_seconds += profile.lines[i].seconds;
-        for ( int k = 0; k < sheet->report->kept_count; ++k )
+        for ( int k = 0; k < sheet->report->active_count; ++k )
         {
             const bool is_it = strcmp( sheet->report->passes[k].name, profile.lines[i].pass ) == 0;
             sheet->seconds[k] += is_it ? profile.lines[i].seconds : 0.0;
@@ -47,13 +47,14 @@ wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, w
 
 void plan_sheet_release( plan_sheet* sheet )
 {
-    wisp_plan_report_release( sheet->report );
+    wisp_plan_info_release( sheet->report );
     free( sheet->seconds );
     *sheet = ( plan_sheet ){ 0 };
 }
 
-double plan_sheet_share( const plan_sheet* sheet, int pass )
+double plan_sheet_fraction( const plan_sheet* sheet, int pass )
 {
-    return pass < sheet->report->kept_count && sheet->pass_seconds > 0.0 ? sheet->seconds[pass] / sheet->pass_seconds
-                                                                         : (double)NAN;
+    return pass < sheet->report->active_count && sheet->pass_seconds > 0.0
+               ? sheet->seconds[pass] / sheet->pass_seconds
+               : (double)NAN;
 }

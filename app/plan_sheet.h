@@ -9,13 +9,13 @@
 
 typedef struct plan_sheet
 {
-    const char* scene;        ///< its file
-    wisp_plan_report* report; ///< of the start
-    int steps;                ///< that were made; 0: nothing is measured
-    int plan_changes;         ///< how often the plan became another one within these steps
-    double* seconds;          ///< [report->pass_count] of all steps together
-    double pass_seconds;      ///< of all passes, also those that came later
-    double step_seconds;      ///< of whole steps
+    const char* scene;      ///< its file
+    wisp_plan_info* report; ///< of the start
+    int steps;              ///< that were made; 0: nothing is measured
+    int plan_changes;       ///< how often the plan became another one within these steps
+    double* seconds;        ///< [report->pass_count] of all steps together
+    double pass_seconds;    ///< of all passes, also those that came later
+    double dt;              ///< of whole steps
 } plan_sheet;
 
 /// Explain the plan, then make steps. @param sheet to be released, also after a failure, before the world
@@ -23,7 +23,7 @@ wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, w
 void plan_sheet_release( plan_sheet* sheet );
 
 /// Share of a pass in the time that all passes took, in [0, 1]; NaN if nothing was measured.
-double plan_sheet_share( const plan_sheet* sheet, int pass );
+double plan_sheet_fraction( const plan_sheet* sheet, int pass );
 
 /// @param is_verbose also what each pass reads, writes and costs, and every absent pass
 void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out );

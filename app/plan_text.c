@@ -19,7 +19,7 @@ static bool is_reader( const wisp_plan_pass* p, const char* name )
 }
 
 // Why a pass is active, in a few words: a request of the scene, or the next reader in plan order and how many others.
-static void short_reason( const wisp_plan_report* report, int pass, char* out, size_t size )
+static void short_reason( const wisp_plan_info* report, int pass, char* out, size_t size )
 {
     const wisp_plan_pass* p = report->passes + pass;
     int readers = 0;
@@ -32,9 +32,9 @@ static void short_reason( const wisp_plan_report* report, int pass, char* out, s
             return;
         }
     }
-    for ( int step = report->kept_count - 1; step > 0; --step )
+    for ( int step = report->active_count - 1; step > 0; --step )
     {
-        const char* name = report->passes[( pass + step ) % report->kept_count].name;
+        const char* name = report->passes[( pass + step ) % report->active_count].name;
         const bool reads = is_reader( p, name );
         readers += reads ? 1 : 0;
         next = reads ? name : next;
@@ -43,10 +43,10 @@ static void short_reason( const wisp_plan_report* report, int pass, char* out, s
     snprintf( out, size, others > 0 ? "read by %s, %d more" : "read by %s", next, others );
 }
 
-static int name_width( const wisp_plan_report* report )
+static int name_width( const wisp_plan_info* report )
 {
     int width = 4;
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
         const int length = (int)strlen( report->passes[i].name );
         width = length > width ? length : width;
@@ -56,24 +56,24 @@ static int name_width( const wisp_plan_report* report )
 
 static void print_short( FILE* out, const plan_sheet* sheet )
 {
-    const wisp_plan_report* report = sheet->report;
+    const wisp_plan_info* report = sheet->report;
     const int width = name_width( report );
-    if ( report->kept_count == 0 )
+    if ( report->active_count == 0 )
     {
         fputs( "no active pass: the scene requests nothing\n", out );
         return;
     }
     fprintf( out, "%-8s %-*s  entities  traffic%%  time%%  why\n", "stage", width, "pass" );
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
         const wisp_plan_pass* p = report->passes + i;
         char reason[160], time[16] = "-";
         short_reason( report, i, reason, sizeof( reason ) );
         if ( sheet->pass_seconds > 0.0 )
         {
-            snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_share( sheet, i ) );
+            snprintf( time, sizeof( time ), "%.1f", 100.0 * plan_sheet_fraction( sheet, i ) );
         }
-        fprintf( out, "%-8s %-*s  %8d  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->share,
+        fprintf( out, "%-8s %-*s  %8d  %8.1f  %5s  %s\n", p->stage, width, p->name, p->entities, 100.0 * p->fraction,
                  time, reason );
     }
 }
@@ -91,11 +91,11 @@ static void print_list( FILE* out, const char* word, const char* const* names )
 static void print_uses( FILE* out, const wisp_plan_pass* p )
 {
     fprintf( out, "      stage %s", p->stage );
-    print_list( out, "; requires ", p->needs );
-    print_list( out, "; excludes ", p->lacks );
+    print_list( out, "; requires ", p->required );
+    print_list( out, "; excludes ", p->excluded );
     print_list( out, "; reads ", p->reads );
     print_list( out, "; writes ", p->writes );
-    print_list( out, "; of other entities ", p->across );
+    print_list( out, "; of other entities ", p->foreign );
     fputc( '\n', out );
 }
 
@@ -104,10 +104,10 @@ static void print_cost( FILE* out, const plan_sheet* sheet, int pass )
     const wisp_plan_pass* p = sheet->report->passes + pass;
     fprintf( out, "      %d run%s per step; %d entit%s, %d items (%s) in %d block%s; predicted %.1f %%", p->runs,
              p->runs == 1 ? "" : "s", p->entities, p->entities == 1 ? "y" : "ies", p->items, p->domain, p->blocks,
-             p->blocks == 1 ? "" : "s", 100.0 * p->share );
+             p->blocks == 1 ? "" : "s", 100.0 * p->fraction );
     if ( sheet->pass_seconds > 0.0 )
     {
-        fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_share( sheet, pass ) );
+        fprintf( out, ", measured %.1f %%", 100.0 * plan_sheet_fraction( sheet, pass ) );
     }
     fputc( '\n', out );
 }
@@ -119,7 +119,7 @@ static void print_verbose( FILE* out, const plan_sheet* sheet )
     {
         wisp_plan_pass_text( sheet->report->passes + i, line, sizeof( line ) );
         fprintf( out, "%s\n", line );
-        if ( sheet->report->passes[i].state == WISP_PLAN_KEPT )
+        if ( sheet->report->passes[i].state == WISP_PLAN_ACTIVE )
         {
             print_uses( out, sheet->report->passes + i );
             print_cost( out, sheet, i );
@@ -129,19 +129,19 @@ static void print_verbose( FILE* out, const plan_sheet* sheet )
 
 // ---- both forms ----
 
-static void print_modules( FILE* out, const wisp_plan_report* report, bool is_verbose )
+static void print_modules( FILE* out, const wisp_plan_info* report, bool is_verbose )
 {
     fputs( is_verbose ? "\nmodules\n" : "\nabsent modules\n", out );
     for ( int i = 0; i < report->module_count; ++i )
     {
         const wisp_plan_module* m = report->modules + i;
-        if ( m->kept_count == 0 )
+        if ( m->active_count == 0 )
         {
             fprintf( out, "  %-15s %s%s\n", m->name, is_verbose ? "absent: " : "", m->because );
         }
         else if ( is_verbose )
         {
-            fprintf( out, "  %-15s %d of %d passes\n", m->name, m->kept_count, m->pass_count );
+            fprintf( out, "  %-15s %d of %d passes\n", m->name, m->active_count, m->pass_count );
         }
     }
 }
@@ -154,9 +154,9 @@ static void print_steps( FILE* out, const plan_sheet* sheet )
         fputs( "nothing was measured: --steps 0\n", out );
         return;
     }
-    const double outside = sheet->step_seconds - sheet->pass_seconds;
+    const double outside = sheet->dt - sheet->pass_seconds;
     fprintf( out, "measured on one worker: %d steps of %.4f ms, %.4f ms of each outside of passes\n", sheet->steps,
-             1e3 * sheet->step_seconds / sheet->steps, 1e3 * outside / sheet->steps );
+             1e3 * sheet->dt / sheet->steps, 1e3 * outside / sheet->steps );
     if ( sheet->plan_changes > 0 )
     {
         fprintf( out, "the plan changed %d time%s within these steps; shown is the plan of the start\n",
@@ -167,7 +167,7 @@ static void print_steps( FILE* out, const plan_sheet* sheet )
 void plan_sheet_text( const plan_sheet* sheet, bool is_verbose, FILE* out )
 {
     char line[512];
-    wisp_plan_report_text( sheet->report, line, sizeof( line ) );
+    wisp_plan_info_text( sheet->report, line, sizeof( line ) );
     fprintf( out, "%s\n\n", line );
     if ( is_verbose )
     {

@@ -22,7 +22,7 @@ progress progress_begin( void )
     };
 }
 
-void progress_show( progress* bar, double share, const char* what )
+void progress_show( progress* bar, double fraction, const char* what )
 {
     double now = wisp_clock_seconds();
     if ( !bar->is_shown || ( bar->last >= 0.0 && now - bar->last < SECONDS_BETWEEN ) )
@@ -31,7 +31,7 @@ void progress_show( progress* bar, double share, const char* what )
     }
     bar->last = now;
 
-    double clamped = share < 0.0 ? 0.0 : share > 1.0 ? 1.0 : share;
+    double clamped = fraction < 0.0 ? 0.0 : fraction > 1.0 ? 1.0 : fraction;
     int filled = (int)( clamped * BAR_WIDTH );
     char cells[BAR_WIDTH + 1];
     memset( cells, '#', (size_t)filled );

@@ -15,7 +15,7 @@ progress progress_begin( void );
 
 /// Draw at most ten times a second.
 /// @param share done, in [0, 1] @param what one short phrase
-void progress_show( progress* bar, double share, const char* what );
+void progress_show( progress* bar, double fraction, const char* what );
 
 /// Wipe the bar out, so that whatever is printed next starts on a clean line.
 void progress_end( progress* bar );

@@ -12,13 +12,13 @@ enum
     NUMBER_ROOM = 32,
 };
 
-/// What one step left behind, over all layers and all guests.
+/// What one step left behind, over all layers and all participants.
 typedef struct sample
 {
     int step; ///< counted from 1
     int64_t points, edge_points, elements, changed;
     bool has_contact;
-    wisp_contact_figures contact;
+    wisp_contact_stats contact;
 } sample;
 
 struct run_layers
@@ -36,9 +36,9 @@ struct run_layers
 
     // Over all steps.
     int64_t elements, changed;
-    int most_contacts;
-    float least_gap;
-    int64_t guarded;
+    int max_contacts;
+    float min_gap;
+    int64_t limited;
 
     wisp_vec3 *points, *normals; ///< of the largest surface that is written; null unless files are
     char* path;                  ///< room for the longest name
@@ -74,9 +74,9 @@ static wisp_status prepare_files( run_layers* l, wisp_error* error )
         const int body = scene->strands_count + i;
         const int count = scene->surfaces[i].has_boundary ? scene_world_body( l->world, body ).vertex_count : 0;
         most = count > most ? count : most;
-        status = count > 0 ? scene_world_want( l->world, body, SCENE_WISH_POINTS, error ) : WISP_OK;
-        status =
-            status == WISP_OK && count > 0 ? scene_world_want( l->world, body, SCENE_WISH_NORMALS, error ) : status;
+        status = count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_POINTS, error ) : WISP_OK;
+        status = status == WISP_OK && count > 0 ? scene_world_request( l->world, body, SCENE_REQUEST_NORMALS, error )
+                                                : status;
     }
     if ( status != WISP_OK )
     {
@@ -112,7 +112,7 @@ wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int 
 {
     const wisp_scene* scene = world->scene;
     const int layer_count = count_layers( scene );
-    const bool has_contact = scene->want_contact_figures || scene->want_crossings;
+    const bool has_contact = scene->request_contact_stats || scene->request_intersections;
     *out = NULL;
     if ( layer_count == 0 && !has_contact && !def->file )
     {
@@ -128,7 +128,7 @@ wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int 
     l->every = def->every;
     l->layer_count = layer_count;
     l->has_contact = has_contact;
-    l->least_gap = INFINITY;
+    l->min_gap = INFINITY;
     wisp_status status = prepare( l, steps, error );
     if ( status != WISP_OK )
     {
@@ -185,7 +185,7 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
         .normals = l->normals,
         .edges = view.edges,
         .edge_count = view.edge_count,
-        .points = view.samples->quads,
+        .points = view.samples->xyzw,
         .point_normals = view.samples->normals,
         .point_count = view.samples->count,
     };
@@ -199,8 +199,8 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
 
 static wisp_status add_layer( run_layers* l, int surface, sample* s, wisp_error* error )
 {
-    wisp_boundary_figures f;
-    wisp_status status = wisp_read_boundary_figures( l->world->world, l->world->surfaces[surface].entity, &f );
+    wisp_boundary_stats f;
+    wisp_status status = wisp_read_boundary_stats( l->world->world, l->world->surfaces[surface].entity, &f );
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s: '%s': %s", l->world->scene->name,
@@ -216,12 +216,12 @@ static wisp_status add_layer( run_layers* l, int surface, sample* s, wisp_error*
 static void add_contact( run_layers* l, sample* s )
 {
     // Without participants there are no statistics. The summary says so.
-    s->has_contact = l->has_contact && wisp_read_contact_figures( l->world->world, &s->contact ) == WISP_OK;
+    s->has_contact = l->has_contact && wisp_read_contact_stats( l->world->world, &s->contact ) == WISP_OK;
     if ( s->has_contact )
     {
-        l->most_contacts = s->contact.contacts > l->most_contacts ? s->contact.contacts : l->most_contacts;
-        l->least_gap = fminf( l->least_gap, s->contact.least_gap );
-        l->guarded += s->contact.guarded;
+        l->max_contacts = s->contact.contacts > l->max_contacts ? s->contact.contacts : l->max_contacts;
+        l->min_gap = fminf( l->min_gap, s->contact.min_gap );
+        l->limited += s->contact.limited;
     }
 }
 
@@ -256,7 +256,7 @@ wisp_status run_layers_step( run_layers* l, wisp_error* error )
 
 // ---- the summary ----
 
-static double share_of( int64_t part, int64_t whole )
+static double fraction_of( int64_t part, int64_t whole )
 {
     return whole > 0 ? (double)part / (double)whole : 0.0;
 }
@@ -267,21 +267,21 @@ static void put_sample( const run_layers* l, const sample* s, results_values* va
     {
         results_put( values, "boundary_points", (double)s->points );
         results_put( values, "boundary_edge_points", (double)s->edge_points );
-        results_put( values, "boundary_changed_fraction", share_of( s->changed, s->elements ) );
+        results_put( values, "boundary_changed_fraction", fraction_of( s->changed, s->elements ) );
     }
     if ( s->has_contact )
     {
         results_put( values, "contacts", s->contact.contacts );
-        results_put( values, "contact_limited", s->contact.guarded );
+        results_put( values, "contact_limited", s->contact.limited );
         results_put( values, "contact_impulse", s->contact.impulse );
         // Without a near pair there is no gap, and intersections are counted on request only.
-        if ( isfinite( s->contact.least_gap ) )
+        if ( isfinite( s->contact.min_gap ) )
         {
-            results_put( values, "contact_min_gap", (double)s->contact.least_gap );
+            results_put( values, "contact_min_gap", (double)s->contact.min_gap );
         }
-        if ( s->contact.crossings >= 0 )
+        if ( s->contact.intersections >= 0 )
         {
-            results_put( values, "contact_intersections", s->contact.crossings );
+            results_put( values, "contact_intersections", s->contact.intersections );
         }
     }
 }
@@ -294,25 +294,25 @@ void run_layers_put( const run_layers* l, results_values* values )
     }
     if ( l && l->elements > 0 )
     {
-        results_put( values, "boundary_changed_fraction_of_run", share_of( l->changed, l->elements ) );
+        results_put( values, "boundary_changed_fraction_of_run", fraction_of( l->changed, l->elements ) );
     }
 }
 
 static void tell_layer( const run_layers* l, int surface, results* out )
 {
     const wisp_scene_surface* entry = &l->world->scene->surfaces[surface];
-    wisp_boundary_figures f;
-    if ( wisp_read_boundary_figures( l->world->world, l->world->surfaces[surface].entity, &f ) != WISP_OK )
+    wisp_boundary_stats f;
+    if ( wisp_read_boundary_stats( l->world->world, l->world->surfaces[surface].entity, &f ) != WISP_OK )
     {
         return;
     }
     results_add_note( out, "%s: %d boundary points: %d on edges, %d in triangles; resampled %.1f %% of %d elements",
                       entry->name, f.points, f.edge_points, f.inner_points,
-                      100.0 * share_of( f.changed_elements, f.elements ), f.elements );
+                      100.0 * fraction_of( f.changed_elements, f.elements ), f.elements );
     if ( f.refused )
     {
         results_add_note( out, "%s: got %.0f boundary points, expected at most %d: the previous points were kept",
-                          entry->name, f.wanted, entry->boundary.limit );
+                          entry->name, f.requested, entry->boundary.limit );
     }
     if ( f.skipped_elements > 0 )
     {
@@ -323,26 +323,26 @@ static void tell_layer( const run_layers* l, int surface, results* out )
 
 static void tell_contact( const run_layers* l, results* out )
 {
-    const wisp_contact_figures* f = &l->last.contact;
+    const wisp_contact_stats* f = &l->last.contact;
     if ( !l->last.has_contact )
     {
         results_add_note( out, "contact: no entity takes part" );
         return;
     }
     char gap[80] = "no near pair";
-    if ( isfinite( l->least_gap ) )
+    if ( isfinite( l->min_gap ) )
     {
-        snprintf( gap, sizeof gap, "min gap %.4f thicknesses", (double)l->least_gap );
+        snprintf( gap, sizeof gap, "min gap %.4f thicknesses", (double)l->min_gap );
     }
-    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld displacements limited", f->guests,
-                      l->most_contacts, gap, (long long)l->guarded );
-    char crossings[60] = "";
-    if ( f->crossings >= 0 )
+    results_add_note( out, "contact: %d entities, up to %d active pairs, %s, %lld displacements limited",
+                      f->participants, l->max_contacts, gap, (long long)l->limited );
+    char intersections[60] = "";
+    if ( f->intersections >= 0 )
     {
-        snprintf( crossings, sizeof crossings, ", %d intersections", f->crossings );
+        snprintf( intersections, sizeof intersections, ", %d intersections", f->intersections );
     }
     results_add_note(
-        out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts, crossings,
+        out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts, intersections,
         f->impulse, sqrt( f->pushed[0] * f->pushed[0] + f->pushed[1] * f->pushed[1] + f->pushed[2] * f->pushed[2] ) );
 }
 
@@ -374,7 +374,7 @@ void run_layers_report( const run_layers* l, results* out )
     if ( l->layer_count > 0 )
     {
         results_add_note( out, "boundary points, whole run: %.2f %% of the elements were resampled per step",
-                          100.0 * share_of( l->changed, l->elements ) );
+                          100.0 * fraction_of( l->changed, l->elements ) );
     }
     if ( l->has_contact )
     {

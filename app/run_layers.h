@@ -27,7 +27,7 @@ wisp_status run_layers_step( run_layers* layers, wisp_error* error );
 /// Put numbers of the whole run, and of the last step, into the row of the run. Null is allowed.
 void run_layers_put( const run_layers* layers, results_values* values );
 
-/// Add a row for each step, of a long run for 1000 of them at most, and the sentences. Null is allowed.
+/// Add a row for each step, of a long run for 1000 of them at most, and the messages. Null is allowed.
 void run_layers_report( const run_layers* layers, results* out );
 
 /// Null is allowed.

@@ -85,13 +85,13 @@ static wisp_status list_bodies( run_recorder* r, wisp_error* error )
     return make_points( r, &r->points ) ? WISP_OK : no_memory( r, error );
 }
 
-static wisp_status want_points( run_recorder* r, wisp_error* error )
+static wisp_status request_points( run_recorder* r, wisp_error* error )
 {
     int moving = scene_world_moving_count( r->world );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < moving && status == WISP_OK; ++i )
     {
-        status = scene_world_want( r->world, i, SCENE_WISH_POINTS, error );
+        status = scene_world_request( r->world, i, SCENE_REQUEST_POINTS, error );
     }
     return status;
 }
@@ -103,7 +103,7 @@ static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, 
     const wisp_recorder_def recorder = {
         .bodies = r->list,
         .body_count = r->count,
-        .step_seconds = def->every * (double)r->world->scene->step_seconds,
+        .dt = def->every * (double)r->world->scene->dt,
     };
     return wisp_recorder_open( def->record, WISP_RECORD_BY_NAME, &recorder, &r->recorder, error );
 }
@@ -209,7 +209,7 @@ static wisp_status check_proof( run_recorder* r, wisp_error* error )
                 r->proof_name, i, r->list[i].name, scene->name );
         }
     }
-    double steps = info.step_seconds / (double)scene->step_seconds;
+    double steps = info.dt / (double)scene->dt;
     r->proof_every = steps >= 1.0 && steps <= 1e9 ? (int)lround( steps ) : 0;
     r->proof_frames = info.frame_count;
     // The recorder multiplied by the number of steps, which is exact enough to be compared with a small tolerance.
@@ -217,7 +217,7 @@ static wisp_status check_proof( run_recorder* r, wisp_error* error )
                ? WISP_OK
                : wisp_fail( error, WISP_BAD_INPUT,
                             "%s: got frames %g s apart, expected a multiple of the step of %g s", r->proof_name,
-                            info.step_seconds, (double)scene->step_seconds );
+                            info.dt, (double)scene->dt );
 }
 
 static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wisp_error* error )
@@ -277,7 +277,7 @@ static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_
     wisp_status status = list_bodies( r, error );
     if ( status == WISP_OK )
     {
-        status = want_points( r, error );
+        status = request_points( r, error );
     }
     // What only reads comes first, so that a refusal leaves no file behind.
     if ( status == WISP_OK && def->verify )

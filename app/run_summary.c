@@ -48,9 +48,9 @@ static void add_times( results* out, int table, const scene_world* world, const 
         return;
     }
     const double wall = 1e-3 * sum( record->ms, record->steps );
-    const double simulated = record->steps * (double)world->scene->step_seconds;
+    const double simulated = record->steps * (double)world->scene->dt;
     add_head_line( out, table, "steps", "%d of %.4g ms: %.4g s simulated in %.3g s", record->steps,
-                   1e3 * (double)world->scene->step_seconds, simulated, wall );
+                   1e3 * (double)world->scene->dt, simulated, wall );
     add_head_line( out, table, "ms per step", "median %.4f, p10 %.4f, p90 %.4f, max %.4f", times.median, times.p10,
                    times.p90, record->ms[record->steps - 1] );
     const int workers = wisp_world_workers( world->world );
@@ -164,13 +164,13 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_COARSE_GRIDS] = "search grids with widened cells, because the scene is sparse",
         [WISP_COUNT_SEARCHES] = "neighbour searches",
         [WISP_COUNT_HALTED] = "entities put back to their last finite state and stopped",
-        [WISP_COUNT_LAID] = "strands put back to their rest lengths, too far off to be solved",
-        [WISP_COUNT_UNSOLVED] = "solves that reached the iteration limit before the tolerance",
+        [WISP_COUNT_STRAND_RESET] = "strands put back to their rest lengths, too far off to be solved",
+        [WISP_COUNT_NOT_CONVERGED] = "solves that reached the iteration limit before the tolerance",
         [WISP_COUNT_INDEFINITE] = "solves that met negative curvature and stopped there",
-        [WISP_COUNT_UNDIRECTED] = "links between coincident vertices: no direction, no force",
-        [WISP_COUNT_LOWERED] = "substeps with links too stiff for floats: stiffness was lowered",
+        [WISP_COUNT_DEGENERATE_LINK] = "links between coincident vertices: no direction, no force",
+        [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
         [WISP_COUNT_FIRST_ORDER] = "substeps too long for BDF2: implicit Euler was used",
-        [WISP_COUNT_LIGHTENED] = "strands with reduced gravity: substeps too long for their curls",
+        [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )
@@ -201,9 +201,9 @@ static void add_solver_notes( results* out, const scene_world* world )
     for ( int i = 0; i < world->scene->surface_count; ++i )
     {
         const wisp_scene_surface* entry = &world->scene->surfaces[i];
-        wisp_implicit_cloth_figures f;
-        if ( entry->has_implicit && entry->want_figures &&
-             wisp_read_implicit_cloth_figures( world->world, world->surfaces[i].entity, &f ) == WISP_OK )
+        wisp_implicit_cloth_stats f;
+        if ( entry->has_implicit && entry->request_stats &&
+             wisp_read_implicit_cloth_stats( world->world, world->surfaces[i].entity, &f ) == WISP_OK )
         {
             results_add_note( out, "%s, last substep: %d iterations, residual %.1e", entry->name, f.iterations,
                               (double)f.residual );

@@ -99,7 +99,7 @@ double tune_field_value( const wisp_scene* scene, int which, int entry )
         case FIELD_TOLERANCE:
             return (double)scene->surfaces[entry].implicit.tolerance;
         case FIELD_REPEATS:
-            return scene->surfaces[entry].implicit.newton_repeats;
+            return scene->surfaces[entry].implicit.newton_iterations;
         default:
             return scene->strands[entry].dynamics.stretch_passes;
     }
@@ -136,7 +136,7 @@ void tune_field_set( wisp_scene* scene, int which, int entry, double value, int 
             scene->surfaces[entry].implicit.tolerance = (float)value;
             break;
         case FIELD_REPEATS:
-            scene->surfaces[entry].implicit.newton_repeats = (int)value;
+            scene->surfaces[entry].implicit.newton_iterations = (int)value;
             break;
         default:
             scene->strands[entry].dynamics.stretch_passes = (int)value;

@@ -19,8 +19,8 @@ typedef enum tune_place
 /// Coarse levels that a fabric gets which has none.
 #define TUNE_LEVELS 3
 
-/// One row a knob. Values go from rough to fine; the scene's own joins them. Short cuts that help a rough setting, and
-/// that a fine one does without, have no order: the last value, 0, is without them and the truth's.
+/// One row a parameter. Values go from rough to fine; the scene's own joins them. Short cuts that help a rough setting, and
+/// that a fine one does without, have no order: the last value, 0, is without them and the reference's.
 typedef struct tune_field
 {
     const char* name;

@@ -1,8 +1,8 @@
-/// What tuning has found, as results: a row and a line a setting, the truth, the verdict.
+/// What tuning has found, as results: a row and a line a setting, the reference, the verdict.
 #pragma once
 
 #include "results.h"
 #include "tune_scene.h"
 
 /// @param found its visits are sorted by time
-void tune_report( results* out, const tune_scene_def* def, const tune_scene_facts* facts, wisp_tune_result* found );
+void tune_report( results* out, const tune_scene_def* def, const tune_scene_info* info, wisp_tune_result* found );

@@ -15,7 +15,7 @@
 typedef struct host
 {
     const tune_scene_def* def;
-    tune_scene_facts* facts;
+    tune_scene_info* info;
     scene_world_options options;
     scene_world world;
     wisp_tune_points* points; // [points of the scene]
@@ -43,33 +43,34 @@ static int list_points( host* h )
     return count;
 }
 
-static void take_facts( host* h )
+static void take_info( host* h )
 {
-    tune_scene_facts* facts = h->facts;
+    tune_scene_info* info = h->info;
     const wisp_scene* scene = h->def->scene;
-    facts->points = 0;
+    info->points = 0;
     for ( int i = 0; i < scene_world_moving_count( &h->world ); ++i )
     {
         if ( i >= scene->strands_count || scene->strands[i].has_dynamics )
         {
-            facts->points += scene_world_body( &h->world, i ).vertex_count;
+            info->points += scene_world_body( &h->world, i ).vertex_count;
         }
     }
-    facts->workers = wisp_world_workers( h->world.world );
-    snprintf( facts->isa, sizeof facts->isa, "%s", wisp_world_isa( h->world.world ) );
+    info->workers = wisp_world_workers( h->world.world );
+    snprintf( info->isa, sizeof info->isa, "%s", wisp_world_isa( h->world.world ) );
 }
 
-static wisp_status build( void* user, const int* choice, int substep_factor, wisp_tune_world* out, wisp_error* error )
+static wisp_status build( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
+                          wisp_error* error )
 {
     host* h = user;
     wisp_scene* scene = h->def->scene;
-    tune_knobs_set( h->def->knobs, choice, scene );
+    tune_parameters_set( h->def->parameters, configuration, scene );
     scene->substeps *= substep_factor;
     wisp_status status = scene_world_create( scene, &h->options, &h->world, error );
     if ( status == WISP_OK )
     {
         h->options.is_quiet = true; // the reference run has printed the warnings
-        take_facts( h );
+        take_info( h );
         *out = ( wisp_tune_world ){ .world = h->world.world, .points = h->points, .point_count = list_points( h ) };
     }
     return status;
@@ -98,19 +99,21 @@ static bool show( void* user, int run_count, int max_runs )
 
 static int steps_of( const tune_scene_def* def )
 {
-    const double step_seconds = (double)def->scene->step_seconds;
-    const double whole = def->scene->steps * step_seconds;
-    const double wanted = def->seconds > 0.0 ? def->seconds : whole > 0.0 ? fmin( whole, SECONDS_MAX ) : SECONDS_MAX;
-    const double steps = round( wanted / step_seconds );
+    const double dt = (double)def->scene->dt;
+    const double whole = def->scene->steps * dt;
+    const double requested = def->seconds > 0.0 ? def->seconds
+                             : whole > 0.0      ? fmin( whole, SECONDS_MAX )
+                                                : SECONDS_MAX;
+    const double steps = round( requested / dt );
     return steps < 1.0 ? 1 : steps > STEPS_MAX ? STEPS_MAX : (int)steps;
 }
 
 static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
 {
     const tune_scene_def* def = h->def;
-    wisp_tune_job job = wisp_default_tune_job();
-    job.knobs = def->knobs->knobs;
-    job.knob_count = def->knobs->count;
+    wisp_tune_def job = wisp_default_tune_def();
+    job.parameters = def->parameters->parameters;
+    job.parameter_count = def->parameters->count;
     job.error = def->error;
     job.budget_ms = def->budget_ms;
     job.max_runs = RUNS_MAX;
@@ -122,22 +125,22 @@ static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
     worlds.step = step;
     worlds.let_go = let_go;
     worlds.user = h;
-    worlds.step_seconds = def->scene->step_seconds;
-    worlds.step_count = h->facts->steps;
-    worlds.look_count = h->facts->steps < LOOKS ? h->facts->steps : LOOKS;
-    worlds.truth_factor = TUNE_TRUTH_FACTOR;
+    worlds.dt = def->scene->dt;
+    worlds.step_count = h->info->steps;
+    worlds.sample_count = h->info->steps < LOOKS ? h->info->steps : LOOKS;
+    worlds.reference_factor = TUNE_REFERENCE_FACTOR;
     h->bar = progress_begin();
     wisp_status status = wisp_tune_worlds( &job, &worlds, out, error );
     progress_end( &h->bar );
     return status;
 }
 
-wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_facts* facts,
+wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_info* info,
                                wisp_error* error )
 {
     *out = ( wisp_tune_result ){ 0 };
-    *facts = ( tune_scene_facts ){ .steps = steps_of( def ) };
-    host h = { .def = def, .facts = facts, .options = def->world };
+    *info = ( tune_scene_info ){ .steps = steps_of( def ) };
+    host h = { .def = def, .info = info, .options = def->world };
     const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;
     h.points = malloc( room * sizeof *h.points + 1 );
     wisp_status status =

@@ -1,16 +1,16 @@
 /// Tuning a scene: its worlds for wisp_tune_worlds().
 #pragma once
 
-#include "tune_knobs.h"
+#include "tune_parameters.h"
 #include "world_from_scene.h"
 
-/// Substeps of the truth, times those of the finest setting.
-#define TUNE_TRUTH_FACTOR 16
+/// Substeps of the reference, times those of the finest setting.
+#define TUNE_REFERENCE_FACTOR 16
 
 typedef struct tune_scene_def
 {
     wisp_scene* scene; ///< its fields change from run to run
-    const tune_knobs* knobs;
+    const tune_parameters* parameters;
     scene_world_options world;
     double error, budget_ms; ///< m, ms; one of them
     double seconds;          ///< of simulated time; 0: the scene, or 2 s if that is shorter
@@ -18,14 +18,14 @@ typedef struct tune_scene_def
 } tune_scene_def;
 
 /// What was measured, and on what.
-typedef struct tune_scene_facts
+typedef struct tune_scene_info
 {
     int steps;    ///< of each run
     int points;   ///< compared at each look
     int workers;  ///< that the worlds had
     char isa[16]; ///< instruction set that they used
-} tune_scene_facts;
+} tune_scene_info;
 
 /// @param out to be released
-wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_facts* facts,
+wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out, tune_scene_info* info,
                                wisp_error* error );

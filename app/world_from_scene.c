@@ -23,16 +23,16 @@ const wisp_module* const* scene_world_modules( int* count )
 
 // An error that ends a call comes back as its status and would be printed twice; one that a call survives, such as an
 // entity put back to its last good state, must not be lost.
-static void keep_log( void* user, wisp_log_level level, const char* sentence )
+static void keep_log( void* user, wisp_log_level level, const char* message )
 {
     scene_world* world = user;
     if ( level == WISP_LOG_WARNING && !world->is_quiet )
     {
-        fprintf( stderr, "wisp: warning: %s\n", sentence );
+        fprintf( stderr, "wisp: warning: %s\n", message );
     }
     else if ( level == WISP_LOG_ERROR && !world->is_quiet )
     {
-        snprintf( world->late_error, sizeof( world->late_error ), "%s", sentence );
+        snprintf( world->late_error, sizeof( world->late_error ), "%s", message );
     }
 }
 
@@ -62,14 +62,14 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     return wisp_world_create( &def, &out->world, error );
 }
 
-// How contacts are found is the world's, not a guest's.
+// How contacts are found is the world's, not a participant's.
 static wisp_status set_contact( scene_world* out, wisp_error* error )
 {
     const wisp_scene* scene = out->scene;
     wisp_status status = scene->has_contact ? wisp_set_contact_settings( out->world, &scene->contact ) : WISP_OK;
-    if ( status == WISP_OK && ( scene->want_contact_figures || scene->want_crossings ) )
+    if ( status == WISP_OK && ( scene->request_contact_stats || scene->request_intersections ) )
     {
-        status = wisp_want_contact_figures( out->world, true, scene->want_crossings );
+        status = wisp_request_contact_stats( out->world, true, scene->request_intersections );
     }
     return status == WISP_OK ? WISP_OK
                              : wisp_fail( error, status, "%s: %s", scene->name, wisp_world_message( out->world ) );
@@ -159,7 +159,7 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
     {
         return status;
     }
-    status = wisp_world_step( world->world, scene->step_seconds );
+    status = wisp_world_step( world->world, scene->dt );
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,
@@ -204,11 +204,11 @@ static wisp_status copy_shape( scene_world* world, int strands )
     void* thickness = groom->thickness;
     void* colour = groom->colour;
     wisp_status status = copy_column( world, strands, WISP_STRAND_POINTS, sizeof( wisp_vec3 ), &points );
-    if ( status == WISP_OK && entry->want_width )
+    if ( status == WISP_OK && entry->request_width )
     {
         status = copy_column( world, strands, WISP_POINT_WIDTH, sizeof( float ), &thickness );
     }
-    if ( status == WISP_OK && entry->want_colour )
+    if ( status == WISP_OK && entry->request_colour )
     {
         status = copy_column( world, strands, WISP_POINT_COLOUR, sizeof( wisp_vec3 ), &colour );
     }
@@ -264,7 +264,7 @@ wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error )
         if ( status != WISP_OK )
         {
             return wisp_fail( error, status, "%s:%d:%d: %s", scene->name, output->line, output->column,
-                              cause.sentence );
+                              cause.message );
         }
     }
     return WISP_OK;

@@ -34,8 +34,8 @@ typedef struct scene_world_surface
 typedef struct scene_world_collider
 {
     wisp_entity entity;
-    wisp_mesh mesh;  ///< in its own frame: of a mesh collider itself, of a shape what a picture shows of it
-    wisp_rigid pose; ///< after the last step
+    wisp_mesh mesh;      ///< in its own frame: of a mesh collider itself, of a shape what a picture shows of it
+    wisp_transform pose; ///< after the last step
 } scene_world_collider;
 
 typedef struct scene_world
@@ -119,28 +119,29 @@ int scene_world_moving_count( const scene_world* world );
 scene_body scene_world_body( const scene_world* world, int body );
 
 /// What can be requested of a body from the next step on.
-typedef enum scene_wish
+typedef enum scene_request
 {
-    SCENE_WISH_POINTS,  ///< strands and surfaces
-    SCENE_WISH_STRAIN,  ///< surfaces, strands with dynamics
-    SCENE_WISH_SPEED,   ///< surfaces, strands with dynamics
-    SCENE_WISH_WIDTH,   ///< strands with a look
-    SCENE_WISH_COLOUR,  ///< strands with a look
-    SCENE_WISH_QUALITY, ///< surfaces, strands with dynamics
-    SCENE_WISH_NORMALS  ///< surfaces
-} scene_wish;
+    SCENE_REQUEST_POINTS,       ///< strands and surfaces
+    SCENE_REQUEST_STRAIN,       ///< surfaces, strands with dynamics
+    SCENE_REQUEST_SPEED,        ///< surfaces, strands with dynamics
+    SCENE_REQUEST_WIDTH,        ///< strands with a look
+    SCENE_REQUEST_COLOUR,       ///< strands with a look
+    SCENE_REQUEST_MOTION_STATS, ///< surfaces, strands with dynamics
+    SCENE_REQUEST_NORMALS       ///< surfaces
+} scene_request;
 
 /// Add a request to those of the scene. A second equal one changes nothing, and colliders need none: their points are known.
 /// @return WISP_BAD_INPUT the body has no such thing (the message names the body)
-wisp_status scene_world_want( scene_world* world, int body, scene_wish wish, wisp_error* error );
+wisp_status scene_world_request( scene_world* world, int body, scene_request request, wisp_error* error );
 
 /// Where the vertices are now. Before the first step: where they start. A collider: at its pose of the last step.
 /// @param out [vertex_count]
 /// @return WISP_CONFLICT a step was made and the points are not wanted
 wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
-/// A number a vertex. @param wish strain, speed (zero before the first step) or width @param out [vertex_count]
-wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish wish, float* out, wisp_error* error );
+/// A number a vertex. @param request strain, speed (zero before the first step) or width @param out [vertex_count]
+wisp_status scene_world_numbers( const scene_world* world, int body, scene_request request, float* out,
+                                 wisp_error* error );
 
 /// Unit normal of every vertex of a surface. Before the first step: zero.
 /// @param out [vertex_count]
@@ -155,7 +156,7 @@ wisp_status scene_world_layer( const scene_world* world, int surface, wisp_bound
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
 /// Figures of a surface or of strands that move. @return WISP_CONFLICT unless it is wanted and a step was made
-wisp_status scene_world_quality( const scene_world* world, int body, wisp_quality* out, wisp_error* error );
+wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 
 /// Seconds of simulated time that the steps so far made up.
 double scene_world_time( const scene_world* world );

@@ -79,33 +79,33 @@ scene_body scene_world_body( const scene_world* world, int body )
                            .triangle_count = mesh->triangle_count };
 }
 
-// ---- wishes ----
+// ---- requests ----
 
-// The component that answers a wish; 0 if this kind of body has none.
-static wisp_component component_of( const scene_world* world, body_place place, scene_wish wish )
+// The component that answers a request; 0 if this kind of body has none.
+static wisp_component component_of( const scene_world* world, body_place place, scene_request request )
 {
     if ( is_surface( place ) )
     {
-        return wish == SCENE_WISH_POINTS    ? WISP_SURFACE_POINTS
-               : wish == SCENE_WISH_STRAIN  ? WISP_POINT_STRAIN
-               : wish == SCENE_WISH_SPEED   ? WISP_POINT_SPEED
-               : wish == SCENE_WISH_QUALITY ? WISP_QUALITY
-               : wish == SCENE_WISH_NORMALS ? WISP_SURFACE_NORMALS
-                                            : 0;
+        return request == SCENE_REQUEST_POINTS         ? WISP_SURFACE_POINTS
+               : request == SCENE_REQUEST_STRAIN       ? WISP_POINT_STRAIN
+               : request == SCENE_REQUEST_SPEED        ? WISP_POINT_SPEED
+               : request == SCENE_REQUEST_MOTION_STATS ? WISP_MOTION_STATS
+               : request == SCENE_REQUEST_NORMALS      ? WISP_SURFACE_NORMALS
+                                                       : 0;
     }
     if ( place.kind != SCENE_BODY_STRANDS )
     {
         return 0;
     }
-    const bool look = world->scene->strands[place.index].has_look;
+    const bool appearance = world->scene->strands[place.index].has_appearance;
     const bool moves = world->scene->strands[place.index].has_dynamics;
-    return wish == SCENE_WISH_POINTS             ? WISP_STRAND_POINTS
-           : wish == SCENE_WISH_WIDTH && look    ? WISP_POINT_WIDTH
-           : wish == SCENE_WISH_COLOUR && look   ? WISP_POINT_COLOUR
-           : wish == SCENE_WISH_STRAIN && moves  ? WISP_POINT_STRAIN
-           : wish == SCENE_WISH_SPEED && moves   ? WISP_POINT_SPEED
-           : wish == SCENE_WISH_QUALITY && moves ? WISP_QUALITY
-                                                 : 0;
+    return request == SCENE_REQUEST_POINTS                  ? WISP_STRAND_POINTS
+           : request == SCENE_REQUEST_WIDTH && appearance   ? WISP_POINT_WIDTH
+           : request == SCENE_REQUEST_COLOUR && appearance  ? WISP_POINT_COLOUR
+           : request == SCENE_REQUEST_STRAIN && moves       ? WISP_POINT_STRAIN
+           : request == SCENE_REQUEST_SPEED && moves        ? WISP_POINT_SPEED
+           : request == SCENE_REQUEST_MOTION_STATS && moves ? WISP_MOTION_STATS
+                                                            : 0;
 }
 
 static wisp_entity entity_of( const scene_world* world, body_place place )
@@ -113,22 +113,22 @@ static wisp_entity entity_of( const scene_world* world, body_place place )
     return is_surface( place ) ? world->surfaces[place.index].entity : world->entities[place.index];
 }
 
-static wisp_status find_component( const scene_world* world, int body, scene_wish wish, wisp_component* out,
+static wisp_status find_component( const scene_world* world, int body, scene_request request, wisp_component* out,
                                    wisp_error* error )
 {
     static const char* const words[] = {
-        [SCENE_WISH_POINTS] = "points to request",
-        [SCENE_WISH_STRAIN] = "strain",
-        [SCENE_WISH_SPEED] = "speed",
-        [SCENE_WISH_WIDTH] = "width",
-        [SCENE_WISH_COLOUR] = "colour",
-        [SCENE_WISH_QUALITY] = "quality",
-        [SCENE_WISH_NORMALS] = "normals",
+        [SCENE_REQUEST_POINTS] = "points to request",
+        [SCENE_REQUEST_STRAIN] = "strain",
+        [SCENE_REQUEST_SPEED] = "speed",
+        [SCENE_REQUEST_WIDTH] = "width",
+        [SCENE_REQUEST_COLOUR] = "colour",
+        [SCENE_REQUEST_MOTION_STATS] = "quality",
+        [SCENE_REQUEST_NORMALS] = "normals",
     };
-    *out = component_of( world, place_of( world, body ), wish );
+    *out = component_of( world, place_of( world, body ), request );
     return *out ? WISP_OK
                 : wisp_fail( error, WISP_BAD_INPUT, "%s: '%s' has no %s", world->scene->name,
-                             scene_world_body( world, body ).name, words[wish] );
+                             scene_world_body( world, body ).name, words[request] );
 }
 
 static wisp_status fail_at_body( const scene_world* world, int body, wisp_status status, wisp_error* error )
@@ -137,15 +137,15 @@ static wisp_status fail_at_body( const scene_world* world, int body, wisp_status
                       wisp_world_message( world->world ) );
 }
 
-wisp_status scene_world_want( scene_world* world, int body, scene_wish wish, wisp_error* error )
+wisp_status scene_world_request( scene_world* world, int body, scene_request request, wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, wish, &component, error );
+    wisp_status status = find_component( world, body, request, &component, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = wisp_want( world->world, entity_of( world, place_of( world, body ) ), component );
+    status = wisp_request( world->world, entity_of( world, place_of( world, body ) ), component );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
@@ -178,7 +178,7 @@ wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* o
         const scene_world_collider* c = &world->colliders[place.index];
         for ( int v = 0; v < c->mesh.vertex_count; ++v )
         {
-            out[v] = wisp_rigid_to_world( c->pose, c->mesh.points[v] );
+            out[v] = wisp_transform_to_world( c->pose, c->mesh.points[v] );
         }
         return WISP_OK;
     }
@@ -193,16 +193,18 @@ wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* o
     return WISP_OK;
 }
 
-wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish wish, float* out, wisp_error* error )
+wisp_status scene_world_numbers( const scene_world* world, int body, scene_request request, float* out,
+                                 wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, wish, &component, error );
+    wisp_status status = find_component( world, body, request, &component, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    WISP_ASSERT( wish == SCENE_WISH_STRAIN || wish == SCENE_WISH_SPEED || wish == SCENE_WISH_WIDTH );
-    if ( world->next_step == 0 && wish != SCENE_WISH_WIDTH )
+    WISP_ASSERT( request == SCENE_REQUEST_STRAIN || request == SCENE_REQUEST_SPEED ||
+                 request == SCENE_REQUEST_WIDTH );
+    if ( world->next_step == 0 && request != SCENE_REQUEST_WIDTH )
     {
         memset( out, 0, (size_t)scene_world_body( world, body ).vertex_count * sizeof *out );
         return WISP_OK;
@@ -213,7 +215,7 @@ wisp_status scene_world_numbers( const scene_world* world, int body, scene_wish 
 wisp_status scene_world_normals( const scene_world* world, int body, wisp_vec3* out, wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, SCENE_WISH_NORMALS, &component, error );
+    wisp_status status = find_component( world, body, SCENE_REQUEST_NORMALS, &component, error );
     if ( status != WISP_OK || world->next_step > 0 )
     {
         return status == WISP_OK ? copy_column( world, body, component, sizeof *out, out, error ) : status;
@@ -231,24 +233,24 @@ wisp_status scene_world_layer( const scene_world* world, int surface, wisp_bound
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error )
 {
     wisp_component component;
-    wisp_status status = find_component( world, body, SCENE_WISH_COLOUR, &component, error );
+    wisp_status status = find_component( world, body, SCENE_REQUEST_COLOUR, &component, error );
     return status == WISP_OK ? copy_column( world, body, component, sizeof *out, out, error ) : status;
 }
 
-wisp_status scene_world_quality( const scene_world* world, int body, wisp_quality* out, wisp_error* error )
+wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_motion_stats* out, wisp_error* error )
 {
-    *out = ( wisp_quality ){ 0 };
+    *out = ( wisp_motion_stats ){ 0 };
     wisp_component component;
-    wisp_status status = find_component( world, body, SCENE_WISH_QUALITY, &component, error );
+    wisp_status status = find_component( world, body, SCENE_REQUEST_MOTION_STATS, &component, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = wisp_world_quality( world->world, entity_of( world, place_of( world, body ) ), out );
+    status = wisp_read_motion_stats( world->world, entity_of( world, place_of( world, body ) ), out );
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
 double scene_world_time( const scene_world* world )
 {
-    return (double)world->next_step * (double)world->scene->step_seconds;
+    return (double)world->next_step * (double)world->scene->dt;
 }

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static wisp_status fail_at_collider( const wisp_scene* scene, int collider, wisp_status status, const char* sentence,
+static wisp_status fail_at_collider( const wisp_scene* scene, int collider, wisp_status status, const char* message,
                                      wisp_error* error )
 {
     const wisp_scene_collider* entry = &scene->colliders[collider];
-    return scene_fail_at( scene, entry->line, entry->column, "collider", entry->name, status, sentence, error );
+    return scene_fail_at( scene, entry->line, entry->column, "collider", entry->name, status, message, error );
 }
 
 // ---- what is shown of a shape ----
@@ -57,14 +57,14 @@ static wisp_status show_round( const wisp_collider_def* def, wisp_mesh* out, wis
 {
     // A capsule without a length is a sphere, and the maker of capsules wants a length.
     const bool capsule = def->kind == WISP_COLLIDER_CAPSULE && def->half_length >= 1e-6f;
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( capsule ? WISP_MESH_CAPSULE : WISP_MESH_ICOSPHERE );
-    recipe.radius = def->radius;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( capsule ? WISP_MESH_CAPSULE : WISP_MESH_ICOSPHERE );
+    generator.radius = def->radius;
     if ( capsule )
     {
-        recipe.length = 2.0f * def->half_length;
-        recipe.length_segments = 1;
+        generator.length = 2.0f * def->half_length;
+        generator.length_segments = 1;
     }
-    return wisp_mesh_make( &recipe, out, error );
+    return wisp_mesh_generate( &generator, out, error );
 }
 
 static wisp_status find_mesh( const scene_world* world, int collider, wisp_mesh* out, wisp_error* error )
@@ -96,7 +96,7 @@ static wisp_status add_collider( scene_world* world, int collider, wisp_error* e
     wisp_status status = find_mesh( world, collider, &c->mesh, &cause );
     if ( status != WISP_OK )
     {
-        return fail_at_collider( world->scene, collider, status, cause.sentence, error );
+        return fail_at_collider( world->scene, collider, status, cause.message, error );
     }
     wisp_collider_def def = world->scene->colliders[collider].def;
     c->pose = def.pose;

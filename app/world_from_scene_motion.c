@@ -14,9 +14,9 @@ static wisp_status set_collision( scene_world* world, int strands )
     const wisp_entity entity = world->entities[strands];
     wisp_status status =
         entry->has_collision ? wisp_set_collision( world->world, entity, &entry->collision ) : WISP_OK;
-    if ( status == WISP_OK && entry->want_contacts )
+    if ( status == WISP_OK && entry->request_contacts )
     {
-        status = wisp_want_collision_figures( world->world, entity, true );
+        status = wisp_request_collision_stats( world->world, entity, true );
     }
     return status;
 }
@@ -51,7 +51,7 @@ static wisp_status set_ghosts( scene_world* world, int strands )
     wisp_status status = WISP_OK;
     if ( entry->has_frozen_hair )
     {
-        status = wisp_want( world->world, world->entities[strands], WISP_STRAND_CARRIED );
+        status = wisp_request( world->world, world->entities[strands], WISP_STRAND_POSED );
     }
     status = status == WISP_OK ? wisp_set_ghosts( world->world, world->entities[strands], &def ) : status;
     return status == WISP_OK ? set_collision( world, strands ) : status;

@@ -7,14 +7,14 @@
 
 /// @param what the kind of entry, such as "surface"
 wisp_status scene_fail_at( const wisp_scene* scene, int line, int column, const char* what, const char* name,
-                           wisp_status status, const char* sentence, wisp_error* error );
+                           wisp_status status, const char* message, wisp_error* error );
 /// The message is the last one of the world.
 wisp_status scene_fail_at_line( const scene_world* world, int line, int column, wisp_status status,
                                 wisp_error* error );
 
 // ---- strands ----
 
-wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* sentence,
+wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* message,
                                    wisp_error* error );
 /// Add what strands wear, and what is wanted of them.
 wisp_status scene_strands_dress( scene_world* world, int strands );

@@ -15,10 +15,10 @@ typedef struct vertex_finder
     wisp_error* error;
 } vertex_finder;
 
-static wisp_status refuse( const vertex_finder* f, const char* sentence )
+static wisp_status refuse( const vertex_finder* f, const char* message )
 {
     return scene_fail_at( f->scene, f->entry->line, f->entry->column, "surface", f->entry->name, WISP_BAD_INPUT,
-                          sentence, f->error );
+                          message, f->error );
 }
 
 static int compare_vertices( const void* a, const void* b )
@@ -30,24 +30,24 @@ static int compare_vertices( const void* a, const void* b )
 // A repair that drops vertices renumbers the others; the scene keeps the numbers of the file.
 static wisp_status find_number( const vertex_finder* f, const char* what, int32_t number, int32_t* vertex )
 {
-    char sentence[160];
+    char message[160];
     *vertex = number;
     if ( f->kept )
     {
         const int32_t* found = bsearch( &number, f->kept, (size_t)f->kept_count, sizeof number, compare_vertices );
         if ( !found )
         {
-            snprintf( sentence, sizeof sentence,
+            snprintf( message, sizeof message,
                       "%s: got vertex %d, which the mesh does not have or which repair removed", what, number );
-            return refuse( f, sentence );
+            return refuse( f, message );
         }
         *vertex = (int32_t)( found - f->kept );
     }
     if ( *vertex >= f->mesh->vertex_count )
     {
-        snprintf( sentence, sizeof sentence, "%s: got vertex %d, but the mesh has %d vertices, counted from 0", what,
+        snprintf( message, sizeof message, "%s: got vertex %d, but the mesh has %d vertices, counted from 0", what,
                   number, f->mesh->vertex_count );
-        return refuse( f, sentence );
+        return refuse( f, message );
     }
     return WISP_OK;
 }
@@ -76,8 +76,8 @@ static int32_t nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
 
 static bool is_inside( const wisp_scene_box* box, wisp_vec3 p )
 {
-    return p.x >= box->low.x && p.x <= box->high.x && p.y >= box->low.y && p.y <= box->high.y && p.z >= box->low.z &&
-           p.z <= box->high.z;
+    return p.x >= box->lower.x && p.x <= box->upper.x && p.y >= box->lower.y && p.y <= box->upper.y &&
+           p.z >= box->lower.z && p.z <= box->upper.z;
 }
 
 static wisp_status mark_boxes( const vertex_finder* f, unsigned char* marks )
@@ -93,9 +93,9 @@ static wisp_status mark_boxes( const vertex_finder* f, unsigned char* marks )
         }
         if ( !any )
         {
-            char sentence[80];
-            snprintf( sentence, sizeof sentence, "no vertex starts in pin_box %d", i );
-            return refuse( f, sentence );
+            char message[80];
+            snprintf( message, sizeof message, "no vertex starts in pin_box %d", i );
+            return refuse( f, message );
         }
     }
     return WISP_OK;
@@ -130,8 +130,8 @@ static wisp_vec3 middle_of( const scene_world_surface* s )
         sum[1] += (double)p.y;
         sum[2] += (double)p.z;
     }
-    double share = 1.0 / (double)s->pin_count;
-    return ( wisp_vec3 ){ (float)( sum[0] * share ), (float)( sum[1] * share ), (float)( sum[2] * share ) };
+    double fraction = 1.0 / (double)s->pin_count;
+    return ( wisp_vec3 ){ (float)( sum[0] * fraction ), (float)( sum[1] * fraction ), (float)( sum[2] * fraction ) };
 }
 
 static wisp_status list_pins( const vertex_finder* f, const unsigned char* marks, scene_world_surface* out )
@@ -210,11 +210,11 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32
         }
         if ( out->outlet_count == WISP_BALLOON_MAX_OUTLET )
         {
-            char sentence[120];
-            snprintf( sentence, sizeof sentence,
+            char message[120];
+            snprintf( message, sizeof message,
                       "balloon.outlet_radius: got more than %d vertices within %g m, which is the limit",
                       WISP_BALLOON_MAX_OUTLET, (double)entry->outlet_radius );
-            return refuse( &finder, sentence );
+            return refuse( &finder, message );
         }
         out->outlet[out->outlet_count++] = v;
     }

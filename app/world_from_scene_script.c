@@ -9,14 +9,14 @@ typedef struct step_times
 
 static step_times next_times( const scene_world* world )
 {
-    const double seconds = (double)world->scene->step_seconds;
+    const double seconds = (double)world->scene->dt;
     return ( step_times ){ (double)world->next_step * seconds, ( (double)world->next_step + 1.0 ) * seconds };
 }
 
 // Keyframes are in decimals and steps may be 1/60 s: within a thousandth of a step two times are the same.
 static bool is_before( const scene_world* world, double a, double b )
 {
-    return a < b - 1e-3 * (double)world->scene->step_seconds;
+    return a < b - 1e-3 * (double)world->scene->dt;
 }
 
 // ---- poses ----
@@ -24,24 +24,24 @@ static bool is_before( const scene_world* world, double a, double b )
 // Number of keyframes that are not after the time. Searched by halves: a hostile path has a million of them.
 static int count_reached( const wisp_scene_path* path, double time )
 {
-    int low = 0, high = path->count;
-    while ( low < high )
+    int lower = 0, upper = path->count;
+    while ( lower < upper )
     {
-        int middle = low + ( high - low ) / 2;
+        int middle = lower + ( upper - lower ) / 2;
         if ( (double)path->poses[middle].time <= time )
         {
-            low = middle + 1;
+            lower = middle + 1;
         }
         else
         {
-            high = middle;
+            upper = middle;
         }
     }
-    return low;
+    return lower;
 }
 
 // Before the first keyframe the pose comes from the start at time 0; after the last one it stays.
-static wisp_rigid pose_at( const wisp_scene_path* path, wisp_rigid start, double time )
+static wisp_transform pose_at( const wisp_scene_path* path, wisp_transform start, double time )
 {
     int reached = count_reached( path, time );
     if ( reached == path->count )
@@ -50,8 +50,8 @@ static wisp_rigid pose_at( const wisp_scene_path* path, wisp_rigid start, double
     }
     const wisp_scene_pose* next = &path->poses[reached];
     const wisp_scene_pose before = reached > 0 ? path->poses[reached - 1] : ( wisp_scene_pose ){ 0.0f, start };
-    double share = ( time - (double)before.time ) / ( (double)next->time - (double)before.time );
-    return wisp_rigid_between( before.pose, next->pose, (float)share );
+    double fraction = ( time - (double)before.time ) / ( (double)next->time - (double)before.time );
+    return wisp_transform_interpolate( before.pose, next->pose, (float)fraction );
 }
 
 static bool is_moving( const scene_world* world, const wisp_scene_path* path, step_times t )
@@ -61,13 +61,13 @@ static bool is_moving( const scene_world* world, const wisp_scene_path* path, st
 
 static wisp_status move_pins( scene_world* world, int surface, step_times t )
 {
-    static const wisp_rigid still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     scene_world_surface* s = &world->surfaces[surface];
-    const wisp_rigid pose = pose_at( &world->scene->surfaces[surface].pin_path, still, t.end );
+    const wisp_transform pose = pose_at( &world->scene->surfaces[surface].pin_path, still, t.end );
     for ( int i = 0; i < s->pin_count; ++i )
     {
         const wisp_vec3 p = s->mesh.points[s->pins[i]], o = s->pivot;
-        wisp_vec3 moved = wisp_rigid_to_world( pose, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
+        wisp_vec3 moved = wisp_transform_to_world( pose, ( wisp_vec3 ){ p.x - o.x, p.y - o.y, p.z - o.z } );
         s->pin_targets[i] = ( wisp_vec3 ){ moved.x + o.x, moved.y + o.y, moved.z + o.z };
     }
     return wisp_move_pins( world->world, s->entity, s->pins, s->pin_targets, s->pin_count );
@@ -92,24 +92,24 @@ static bool is_filling( const scene_world* world, const wisp_scene_surface* entr
 
 static float fill_at( const wisp_scene_surface* entry, double time )
 {
-    int low = 0, high = entry->fill_path_count - 1; // the pair around the time is low and high in the end
+    int lower = 0, upper = entry->fill_path_count - 1; // the pair around the time is low and high in the end
     if ( time <= (double)entry->fill_path[0].time )
     {
-        return entry->fill_path[0].fill;
+        return entry->fill_path[0].gas_ratio;
     }
-    if ( time >= (double)entry->fill_path[high].time )
+    if ( time >= (double)entry->fill_path[upper].time )
     {
-        return entry->fill_path[high].fill;
+        return entry->fill_path[upper].gas_ratio;
     }
-    while ( high - low > 1 )
+    while ( upper - lower > 1 )
     {
-        int middle = low + ( high - low ) / 2;
-        low = (double)entry->fill_path[middle].time <= time ? middle : low;
-        high = low == middle ? high : middle;
+        int middle = lower + ( upper - lower ) / 2;
+        lower = (double)entry->fill_path[middle].time <= time ? middle : lower;
+        upper = lower == middle ? upper : middle;
     }
-    const wisp_scene_fill *a = &entry->fill_path[low], *b = &entry->fill_path[high];
-    double share = ( time - (double)a->time ) / ( (double)b->time - (double)a->time );
-    return (float)( (double)a->fill + share * ( (double)b->fill - (double)a->fill ) );
+    const wisp_scene_fill *a = &entry->fill_path[lower], *b = &entry->fill_path[upper];
+    double fraction = ( time - (double)a->time ) / ( (double)b->time - (double)a->time );
+    return (float)( (double)a->gas_ratio + fraction * ( (double)b->gas_ratio - (double)a->gas_ratio ) );
 }
 
 // ---- keyframes ----
@@ -121,7 +121,7 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     wisp_status status = WISP_OK;
     if ( is_filling( world, entry, t ) )
     {
-        status = wisp_set_balloon_fill( world->world, s->entity, fill_at( entry, t.end ) );
+        status = wisp_set_balloon_gas_ratio( world->world, s->entity, fill_at( entry, t.end ) );
     }
     if ( status == WISP_OK && !s->is_released && is_moving( world, &entry->pin_path, t ) )
     {
@@ -136,9 +136,9 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     const wisp_vec3 pivot = entry->has_head_pivot ? entry->head_pivot : entry->pose.translation;
-    const wisp_rigid start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
-    wisp_rigid pose = pose_at( &entry->head, start, t.end );
-    const wisp_vec3 turned = wisp_quat_turn( pose.rotation, pivot );
+    const wisp_transform start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
+    wisp_transform pose = pose_at( &entry->head, start, t.end );
+    const wisp_vec3 turned = wisp_quat_rotate( pose.rotation, pivot );
     pose.translation =
         ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
     return wisp_move_strand_head( world->world, world->entities[strands], pose );
@@ -189,9 +189,9 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 {
     wisp_entity entity = world->surfaces[e->surface].entity;
     wisp_status status = WISP_OK;
-    if ( e->has_fill )
+    if ( e->has_gas_ratio )
     {
-        status = wisp_set_balloon_fill( world->world, entity, e->fill );
+        status = wisp_set_balloon_gas_ratio( world->world, entity, e->gas_ratio );
     }
     if ( status == WISP_OK && e->has_inflation_rate )
     {

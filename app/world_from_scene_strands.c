@@ -14,10 +14,10 @@ static wisp_status check_list( const wisp_scene* scene, int strands, const char*
     {
         return WISP_OK;
     }
-    char sentence[200];
-    snprintf( sentence, sizeof( sentence ), "%s: got %d numbers, expected one for each of %d strands", what, listed,
+    char message[200];
+    snprintf( message, sizeof( message ), "%s: got %d numbers, expected one for each of %d strands", what, listed,
               strand_count );
-    return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
+    return scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, message, error );
 }
 
 static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_groom* source, wisp_groom* out,
@@ -33,7 +33,7 @@ static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_gro
     }
     if ( entry->is_made )
     {
-        return wisp_groom_make( &entry->recipe, out, error );
+        return wisp_groom_generate( &entry->generator, out, error );
     }
     wisp_status status = wisp_groom_read( entry->file, out, error );
     return status == WISP_OK ? wisp_groom_check( out, error ) : status;
@@ -41,7 +41,7 @@ static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_gro
 
 static bool is_placed( const wisp_scene_strands* entry )
 {
-    const wisp_rigid pose = entry->pose;
+    const wisp_transform pose = entry->pose;
     return entry->scale != 1.0f || pose.rotation.w != 1.0f || pose.translation.x != 0.0f ||
            pose.translation.y != 0.0f || pose.translation.z != 0.0f;
 }
@@ -54,7 +54,7 @@ static void place( const wisp_scene_strands* entry, wisp_groom* groom )
     for ( int v = 0; v < count; ++v )
     {
         wisp_vec3* p = &groom->points[v];
-        *p = wisp_rigid_to_world( entry->pose, ( wisp_vec3 ){ scale * p->x, scale * p->y, scale * p->z } );
+        *p = wisp_transform_to_world( entry->pose, ( wisp_vec3 ){ scale * p->x, scale * p->y, scale * p->z } );
         groom->dimension = p->z != 0.0f ? 3 : groom->dimension;
     }
 }
@@ -74,11 +74,11 @@ static wisp_status check_lists( const wisp_scene* scene, int strands, const wisp
     }
     if ( status == WISP_OK && entry->mass_count > 0 && entry->mass_count != groom->vertex_count )
     {
-        char sentence[100];
-        snprintf( sentence, sizeof( sentence ),
+        char message[100];
+        snprintf( message, sizeof( message ),
                   "dynamics.vertex_masses: got %d masses, expected one for each of %d vertices", entry->mass_count,
                   groom->vertex_count );
-        status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, sentence, error );
+        status = scene_fail_at_strands( scene, strands, WISP_BAD_INPUT, message, error );
     }
     return status;
 }
@@ -92,7 +92,7 @@ wisp_status scene_groom_of( const wisp_scene* scene, int strands, const wisp_gro
     wisp_status status = read_or_make( entry, source, out, &cause );
     if ( status != WISP_OK )
     {
-        status = scene_fail_at_strands( scene, strands, status, cause.sentence, error );
+        status = scene_fail_at_strands( scene, strands, status, cause.message, error );
     }
     else
     {
@@ -129,22 +129,23 @@ wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, 
 
 // ---- what strands wear ----
 
-static wisp_status wish_all( scene_world* out, int strands )
+static wisp_status request_all( scene_world* out, int strands )
 {
     const wisp_scene_strands* entry = &out->scene->strands[strands];
     const struct
     {
-        bool wanted;
+        bool requested;
         wisp_component component;
     } columns[] = {
-        { entry->want_points, WISP_STRAND_POINTS }, { entry->want_width, WISP_POINT_WIDTH },
-        { entry->want_colour, WISP_POINT_COLOUR },  { entry->want_strain, WISP_POINT_STRAIN },
-        { entry->want_speed, WISP_POINT_SPEED },    { entry->want_quality, WISP_QUALITY },
+        { entry->request_points, WISP_STRAND_POINTS }, { entry->request_width, WISP_POINT_WIDTH },
+        { entry->request_colour, WISP_POINT_COLOUR },  { entry->request_strain, WISP_POINT_STRAIN },
+        { entry->request_speed, WISP_POINT_SPEED },    { entry->request_motion_stats, WISP_MOTION_STATS },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
     {
-        status = columns[i].wanted ? wisp_want( out->world, out->entities[strands], columns[i].component ) : WISP_OK;
+        status =
+            columns[i].requested ? wisp_request( out->world, out->entities[strands], columns[i].component ) : WISP_OK;
     }
     return status;
 }
@@ -158,13 +159,13 @@ wisp_status scene_strands_dress( scene_world* out, int strands )
     {
         status = wisp_set_frozen_hair( out->world, entity, &entry->frozen_hair );
     }
-    if ( status == WISP_OK && entry->has_climate )
+    if ( status == WISP_OK && entry->has_environment )
     {
-        status = wisp_set_climate( out->world, entity, &entry->climate );
+        status = wisp_set_environment( out->world, entity, &entry->environment );
     }
-    if ( status == WISP_OK && entry->has_look )
+    if ( status == WISP_OK && entry->has_appearance )
     {
-        status = wisp_set_strand_look( out->world, entity, &entry->look );
+        status = wisp_set_strand_appearance( out->world, entity, &entry->appearance );
     }
-    return status == WISP_OK ? wish_all( out, strands ) : status;
+    return status == WISP_OK ? request_all( out, strands ) : status;
 }

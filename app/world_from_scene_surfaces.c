@@ -9,16 +9,16 @@
 // What a fabric is cooked with: all that the surfaces that share it need.
 enum
 {
-    NEEDS_CROSS_LINKS = 1,
+    NEEDS_BEND_LINKS = 1,
     NEEDS_HINGES = 2,
     NEEDS_TETHERS = 4,
 };
 
-static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_status status, const char* sentence,
+static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_status status, const char* message,
                                     wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
-    return scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status, sentence, error );
+    return scene_fail_at( scene, entry->line, entry->column, "surface", entry->name, status, message, error );
 }
 
 // ---- meshes ----
@@ -26,7 +26,7 @@ static wisp_status fail_at_surface( const wisp_scene* scene, int surface, wisp_s
 static void tell_repairs( const wisp_mesh_repairs* repairs, const char* called )
 {
     const int done = repairs->degenerates_dropped + repairs->duplicates_dropped + repairs->triangles_turned +
-                     repairs->loose_dropped;
+                     repairs->unreferenced_dropped;
     if ( called && done > 0 )
     {
         char name[300];
@@ -37,7 +37,7 @@ static void tell_repairs( const wisp_mesh_repairs* repairs, const char* called )
 
 static wisp_status check_demands( const wisp_scene_mesh* source, const wisp_mesh* mesh, wisp_error* error )
 {
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_status status = wisp_mesh_examine( mesh, &report, error );
     return status == WISP_OK
                ? wisp_mesh_require( &report, source->demands, source->file ? source->file : "the mesh", error )
@@ -49,8 +49,8 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 {
     *out = ( wisp_mesh ){ 0 };
     wisp_mesh_repairs done = { 0 };
-    wisp_status status =
-        source->is_made ? wisp_mesh_make( &source->recipe, out, error ) : wisp_mesh_read( source->file, out, error );
+    wisp_status status = source->is_made ? wisp_mesh_generate( &source->generator, out, error )
+                                         : wisp_mesh_read( source->file, out, error );
     if ( status == WISP_OK && source->repairs != 0 )
     {
         status = wisp_mesh_repair( out, source->repairs, &done, error );
@@ -92,14 +92,14 @@ static wisp_status load_mesh( const wisp_scene* scene, int surface, bool is_quie
               entry->name );
     wisp_error cause = { 0 };
     wisp_status status = scene_mesh_load( &entry->mesh, is_quiet ? NULL : called, out, repairs, &cause );
-    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.sentence, error );
+    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.message, error );
 }
 
-static void place( wisp_vec3* points, int count, wisp_rigid pose )
+static void place( wisp_vec3* points, int count, wisp_transform pose )
 {
     for ( int v = 0; v < count; ++v )
     {
-        points[v] = wisp_rigid_to_world( pose, points[v] );
+        points[v] = wisp_transform_to_world( pose, points[v] );
     }
 }
 
@@ -121,20 +121,20 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
 {
     const bool cloth = entry->has_cloth;
     const wisp_cloth_bending bending = entry->cloth.bending;
-    unsigned char needs = 0;
-    if ( entry->has_balloon || ( cloth && bending == WISP_CLOTH_BENDING_CROSS ) )
+    unsigned char required = 0;
+    if ( entry->has_balloon || ( cloth && bending == WISP_CLOTH_BENDING_LINKS ) )
     {
-        needs |= NEEDS_CROSS_LINKS;
+        required |= NEEDS_BEND_LINKS;
     }
     if ( cloth && ( bending == WISP_CLOTH_BENDING_DIHEDRAL || bending == WISP_CLOTH_BENDING_ISOMETRIC ) )
     {
-        needs |= NEEDS_HINGES;
+        required |= NEEDS_HINGES;
     }
-    return cloth && entry->cloth.tethers ? needs | NEEDS_TETHERS : needs;
+    return cloth && entry->cloth.tethers ? required | NEEDS_TETHERS : required;
 }
 
 // Cooked in the mesh's own frame, so that instances need nothing of where their source starts.
-static wisp_status cook( const wisp_scene* scene, int surface, unsigned char needs, const wisp_vec3* rest,
+static wisp_status cook( const wisp_scene* scene, int surface, unsigned char required, const wisp_vec3* rest,
                          scene_world_surface* out, wisp_error* error )
 {
     const wisp_scene_surface* entry = &scene->surfaces[surface];
@@ -145,16 +145,16 @@ static wisp_status cook( const wisp_scene* scene, int surface, unsigned char nee
     def.triangle_count = out->mesh.triangle_count;
     def.attachments = out->pins;
     def.attachment_count = out->pin_count;
-    def.cross_links = ( needs & NEEDS_CROSS_LINKS ) != 0;
-    def.hinges = ( needs & NEEDS_HINGES ) != 0;
-    def.tethers = ( needs & NEEDS_TETHERS ) != 0;
+    def.bend_links = ( required & NEEDS_BEND_LINKS ) != 0;
+    def.hinges = ( required & NEEDS_HINGES ) != 0;
+    def.tethers = ( required & NEEDS_TETHERS ) != 0;
     def.levels = entry->levels;
     def.finest_level = entry->finest_level;
-    def.sweep = entry->sweep;
+    def.solve_order = entry->solve_order;
     def.tile_size = entry->tile_size;
     wisp_error cause = { 0 };
     wisp_status status = wisp_fabric_cook( &def, NULL, &out->fabric, &cause );
-    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.sentence, error );
+    return status == WISP_OK ? WISP_OK : fail_at_surface( scene, surface, status, cause.message, error );
 }
 
 static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** out, wisp_error* error )
@@ -168,7 +168,7 @@ static wisp_status copy_points( const wisp_vec3* from, int count, wisp_vec3** ou
     return WISP_OK;
 }
 
-static wisp_status make_source( scene_world* world, int surface, unsigned char needs, wisp_error* error )
+static wisp_status make_source( scene_world* world, int surface, unsigned char required, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     scene_world_surface* s = &world->surfaces[surface];
@@ -180,7 +180,7 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char n
         place( s->mesh.points, s->mesh.vertex_count, scene->surfaces[surface].pose );
         status = scene_pins_find( scene, surface, s->repairs.kept, s->repairs.kept_count, s, error );
     }
-    status = status == WISP_OK ? cook( scene, surface, needs, rest, s, error ) : status;
+    status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
     free( rest );
     return status;
 }
@@ -235,13 +235,14 @@ wisp_status scene_implicit_set( scene_world* world, int surface )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     const int source = entry->instance_of >= 0 ? entry->instance_of : surface;
-    const wisp_mesh_recipe* recipe = &world->scene->surfaces[source].mesh.recipe;
+    const wisp_mesh_generator* generator = &world->scene->surfaces[source].mesh.generator;
     wisp_implicit_cloth_def def = entry->implicit;
     wisp_quad_pairs pairs = { 0 };
     wisp_error cause = { 0 };
-    if ( entry->has_quad_links && wisp_quad_pairs_make( recipe->columns, recipe->rows, &pairs, &cause ) != WISP_OK )
+    if ( entry->has_quad_links &&
+         wisp_quad_pairs_make( generator->columns, generator->rows, &pairs, &cause ) != WISP_OK )
     {
-        return wisp_world_fail( world->world, cause.status, "%s", cause.sentence );
+        return wisp_world_fail( world->world, cause.status, "%s", cause.message );
     }
     if ( entry->has_quad_links )
     {
@@ -287,32 +288,32 @@ static wisp_status dress( scene_world* world, int surface, const wisp_balloon_de
     return status;
 }
 
-static wisp_status wish( scene_world* world, int surface )
+static wisp_status request( scene_world* world, int surface )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
     wisp_entity entity = world->surfaces[surface].entity;
     const struct
     {
-        bool wanted;
+        bool requested;
         wisp_component component;
     } columns[] = {
-        { entry->want_points, WISP_SURFACE_POINTS }, { entry->want_normals, WISP_SURFACE_NORMALS },
-        { entry->want_strain, WISP_POINT_STRAIN },   { entry->want_speed, WISP_POINT_SPEED },
-        { entry->want_quality, WISP_QUALITY },
+        { entry->request_points, WISP_SURFACE_POINTS },     { entry->request_normals, WISP_SURFACE_NORMALS },
+        { entry->request_strain, WISP_POINT_STRAIN },       { entry->request_speed, WISP_POINT_SPEED },
+        { entry->request_motion_stats, WISP_MOTION_STATS },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( columns ) && status == WISP_OK; ++i )
     {
-        status = columns[i].wanted ? wisp_want( world->world, entity, columns[i].component ) : WISP_OK;
+        status = columns[i].requested ? wisp_request( world->world, entity, columns[i].component ) : WISP_OK;
     }
-    if ( status == WISP_OK && entry->want_figures )
+    if ( status == WISP_OK && entry->request_stats )
     {
-        status = entry->has_balloon ? wisp_want_balloon_figures( world->world, entity, true )
-                                    : wisp_want_implicit_cloth_figures( world->world, entity, true );
+        status = entry->has_balloon ? wisp_request_balloon_stats( world->world, entity, true )
+                                    : wisp_request_implicit_cloth_stats( world->world, entity, true );
     }
-    if ( status == WISP_OK && entry->want_contacts )
+    if ( status == WISP_OK && entry->request_contacts )
     {
-        status = wisp_want_collision_figures( world->world, entity, true );
+        status = wisp_request_collision_stats( world->world, entity, true );
     }
     return status;
 }
@@ -332,7 +333,7 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
     }
     status = add_particles( world, surface );
     status = status == WISP_OK ? dress( world, surface, &balloon ) : status;
-    status = status == WISP_OK ? wish( world, surface ) : status;
+    status = status == WISP_OK ? request( world, surface ) : status;
     return status == WISP_OK ? WISP_OK
                              : fail_at_surface( scene, surface, status, wisp_world_message( world->world ), error );
 }
@@ -347,42 +348,42 @@ static wisp_status count_vertices( const scene_world* world, int surface, int64_
     {
         return WISP_OK;
     }
-    char sentence[100];
-    snprintf( sentence, sizeof sentence, "got %lld vertices in the surfaces up to this one, expected at most %d",
+    char message[100];
+    snprintf( message, sizeof message, "got %lld vertices in the surfaces up to this one, expected at most %d",
               (long long)*sum, WISP_SCENE_MAX_VERTICES );
-    return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, sentence, error );
+    return fail_at_surface( world->scene, surface, WISP_BAD_INPUT, message, error );
 }
 
-static void find_needs( const wisp_scene* scene, unsigned char* needs )
+static void find_needs( const wisp_scene* scene, unsigned char* required )
 {
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         const wisp_scene_surface* entry = &scene->surfaces[i];
-        needs[entry->instance_of >= 0 ? entry->instance_of : i] |= needs_of( entry );
+        required[entry->instance_of >= 0 ? entry->instance_of : i] |= needs_of( entry );
     }
 }
 
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
-    unsigned char* needs = calloc( (size_t)scene->surface_count + 1, 1 );
+    unsigned char* required = calloc( (size_t)scene->surface_count + 1, 1 );
     world->surfaces = calloc( (size_t)scene->surface_count + 1, sizeof *world->surfaces );
-    if ( !needs || !world->surfaces )
+    if ( !required || !world->surfaces )
     {
-        free( needs );
+        free( required );
         return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its surfaces", scene->name );
     }
-    find_needs( scene, needs );
+    find_needs( scene, required );
     int64_t sum = 0;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
     {
         status = scene->surfaces[i].instance_of >= 0 ? make_instance( world, i, error )
-                                                     : make_source( world, i, needs[i], error );
+                                                     : make_source( world, i, required[i], error );
         status = status == WISP_OK ? count_vertices( world, i, &sum, error ) : status;
         status = status == WISP_OK ? add_effects( world, i, error ) : status;
     }
-    free( needs );
+    free( required );
     return status;
 }
 

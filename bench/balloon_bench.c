@@ -27,43 +27,43 @@ double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def*
     {
         int link = fabric->link_order.constraint[slot];
         double rest = (double)fabric->link_rest[slot];
-        double stiffness = (double)( link < fabric->edge_count ? def->edge_stiffness : def->cross_stiffness );
+        double stiffness = (double)( link < fabric->edge_count ? def->edge_stiffness : def->bend_link_stiffness );
         sum += link >= 0 ? stiffness * rest * rest : 0.0;
     }
     return sum;
 }
 
 // Every link of the mesh is s times as long: sum(k l^2) (s - 1) / (3 V_rest s^2).
-static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* def, const wisp_balloon_figures* seen )
+static double closed_form( const wisp_fabric* fabric, const wisp_balloon_def* def, const wisp_balloon_stats* seen )
 {
     return balloon_oracle_true_scaled_pressure( balloon_stiffness_sum( fabric, def ), seen->rest_volume,
                                                 cbrt( seen->volume / seen->rest_volume ) );
 }
 
-wisp_status balloon_read_all( surface_entrant* entrant, const balloon_setting* setting, balloon_readings* out,
-                              wisp_error* error )
+wisp_status balloon_read_all( surface_implementation* implementation, const balloon_setting* setting,
+                              balloon_readings* out, wisp_error* error )
 {
     wisp_balloon_def def = setting->def;
-    wisp_balloon_figures seen = { 0 };
+    wisp_balloon_stats seen = { 0 };
     wisp_status status = WISP_OK;
     for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT && status == WISP_OK; ++reading )
     {
         def.pressure = (wisp_balloon_pressure)reading;
-        status = wisp_set_balloon( entrant->world, entrant->entity, &def );
+        status = wisp_set_balloon( implementation->world, implementation->entity, &def );
         if ( status == WISP_OK )
         {
-            status = wisp_want_balloon_figures( entrant->world, entrant->entity, true );
+            status = wisp_request_balloon_stats( implementation->world, implementation->entity, true );
         }
         if ( status != WISP_OK )
         {
-            return bench_world_fail( entrant->world, status, error );
+            return bench_world_fail( implementation->world, status, error );
         }
-        status = surface_entrant_step( entrant, error );
-        status = status == WISP_OK ? balloon_entrant_read( entrant, &seen, error ) : status;
+        status = surface_implementation_step( implementation, error );
+        status = status == WISP_OK ? balloon_implementation_read( implementation, &seen, error ) : status;
         out->pressure[reading] = seen.pressure;
     }
     out->volume_error = seen.volume / seen.target_volume - 1.0;
-    out->closed_form = closed_form( entrant->fabric, &def, &seen );
+    out->closed_form = closed_form( implementation->fabric, &def, &seen );
     return status;
 }
 
@@ -82,23 +82,23 @@ static wisp_status settle( const balloon_plan* plan, const wisp_mesh* mesh, cons
                            results* out, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.fill = 1.2f;
+    setting.def.gas_ratio = 1.2f;
     setting.area_density = 0.05f;
     setting.damping = 45.0f;
     setting.substeps = line->substeps;
     setting.iterations = line->iterations;
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant = { 0 };
+    surface_implementation implementation = { 0 };
     balloon_readings read = { { 0 }, 0, 0 };
     wisp_status status = balloon_cook( mesh, &setting, &fabric, error );
-    status = status == WISP_OK ? balloon_entrant_create( fabric, &setting, &entrant, error ) : status;
+    status = status == WISP_OK ? balloon_implementation_create( fabric, &setting, &implementation, error ) : status;
     double start = wisp_clock_seconds();
     for ( int s = 0; s < plan->settle_steps && status == WISP_OK; ++s )
     {
-        status = surface_entrant_step( &entrant, error );
+        status = surface_implementation_step( &implementation, error );
     }
     double ms = 1e3 * ( wisp_clock_seconds() - start ) / plan->settle_steps;
-    status = status == WISP_OK ? balloon_read_all( &entrant, &setting, &read, error ) : status;
+    status = status == WISP_OK ? balloon_read_all( &implementation, &setting, &read, error ) : status;
     if ( status == WISP_OK )
     {
         cells row = { .count = 0 };
@@ -112,7 +112,7 @@ static wisp_status settle( const balloon_plan* plan, const wisp_mesh* mesh, cons
         cells_put_number( &row, 100.0 * read.volume_error, 3 );
         cells_end_row( &row, table, out );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }

@@ -17,7 +17,7 @@ typedef struct balloon_plan
     int settle_steps;                           ///< of the pressure table
     int substeps_max;                           ///< rows of the pressure table with more are left out
     double seconds;                             ///< of all sizes together
-    int workers[SCENARIO_ENTRANTS_MAX], worker_count;
+    int workers[SCENARIO_IMPLEMENTATIONS_MAX], worker_count;
     const bench_options* options;
 } balloon_plan;
 
@@ -40,5 +40,5 @@ typedef struct balloon_readings
 } balloon_readings;
 
 /// One more step for each reading.
-wisp_status balloon_read_all( surface_entrant* entrant, const balloon_setting* setting, balloon_readings* out,
-                              wisp_error* error );
+wisp_status balloon_read_all( surface_implementation* implementation, const balloon_setting* setting,
+                              balloon_readings* out, wisp_error* error );

@@ -11,10 +11,10 @@ static const float FOUR_PI = 12.5663706f;
 
 wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    recipe.level = level;
-    recipe.radius = radius;
-    return wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    generator.level = level;
+    generator.radius = radius;
+    return wisp_mesh_generate( &generator, out, error );
 }
 
 static void set_size( wisp_mesh* mesh, double area )
@@ -26,8 +26,8 @@ static void set_size( wisp_mesh* mesh, double area )
         centre[1] += (double)mesh->points[i].y / mesh->vertex_count;
         centre[2] += (double)mesh->points[i].z / mesh->vertex_count;
     }
-    double wanted = (double)( FOUR_PI * BALLOON_RADIUS * BALLOON_RADIUS );
-    double scale = sqrt( wanted / area );
+    double requested = (double)( FOUR_PI * BALLOON_RADIUS * BALLOON_RADIUS );
+    double scale = sqrt( requested / area );
     for ( int i = 0; i < mesh->vertex_count; ++i )
     {
         wisp_vec3* p = &mesh->points[i];
@@ -44,16 +44,16 @@ wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* 
     wisp_status status = wisp_mesh_read( BENCH_DATA "/bunny.obj", out, &unread );
     if ( status == WISP_IO_ERROR )
     {
-        wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PEAR );
-        recipe.level = 4;
+        wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
+        generator.level = 4;
         *name = "pear";
-        status = wisp_mesh_make( &recipe, out, &unread );
+        status = wisp_mesh_generate( &generator, out, &unread );
     }
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     status = status == WISP_OK ? wisp_mesh_examine( out, &report, &unread ) : status;
     if ( status != WISP_OK )
     {
-        return wisp_fail( error, status, "%s", unread.sentence );
+        return wisp_fail( error, status, "%s", unread.message );
     }
     set_size( out, report.area );
     return WISP_OK;
@@ -120,36 +120,36 @@ wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting,
 {
     wisp_fabric_def def = wisp_default_fabric_def();
     def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
-    def.sweep = setting->sweep;
+    def.solve_order = setting->solve_order;
     return surface_cook( mesh, def, out, error );
 }
 
 // A balloon has no switch for levels, since they only resist stretching; here they are given to it to show what they do.
-static wisp_status give_levels( surface_entrant* entrant )
+static wisp_status give_levels( surface_implementation* implementation )
 {
-    wisp_status status = wisp_world_attach( entrant->world, entrant->entity, WISP_SURFACE_LEVELS );
+    wisp_status status = wisp_world_attach( implementation->world, implementation->entity, WISP_SURFACE_LEVELS );
     if ( status == WISP_OK )
     {
-        *(int32_t*)wisp_world_column( entrant->world, entrant->entity, WISP_SURFACE_LEVELS, 0 ) = 1;
+        *(int32_t*)wisp_world_column( implementation->world, implementation->entity, WISP_SURFACE_LEVELS, 0 ) = 1;
     }
     return status;
 }
 
-wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* setting, surface_entrant* out,
-                                    wisp_error* error )
+wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_setting* setting,
+                                           surface_implementation* out, wisp_error* error )
 {
-    surface_recipe recipe = surface_default_recipe( &wisp_balloon_module, fabric );
-    recipe.points = setting->points;
-    recipe.pins = setting->pins;
-    recipe.pin_count = setting->pin_count;
-    recipe.area_density = setting->area_density;
-    recipe.gravity = setting->gravity;
-    recipe.damping = setting->damping;
-    recipe.substeps = setting->substeps;
-    recipe.iterations = setting->iterations;
-    recipe.workers = setting->workers;
-    recipe.seconds = setting->seconds;
-    wisp_status status = surface_entrant_create( &recipe, out, error );
+    surface_generator generator = surface_default_generator( &wisp_balloon_module, fabric );
+    generator.points = setting->points;
+    generator.pins = setting->pins;
+    generator.pin_count = setting->pin_count;
+    generator.area_density = setting->area_density;
+    generator.gravity = setting->gravity;
+    generator.damping = setting->damping;
+    generator.substeps = setting->substeps;
+    generator.iterations = setting->iterations;
+    generator.workers = setting->workers;
+    generator.seconds = setting->seconds;
+    wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -161,18 +161,19 @@ wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* 
     }
     if ( status == WISP_OK )
     {
-        status = wisp_want_balloon_figures( out->world, out->entity, true );
+        status = wisp_request_balloon_stats( out->world, out->entity, true );
     }
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }
 
-wisp_status balloon_entrant_read( surface_entrant* entrant, wisp_balloon_figures* out, wisp_error* error )
+wisp_status balloon_implementation_read( surface_implementation* implementation, wisp_balloon_stats* out,
+                                         wisp_error* error )
 {
-    wisp_status status = wisp_read_balloon_figures( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_status status = wisp_read_balloon_stats( implementation->world, implementation->entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }

@@ -31,7 +31,7 @@ typedef struct balloon_setting
     wisp_vec3 gravity;       ///< m/s^2
     float damping;           ///< 1/s
     bool levels;             ///< one pass over coarse levels a substep
-    wisp_sweep sweep;
+    wisp_solve_order solve_order;
     const int32_t* pins;
     int pin_count;
     int substeps, iterations, workers;
@@ -46,9 +46,10 @@ balloon_setting balloon_setting_in_vacuum( void );
 wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting, wisp_fabric** out,
                           wisp_error* error );
 /// A balloon whose figures are wanted.
-wisp_status balloon_entrant_create( wisp_fabric* fabric, const balloon_setting* setting, surface_entrant* out,
-                                    wisp_error* error );
-wisp_status balloon_entrant_read( surface_entrant* entrant, wisp_balloon_figures* out, wisp_error* error );
+wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_setting* setting,
+                                           surface_implementation* out, wisp_error* error );
+wisp_status balloon_implementation_read( surface_implementation* implementation, wisp_balloon_stats* out,
+                                         wisp_error* error );
 
 /// Volume of a closed mesh, m^3.
 double balloon_volume( const wisp_mesh* mesh, const wisp_vec3* points );

@@ -17,120 +17,125 @@
 typedef struct size_line
 {
     int vertices, triangles;
-    stats_summary ms[SCENARIO_ENTRANTS_MAX];
-    double volume_ms[SCENARIO_ENTRANTS_MAX]; ///< of the pass that holds the volume
+    stats_summary ms[SCENARIO_IMPLEMENTATIONS_MAX];
+    double volume_ms[SCENARIO_IMPLEMENTATIONS_MAX]; ///< of the pass that holds the volume
     balloon_readings read;
     double bytes; ///< a vertex
     uint64_t hash;
 } size_line;
 
-typedef struct size_race
+typedef struct size_comparison
 {
     wisp_mesh mesh;
     wisp_fabric* fabric;
     balloon_setting setting;
-    surface_entrant entrants[SCENARIO_ENTRANTS_MAX];
-    bench_variant variants[SCENARIO_ENTRANTS_MAX];
-} size_race;
+    surface_implementation implementations[SCENARIO_IMPLEMENTATIONS_MAX];
+    bench_variant variants[SCENARIO_IMPLEMENTATIONS_MAX];
+} size_comparison;
 
 // Figures cost passes of their own, so they are asked for only when the times are taken.
-static wisp_status enter( const balloon_plan* plan, int level, size_race* race, wisp_error* error )
+static wisp_status enter( const balloon_plan* plan, int level, size_comparison* comparison, wisp_error* error )
 {
-    race->setting = balloon_setting_in_vacuum();
-    race->setting.def.fill = FILL;
-    race->setting.damping = 5.0f;
-    wisp_status status = balloon_mesh_sphere( level, BALLOON_RADIUS, &race->mesh, error );
-    status = status == WISP_OK ? balloon_cook( &race->mesh, &race->setting, &race->fabric, error ) : status;
+    comparison->setting = balloon_setting_in_vacuum();
+    comparison->setting.def.gas_ratio = FILL;
+    comparison->setting.damping = 5.0f;
+    wisp_status status = balloon_mesh_sphere( level, BALLOON_RADIUS, &comparison->mesh, error );
+    status = status == WISP_OK ? balloon_cook( &comparison->mesh, &comparison->setting, &comparison->fabric, error )
+                               : status;
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        race->setting.workers = plan->workers[e];
-        surface_entrant* entrant = &race->entrants[e];
-        status = balloon_entrant_create( race->fabric, &race->setting, entrant, error );
+        comparison->setting.workers = plan->workers[e];
+        surface_implementation* implementation = &comparison->implementations[e];
+        status = balloon_implementation_create( comparison->fabric, &comparison->setting, implementation, error );
         if ( status == WISP_OK )
         {
-            status = wisp_want_balloon_figures( entrant->world, entrant->entity, false );
+            status = wisp_request_balloon_stats( implementation->world, implementation->entity, false );
         }
-        race->variants[e] = ( bench_variant ){
-            .name = "wisp", .step = surface_entrant_step, .after = surface_entrant_keep_profile, .context = entrant
-        };
+        comparison->variants[e] = ( bench_variant ){ .name = "wisp",
+                                                     .step = surface_implementation_step,
+                                                     .after = surface_implementation_keep_profile,
+                                                     .context = implementation };
     }
     return status;
 }
 
-static void leave( const balloon_plan* plan, size_race* race )
+static void leave( const balloon_plan* plan, size_comparison* comparison )
 {
-    bench_free_samples( race->variants, plan->worker_count );
+    bench_free_samples( comparison->variants, plan->worker_count );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        surface_entrant_destroy( &race->entrants[e] );
+        surface_implementation_destroy( &comparison->implementations[e] );
     }
-    wisp_fabric_release( race->fabric );
-    wisp_mesh_release( &race->mesh );
+    wisp_fabric_release( comparison->fabric );
+    wisp_mesh_release( &comparison->mesh );
 }
 
-static wisp_status judge( const balloon_plan* plan, size_race* race, size_line* line, results* out,
+static wisp_status judge( const balloon_plan* plan, size_comparison* comparison, size_line* line, results* out,
                           wisp_error* error )
 {
-    uint64_t hashes[SCENARIO_ENTRANTS_MAX] = { 0 };
+    uint64_t hashes[SCENARIO_IMPLEMENTATIONS_MAX] = { 0 };
     wisp_status status = WISP_OK;
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
         for ( int s = 0; s < START_STEPS && status == WISP_OK; ++s )
         {
-            status = surface_entrant_step( &race->entrants[e], error );
+            status = surface_implementation_step( &comparison->implementations[e], error );
         }
-        status = status == WISP_OK ? surface_entrant_hash( &race->entrants[e], &hashes[e], error ) : status;
+        status = status == WISP_OK ? surface_implementation_hash( &comparison->implementations[e], &hashes[e], error )
+                                   : status;
     }
     if ( status == WISP_OK )
     {
         char what[64];
         snprintf( what, sizeof( what ), "balloon of %d vertices", line->vertices );
-        scenario_check_hashes( race->entrants, plan->worker_count, hashes, what, out );
+        scenario_check_hashes( comparison->implementations, plan->worker_count, hashes, what, out );
         line->hash = hashes[0];
     }
     return status;
 }
 
-static void check( const size_race* race, const size_line* line, results* out )
+static void check( const size_comparison* comparison, const size_line* line, results* out )
 {
     if ( !( fabs( line->read.volume_error ) <= BALLOON_TOLERATED_VOLUME ) )
     {
         results_add_failure( out, "balloon of %d vertices: the volume is %.2f %% beside V_0, more than %.1f %%.",
                              line->vertices, 100.0 * line->read.volume_error, 100.0 * BALLOON_TOLERATED_VOLUME );
     }
-    if ( race->entrants[0].halted_at > 0 )
+    if ( comparison->implementations[0].halted_at > 0 )
     {
         results_add_failure( out, "balloon of %d vertices: halted at step %d.", line->vertices,
-                             race->entrants[0].halted_at );
+                             comparison->implementations[0].halted_at );
     }
 }
 
-static wisp_status run_line( const balloon_plan* plan, int level, double seconds, size_race* race, size_line* line,
-                             results* out, wisp_error* error )
+static wisp_status run_line( const balloon_plan* plan, int level, double seconds, size_comparison* comparison,
+                             size_line* line, results* out, wisp_error* error )
 {
-    wisp_status status = enter( plan, level, race, error );
+    wisp_status status = enter( plan, level, comparison, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    line->vertices = race->mesh.vertex_count;
-    line->triangles = race->mesh.triangle_count;
-    status = judge( plan, race, line, out, error );
+    line->vertices = comparison->mesh.vertex_count;
+    line->triangles = comparison->mesh.triangle_count;
+    status = judge( plan, comparison, line, out, error );
     const bench_effort effort = { .seconds = seconds, .rounds_min = 2, .samples_max = SAMPLES_MAX };
     if ( status == WISP_OK )
     {
-        status = bench_interleave( race->variants, plan->worker_count, &effort, error );
+        status = bench_interleave( comparison->variants, plan->worker_count, &effort, error );
     }
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        line->ms[e] = stats_summarise( race->variants[e].samples, race->variants[e].sample_count );
-        line->volume_ms[e] = surface_entrant_pass_ms( &race->entrants[e], "balloon.volume" );
+        line->ms[e] = stats_summarise( comparison->variants[e].samples, comparison->variants[e].sample_count );
+        line->volume_ms[e] = surface_implementation_pass_ms( &comparison->implementations[e], "balloon.volume" );
     }
-    line->bytes = (double)wisp_world_memory( race->entrants[0].world ) / line->vertices;
-    status = status == WISP_OK ? balloon_read_all( &race->entrants[0], &race->setting, &line->read, error ) : status;
+    line->bytes = (double)wisp_world_memory( comparison->implementations[0].world ) / line->vertices;
+    status = status == WISP_OK
+                 ? balloon_read_all( &comparison->implementations[0], &comparison->setting, &line->read, error )
+                 : status;
     if ( status == WISP_OK )
     {
-        check( race, line, out );
+        check( comparison, line, out );
     }
     return status;
 }
@@ -147,7 +152,8 @@ static double ns_a_triangle( const size_line* line, int e )
     return 1e6 * line->volume_ms[e] / ( (double)line->triangles * BALLOON_SUBSTEPS * BALLOON_ITERATIONS );
 }
 
-static void add_rows( const balloon_plan* plan, const size_race* race, const size_line* line, results* out )
+static void add_rows( const balloon_plan* plan, const size_comparison* comparison, const size_line* line,
+                      results* out )
 {
     for ( int e = 0; e < plan->worker_count; ++e )
     {
@@ -164,13 +170,13 @@ static void add_rows( const balloon_plan* plan, const size_race* race, const siz
         row->ms_p10 = line->ms[e].p10;
         row->ms_p90 = line->ms[e].p90;
         row->steps = line->ms[e].count;
-        profile_samples profile = race->entrants[e].profile;
+        profile_samples profile = comparison->implementations[e].profile;
         for ( int i = 0; i < profile.pass_count; ++i )
         {
             results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
         }
         snprintf( row->error_reference, sizeof( row->error_reference ), "closed form" );
-        results_put( &row->error, "volume_share", line->read.volume_error );
+        results_put( &row->error, "volume_stiffness", line->read.volume_error );
         results_put( &row->error, "closed_form_Pa", line->read.closed_form );
         results_put( &row->error, "virial_Pa", line->read.pressure[WISP_BALLOON_PRESSURE_VIRIAL] );
         results_put( &row->error, "multiplier_Pa", line->read.pressure[WISP_BALLOON_PRESSURE_MULTIPLIER] );
@@ -294,15 +300,15 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
     int table = begin_table( plan, out );
     for ( int i = 0; i < plan->level_count && status == WISP_OK; ++i )
     {
-        size_race race = { 0 };
+        size_comparison comparison = { 0 };
         double left = fmax( deadline - wisp_clock_seconds(), 0.0 ) / ( plan->level_count - i );
-        status = run_line( plan, plan->levels[i], left, &race, &lines[i], out, error );
+        status = run_line( plan, plan->levels[i], left, &comparison, &lines[i], out, error );
         if ( status == WISP_OK )
         {
-            add_rows( plan, &race, &lines[i], out );
+            add_rows( plan, &comparison, &lines[i], out );
             add_line( plan, &lines[i], table, out );
         }
-        leave( plan, &race );
+        leave( plan, &comparison );
     }
     if ( status == WISP_OK )
     {

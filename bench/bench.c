@@ -57,7 +57,7 @@ static const bench_case all_cases[] = {
 // enough that a disturbance of a second hits every variant. Beside a variant whose single step takes much longer, a
 // turn may take this share of it.
 #define TURN_MS 10.0
-#define TURN_SHARE 0.25
+#define TURN_FRACTION 0.25
 #define TURN_STEPS_MAX 32
 
 const bench_case* bench_cases( int* count )
@@ -81,11 +81,11 @@ const char* bench_workers_word( int workers )
     return workers == 1 ? "worker" : "workers";
 }
 
-void bench_progress( const bench_options* options, double share, const char* what )
+void bench_progress( const bench_options* options, double fraction, const char* what )
 {
     if ( options->progress )
     {
-        options->progress( options->progress_user, share, what );
+        options->progress( options->progress_user, fraction, what );
     }
 }
 
@@ -115,7 +115,7 @@ static void choose_turns( bench_variant* variants, int count )
     double turn_ms = TURN_MS;
     for ( int i = 0; i < count; ++i )
     {
-        turn_ms = fmax( turn_ms, TURN_SHARE * variants[i].warm_ms );
+        turn_ms = fmax( turn_ms, TURN_FRACTION * variants[i].warm_ms );
     }
     for ( int i = 0; i < count; ++i )
     {

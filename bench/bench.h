@@ -14,7 +14,7 @@ typedef struct bench_options
     bool longest;    ///< the case `stability`: a million steps at rest as well
     const char* pictures; ///< folder that cases with pictures write them to, which must exist; null: no pictures
     /// Told what is running and how much of the case is done, in [0, 1]; may be null.
-    void ( *progress )( void* user, double share, const char* what );
+    void ( *progress )( void* user, double fraction, const char* what );
     void* progress_user;
 } bench_options;
 
@@ -24,7 +24,7 @@ bench_options bench_default_options( void );
 double bench_seconds( const bench_options* options );
 /// "worker" or "workers".
 const char* bench_workers_word( int workers );
-void bench_progress( const bench_options* options, double share, const char* what );
+void bench_progress( const bench_options* options, double fraction, const char* what );
 
 typedef wisp_status bench_case_fn( const bench_options* options, results* out, wisp_error* error );
 

@@ -1,10 +1,10 @@
 #include "bench_world.h"
 
-void bench_world_drop_log( void* user, wisp_log_level level, const char* sentence )
+void bench_world_drop_log( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
     (void)level;
-    (void)sentence;
+    (void)message;
 }
 
 wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error )

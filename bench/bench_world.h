@@ -4,7 +4,7 @@
 #include "wisp/module/module.h"
 
 /// A log that drops every line: the tables show what is halted or reset.
-void bench_world_drop_log( void* user, wisp_log_level level, const char* sentence );
+void bench_world_drop_log( void* user, wisp_log_level level, const char* message );
 /// Fail with the last message of a world. @return the status
 wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error );
 /// Make a step. @param steps counts it @param halted_at is set to the step that halts the entity, if it is 0

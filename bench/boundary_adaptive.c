@@ -99,53 +99,53 @@ static wisp_status find_turns( const body* b, const wisp_boundary_view* view, tu
 
 // ---- a pair ----
 
-static wisp_status count_points( layer_entrant* entrant, int* points, wisp_error* error )
+static wisp_status count_points( layer_implementation* implementation, int* points, wisp_error* error )
 {
-    wisp_boundary_figures figures = { 0 };
-    wisp_status status = layer_set( &entrant->surface, &entrant->def, error );
-    status = status == WISP_OK ? layer_step( entrant, error ) : status;
-    status = status == WISP_OK ? layer_read_figures( &entrant->surface, &figures, error ) : status;
-    *points = figures.points;
+    wisp_boundary_stats stats = { 0 };
+    wisp_status status = layer_set( &implementation->surface, &implementation->def, error );
+    status = status == WISP_OK ? layer_step( implementation, error ) : status;
+    status = status == WISP_OK ? layer_read_stats( &implementation->surface, &stats, error ) : status;
+    *points = stats.points;
     return status;
 }
 
 // The spacing at which there are as many points as in another layer, or hardly more.
-static wisp_status match( layer_entrant* entrant, int wanted, float* spacing, wisp_error* error )
+static wisp_status match( layer_implementation* implementation, int requested, float* spacing, wisp_error* error )
 {
-    float low = NARROWEST, high = WIDEST;
+    float lower = NARROWEST, upper = WIDEST;
     wisp_status status = WISP_OK;
     for ( int i = 0; i < HALVINGS && status == WISP_OK; ++i )
     {
         int points = 0;
-        entrant->def.spacing = sqrtf( low * high );
-        status = count_points( entrant, &points, error );
-        low = points >= wanted ? entrant->def.spacing : low;
-        high = points >= wanted ? high : entrant->def.spacing;
+        implementation->def.spacing = sqrtf( lower * upper );
+        status = count_points( implementation, &points, error );
+        lower = points >= requested ? implementation->def.spacing : lower;
+        upper = points >= requested ? upper : implementation->def.spacing;
     }
-    *spacing = low;
+    *spacing = lower;
     return status;
 }
 
 // In a world that is closed again, so that what is timed has no memory of layers that were larger.
-static wisp_status find_spacing( const body* b, int wanted, float* spacing, wisp_error* error )
+static wisp_status find_spacing( const body* b, int requested, float* spacing, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( &layer_laws[0], WIDEST );
-    layer_entrant entrant;
-    wisp_status status = layer_enter( b->fabric, &def, 1, &entrant, error );
+    layer_implementation implementation;
+    wisp_status status = layer_enter( b->fabric, &def, 1, &implementation, error );
     if ( status == WISP_OK )
     {
-        status = match( &entrant, wanted, spacing, error );
-        surface_entrant_destroy( &entrant.surface );
+        status = match( &implementation, requested, spacing, error );
+        surface_implementation_destroy( &implementation.surface );
     }
     return status;
 }
 
-static wisp_status enter_pair( const body* b, float gain, layer_entrant pair[PAIR], wisp_error* error )
+static wisp_status enter_pair( const body* b, float gain, layer_implementation pair[PAIR], wisp_error* error )
 {
     wisp_boundary_def def = layer_def( &layer_laws[0], WIDEST );
     def.curvature_gain = gain;
-    def.least_spacing = NARROWEST;
-    def.most_spacing = WIDEST;
+    def.min_spacing = NARROWEST;
+    def.max_spacing = WIDEST;
     int points = 0;
     float spacing = WIDEST;
     wisp_status status = layer_enter( b->fabric, &def, 1, pair, error );
@@ -155,7 +155,7 @@ static wisp_status enter_pair( const body* b, float gain, layer_entrant pair[PAI
     return status == WISP_OK ? layer_enter( b->fabric, &def, 1, pair + 1, error ) : status;
 }
 
-static wisp_status time_pair( const body* b, layer_entrant pair[PAIR], wisp_error* error )
+static wisp_status time_pair( const body* b, layer_implementation pair[PAIR], wisp_error* error )
 {
     bench_variant variants[PAIR] = { { 0 } };
     const bench_effort effort = { b->plan->adaptive_seconds / GAINS, ROUNDS_MIN, SAMPLES_MAX };
@@ -170,22 +170,22 @@ static wisp_status time_pair( const body* b, layer_entrant pair[PAIR], wisp_erro
     return status;
 }
 
-static void add_row( layer_entrant* entrant, const char* name, const wisp_boundary_figures* figures,
+static void add_row( layer_implementation* implementation, const char* name, const wisp_boundary_stats* stats,
                      const turns* turn, const char* met, int table, results* out )
 {
-    const stats_summary ms = layer_pass_ms( &entrant->surface, "boundary.points" );
-    const stats_summary spacing = layer_pass_ms( &entrant->surface, "boundary.spacing" );
+    const stats_summary ms = layer_pass_ms( &implementation->surface, "boundary.points" );
+    const stats_summary spacing = layer_pass_ms( &implementation->surface, "boundary.spacing" );
     cells row = { .count = 0 };
     cells_put( &row, "%s", name );
-    cells_put_number( &row, 1e3 * (double)entrant->def.spacing, 3 );
-    cells_put( &row, "%d", figures->edge_points );
-    cells_put( &row, "%d", figures->inner_points );
+    cells_put_number( &row, 1e3 * (double)implementation->def.spacing, 3 );
+    cells_put( &row, "%d", stats->edge_points );
+    cells_put( &row, "%d", stats->inner_points );
     cells_put_number( &row, turn->mean, 2 );
     cells_put_number( &row, turn->p99, 2 );
     cells_put_number( &row, turn->most, 2 );
     cells_put_number( &row, ms.median, 4 );
     cells_put_number( &row, spacing.median, 4 );
-    cells_put_number( &row, (double)figures->bytes / figures->points, 0 );
+    cells_put_number( &row, (double)stats->bytes / stats->points, 0 );
     cells_put( &row, "%s", met );
     cells_end_row( &row, table, out );
     results_row* line = results_add_row( out, "boundary", name );
@@ -196,8 +196,8 @@ static void add_row( layer_entrant* entrant, const char* name, const wisp_bounda
         line->ms_p10 = ms.p10;
         line->ms_p90 = ms.p90;
         line->steps = ms.count;
-        results_put( &line->size, "points", figures->points );
-        results_put( &line->size, "spacing_m", (double)entrant->def.spacing );
+        results_put( &line->size, "points", stats->points );
+        results_put( &line->size, "spacing_m", (double)implementation->def.spacing );
         results_put( &line->stages, "boundary.points", ms.median );
         results_put( &line->stages, "boundary.spacing", spacing.median );
         snprintf( line->error_reference, sizeof( line->error_reference ), "vertex normals" );
@@ -208,8 +208,8 @@ static void add_row( layer_entrant* entrant, const char* name, const wisp_bounda
 
 static wisp_status run_gain( const body* b, float gain, int table, results* out, wisp_error* error )
 {
-    layer_entrant pair[PAIR] = { { .amplitude = 0.0 } };
-    wisp_boundary_figures figures[PAIR];
+    layer_implementation pair[PAIR] = { { .amplitude = 0.0 } };
+    wisp_boundary_stats stats[PAIR];
     turns turn[PAIR];
     wisp_status status = enter_pair( b, gain, pair, error );
     status = status == WISP_OK ? time_pair( b, pair, error ) : status;
@@ -217,24 +217,24 @@ static wisp_status run_gain( const body* b, float gain, int table, results* out,
     {
         wisp_boundary_view view;
         status = layer_read( &pair[k].surface, &view, error );
-        status = status == WISP_OK ? layer_read_figures( &pair[k].surface, figures + k, error ) : status;
+        status = status == WISP_OK ? layer_read_stats( &pair[k].surface, stats + k, error ) : status;
         status = status == WISP_OK ? find_turns( b, &view, turn + k, error ) : status;
     }
     if ( status == WISP_OK )
     {
         char name[40];
-        const bool met = turn[0].p99 < turn[1].p99 && figures[0].points <= figures[1].points;
+        const bool met = turn[0].p99 < turn[1].p99 && stats[0].points <= stats[1].points;
         snprintf( name, sizeof( name ), "curvature, gain %g", (double)gain );
-        add_row( pair, name, figures, turn, met ? "yes" : "NO", table, out );
-        add_row( pair + 1, "as many at one spacing", figures + 1, turn + 1, "", table, out );
+        add_row( pair, name, stats, turn, met ? "yes" : "NO", table, out );
+        add_row( pair + 1, "as many at one spacing", stats + 1, turn + 1, "", table, out );
         if ( !met )
         {
             results_add_failure( out, "B5: with a gain of %g normals turn no less than at one spacing.",
                                  (double)gain );
         }
     }
-    surface_entrant_destroy( &pair[0].surface );
-    surface_entrant_destroy( &pair[1].surface );
+    surface_implementation_destroy( &pair[0].surface );
+    surface_implementation_destroy( &pair[1].surface );
     return status;
 }
 

@@ -27,7 +27,7 @@ wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_er
     {
         boundary_fn* run;
         const char* name;
-        double share; // of the case that is done before
+        double fraction; // of the case that is done before
     } tables[] = {
         { boundary_inflate, "boundary, inflation", 0.0 },  { boundary_volumes, "boundary, volumes", 0.05 },
         { boundary_counts, "boundary, counts", 0.1 },      { boundary_normals, "boundary, normals", 0.12 },
@@ -38,7 +38,7 @@ wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_er
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, tables[i].share, tables[i].name );
+        bench_progress( plan->options, tables[i].fraction, tables[i].name );
         status = tables[i].run( plan, out, error );
     }
     return status;

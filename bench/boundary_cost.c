@@ -48,7 +48,7 @@ typedef struct cost_run
     results* out;
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    layer_entrant entrants[VARIANTS];
+    layer_implementation implementations[VARIANTS];
     layer_cost costs[LAYER_LAWS * BOUNDARY_SIZES_MAX];
     int count;
     double area; // m^2
@@ -68,11 +68,12 @@ static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_varia
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WAYS * plan->worker_count && status == WISP_OK; ++i )
     {
-        status = layer_enter( run->fabric, &def, plan->workers[i / WAYS], run->entrants + i, error );
-        run->entrants[i].is_anew = i % WAYS == ANEW;
-        variants[i] = ( bench_variant ){
-            .name = way_names[i % WAYS], .step = layer_step, .after = layer_keep_profile, .context = run->entrants + i
-        };
+        status = layer_enter( run->fabric, &def, plan->workers[i / WAYS], run->implementations + i, error );
+        run->implementations[i].is_anew = i % WAYS == ANEW;
+        variants[i] = ( bench_variant ){ .name = way_names[i % WAYS],
+                                         .step = layer_step,
+                                         .after = layer_keep_profile,
+                                         .context = run->implementations + i };
     }
     return status;
 }
@@ -81,23 +82,23 @@ static void read_times( cost_run* run, layer_cost* cost )
 {
     for ( int i = 0; i < WAYS * run->plan->worker_count; ++i )
     {
-        cost->ms[i % WAYS][i / WAYS] = layer_pass_ms( &run->entrants[i].surface, "boundary.points" );
+        cost->ms[i % WAYS][i / WAYS] = layer_pass_ms( &run->implementations[i].surface, "boundary.points" );
     }
 }
 
 static wisp_status look( cost_run* run, layer_cost* cost, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
-    surface_entrant* first = &run->entrants[0].surface;
-    wisp_boundary_figures figures;
+    surface_implementation* first = &run->implementations[0].surface;
+    wisp_boundary_stats stats;
     wisp_boundary_view view;
     wisp_status status = layer_compare( first, &run->mesh, &def, &cost->check, error );
-    status = status == WISP_OK ? layer_read_figures( first, &figures, error ) : status;
-    cost->bytes = status == WISP_OK ? figures.bytes : 0;
+    status = status == WISP_OK ? layer_read_stats( first, &stats, error ) : status;
+    cost->bytes = status == WISP_OK ? stats.bytes : 0;
     cost->same_hash = true;
     for ( int i = 0; i < WAYS * run->plan->worker_count && status == WISP_OK; ++i )
     {
-        status = layer_read( &run->entrants[i].surface, &view, error );
+        status = layer_read( &run->implementations[i].surface, &view, error );
         const uint64_t hash = status == WISP_OK ? layer_hash( &view ) : 0;
         cost->hash = i == 0 ? hash : cost->hash;
         cost->same_hash = cost->same_hash && hash == cost->hash;
@@ -123,7 +124,7 @@ static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wis
     }
     for ( int i = 0; i < count; ++i )
     {
-        surface_entrant_destroy( &run->entrants[i].surface );
+        surface_implementation_destroy( &run->implementations[i].surface );
     }
     return status;
 }
@@ -318,7 +319,7 @@ static void write_tables( const cost_run* run, results* out )
 
 static double area_of( const wisp_mesh* mesh, wisp_error* error )
 {
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     return wisp_mesh_examine( mesh, &report, error ) == WISP_OK ? report.area : NAN;
 }
 

@@ -11,7 +11,7 @@
 
 // A world with one layer on points that are given.
 static wisp_status enter_mesh( const wisp_mesh* mesh, const wisp_boundary_def* def, wisp_fabric** fabric,
-                               layer_entrant* out, wisp_boundary_view* view, wisp_error* error )
+                               layer_implementation* out, wisp_boundary_view* view, wisp_error* error )
 {
     wisp_status status = layer_cook( mesh, fabric, error );
     status = status == WISP_OK ? layer_enter( *fabric, def, 1, out, error ) : status;
@@ -62,7 +62,7 @@ static int points_of_edge( const wisp_boundary_view* view, int32_t a, int32_t b 
 }
 
 // @param counts of the edges
-static wisp_status count_edges( const layer_law* law, const float* shares, int counts[EDGES], wisp_error* error )
+static wisp_status count_edges( const layer_law* law, const float* fractions, int counts[EDGES], wisp_error* error )
 {
     wisp_vec3 points[3 * EDGES];
     int32_t triangles[3 * EDGES];
@@ -70,7 +70,7 @@ static wisp_status count_edges( const layer_law* law, const float* shares, int c
     {
         const float at = 0.5f * (float)i;
         points[3 * i] = ( wisp_vec3 ){ 0.0f, at, 0.0f };
-        points[3 * i + 1] = ( wisp_vec3 ){ shares[i] * EDGE_SPACING, at, 0.0f };
+        points[3 * i + 1] = ( wisp_vec3 ){ fractions[i] * EDGE_SPACING, at, 0.0f };
         points[3 * i + 2] = ( wisp_vec3 ){ 0.0f, at + 0.125f, 0.0f };
         for ( int k = 0; k < 3; ++k )
         {
@@ -80,21 +80,21 @@ static wisp_status count_edges( const layer_law* law, const float* shares, int c
     const wisp_mesh mesh = { points, triangles, 3 * EDGES, EDGES };
     const wisp_boundary_def def = layer_def( law, EDGE_SPACING );
     wisp_fabric* fabric = NULL;
-    layer_entrant entrant = { 0 };
+    layer_implementation implementation = { 0 };
     wisp_boundary_view view;
-    wisp_status status = enter_mesh( &mesh, &def, &fabric, &entrant, &view, error );
+    wisp_status status = enter_mesh( &mesh, &def, &fabric, &implementation, &view, error );
     for ( int i = 0; i < EDGES && status == WISP_OK; ++i )
     {
         counts[i] = points_of_edge( &view, 3 * i, 3 * i + 1 );
     }
-    surface_entrant_destroy( &entrant.surface );
+    surface_implementation_destroy( &implementation.surface );
     wisp_fabric_release( fabric );
     return status;
 }
 
 static wisp_status edges( results* out, wisp_error* error )
 {
-    static const float shares[EDGES] = { 0.3f, 1.0f, 1.5f, 2.0f, 3.7f };
+    static const float fractions[EDGES] = { 0.3f, 1.0f, 1.5f, 2.0f, 3.7f };
     static const int expected[LAYER_LAWS][EDGES] = { { 0, 0, 0, 1, 2 }, { 0, 0, 1, 1, 3 }, { 0, 0, 1, 1, 3 } };
     static const char* const header[] = { "spacing", "L/d 0.3", "1", "1.5", "2", "3.7", "expected", "met" };
     const int table = results_add_table( out, "B2: points of an edge by its length over the spacing",
@@ -104,7 +104,7 @@ static wisp_status edges( results* out, wisp_error* error )
     {
         int counts[EDGES] = { 0 };
         const int* e = expected[law];
-        status = count_edges( &layer_laws[law], shares, counts, error );
+        status = count_edges( &layer_laws[law], fractions, counts, error );
         const bool met = memcmp( counts, e, sizeof( counts ) ) == 0;
         cells row = { .count = 0 };
         cells_put( &row, "%s", layer_laws[law].name );
@@ -170,7 +170,7 @@ static int expected_points( const double3 corner[3], const wisp_boundary_def* de
     int sum = 0;
     for ( int k = 1; k <= lines; ++k )
     {
-        const double q = boundary_oracle_share( k, n, axis.height, d, policy );
+        const double q = boundary_oracle_fraction( k, n, axis.height, d, policy );
         sum += boundary_oracle_points_of_length( boundary_oracle_line_length( axis.base, q ), d, policy, rounding );
     }
     return sum;
@@ -178,7 +178,7 @@ static int expected_points( const double3 corner[3], const wisp_boundary_def* de
 
 static double3 quad_point( const wisp_samples* s, int p )
 {
-    const float* q = s->quads + 4 * (size_t)p;
+    const float* q = s->xyzw + 4 * (size_t)p;
     return double3_make( (double)q[0], (double)q[1], (double)q[2] );
 }
 
@@ -310,14 +310,14 @@ static wisp_status triangles( results* out, wisp_error* error )
         const int law = i / WISP_COUNT( spacings );
         const wisp_boundary_def def = layer_def( &layer_laws[law], spacings[i % WISP_COUNT( spacings )] );
         wisp_fabric* fabric = NULL;
-        layer_entrant entrant = { 0 };
+        layer_implementation implementation = { 0 };
         wisp_boundary_view view;
-        status = enter_mesh( &mesh, &def, &fabric, &entrant, &view, error );
+        status = enter_mesh( &mesh, &def, &fabric, &implementation, &view, error );
         for ( int kind = 0; kind < KINDS && status == WISP_OK; ++kind )
         {
             add_kind( &view, &def, law, kind, table, out );
         }
-        surface_entrant_destroy( &entrant.surface );
+        surface_implementation_destroy( &implementation.surface );
         wisp_fabric_release( fabric );
     }
     return status;

@@ -10,13 +10,13 @@ enum
 
 int layer_find_edge( const wisp_boundary_view* view, int32_t a, int32_t b )
 {
-    const int32_t low = a < b ? a : b, high = a < b ? b : a;
+    const int32_t lower = a < b ? a : b, upper = a < b ? b : a;
     int first = 0, end = view->edge_count;
     while ( first < end )
     {
         const int middle = first + ( end - first ) / 2;
         const int32_t* e = view->edges + 2 * (size_t)middle;
-        const bool below = e[0] < low || ( e[0] == low && e[1] < high );
+        const bool below = e[0] < lower || ( e[0] == lower && e[1] < upper );
         first = below ? middle + 1 : first;
         end = below ? end : middle;
     }
@@ -31,7 +31,7 @@ static double square_of( double x, double y, double z )
 
 static wisp_vec3 place( const wisp_samples* s, int point )
 {
-    const float* q = s->quads + 4 * (size_t)point;
+    const float* q = s->xyzw + 4 * (size_t)point;
     return ( wisp_vec3 ){ q[0], q[1], q[2] };
 }
 

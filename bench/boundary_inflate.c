@@ -33,11 +33,11 @@ typedef struct inflation
     const boundary_plan* plan;
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    surface_entrant balloon;
+    surface_implementation balloon;
     wisp_boundary_def def;
     int table;
     double moved, moved_expected; // m, of the centre along the gust
-    double off_most;              // m
+    double max_off;               // m
     int differing;                // steps whose points are not the oracle's
 } inflation;
 
@@ -91,8 +91,8 @@ static double centre_along_gust( inflation* run )
 
 static wisp_status one_step( inflation* run, int step, wisp_error* error )
 {
-    surface_entrant* b = &run->balloon;
-    wisp_status status = wisp_set_balloon_fill( b->world, b->entity, multiplier_at( step ) );
+    surface_implementation* b = &run->balloon;
+    wisp_status status = wisp_set_balloon_gas_ratio( b->world, b->entity, multiplier_at( step ) );
     if ( status != WISP_OK )
     {
         return bench_world_fail( b->world, status, error );
@@ -104,15 +104,15 @@ static wisp_status one_step( inflation* run, int step, wisp_error* error )
         const double dt = (double)LAYER_STEP;
         run->moved_expected = blow( run ) * dt / ( 1.0 - exp( -(double)LAYER_DECAY * dt ) );
     }
-    return surface_entrant_step( b, error );
+    return surface_implementation_step( b, error );
 }
 
 static wisp_status show( inflation* run, int step, const layer_check* check, results* out, wisp_error* error )
 {
     double volume;
-    wisp_boundary_figures layer = { 0 };
+    wisp_boundary_stats layer = { 0 };
     wisp_status status = layer_volume( &run->balloon, &run->mesh, &volume, error );
-    status = status == WISP_OK ? layer_read_figures( &run->balloon, &layer, error ) : status;
+    status = status == WISP_OK ? layer_read_stats( &run->balloon, &layer, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -142,7 +142,7 @@ static wisp_status fly( inflation* run, results* out, wisp_error* error )
         status = status == WISP_OK ? layer_compare( &run->balloon, &run->mesh, &run->def, &check, error ) : status;
         if ( status == WISP_OK )
         {
-            run->off_most = fmax( run->off_most, check.off_surface );
+            run->max_off = fmax( run->max_off, check.off_surface );
             run->differing += layer_check_is_met( &check ) ? 0 : 1;
         }
         if ( status == WISP_OK && step == shown[next] )
@@ -173,14 +173,14 @@ static wisp_status report( inflation* run, results* out, wisp_error* error )
         results_put( &row->size, "vertices", run->mesh.vertex_count );
         results_put( &row->size, "points", view.samples->count );
         snprintf( row->error_reference, sizeof( row->error_reference ), "oracle" );
-        results_put( &row->error, "off_surface_m", run->off_most );
+        results_put( &row->error, "off_surface_m", run->max_off );
         results_put( &row->error, "differing_steps", run->differing );
     }
     results_add_note( out,
                       "B1: after the gust the centre moved %.4f m; expected from the hits of vertices %.4f m. Of %d "
                       "steps %d have points that are not the oracle's; no point was farther than %.2g m from the "
                       "surface.",
-                      run->moved, run->moved_expected, END, run->differing, run->off_most );
+                      run->moved, run->moved_expected, END, run->differing, run->max_off );
     // places are rounded to 1e-7 of their size in every step, and the centre moves by 4 %: 1 % of that is far above
     if ( run->differing > 0 || run->balloon.halted_at > 0 ||
          !( fabs( run->moved / run->moved_expected - 1.0 ) < 0.01 ) )
@@ -214,7 +214,7 @@ wisp_status boundary_inflate( const boundary_plan* plan, results* out, wisp_erro
     wisp_status status = enter( &run, error );
     status = status == WISP_OK ? fly( &run, out, error ) : status;
     status = status == WISP_OK ? report( &run, out, error ) : status;
-    surface_entrant_destroy( &run.balloon );
+    surface_implementation_destroy( &run.balloon );
     wisp_fabric_release( run.fabric );
     wisp_mesh_release( &run.mesh );
     return status;

@@ -50,7 +50,7 @@ static void look_at_normals( const wisp_boundary_view* view, normal_look* out )
     for ( int p = 0; p < s->count; ++p )
     {
         const float* n = s->normals + 4 * (size_t)p;
-        add_angle( p < s->edge_count ? &out->edge : &out->inner, angle_of( n, s->quads + 4 * (size_t)p ) );
+        add_angle( p < s->edge_count ? &out->edge : &out->inner, angle_of( n, s->xyzw + 4 * (size_t)p ) );
     }
     for ( int e = 0; e < view->edge_count; ++e )
     {
@@ -66,19 +66,19 @@ static wisp_status look_at_sphere( int segments, normal_look* look, int* vertice
     const wisp_boundary_def def = layer_def( &layer_laws[0], NORMAL_SPACING );
     wisp_mesh mesh = { 0 };
     wisp_fabric* fabric = NULL;
-    layer_entrant entrant = { 0 };
+    layer_implementation implementation = { 0 };
     wisp_boundary_view view;
     wisp_status status = layer_sphere( segments, LAYER_RADIUS, &mesh, error );
     status = status == WISP_OK ? layer_cook( &mesh, &fabric, error ) : status;
-    status = status == WISP_OK ? layer_enter( fabric, &def, 1, &entrant, error ) : status;
-    status = status == WISP_OK ? layer_step( &entrant, error ) : status;
-    status = status == WISP_OK ? layer_read( &entrant.surface, &view, error ) : status;
+    status = status == WISP_OK ? layer_enter( fabric, &def, 1, &implementation, error ) : status;
+    status = status == WISP_OK ? layer_step( &implementation, error ) : status;
+    status = status == WISP_OK ? layer_read( &implementation.surface, &view, error ) : status;
     if ( status == WISP_OK )
     {
         look_at_normals( &view, look );
         *vertices = mesh.vertex_count;
     }
-    surface_entrant_destroy( &entrant.surface );
+    surface_implementation_destroy( &implementation.surface );
     wisp_fabric_release( fabric );
     wisp_mesh_release( &mesh );
     return status;

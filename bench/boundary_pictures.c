@@ -61,7 +61,7 @@ static void fill( shot* out, const wisp_samples* s, float line_length )
     out->offsets[0] = 0;
     for ( int p = 0; p < s->count; ++p )
     {
-        const float *q = s->quads + 4 * (size_t)p, *n = s->normals + 4 * (size_t)p;
+        const float *q = s->xyzw + 4 * (size_t)p, *n = s->normals + 4 * (size_t)p;
         out->points[p] = ( wisp_vec3 ){ q[0], q[1], q[2] };
         out->colours[p] = p < s->edge_count ? EDGE_COLOUR : INNER_COLOUR;
         out->lines[2 * p] = out->points[p];
@@ -72,12 +72,13 @@ static void fill( shot* out, const wisp_samples* s, float line_length )
 }
 
 // @param gap m that points are drawn for: their size
-static wisp_status take( shots* all, surface_entrant* entrant, float gap, const char* what, wisp_error* error )
+static wisp_status take( shots* all, surface_implementation* implementation, float gap, const char* what,
+                         wisp_error* error )
 {
     const wisp_vec3* vertices;
     wisp_boundary_view view;
-    wisp_status status = surface_entrant_points( entrant, &vertices, error );
-    status = status == WISP_OK ? layer_read( entrant, &view, error ) : status;
+    wisp_status status = surface_implementation_points( implementation, &vertices, error );
+    status = status == WISP_OK ? layer_read( implementation, &view, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
@@ -140,7 +141,7 @@ static void set_stage( const shots* all, int i, stage* out )
 // The ball about the middle of all shots, with the lines on them.
 static double find_ball( const shots* all, wisp_vec3* middle )
 {
-    wisp_vec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
+    wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
     double square = 0.0;
     for ( int pass = 0; pass < 2; ++pass )
     {
@@ -152,11 +153,12 @@ static double find_ball( const shots* all, wisp_vec3* middle )
                 const double x = (double)( p.x - middle->x ), y = (double)( p.y - middle->y ),
                              z = (double)( p.z - middle->z );
                 square = pass == 1 ? fmax( square, x * x + y * y + z * z ) : 0.0;
-                low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-                high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+                lower = ( wisp_vec3 ){ fminf( lower.x, p.x ), fminf( lower.y, p.y ), fminf( lower.z, p.z ) };
+                upper = ( wisp_vec3 ){ fmaxf( upper.x, p.x ), fmaxf( upper.y, p.y ), fmaxf( upper.z, p.z ) };
             }
         }
-        *middle = ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+        *middle =
+            ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
     }
     return sqrt( square );
 }
@@ -210,15 +212,15 @@ static wisp_status write_shots( const boundary_plan* plan, const shots* all, con
 static wisp_status take_still( shots* all, wisp_fabric* fabric, float spacing, const char* what, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( &layer_laws[0], spacing );
-    layer_entrant entrant;
-    wisp_status status = layer_enter( fabric, &def, 1, &entrant, error );
+    layer_implementation implementation;
+    wisp_status status = layer_enter( fabric, &def, 1, &implementation, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = layer_step( &entrant, error );
-    status = status == WISP_OK ? take( all, &entrant.surface, spacing, what, error ) : status;
-    surface_entrant_destroy( &entrant.surface );
+    status = layer_step( &implementation, error );
+    status = status == WISP_OK ? take( all, &implementation.surface, spacing, what, error ) : status;
+    surface_implementation_destroy( &implementation.surface );
     return status;
 }
 
@@ -253,14 +255,14 @@ static wisp_status picture_spacings( const boundary_plan* plan, const wisp_mesh*
     return status;
 }
 
-static wisp_status swell( surface_entrant* balloon, float from, float to, int steps, wisp_error* error )
+static wisp_status swell( surface_implementation* balloon, float from, float to, int steps, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int step = 1; step <= steps && status == WISP_OK; ++step )
     {
-        const float fill = from + ( to - from ) * (float)step / (float)steps;
-        status = wisp_set_balloon_fill( balloon->world, balloon->entity, fill );
-        status = status == WISP_OK ? surface_entrant_step( balloon, error )
+        const float gas_ratio = from + ( to - from ) * (float)step / (float)steps;
+        status = wisp_set_balloon_gas_ratio( balloon->world, balloon->entity, gas_ratio );
+        status = status == WISP_OK ? surface_implementation_step( balloon, error )
                                    : bench_world_fail( balloon->world, status, error );
     }
     return status;
@@ -271,7 +273,7 @@ static wisp_status picture_inflation( const boundary_plan* plan, const wisp_mesh
 {
     const layer_balloon setting = layer_default_balloon();
     const wisp_boundary_def def = layer_def( &layer_laws[0], LAYER_SPACING );
-    surface_entrant balloon = { 0 };
+    surface_implementation balloon = { 0 };
     shots all = { .mesh = mesh };
     wisp_status status = layer_enter_balloon( fabric, mesh, &setting, &balloon, error );
     status = status == WISP_OK ? layer_set( &balloon, &def, error ) : status;
@@ -282,7 +284,7 @@ static wisp_status picture_inflation( const boundary_plan* plan, const wisp_mesh
     status = status == WISP_OK ? swell( &balloon, 2.0f, 1.0f, 60, error ) : status;
     status = status == WISP_OK ? swell( &balloon, 1.0f, 1.0f, 10, error ) : status;
     status = status == WISP_OK ? take( &all, &balloon, LAYER_SPACING, "V x 1 again", error ) : status;
-    surface_entrant_destroy( &balloon );
+    surface_implementation_destroy( &balloon );
     status = status == WISP_OK
                  ? write_shots( plan, &all, "boundary_inflation", "The sphere inflated 1 -> 2 -> 1", out, error )
                  : status;

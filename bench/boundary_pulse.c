@@ -21,10 +21,10 @@ typedef struct pulse
     double amplitude;
     float hysteresis;
     bool is_anew;
-    layer_entrant entrant;
-    double changed, changed_most; // share of the elements, mean and most of a step
-    double kept;                  // share of the points that stay of one step to the next
-    int points_least, points_most;
+    layer_implementation implementation;
+    double changed, max_changed; // share of the elements, mean and most of a step
+    double kept;                 // share of the points that stay of one step to the next
+    int min_points, max_points;
     uint64_t hash;
 } pulse;
 
@@ -44,9 +44,9 @@ static wisp_status enter( const boundary_plan* plan, wisp_fabric* fabric, pulse*
 {
     wisp_boundary_def def = layer_def( &layer_laws[0], PULSE_SPACING );
     def.hysteresis = p->hysteresis;
-    wisp_status status = layer_enter( fabric, &def, plan->workers[0], &p->entrant, error );
-    p->entrant.amplitude = p->amplitude;
-    p->entrant.is_anew = p->is_anew;
+    wisp_status status = layer_enter( fabric, &def, plan->workers[0], &p->implementation, error );
+    p->implementation.amplitude = p->amplitude;
+    p->implementation.is_anew = p->is_anew;
     return status;
 }
 
@@ -68,24 +68,24 @@ static int count_kept( const wisp_samples* s, int elements, int32_t* before )
 
 static wisp_status count_step( pulse* p, int32_t* before, bool is_first, wisp_error* error )
 {
-    wisp_boundary_figures figures;
+    wisp_boundary_stats stats;
     wisp_boundary_view view;
-    wisp_status status = layer_step( &p->entrant, error );
-    status = status == WISP_OK ? layer_read_figures( &p->entrant.surface, &figures, error ) : status;
-    status = status == WISP_OK ? layer_read( &p->entrant.surface, &view, error ) : status;
+    wisp_status status = layer_step( &p->implementation, error );
+    status = status == WISP_OK ? layer_read_stats( &p->implementation.surface, &stats, error ) : status;
+    status = status == WISP_OK ? layer_read( &p->implementation.surface, &view, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    const int kept = count_kept( view.samples, figures.elements, before );
+    const int kept = count_kept( view.samples, stats.elements, before );
     if ( !is_first )
     {
-        const double share = (double)figures.changed_elements / figures.elements;
-        p->changed += share;
-        p->changed_most = fmax( p->changed_most, share );
-        p->kept += p->is_anew ? 0.0 : (double)kept / figures.points;
-        p->points_least = p->points_least == 0 || figures.points < p->points_least ? figures.points : p->points_least;
-        p->points_most = figures.points > p->points_most ? figures.points : p->points_most;
+        const double fraction = (double)stats.changed_elements / stats.elements;
+        p->changed += fraction;
+        p->max_changed = fmax( p->max_changed, fraction );
+        p->kept += p->is_anew ? 0.0 : (double)kept / stats.points;
+        p->min_points = p->min_points == 0 || stats.points < p->min_points ? stats.points : p->min_points;
+        p->max_points = stats.points > p->max_points ? stats.points : p->max_points;
     }
     return WISP_OK;
 }
@@ -104,7 +104,7 @@ static wisp_status count_changes( const boundary_plan* plan, const wisp_fabric* 
         status = count_step( p, before, false, error );
     }
     wisp_boundary_view view;
-    status = status == WISP_OK ? layer_read( &p->entrant.surface, &view, error ) : status;
+    status = status == WISP_OK ? layer_read( &p->implementation.surface, &view, error ) : status;
     p->hash = status == WISP_OK ? layer_hash( &view ) : 0;
     p->changed /= plan->pulse_steps;
     p->kept /= plan->pulse_steps;
@@ -121,7 +121,7 @@ static wisp_status time_all( const boundary_plan* plan, pulse all[PULSES], wisp_
     for ( int i = 0; i < PULSES; ++i )
     {
         variants[i] = ( bench_variant ){
-            .name = "pulse", .step = layer_step, .after = layer_keep_profile, .context = &all[i].entrant
+            .name = "pulse", .step = layer_step, .after = layer_keep_profile, .context = &all[i].implementation
         };
     }
     wisp_status status = bench_interleave( variants, PULSES, &effort, error );
@@ -148,23 +148,23 @@ static void add_pulse_row( const pulse* p, const stats_summary* ms, int workers,
         row->has_hash = true;
         results_put( &row->size, "amplitude", p->amplitude );
         results_put( &row->size, "hysteresis", (double)p->hysteresis );
-        results_put( &row->size, "points", p->points_most );
-        results_put( &row->size, "changed_share", p->changed );
-        results_put( &row->size, "kept_share", p->kept );
+        results_put( &row->size, "points", p->max_points );
+        results_put( &row->size, "changed_fraction", p->changed );
+        results_put( &row->size, "kept_fraction", p->kept );
         results_put( &row->stages, "boundary.points", ms->median );
     }
 }
 
 static void add_pulse( pulse* p, const stats_summary times[2], int workers, int table, results* out )
 {
-    const stats_summary ms = layer_pass_ms( &p->entrant.surface, "boundary.points" );
+    const stats_summary ms = layer_pass_ms( &p->implementation.surface, "boundary.points" );
     cells row = { .count = 0 };
     cells_put( &row, "%s", name_of( p ) );
     cells_put_number( &row, 100.0 * p->amplitude, 1 );
     cells_put_number( &row, (double)p->hysteresis, 1 );
-    cells_put( &row, "%d .. %d", p->points_least, p->points_most );
+    cells_put( &row, "%d .. %d", p->min_points, p->max_points );
     cells_put_number( &row, 100.0 * p->changed, 2 );
-    cells_put_number( &row, 100.0 * p->changed_most, 1 );
+    cells_put_number( &row, 100.0 * p->max_changed, 1 );
     cells_put_number( &row, 100.0 * p->kept, 2 );
     cells_put_number( &row, ms.median, 4 );
     cells_put_number( &row, ms.p90, 4 );
@@ -212,8 +212,8 @@ static void write_pulses( const boundary_plan* plan, pulse all[PULSES], results*
                            "B6: a radius that pulsates in 60 steps, d 0.05: elements whose counts change, "
                            "and time of the pass that makes the points",
                            WISP_COUNT( header ), header );
-    const stats_summary times[2] = { layer_pass_ms( &all[STILL].entrant.surface, "boundary.points" ),
-                                     layer_pass_ms( &all[ALL_ANEW].entrant.surface, "boundary.points" ) };
+    const stats_summary times[2] = { layer_pass_ms( &all[STILL].implementation.surface, "boundary.points" ),
+                                     layer_pass_ms( &all[ALL_ANEW].implementation.surface, "boundary.points" ) };
     for ( int i = 0; i < PULSES; ++i )
     {
         add_pulse( all + i, times, plan->workers[0], table, out );
@@ -250,7 +250,7 @@ wisp_status boundary_pulses( const boundary_plan* plan, results* out, wisp_error
     }
     for ( int i = 0; i < PULSES; ++i )
     {
-        surface_entrant_destroy( &all[i].entrant.surface );
+        surface_implementation_destroy( &all[i].implementation.surface );
     }
     free( all );
     wisp_fabric_release( fabric );

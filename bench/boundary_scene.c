@@ -25,16 +25,16 @@ const layer_law layer_laws[LAYER_LAWS] = {
 
 wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_UV_SPHERE );
-    recipe.segments = recipe.rings = segments;
-    recipe.radius = radius;
-    return wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_UV_SPHERE );
+    generator.segments = generator.rings = segments;
+    generator.radius = radius;
+    return wisp_mesh_generate( &generator, out, error );
 }
 
 wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error )
 {
     wisp_fabric_def def = wisp_default_fabric_def();
-    def.cross_links = false;
+    def.bend_links = false;
     return surface_cook( mesh, def, out, error );
 }
 
@@ -47,21 +47,21 @@ wisp_boundary_def layer_def( const layer_law* law, float spacing )
     return def;
 }
 
-// ---- entrants ----
+// ---- implementations ----
 
-wisp_status layer_set( surface_entrant* entrant, const wisp_boundary_def* def, wisp_error* error )
+wisp_status layer_set( surface_implementation* implementation, const wisp_boundary_def* def, wisp_error* error )
 {
-    wisp_status status = wisp_set_boundary( entrant->world, entrant->entity, def );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_status status = wisp_set_boundary( implementation->world, implementation->entity, def );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_entrant* out,
+wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
                          wisp_error* error )
 {
-    *out = ( layer_entrant ){ .def = *def };
-    surface_recipe recipe = surface_default_recipe( &wisp_boundary_module, fabric );
-    recipe.workers = workers;
-    wisp_status status = surface_entrant_create( &recipe, &out->surface, error );
+    *out = ( layer_implementation ){ .def = *def };
+    surface_generator generator = surface_default_generator( &wisp_boundary_module, fabric );
+    generator.workers = workers;
+    wisp_status status = surface_implementation_create( &generator, &out->surface, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -69,18 +69,19 @@ wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int 
     status = layer_set( &out->surface, def, error );
     if ( status != WISP_OK )
     {
-        surface_entrant_destroy( &out->surface );
+        surface_implementation_destroy( &out->surface );
     }
     return status;
 }
 
 // Where every vertex is put before the step, at rest, so that nothing but the layer has to follow.
-static void pulsate( layer_entrant* entrant )
+static void pulsate( layer_implementation* implementation )
 {
-    const wisp_fabric* f = entrant->surface.fabric;
-    const double phase = TWO_PI * ( entrant->surface.steps % LAYER_PERIOD ) / LAYER_PERIOD;
-    const double scale = 1.0 + entrant->amplitude * sin( phase );
-    float* x = wisp_world_column( entrant->surface.world, entrant->surface.entity, WISP_PARTICLE_POSITION, 0 );
+    const wisp_fabric* f = implementation->surface.fabric;
+    const double phase = TWO_PI * ( implementation->surface.steps % LAYER_PERIOD ) / LAYER_PERIOD;
+    const double scale = 1.0 + implementation->amplitude * sin( phase );
+    float* x =
+        wisp_world_column( implementation->surface.world, implementation->surface.entity, WISP_PARTICLE_POSITION, 0 );
     for ( int i = 0; i < f->slot_count; ++i )
     {
         x[4 * (size_t)i] = (float)( scale * (double)f->rest[i].x );
@@ -91,37 +92,37 @@ static void pulsate( layer_entrant* entrant )
 
 // A layer that is set as it was keeps its recipes where counts come out the same. Another hysteresis drops all of them;
 // so little of it changes no count, but of lengths that are a whole number of spacings within the rounding of a float.
-static wisp_status sample_anew( layer_entrant* entrant, wisp_error* error )
+static wisp_status sample_anew( layer_implementation* implementation, wisp_error* error )
 {
-    wisp_boundary_def def = entrant->def;
-    entrant->has_little = !entrant->has_little;
-    def.hysteresis += entrant->has_little ? LITTLE_HYSTERESIS : 0.0f;
-    return layer_set( &entrant->surface, &def, error );
+    wisp_boundary_def def = implementation->def;
+    implementation->has_little = !implementation->has_little;
+    def.hysteresis += implementation->has_little ? LITTLE_HYSTERESIS : 0.0f;
+    return layer_set( &implementation->surface, &def, error );
 }
 
 wisp_status layer_step( void* context, wisp_error* error )
 {
-    layer_entrant* entrant = context;
-    if ( entrant->amplitude > 0.0 )
+    layer_implementation* implementation = context;
+    if ( implementation->amplitude > 0.0 )
     {
-        pulsate( entrant );
+        pulsate( implementation );
     }
-    wisp_status status = entrant->is_anew ? sample_anew( entrant, error ) : WISP_OK;
-    return status == WISP_OK ? surface_entrant_step( &entrant->surface, error ) : status;
+    wisp_status status = implementation->is_anew ? sample_anew( implementation, error ) : WISP_OK;
+    return status == WISP_OK ? surface_implementation_step( &implementation->surface, error ) : status;
 }
 
 wisp_status layer_keep_profile( void* context )
 {
-    layer_entrant* entrant = context;
-    return surface_entrant_keep_profile( &entrant->surface );
+    layer_implementation* implementation = context;
+    return surface_implementation_keep_profile( &implementation->surface );
 }
 
-stats_summary layer_pass_ms( surface_entrant* entrant, const char* pass )
+stats_summary layer_pass_ms( surface_implementation* implementation, const char* pass )
 {
     stats_summary ms = { .median = NAN, .p10 = NAN, .p90 = NAN, .minimum = NAN };
-    for ( int i = 0; i < entrant->profile.pass_count; ++i )
+    for ( int i = 0; i < implementation->profile.pass_count; ++i )
     {
-        profile_pass* kept = entrant->profile.passes + i;
+        profile_pass* kept = implementation->profile.passes + i;
         if ( strcmp( kept->name, pass ) == 0 )
         {
             ms = stats_summarise( kept->seconds, kept->count );
@@ -136,16 +137,16 @@ stats_summary layer_pass_ms( surface_entrant* entrant, const char* pass )
 
 // ---- what a layer shows ----
 
-wisp_status layer_read( surface_entrant* entrant, wisp_boundary_view* out, wisp_error* error )
+wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error )
 {
-    wisp_status status = wisp_read_boundary( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_status status = wisp_read_boundary( implementation->world, implementation->entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-wisp_status layer_read_figures( surface_entrant* entrant, wisp_boundary_figures* out, wisp_error* error )
+wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error )
 {
-    wisp_status status = wisp_read_boundary_figures( entrant->world, entrant->entity, out );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_status status = wisp_read_boundary_stats( implementation->world, implementation->entity, out );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
 static uint64_t hash_bytes( uint64_t hash, const void* bytes, size_t size )
@@ -164,7 +165,7 @@ uint64_t layer_hash( const wisp_boundary_view* view )
     const size_t bytes = (size_t)s->count * 4 * sizeof( float );
     const int32_t counts[2] = { s->count, s->edge_count };
     uint64_t hash = hash_bytes( 0xcbf29ce484222325u, counts, sizeof( counts ) );
-    hash = hash_bytes( hash, s->quads, bytes );
+    hash = hash_bytes( hash, s->xyzw, bytes );
     hash = hash_bytes( hash, s->normals, bytes );
     hash = hash_bytes( hash, s->parents, bytes );
     return hash_bytes( hash, s->weights, bytes );
@@ -193,7 +194,7 @@ static double off_surface( const wisp_samples* s, const float* x, int point )
 {
     const int32_t* parents = s->parents[point];
     const double3 a = point_of( x, (size_t)parents[0] );
-    const double3 y = double3_sub( point_of( s->quads, 4 * (size_t)point ), a );
+    const double3 y = double3_sub( point_of( s->xyzw, 4 * (size_t)point ), a );
     const double3 u = double3_sub( point_of( x, (size_t)parents[1] ), a );
     if ( point < s->edge_count )
     {
@@ -217,7 +218,7 @@ static void compare_points( const wisp_boundary_view* view, const float* x, cons
     };
     for ( int p = 0; p < s->count; ++p )
     {
-        const double3 y = point_of( s->quads, 4 * (size_t)p );
+        const double3 y = point_of( s->xyzw, 4 * (size_t)p );
         const double away = same ? length_of( double3_sub( y, oracle->points[p].y ) ) : INFINITY;
         out->farthest = larger( out->farthest, away );
         out->off_surface = larger( out->off_surface, off_surface( s, x, p ) );
@@ -257,10 +258,10 @@ static wisp_status ask_oracle( const wisp_mesh* mesh, double3* points, const wis
     return status;
 }
 
-wisp_status layer_compare( surface_entrant* entrant, const wisp_mesh* mesh, const wisp_boundary_def* def,
-                           layer_check* out, wisp_error* error )
+wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
+                           const wisp_boundary_def* def, layer_check* out, wisp_error* error )
 {
-    const float* x = wisp_world_column( entrant->world, entrant->entity, WISP_PARTICLE_POSITION, 0 );
+    const float* x = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
     double3* points = malloc( (size_t)mesh->vertex_count * sizeof( double3 ) );
     if ( points == NULL )
     {
@@ -268,19 +269,20 @@ wisp_status layer_compare( surface_entrant* entrant, const wisp_mesh* mesh, cons
     }
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
-        points[v] = point_of( x, 4 * (size_t)entrant->fabric->vertex_slot[v] );
+        points[v] = point_of( x, 4 * (size_t)implementation->fabric->vertex_slot[v] );
     }
     wisp_boundary_view view;
-    wisp_status status = layer_read( entrant, &view, error );
+    wisp_status status = layer_read( implementation, &view, error );
     status = status == WISP_OK ? ask_oracle( mesh, points, def, &view, x, out, error ) : status;
     free( points );
     return status;
 }
 
-wisp_status layer_volume( surface_entrant* entrant, const wisp_mesh* mesh, double* volume, wisp_error* error )
+wisp_status layer_volume( surface_implementation* implementation, const wisp_mesh* mesh, double* volume,
+                          wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     *volume = status == WISP_OK ? balloon_volume( mesh, points ) / balloon_volume( mesh, mesh->points ) : NAN;
     return status;
 }
@@ -300,29 +302,29 @@ layer_balloon layer_default_balloon( void )
 }
 
 wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, const layer_balloon* setting,
-                                 surface_entrant* out, wisp_error* error )
+                                 surface_implementation* out, wisp_error* error )
 {
     const int32_t top = balloon_mesh_extreme( mesh, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    surface_recipe recipe = surface_default_recipe( &wisp_balloon_module, fabric );
-    recipe.second = &wisp_boundary_module;
-    recipe.vertex_mass = 1.0f;
+    surface_generator generator = surface_default_generator( &wisp_balloon_module, fabric );
+    generator.second = &wisp_boundary_module;
+    generator.vertex_mass = 1.0f;
     // the engine's implicit step of a rate that keeps what the source's decay keeps, whatever the step
-    recipe.damping = (float)( expm1( (double)LAYER_DECAY * (double)setting->seconds ) / (double)setting->seconds );
-    recipe.iterations = LAYER_ITERATIONS;
-    recipe.seconds = setting->seconds;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -setting->gravity, 0.0f };
-    recipe.pins = &top;
-    recipe.pin_count = setting->is_hung ? 1 : 0;
+    generator.damping = (float)( expm1( (double)LAYER_DECAY * (double)setting->seconds ) / (double)setting->seconds );
+    generator.iterations = LAYER_ITERATIONS;
+    generator.seconds = setting->seconds;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -setting->gravity, 0.0f };
+    generator.pins = &top;
+    generator.pin_count = setting->is_hung ? 1 : 0;
     wisp_balloon_def def = wisp_default_balloon_def();
     def.solver = def.volume = WISP_SOLVER_PBD;
-    def.stretch_share = setting->skin;
-    def.bend_share = 0.0f;
-    def.volume_share = 1.0f;
-    def.fill = setting->multiplier;
-    def.least_fill = 0.001f;
+    def.stretch_stiffness = setting->skin;
+    def.bend_stiffness = 0.0f;
+    def.volume_stiffness = 1.0f;
+    def.gas_ratio = setting->multiplier;
+    def.min_gas_ratio = 0.001f;
     def.buoyancy = def.keep_angular_momentum = false; // the source knows neither
     def.drag_coefficient = 0.0f;
-    wisp_status status = surface_entrant_create( &recipe, out, error );
+    wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -331,7 +333,7 @@ wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, con
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }

@@ -17,7 +17,7 @@
 
 /// A sphere of `segments` slices and as many stacks, its poles on the y axis.
 wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error );
-/// Cook without cross links: the source has none.
+/// Cook without bend links: the source has none.
 wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error );
 
 /// Points at a spacing by one of the laws that are compared.
@@ -34,30 +34,30 @@ extern const layer_law layer_laws[LAYER_LAWS]; ///< even, exact, and even withou
 wisp_boundary_def layer_def( const layer_law* law, float spacing );
 
 /// A surface with a layer, as a bench_variant has it.
-typedef struct layer_entrant
+typedef struct layer_implementation
 {
-    surface_entrant surface;
+    surface_implementation surface;
     wisp_boundary_def def;
     bool is_anew;    ///< every step samples everything anew: case B everywhere
     bool has_little; ///< of two definitions that give the same points, the one that it has now
     /// Of the radius: the surface is 1 + amplitude sin( 2 pi step / LAYER_PERIOD ) times as large. 0: it stands still
     double amplitude;
-} layer_entrant;
+} layer_implementation;
 
-/// A surface that nothing acts on. @param fabric the caller's, who keeps it until the entrant is gone
-wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_entrant* out,
+/// A surface that nothing acts on. @param fabric the caller's, who keeps it until the implementation is gone
+wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
                          wisp_error* error );
-/// Give a surface a layer, or another one. @param entrant of a world that has the module
-wisp_status layer_set( surface_entrant* entrant, const wisp_boundary_def* def, wisp_error* error );
-/// One step. @param context the entrant
+/// Give a surface a layer, or another one. @param implementation of a world that has the module
+wisp_status layer_set( surface_implementation* implementation, const wisp_boundary_def* def, wisp_error* error );
+/// One step. @param context the implementation
 wisp_status layer_step( void* context, wisp_error* error );
 /// Keep the last step's profile.
 wisp_status layer_keep_profile( void* context );
 /// Milliseconds of a pass over the steps that were kept. @return NaN where it never ran
-stats_summary layer_pass_ms( surface_entrant* entrant, const char* pass );
+stats_summary layer_pass_ms( surface_implementation* implementation, const char* pass );
 
-wisp_status layer_read( surface_entrant* entrant, wisp_boundary_view* out, wisp_error* error );
-wisp_status layer_read_figures( surface_entrant* entrant, wisp_boundary_figures* out, wisp_error* error );
+wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error );
+wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error );
 /// Hash of all that a layer shows.
 uint64_t layer_hash( const wisp_boundary_view* view );
 
@@ -72,13 +72,14 @@ typedef struct layer_check
 } layer_check;
 
 /// @param triangles the user's, of the mesh that was cooked
-wisp_status layer_compare( surface_entrant* entrant, const wisp_mesh* mesh, const wisp_boundary_def* def,
-                           layer_check* out, wisp_error* error );
+wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
+                           const wisp_boundary_def* def, layer_check* out, wisp_error* error );
 /// Counts are the oracle's, and points lie where it has them, and on the surface, but for rounding.
 bool layer_check_is_met( const layer_check* check );
 
 /// Volume over that of the mesh.
-wisp_status layer_volume( surface_entrant* entrant, const wisp_mesh* mesh, double* volume, wisp_error* error );
+wisp_status layer_volume( surface_implementation* implementation, const wisp_mesh* mesh, double* volume,
+                          wisp_error* error );
 
 /// The balloon of the source. Start from layer_default_balloon().
 typedef struct layer_balloon
@@ -93,4 +94,4 @@ typedef struct layer_balloon
 layer_balloon layer_default_balloon( void );
 /// Its layer is not set yet. @param mesh whose first vertex along +y it is hung by
 wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, const layer_balloon* setting,
-                                 surface_entrant* out, wisp_error* error );
+                                 surface_implementation* out, wisp_error* error );

@@ -58,16 +58,16 @@ static double oracle_volume( const layer_balloon* setting, int steps )
 static wisp_status run_volume( const boundary_plan* plan, const sphere* s, const layer_balloon* setting, int table,
                                results* out, wisp_error* error )
 {
-    surface_entrant balloon = { 0 };
+    surface_implementation balloon = { 0 };
     double reached = NAN;
     wisp_status status = layer_enter_balloon( s->fabric, &s->mesh, setting, &balloon, error );
     for ( int step = 0; step < plan->settle_steps && status == WISP_OK; ++step )
     {
-        status = surface_entrant_step( &balloon, error );
+        status = surface_implementation_step( &balloon, error );
     }
     status = status == WISP_OK ? layer_volume( &balloon, &s->mesh, &reached, error ) : status;
     const bool halted = balloon.halted_at > 0;
-    surface_entrant_destroy( &balloon );
+    surface_implementation_destroy( &balloon );
     if ( status != WISP_OK )
     {
         return status;
@@ -135,16 +135,16 @@ typedef struct hang
     bool is_finite;
 } hang;
 
-static void look( surface_entrant* balloon, const wisp_mesh* mesh, const wisp_vec3* points, hang* out )
+static void look( surface_implementation* balloon, const wisp_mesh* mesh, const wisp_vec3* points, hang* out )
 {
-    float low = INFINITY, high = -INFINITY;
-    out->is_finite = surface_entrant_look( balloon ).is_finite;
+    float lower = INFINITY, upper = -INFINITY;
+    out->is_finite = surface_implementation_look( balloon ).is_finite;
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
-        low = fminf( low, points[v].y );
-        high = fmaxf( high, points[v].y );
+        lower = fminf( lower, points[v].y );
+        upper = fmaxf( upper, points[v].y );
     }
-    out->height = (double)high - (double)low;
+    out->height = (double)upper - (double)lower;
     out->halted_at = balloon->halted_at;
 }
 
@@ -152,26 +152,26 @@ static wisp_status run_hang( const sphere* s, const layer_balloon* setting, int 
                              wisp_error* error )
 {
     *out = ( hang ){ 0 };
-    surface_entrant balloon = { 0 };
+    surface_implementation balloon = { 0 };
     const wisp_boundary_def def = layer_def( &layer_laws[0], LAYER_SPACING );
     wisp_status status = layer_enter_balloon( s->fabric, &s->mesh, setting, &balloon, error );
     status = status == WISP_OK && has_layer ? layer_set( &balloon, &def, error ) : status;
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
         double volume = NAN;
-        status = surface_entrant_step( &balloon, error );
+        status = surface_implementation_step( &balloon, error );
         status = status == WISP_OK ? layer_volume( &balloon, &s->mesh, &volume, error ) : status;
         const double off = fabs( volume / (double)setting->multiplier - 1.0 );
         out->volume_error = off > out->volume_error || isnan( off ) ? off : out->volume_error;
     }
     const wisp_vec3* points = NULL;
-    status = status == WISP_OK ? surface_entrant_points( &balloon, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &balloon, &points, error ) : status;
     if ( status == WISP_OK )
     {
         look( &balloon, &s->mesh, points, out );
-        status = surface_entrant_hash( &balloon, &out->hash, error );
+        status = surface_implementation_hash( &balloon, &out->hash, error );
     }
-    surface_entrant_destroy( &balloon );
+    surface_implementation_destroy( &balloon );
     return status;
 }
 

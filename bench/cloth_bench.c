@@ -12,8 +12,8 @@ cloth_plan cloth_default_plan( const bench_options* options )
 {
     bool is_full = bench_seconds( options ) >= FULL_SECONDS;
     cloth_plan plan = {
-        .race_sizes = { 32, 64, 128, 256, 512 },
-        .race_count = is_full ? 5 : 4,
+        .comparison_sizes = { 32, 64, 128, 256, 512 },
+        .comparison_count = is_full ? 5 : 4,
         .hang_sizes = { 32, 64, 128, 256 },
         .hang_count = 4,
         .level_sizes = { 64, 128 },
@@ -22,10 +22,10 @@ cloth_plan cloth_default_plan( const bench_options* options )
         .has_balloon = true,
         .sweep_size = 64,
         .scenario = { .warm_steps = 60, .measured_steps = is_full ? 100 : 40, .turn_steps = 10 },
-        .truth_factor = is_full ? 16 : 8,
-        .truth_vertices_max = is_full ? 128 * 128 : 64 * 64,
+        .reference_factor = is_full ? 16 : 8,
+        .reference_vertices_max = is_full ? 128 * 128 : 64 * 64,
         .oracle_vertices_max = 128 * 128,
-        .race_seconds = ( is_full ? 0.2 : 0.1 ) * bench_seconds( options ),
+        .comparison_seconds = ( is_full ? 0.2 : 0.1 ) * bench_seconds( options ),
         .workers = { 1, options->workers },
         .worker_count = options->workers > 1 ? 2 : 1,
         .options = options,
@@ -48,9 +48,9 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
     {
         wisp_status ( *make )( const cloth_plan* plan, results* out, wisp_error* error );
         const char* what;
-        double share; // of the case that is done when it begins
+        double fraction; // of the case that is done when it begins
     } tables[] = {
-        { cloth_race, "cloth against plain C", 0.0 },
+        { cloth_comparison, "cloth against plain C", 0.0 },
         { cloth_hang, "hanging cloth", 0.3 },
         { cloth_levels, "cloth with levels and tethers", 0.5 },
         { cloth_levels_of_balloon, "balloon with levels", 0.8 },
@@ -59,7 +59,7 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, tables[i].share, tables[i].what );
+        bench_progress( plan->options, tables[i].fraction, tables[i].what );
         status = tables[i].make( plan, out, error );
     }
     return status;
@@ -81,7 +81,7 @@ wisp_status cloth_bench( const bench_options* options, results* out, wisp_error*
             "Cloth: a case of this little time leaves out the race of 512 a side and the levels of 128, has an "
             "irregular mesh of %d a side instead of 64 and measures %d steps instead of 100; converged runs have "
             "%d times the substeps instead of 16.",
-            plan.irregular_size, plan.scenario.measured_steps, plan.truth_factor );
+            plan.irregular_size, plan.scenario.measured_steps, plan.reference_factor );
     }
     return status;
 }

@@ -14,18 +14,18 @@
 /// Sizes and steps. cloth_default_plan() has those of the case; tests have smaller ones.
 typedef struct cloth_plan
 {
-    int race_sizes[CLOTH_SIZES_MAX], race_count;   ///< against plain C
-    int hang_sizes[CLOTH_SIZES_MAX], hang_count;   ///< beside other engines
-    int level_sizes[CLOTH_SIZES_MAX], level_count; ///< levels and tethers
-    int irregular_size;                            ///< the same on an irregular mesh
-    bool has_balloon;                              ///< and on a balloon
-    int sweep_size;                                ///< residuals of sweeps
+    int comparison_sizes[CLOTH_SIZES_MAX], comparison_count; ///< against plain C
+    int hang_sizes[CLOTH_SIZES_MAX], hang_count;             ///< beside other engines
+    int level_sizes[CLOTH_SIZES_MAX], level_count;           ///< levels and tethers
+    int irregular_size;                                      ///< the same on an irregular mesh
+    bool has_balloon;                                        ///< and on a balloon
+    int sweep_size;                                          ///< residuals of sweeps
     scenario_plan scenario;
-    int truth_factor;        ///< the converged run has so many times the substeps of the first setting
-    int truth_vertices_max;  ///< no converged run beyond so many vertices
-    int oracle_vertices_max; ///< no double precision step beyond so many
-    double race_seconds;     ///< of all sizes together
-    int workers[SCENARIO_ENTRANTS_MAX], worker_count;
+    int reference_factor;       ///< the converged run has so many times the substeps of the first setting
+    int reference_vertices_max; ///< no converged run beyond so many vertices
+    int oracle_vertices_max;    ///< no double precision step beyond so many
+    double comparison_seconds;  ///< of all sizes together
+    int workers[SCENARIO_IMPLEMENTATIONS_MAX], worker_count;
     const bench_options* options; ///< for progress
 } cloth_plan;
 
@@ -37,7 +37,7 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 // ---- the tables ----
 
 /// ns a constraint and pass beside plain C in mesh order, and the claims about it.
-wisp_status cloth_race( const cloth_plan* plan, results* out, wisp_error* error );
+wisp_status cloth_comparison( const cloth_plan* plan, results* out, wisp_error* error );
 /// ms a step beside other engines.
 wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error );
 /// What levels, tethers and the order of the sweep make of error and time.

@@ -24,7 +24,7 @@ static const peer_times peers[] = {
     { 256, 12.7, 7.25, { 132.0, 76.5 }, { 35.0, 25.0 }, { NAN, NAN }, { NAN, NAN } },
 };
 
-static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SWEEP_COLOUR, 0 };
+static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
 
 // Plain C is run through the whole scenario only up to here: it takes seconds beyond.
 #define PLAIN_SIZE_MAX 64
@@ -78,7 +78,7 @@ static void put_peers( int n, cells* row )
     cells_put_pair( row, peer->jolt[0], 2, peer->jolt[1], 2 );
 }
 
-static void add_line( const cloth_plan* plan, int n, const scenario_figures* f, int table, results* out )
+static void add_line( const cloth_plan* plan, int n, const scenario_stats* f, int table, results* out )
 {
     cells row = { .count = 0 };
     cells_put( &row, "%d", n );
@@ -94,32 +94,34 @@ static void add_line( const cloth_plan* plan, int n, const scenario_figures* f, 
 static wisp_status hang( const cloth_plan* plan, const cloth_scene* scene, wisp_fabric* fabric, int table,
                          results* out, wisp_error* error )
 {
-    surface_entrant entrants[SCENARIO_ENTRANTS_MAX] = { { 0 } };
-    scenario_figures figures;
+    surface_implementation implementations[SCENARIO_IMPLEMENTATIONS_MAX] = { { 0 } };
+    scenario_stats stats;
     wisp_status status = WISP_OK;
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        status = cloth_entrant_create( scene, fabric, &setting, NULL, plan->workers[e], &entrants[e], error );
+        status = cloth_implementation_create( scene, fabric, &setting, NULL, plan->workers[e], &implementations[e],
+                                              error );
     }
     if ( status == WISP_OK )
     {
-        status = scenario_run( entrants, plan->worker_count, &plan->scenario, NULL, NULL, &figures, error );
+        status = scenario_run( implementations, plan->worker_count, &plan->scenario, NULL, NULL, &stats, error );
     }
     if ( status == WISP_OK )
     {
         char what[64];
         snprintf( what, sizeof( what ), "hanging cloth %d", scene->n );
-        scenario_check_hashes( entrants, plan->worker_count, figures.hash, what, out );
-        scenario_add_rows( entrants, plan->worker_count, &figures, "cloth.hang", setting.name, "rest lengths", out );
-        add_line( plan, scene->n, &figures, table, out );
-        if ( figures.halted_at > 0 )
+        scenario_check_hashes( implementations, plan->worker_count, stats.hash, what, out );
+        scenario_add_rows( implementations, plan->worker_count, &stats, "cloth.hang", setting.name, "rest lengths",
+                           out );
+        add_line( plan, scene->n, &stats, table, out );
+        if ( stats.halted_at > 0 )
         {
-            results_add_failure( out, "%s: halted at step %d.", what, figures.halted_at );
+            results_add_failure( out, "%s: halted at step %d.", what, stats.halted_at );
         }
     }
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        surface_entrant_destroy( &entrants[e] );
+        surface_implementation_destroy( &implementations[e] );
     }
     return status;
 }

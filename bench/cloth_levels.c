@@ -5,71 +5,73 @@
 
 // "From 4" and "from 8": the finest coarse level keeps every fourth or eighth vertex of a row instead of every second one.
 static const cloth_setting settings[] = {
-    { "10", 10, 1, false, false, WISP_SWEEP_COLOUR, 0 },
-    { "10, list sweep", 10, 1, false, false, WISP_SWEEP_LIST, 0 },
-    { "40", 40, 1, false, false, WISP_SWEEP_COLOUR, 0 },
-    { "1", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 },
-    { "1 + tethers", 1, 1, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "1 + levels", 1, 1, false, true, WISP_SWEEP_COLOUR, 0 },
-    { "1 + levels from 4", 1, 1, false, true, WISP_SWEEP_COLOUR, 2 },
-    { "1 + levels from 8", 1, 1, false, true, WISP_SWEEP_COLOUR, 3 },
-    { "1 x 2 + tethers", 1, 2, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "2 + tethers", 2, 1, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "2 + levels", 2, 1, false, true, WISP_SWEEP_COLOUR, 0 },
-    { "3 + tethers", 3, 1, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "5 + tethers", 5, 1, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "10 + tethers", 10, 1, true, false, WISP_SWEEP_COLOUR, 0 },
-    { "1 + levels + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 0 },
-    { "1 + levels from 4 + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 2 },
-    { "1 + levels from 8 + tethers", 1, 1, true, true, WISP_SWEEP_COLOUR, 3 },
-    { "2 + levels + tethers", 2, 1, true, true, WISP_SWEEP_COLOUR, 0 },
-    { "3 + levels + tethers", 3, 1, true, true, WISP_SWEEP_COLOUR, 0 },
-    { "10 + levels + tethers", 10, 1, true, true, WISP_SWEEP_COLOUR, 0 },
-    { "2 + levels + tethers, list", 2, 1, true, true, WISP_SWEEP_LIST, 0 },
+    { "10", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "10, list sweep", 10, 1, false, false, WISP_SOLVE_ORDER_LIST, 0 },
+    { "40", 40, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1 + tethers", 1, 1, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1 + levels", 1, 1, false, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1 + levels from 4", 1, 1, false, true, WISP_SOLVE_ORDER_COLOUR, 2 },
+    { "1 + levels from 8", 1, 1, false, true, WISP_SOLVE_ORDER_COLOUR, 3 },
+    { "1 x 2 + tethers", 1, 2, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "2 + tethers", 2, 1, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "2 + levels", 2, 1, false, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "3 + tethers", 3, 1, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "5 + tethers", 5, 1, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "10 + tethers", 10, 1, true, false, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1 + levels + tethers", 1, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "1 + levels from 4 + tethers", 1, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 2 },
+    { "1 + levels from 8 + tethers", 1, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 3 },
+    { "2 + levels + tethers", 2, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "3 + levels + tethers", 3, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "10 + levels + tethers", 10, 1, true, true, WISP_SOLVE_ORDER_COLOUR, 0 },
+    { "2 + levels + tethers, list", 2, 1, true, true, WISP_SOLVE_ORDER_LIST, 0 },
 };
 
 // The first setting, whose substeps the converged run has sixteen times.
 #define PLAIN_SETTING 0
 
 static wisp_status run_setting( const cloth_plan* plan, const cloth_scene* scene, const cloth_setting* setting,
-                                const char* mesh_name, const path_record* truth, level_table* table, results* out,
+                                const char* mesh_name, const path_record* reference, level_table* table, results* out,
                                 wisp_error* error )
 {
-    surface_entrant entrants[SCENARIO_ENTRANTS_MAX] = { { 0 } };
+    surface_implementation implementations[SCENARIO_IMPLEMENTATIONS_MAX] = { { 0 } };
     wisp_fabric* fabric = NULL;
     level_line* line = &table->lines[table->line_count++];
     *line = ( level_line ){ .name = setting->name, .volume_error = NAN };
     wisp_status status = cloth_cook( scene, setting, &fabric, error );
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        status = cloth_entrant_create( scene, fabric, setting, NULL, plan->workers[e], &entrants[e], error );
+        status =
+            cloth_implementation_create( scene, fabric, setting, NULL, plan->workers[e], &implementations[e], error );
     }
     if ( status == WISP_OK )
     {
-        status = scenario_run( entrants, plan->worker_count, &plan->scenario, truth, NULL, &line->figures, error );
+        status = scenario_run( implementations, plan->worker_count, &plan->scenario, reference, NULL, &line->stats,
+                               error );
     }
     if ( status == WISP_OK )
     {
         char what[100], name[64];
         snprintf( what, sizeof( what ), "%s %d, %s", mesh_name, scene->n, setting->name );
         snprintf( name, sizeof( name ), "cloth.levels.%s", mesh_name );
-        scenario_check_hashes( entrants, plan->worker_count, line->figures.hash, what, out );
-        scenario_add_rows( entrants, plan->worker_count, &line->figures, name, setting->name,
-                           table->truth_name ? table->truth_name : "rest lengths", out );
+        scenario_check_hashes( implementations, plan->worker_count, line->stats.hash, what, out );
+        scenario_add_rows( implementations, plan->worker_count, &line->stats, name, setting->name,
+                           table->reference_name ? table->reference_name : "rest lengths", out );
     }
     for ( int e = 0; e < plan->worker_count; ++e )
     {
-        surface_entrant_destroy( &entrants[e] );
+        surface_implementation_destroy( &implementations[e] );
     }
     wisp_fabric_release( fabric );
     return status;
 }
 
-static wisp_status find_truth( const cloth_plan* plan, const cloth_scene* scene, path_record* record,
-                               level_table* table, wisp_error* error )
+static wisp_status find_reference( const cloth_plan* plan, const cloth_scene* scene, path_record* record,
+                                   level_table* table, wisp_error* error )
 {
     wisp_fabric* fabric = NULL;
-    cloth_truth truth;
+    cloth_reference reference;
     wisp_status status = cloth_cook( scene, &settings[PLAIN_SETTING], &fabric, error );
     if ( status == WISP_OK )
     {
@@ -78,13 +80,13 @@ static wisp_status find_truth( const cloth_plan* plan, const cloth_scene* scene,
     }
     if ( status == WISP_OK )
     {
-        status = cloth_truth_create( scene, fabric, &truth, error );
+        status = cloth_reference_create( scene, fabric, &reference, error );
     }
     if ( status == WISP_OK )
     {
-        cloth_truth_run( &truth, plan->truth_factor * settings[PLAIN_SETTING].substeps, &plan->scenario, record,
-                         &table->truth_energy_lost );
-        cloth_truth_destroy( &truth );
+        cloth_reference_run( &reference, plan->reference_factor * settings[PLAIN_SETTING].substeps, &plan->scenario,
+                             record, &table->reference_energy_lost );
+        cloth_reference_destroy( &reference );
     }
     wisp_fabric_release( fabric );
     return status;
@@ -102,9 +104,9 @@ static void claim_equal_error( const cloth_plan* plan, const level_table* table,
     }
     for ( int i = 0; i < table->line_count; ++i )
     {
-        const scenario_figures* f = &table->lines[i].figures;
+        const scenario_stats* f = &table->lines[i].stats;
         const bool meets = 100.0 * f->stretch_mean <= peer.stretch_mean && 100.0 * f->stretch_max <= peer.stretch_max;
-        const bool is_faster = best == NULL || f->ms[e].median < best->figures.ms[e].median;
+        const bool is_faster = best == NULL || f->ms[e].median < best->stats.ms[e].median;
         best = meets && f->halted_at == 0 && is_faster ? &table->lines[i] : best;
     }
     if ( best == NULL )
@@ -112,7 +114,7 @@ static void claim_equal_error( const cloth_plan* plan, const level_table* table,
         results_add_note( out, "n = %d: no setting stretches as little as NvCloth with ten passes.", n );
         return;
     }
-    const scenario_figures *f = &best->figures, *plain = &table->lines[PLAIN_SETTING].figures;
+    const scenario_stats *f = &best->stats, *plain = &table->lines[PLAIN_SETTING].stats;
     char claim[400];
     snprintf( claim, sizeof( claim ),
               "n = %d, 12 times less time than NvCloth (%.3f ms, one thread, stretch %.0f / %.2f %%, reference "
@@ -129,22 +131,23 @@ static wisp_status levels_of( const cloth_plan* plan, int n, bool is_irregular, 
 {
     const char* mesh_name = is_irregular ? "irregular" : "grid";
     cloth_scene scene = { 0 };
-    path_record truth = { 0 };
-    level_table table = { .truth_energy_lost = NAN };
+    path_record reference = { 0 };
+    level_table table = { .reference_energy_lost = NAN };
     const int first_row = out->row_count;
-    char truth_name[40], name[64];
-    snprintf( truth_name, sizeof( truth_name ), "%d in double",
-              plan->truth_factor * settings[PLAIN_SETTING].substeps );
+    char reference_name[40], name[64];
+    snprintf( reference_name, sizeof( reference_name ), "%d in double",
+              plan->reference_factor * settings[PLAIN_SETTING].substeps );
     wisp_status status = cloth_scene_make( n, is_irregular, &scene, error );
-    bool has_truth = n * n <= plan->truth_vertices_max;
-    if ( status == WISP_OK && has_truth )
+    bool has_reference = n * n <= plan->reference_vertices_max;
+    if ( status == WISP_OK && has_reference )
     {
-        status = find_truth( plan, &scene, &truth, &table, error );
-        table.truth_name = truth_name;
+        status = find_reference( plan, &scene, &reference, &table, error );
+        table.reference_name = reference_name;
     }
     for ( int i = 0; i < WISP_COUNT( settings ) && status == WISP_OK; ++i )
     {
-        status = run_setting( plan, &scene, &settings[i], mesh_name, has_truth ? &truth : NULL, &table, out, error );
+        status = run_setting( plan, &scene, &settings[i], mesh_name, has_reference ? &reference : NULL, &table, out,
+                              error );
     }
     if ( status == WISP_OK )
     {
@@ -160,7 +163,7 @@ static wisp_status levels_of( const cloth_plan* plan, int n, bool is_irregular, 
             claim_equal_error( plan, &table, n, out );
         }
     }
-    path_record_destroy( &truth );
+    path_record_destroy( &reference );
     cloth_scene_free( &scene );
     return status;
 }
@@ -182,6 +185,6 @@ wisp_status cloth_levels( const cloth_plan* plan, results* out, wisp_error* erro
                       "vertices to the converged run, which has %d times the substeps of the first line and is plain "
                       "double precision in the order of the same fabric. Nothing damps the scene, so lost energy is "
                       "the solver's; fewer substeps lose more. `front`: no other line is both faster and nearer.",
-                      plan->truth_factor );
+                      plan->reference_factor );
     return status;
 }

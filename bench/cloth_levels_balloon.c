@@ -10,14 +10,18 @@ typedef struct skin_setting
     const char* name;
     int substeps;
     bool levels;
-    wisp_sweep sweep;
+    wisp_solve_order solve_order;
 } skin_setting;
 
 static const skin_setting settings[] = {
-    { "10 x 2", 10, false, WISP_SWEEP_COLOUR },       { "10 x 2, list sweep", 10, false, WISP_SWEEP_LIST },
-    { "2 x 2", 2, false, WISP_SWEEP_COLOUR },         { "40 x 2", 40, false, WISP_SWEEP_COLOUR },
-    { "1 x 2 + levels", 1, true, WISP_SWEEP_COLOUR }, { "2 x 2 + levels", 2, true, WISP_SWEEP_COLOUR },
-    { "3 x 2 + levels", 3, true, WISP_SWEEP_COLOUR }, { "10 x 2 + levels", 10, true, WISP_SWEEP_COLOUR },
+    { "10 x 2", 10, false, WISP_SOLVE_ORDER_COLOUR },
+    { "10 x 2, list sweep", 10, false, WISP_SOLVE_ORDER_LIST },
+    { "2 x 2", 2, false, WISP_SOLVE_ORDER_COLOUR },
+    { "40 x 2", 40, false, WISP_SOLVE_ORDER_COLOUR },
+    { "1 x 2 + levels", 1, true, WISP_SOLVE_ORDER_COLOUR },
+    { "2 x 2 + levels", 2, true, WISP_SOLVE_ORDER_COLOUR },
+    { "3 x 2 + levels", 3, true, WISP_SOLVE_ORDER_COLOUR },
+    { "10 x 2 + levels", 10, true, WISP_SOLVE_ORDER_COLOUR },
 };
 
 #define FILL 1.2f
@@ -38,15 +42,15 @@ typedef struct held_figure
 static void find_feet( held_figure* figure )
 {
     const wisp_mesh* mesh = &figure->mesh;
-    float low = INFINITY, high = -INFINITY;
+    float lower = INFINITY, upper = -INFINITY;
     for ( int i = 0; i < mesh->vertex_count; ++i )
     {
-        low = fminf( low, mesh->points[i].y );
-        high = fmaxf( high, mesh->points[i].y );
+        lower = fminf( lower, mesh->points[i].y );
+        upper = fmaxf( upper, mesh->points[i].y );
     }
     for ( int i = 0; i < mesh->vertex_count && figure->foot_count < FEET_MAX; ++i )
     {
-        if ( mesh->points[i].y <= low + FEET * ( high - low ) )
+        if ( mesh->points[i].y <= lower + FEET * ( upper - lower ) )
         {
             figure->feet[figure->foot_count++] = i;
         }
@@ -54,65 +58,67 @@ static void find_feet( held_figure* figure )
 }
 
 static wisp_status enter( const held_figure* figure, const skin_setting* skin, int workers, wisp_fabric** fabric,
-                          surface_entrant* out, wisp_error* error )
+                          surface_implementation* out, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.fill = FILL;
+    setting.def.gas_ratio = FILL;
     setting.damping = DAMPING;
     setting.substeps = skin->substeps;
     setting.levels = skin->levels;
-    setting.sweep = skin->sweep;
+    setting.solve_order = skin->solve_order;
     setting.workers = workers;
     setting.pins = figure->feet;
     setting.pin_count = figure->foot_count;
     wisp_status status = *fabric ? WISP_OK : balloon_cook( &figure->mesh, &setting, fabric, error );
-    return status == WISP_OK ? balloon_entrant_create( *fabric, &setting, out, error ) : status;
+    return status == WISP_OK ? balloon_implementation_create( *fabric, &setting, out, error ) : status;
 }
 
-static wisp_status volume_error( surface_entrant* entrant, const wisp_mesh* mesh, double* out, wisp_error* error )
+static wisp_status volume_error( surface_implementation* implementation, const wisp_mesh* mesh, double* out,
+                                 wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     if ( status == WISP_OK )
     {
-        double wanted = (double)FILL * balloon_volume( mesh, mesh->points );
-        *out = balloon_volume( mesh, points ) / wanted - 1.0;
+        double requested = (double)FILL * balloon_volume( mesh, mesh->points );
+        *out = balloon_volume( mesh, points ) / requested - 1.0;
     }
     return status;
 }
 
-// @param record where to keep the path, or null @param truth what to compare with, or null
+// @param record where to keep the path, or null @param reference what to compare with, or null
 static wisp_status run_setting( const cloth_plan* plan, const held_figure* figure, const skin_setting* skin,
-                                int worker_count, const path_record* truth, path_record* record, level_line* line,
+                                int worker_count, const path_record* reference, path_record* record, level_line* line,
                                 results* out, wisp_error* error )
 {
-    surface_entrant entrants[SCENARIO_ENTRANTS_MAX] = { { 0 } };
+    surface_implementation implementations[SCENARIO_IMPLEMENTATIONS_MAX] = { { 0 } };
     wisp_fabric* fabric = NULL;
     wisp_status status = WISP_OK;
     *line = ( level_line ){ .name = skin->name, .volume_error = NAN };
     for ( int e = 0; e < worker_count && status == WISP_OK; ++e )
     {
-        status = enter( figure, skin, plan->workers[e], &fabric, &entrants[e], error );
+        status = enter( figure, skin, plan->workers[e], &fabric, &implementations[e], error );
     }
     if ( status == WISP_OK )
     {
-        status = scenario_run( entrants, worker_count, &plan->scenario, truth, record, &line->figures, error );
+        status =
+            scenario_run( implementations, worker_count, &plan->scenario, reference, record, &line->stats, error );
     }
     if ( status == WISP_OK )
     {
-        status = volume_error( &entrants[0], &figure->mesh, &line->volume_error, error );
+        status = volume_error( &implementations[0], &figure->mesh, &line->volume_error, error );
     }
-    if ( status == WISP_OK && truth )
+    if ( status == WISP_OK && reference )
     {
         char what[100];
         snprintf( what, sizeof( what ), "balloon, %s", skin->name );
-        scenario_check_hashes( entrants, worker_count, line->figures.hash, what, out );
-        scenario_add_rows( entrants, worker_count, &line->figures, "cloth.levels.balloon", skin->name,
+        scenario_check_hashes( implementations, worker_count, line->stats.hash, what, out );
+        scenario_add_rows( implementations, worker_count, &line->stats, "cloth.levels.balloon", skin->name,
                            "converged run", out );
     }
     for ( int e = 0; e < worker_count; ++e )
     {
-        surface_entrant_destroy( &entrants[e] );
+        surface_implementation_destroy( &implementations[e] );
     }
     wisp_fabric_release( fabric );
     return status;
@@ -120,28 +126,28 @@ static wisp_status run_setting( const cloth_plan* plan, const held_figure* figur
 
 static wisp_status compare( const cloth_plan* plan, const held_figure* figure, results* out, wisp_error* error )
 {
-    path_record truth = { 0 };
-    level_table table = { .has_volume = true, .truth_energy_lost = NAN };
+    path_record reference = { 0 };
+    level_table table = { .has_volume = true, .reference_energy_lost = NAN };
     const int first_row = out->row_count;
-    char truth_name[40], title[160];
+    char reference_name[40], title[160];
     skin_setting converged = settings[0];
-    converged.substeps *= plan->truth_factor;
-    snprintf( truth_name, sizeof( truth_name ), "%d x 2, engine", converged.substeps );
-    converged.name = truth_name;
+    converged.substeps *= plan->reference_factor;
+    snprintf( reference_name, sizeof( reference_name ), "%d x 2, engine", converged.substeps );
+    converged.name = reference_name;
     wisp_status status =
-        path_record_create( figure->mesh.vertex_count, scenario_path_looks( &plan->scenario ), &truth, error );
+        path_record_create( figure->mesh.vertex_count, scenario_path_looks( &plan->scenario ), &reference, error );
     level_line line;
     if ( status == WISP_OK )
     {
-        status = run_setting( plan, figure, &converged, 1, NULL, &truth, &line, out, error );
+        status = run_setting( plan, figure, &converged, 1, NULL, &reference, &line, out, error );
     }
     if ( status == WISP_OK )
     {
-        table.truth_name = truth_name;
+        table.reference_name = reference_name;
     }
     for ( int i = 0; i < WISP_COUNT( settings ) && status == WISP_OK; ++i )
     {
-        status = run_setting( plan, figure, &settings[i], plan->worker_count, &truth, NULL,
+        status = run_setting( plan, figure, &settings[i], plan->worker_count, &reference, NULL,
                               &table.lines[table.line_count++], out, error );
     }
     if ( status == WISP_OK )
@@ -158,7 +164,7 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
             "cannot carry it away: a balloon has no switch for them.",
             converged.substeps, 100.0 * line.volume_error );
     }
-    path_record_destroy( &truth );
+    path_record_destroy( &reference );
     return status;
 }
 

@@ -29,15 +29,15 @@ static int begin( const cloth_plan* plan, const level_table* table, const char* 
     return cells_begin_table( &row, title, out );
 }
 
-// The error by which lines are compared: of the path where there is a truth, else the mean stretch.
+// The error by which lines are compared: of the path where there is a reference, else the mean stretch.
 static double error_of( const level_table* table, const level_line* line )
 {
-    return table->truth_name ? line->figures.path : line->figures.stretch_mean;
+    return table->reference_name ? line->stats.path : line->stats.stretch_mean;
 }
 
-static bool is_on_front( const level_table* table, const level_line* line, int entrant )
+static bool is_on_front( const level_table* table, const level_line* line, int implementation )
 {
-    double ms = line->figures.ms[entrant].median, error = error_of( table, line );
+    double ms = line->stats.ms[implementation].median, error = error_of( table, line );
     if ( !isfinite( ms ) || !isfinite( error ) )
     {
         return false;
@@ -45,7 +45,7 @@ static bool is_on_front( const level_table* table, const level_line* line, int e
     for ( int i = 0; i < table->line_count; ++i )
     {
         const level_line* other = &table->lines[i];
-        if ( other->figures.ms[entrant].median < ms && error_of( table, other ) < error )
+        if ( other->stats.ms[implementation].median < ms && error_of( table, other ) < error )
         {
             return false;
         }
@@ -68,7 +68,7 @@ static void put_scientific( cells* row, double value )
 static void write_line( const cloth_plan* plan, const level_table* table, const level_line* line, int number,
                         results* out )
 {
-    const scenario_figures* f = &line->figures;
+    const scenario_stats* f = &line->stats;
     cells row = { .count = 0 };
     cells_put( &row, "%s", line->name );
     scenario_put_times( f, plan->worker_count, &row );
@@ -88,15 +88,15 @@ static void write_line( const cloth_plan* plan, const level_table* table, const 
     cells_end_row( &row, number, out );
 }
 
-static void write_truth( const cloth_plan* plan, const level_table* table, int number, results* out )
+static void write_reference( const cloth_plan* plan, const level_table* table, int number, results* out )
 {
     cells row = { .count = 0 };
-    cells_put( &row, "%s", table->truth_name );
+    cells_put( &row, "%s", table->reference_name );
     for ( int e = 0; e < 2 * plan->worker_count + 2; ++e )
     {
         cells_put( &row, "-" );
     }
-    cells_put_number( &row, table->has_volume ? NAN : 100.0 * table->truth_energy_lost, 2 );
+    cells_put_number( &row, table->has_volume ? NAN : 100.0 * table->reference_energy_lost, 2 );
     for ( int i = 0; i < 3; ++i )
     {
         cells_put( &row, i == 0 ? "0" : "-" );
@@ -111,9 +111,9 @@ void level_table_write( const cloth_plan* plan, const level_table* table, const 
     {
         write_line( plan, table, &table->lines[i], number, out );
     }
-    if ( table->truth_name )
+    if ( table->reference_name )
     {
-        write_truth( plan, table, number, out );
+        write_reference( plan, table, number, out );
     }
 }
 
@@ -151,7 +151,7 @@ void level_table_charts( const cloth_plan* plan, const level_table* table, const
         chart.y = mean_stretch_of;
         rows_chart_add( &chart, out );
     }
-    if ( table->truth_name )
+    if ( table->reference_name )
     {
         snprintf( title, sizeof( title ), "What levels and tethers buy, %s: distance to the converged run", where );
         chart.y_label = "path error, m";

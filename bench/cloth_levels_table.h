@@ -8,7 +8,7 @@
 typedef struct level_line
 {
     const char* name;
-    scenario_figures figures;
+    scenario_stats stats;
     double volume_error; ///< |V / V_0 - 1| at the end; NaN for cloth
 } level_line;
 
@@ -17,8 +17,8 @@ typedef struct level_table
     level_line lines[LEVEL_LINES_MAX];
     int line_count;
     bool has_volume;
-    const char* truth_name;   ///< null: no converged run
-    double truth_energy_lost; ///< NaN: not known
+    const char* reference_name;   ///< null: no converged run
+    double reference_energy_lost; ///< NaN: not known
 } level_table;
 
 void level_table_write( const cloth_plan* plan, const level_table* table, const char* title, results* out );

@@ -6,12 +6,12 @@
 wisp_status cloth_scene_make( int n, bool is_irregular, cloth_scene* out, wisp_error* error )
 {
     *out = ( cloth_scene ){ .n = n, .pins = { 0, n - 1 } };
-    wisp_mesh_recipe recipe =
-        wisp_default_mesh_recipe( is_irregular ? WISP_MESH_PLANE_IRREGULAR : WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = n;
-    recipe.rows = n;
-    recipe.spacing = CLOTH_SPACING;
-    return wisp_mesh_make( &recipe, &out->mesh, error );
+    wisp_mesh_generator generator =
+        wisp_default_mesh_generator( is_irregular ? WISP_MESH_PLANE_IRREGULAR : WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = n;
+    generator.rows = n;
+    generator.spacing = CLOTH_SPACING;
+    return wisp_mesh_generate( &generator, &out->mesh, error );
 }
 
 void cloth_scene_free( cloth_scene* scene )
@@ -27,23 +27,24 @@ wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, 
     def.tethers = setting->tethers;
     def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
     def.finest_level = setting->finest_level > 0 ? setting->finest_level : def.finest_level;
-    def.sweep = setting->sweep;
+    def.solve_order = setting->solve_order;
     return surface_cook( &scene->mesh, def, out, error );
 }
 
-wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
-                                  const wisp_vec3* points, int workers, surface_entrant* out, wisp_error* error )
+wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
+                                         const wisp_vec3* points, int workers, surface_implementation* out,
+                                         wisp_error* error )
 {
-    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, fabric );
-    recipe.points = points;
-    recipe.pins = scene->pins;
-    recipe.pin_count = WISP_COUNT( scene->pins );
-    recipe.vertex_mass = 1.0f;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
-    recipe.substeps = setting->substeps;
-    recipe.iterations = setting->iterations;
-    recipe.workers = workers;
-    wisp_status status = surface_entrant_create( &recipe, out, error );
+    surface_generator generator = surface_default_generator( &wisp_cloth_module, fabric );
+    generator.points = points;
+    generator.pins = scene->pins;
+    generator.pin_count = WISP_COUNT( scene->pins );
+    generator.vertex_mass = 1.0f;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
+    generator.substeps = setting->substeps;
+    generator.iterations = setting->iterations;
+    generator.workers = workers;
+    wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -57,7 +58,7 @@ wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric,
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }

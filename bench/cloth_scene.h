@@ -29,7 +29,7 @@ typedef struct cloth_setting
     const char* name;
     int substeps, iterations;
     bool tethers, levels;
-    wisp_sweep sweep;
+    wisp_solve_order solve_order;
     int finest_level; ///< as wisp_fabric_def has it; 0: its default
 } cloth_setting;
 
@@ -37,34 +37,35 @@ typedef struct cloth_setting
 wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out,
                         wisp_error* error );
 /// @param points where the vertices start, null: the rest shape
-wisp_status cloth_entrant_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
-                                  const wisp_vec3* points, int workers, surface_entrant* out, wisp_error* error );
+wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
+                                         const wisp_vec3* points, int workers, surface_implementation* out,
+                                         wisp_error* error );
 
 // ---- the same cloth in double precision ----
 
 /// Links in the order in which the fabric has them, one after another: what the engine computes, without its lanes,
-/// tiles and roundings. It is the truth of one step, and with many substeps the converged run.
-typedef struct cloth_truth
+/// tiles and roundings. It is the reference of one step, and with many substeps the converged run.
+typedef struct cloth_reference
 {
     int slot_count, link_count;
     double ( *position )[3], ( *previous )[3], ( *velocity )[3]; ///< [slot_count]
     double* inverse_mass;
     int ( *links )[2];
     double *rest, *stiffness;
-    double* compliance; ///< [link_count] m/N, of xpbd; 0 unless cloth_truth_soften() was called
+    double* compliance; ///< [link_count] m/N, of xpbd; 0 unless cloth_reference_soften() was called
     const wisp_fabric* fabric;
-} cloth_truth;
+} cloth_reference;
 
-wisp_status cloth_truth_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_truth* out,
-                                wisp_error* error );
-void cloth_truth_destroy( cloth_truth* truth );
+wisp_status cloth_reference_create( const cloth_scene* scene, const wisp_fabric* fabric, cloth_reference* out,
+                                    wisp_error* error );
+void cloth_reference_destroy( cloth_reference* reference );
 /// Make it xpbd in SI units: full stiffness with compliances, and masses by area.
-/// @param stretch, bend m/N of an edge and of a cross link @param density kg/m^2
-void cloth_truth_soften( cloth_truth* truth, double stretch, double bend, double density );
-void cloth_truth_step( cloth_truth* truth, int substeps );
-/// Largest distance of a vertex to the truth's, m; NaN if a coordinate is.
-double cloth_truth_distance( const cloth_truth* truth, const wisp_vec3* points );
+/// @param stretch, bend m/N of an edge and of a bend link @param density kg/m^2
+void cloth_reference_soften( cloth_reference* reference, double stretch, double bend, double density );
+void cloth_reference_step( cloth_reference* reference, int substeps );
+/// Largest distance of a vertex to the reference's, m; NaN if a coordinate is.
+double cloth_reference_distance( const cloth_reference* reference, const wisp_vec3* points );
 /// Step through the warm-up of a scenario and keep the path at its looks.
-/// @param energy_lost as scenario_figures has it
-void cloth_truth_run( cloth_truth* truth, int substeps, const scenario_plan* plan, path_record* record,
-                      double* energy_lost );
+/// @param energy_lost as scenario_stats has it
+void cloth_reference_run( cloth_reference* reference, int substeps, const scenario_plan* plan, path_record* record,
+                          double* energy_lost );

@@ -15,12 +15,12 @@ enum
     PASS_COUNTS = WISP_COUNT( passes ),
 };
 
-typedef struct sweep_figures
+typedef struct sweep_stats
 {
     double ms[PASS_COUNTS];       ///< of all passes over links
     double residual[PASS_COUNTS]; ///< mean |l/l0 - 1| after them
     double largest[PASS_COUNTS];
-} sweep_figures;
+} sweep_stats;
 
 static wisp_vec3* pulled_points( const cloth_scene* scene )
 {
@@ -36,51 +36,51 @@ static wisp_vec3* pulled_points( const cloth_scene* scene )
 }
 
 // The same step again and again, from the same state. Columns that only the plan asks for are there once it is compiled.
-static wisp_status repeat_step( surface_entrant* entrant, wisp_error* error )
+static wisp_status repeat_step( surface_implementation* implementation, wisp_error* error )
 {
-    if ( wisp_world_plan_passes( entrant->world ) < 0 )
+    if ( wisp_world_plan_passes( implementation->world ) < 0 )
     {
-        return bench_world_fail( entrant->world, WISP_CONFLICT, error );
+        return bench_world_fail( implementation->world, WISP_CONFLICT, error );
     }
-    size_t size = wisp_world_snapshot_size( entrant->world );
+    size_t size = wisp_world_snapshot_size( implementation->world );
     void* start = malloc( size );
-    wisp_status status = start ? wisp_world_snapshot( entrant->world, start, size )
+    wisp_status status = start ? wisp_world_snapshot( implementation->world, start, size )
                                : wisp_fail( error, WISP_NO_MEMORY, "no memory for a snapshot of the sweeps' cloth" );
     for ( int i = 0; i < REPEATS && status == WISP_OK; ++i )
     {
-        status = wisp_world_restore( entrant->world, start, size );
+        status = wisp_world_restore( implementation->world, start, size );
         if ( status != WISP_OK )
         {
-            bench_world_fail( entrant->world, status, error );
+            bench_world_fail( implementation->world, status, error );
             break;
         }
-        status = surface_entrant_step( entrant, error );
-        status = status == WISP_OK ? surface_entrant_keep_profile( entrant ) : status;
+        status = surface_implementation_step( implementation, error );
+        status = status == WISP_OK ? surface_implementation_keep_profile( implementation ) : status;
     }
     free( start );
     return status;
 }
 
-static wisp_status run_sweep( const cloth_scene* scene, wisp_sweep sweep, const wisp_vec3* points, sweep_figures* out,
-                              wisp_error* error )
+static wisp_status run_sweep( const cloth_scene* scene, wisp_solve_order solve_order, const wisp_vec3* points,
+                              sweep_stats* out, wisp_error* error )
 {
-    cloth_setting setting = { "sweep", 1, 1, false, false, sweep, 0 };
+    cloth_setting setting = { "sweep", 1, 1, false, false, solve_order, 0 };
     wisp_fabric* fabric = NULL;
     wisp_status status = cloth_cook( scene, &setting, &fabric, error );
     for ( int i = 0; i < PASS_COUNTS && status == WISP_OK; ++i )
     {
-        surface_entrant entrant = { 0 };
+        surface_implementation implementation = { 0 };
         setting.iterations = passes[i];
-        status = cloth_entrant_create( scene, fabric, &setting, points, 1, &entrant, error );
-        status = status == WISP_OK ? repeat_step( &entrant, error ) : status;
+        status = cloth_implementation_create( scene, fabric, &setting, points, 1, &implementation, error );
+        status = status == WISP_OK ? repeat_step( &implementation, error ) : status;
         if ( status == WISP_OK )
         {
-            surface_look look = surface_entrant_look( &entrant );
-            out->ms[i] = surface_entrant_pass_ms( &entrant, "links." );
+            surface_look look = surface_implementation_look( &implementation );
+            out->ms[i] = surface_implementation_pass_ms( &implementation, "links." );
             out->residual[i] = look.stretch_mean;
             out->largest[i] = look.stretch_max;
         }
-        surface_entrant_destroy( &entrant );
+        surface_implementation_destroy( &implementation );
     }
     wisp_fabric_release( fabric );
     return status;
@@ -101,8 +101,7 @@ static void look_at_plain( const plain_cloth* cloth, double* mean, double* large
     }
 }
 
-static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points, sweep_figures* out,
-                              wisp_error* error )
+static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points, sweep_stats* out, wisp_error* error )
 {
     plain_cloth cloth;
     const wisp_mesh* mesh = &scene->mesh;
@@ -133,20 +132,20 @@ static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points,
 // ---- the table ----
 
 // The time at which a sweep has a residual, on straight lines between logarithms; NaN if it never gets there.
-static double time_to_reach( const sweep_figures* f, double residual )
+static double time_to_reach( const sweep_stats* f, double residual )
 {
     for ( int i = 1; i < PASS_COUNTS; ++i )
     {
         if ( f->residual[i] <= residual && f->residual[i - 1] >= residual && f->residual[i - 1] > f->residual[i] )
         {
-            double share = log( f->residual[i - 1] / residual ) / log( f->residual[i - 1] / f->residual[i] );
-            return exp( log( f->ms[i - 1] ) + share * log( f->ms[i] / f->ms[i - 1] ) );
+            double fraction = log( f->residual[i - 1] / residual ) / log( f->residual[i - 1] / f->residual[i] );
+            return exp( log( f->ms[i - 1] ) + fraction * log( f->ms[i] / f->ms[i - 1] ) );
         }
     }
     return NAN;
 }
 
-static void add_table( const cloth_scene* scene, const sweep_figures figures[3], results* out )
+static void add_table( const cloth_scene* scene, const sweep_stats stats[3], results* out )
 {
     static const char* const names[3] = { "plain C", "colours", "list" };
     char title[160];
@@ -167,35 +166,35 @@ static void add_table( const cloth_scene* scene, const sweep_figures figures[3],
         cells_put( &row, "%d", passes[i] );
         for ( int s = 0; s < 3; ++s )
         {
-            cells_put_number( &row, figures[s].ms[i], 3 );
-            cells_put_pair( &row, 100.0 * figures[s].largest[i], 2, 100.0 * figures[s].residual[i], 4 );
+            cells_put_number( &row, stats[s].ms[i], 3 );
+            cells_put_pair( &row, 100.0 * stats[s].largest[i], 2, 100.0 * stats[s].residual[i], 4 );
         }
         cells_end_row( &row, table, out );
     }
-    double wanted = figures[1].residual[3];
+    double requested = stats[1].residual[3];
     results_add_note(
         out,
         "Error against time: the mean residual that colours have after %d passes in %.2f ms is reached by "
         "the list in %.2f ms and by plain C in the order of the mesh in %.2f ms.",
-        passes[3], figures[1].ms[3], time_to_reach( &figures[2], wanted ), time_to_reach( &figures[0], wanted ) );
+        passes[3], stats[1].ms[3], time_to_reach( &stats[2], requested ), time_to_reach( &stats[0], requested ) );
 }
 
 wisp_status cloth_sweeps( const cloth_plan* plan, results* out, wisp_error* error )
 {
     cloth_scene scene = { 0 };
-    sweep_figures figures[3] = { { { 0 }, { 0 }, { 0 } } };
+    sweep_stats stats[3] = { { { 0 }, { 0 }, { 0 } } };
     wisp_status status = cloth_scene_make( plan->sweep_size, false, &scene, error );
     wisp_vec3* points = status == WISP_OK ? pulled_points( &scene ) : NULL;
     if ( status == WISP_OK && !points )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the pulled cloth" );
     }
-    status = status == WISP_OK ? run_plain( &scene, points, &figures[0], error ) : status;
-    status = status == WISP_OK ? run_sweep( &scene, WISP_SWEEP_COLOUR, points, &figures[1], error ) : status;
-    status = status == WISP_OK ? run_sweep( &scene, WISP_SWEEP_LIST, points, &figures[2], error ) : status;
+    status = status == WISP_OK ? run_plain( &scene, points, &stats[0], error ) : status;
+    status = status == WISP_OK ? run_sweep( &scene, WISP_SOLVE_ORDER_COLOUR, points, &stats[1], error ) : status;
+    status = status == WISP_OK ? run_sweep( &scene, WISP_SOLVE_ORDER_LIST, points, &stats[2], error ) : status;
     if ( status == WISP_OK )
     {
-        add_table( &scene, figures, out );
+        add_table( &scene, stats, out );
     }
     free( points );
     cloth_scene_free( &scene );

@@ -10,7 +10,7 @@
 #include "cloth/cloth.h"
 #include "collision/collision.h"
 #include "wisp/fabric.h"
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 #include "wisp/module/random.h"
@@ -48,10 +48,10 @@ static const search_kind brute_force = { "brute force", WISP_MESH_SEARCH_VOXELS,
 // A ball of 1 m with bumps, of 20 4^level triangles.
 static wisp_status make_body( int level, wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    recipe.level = level;
-    recipe.radius = 1.0f;
-    wisp_status status = wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    generator.level = level;
+    generator.radius = 1.0f;
+    wisp_status status = wisp_mesh_generate( &generator, out, error );
     for ( int v = 0; status == WISP_OK && v < out->vertex_count; ++v )
     {
         wisp_vec3* p = out->points + v;
@@ -61,9 +61,9 @@ static wisp_status make_body( int level, wisp_mesh* out, wisp_error* error )
     return status;
 }
 
-static wisp_mesh_tree_def search_def( const wisp_mesh* mesh, const search_kind* kind )
+static wisp_collision_mesh_def search_def( const wisp_mesh* mesh, const search_kind* kind )
 {
-    return ( wisp_mesh_tree_def ){
+    return ( wisp_collision_mesh_def ){
         .points = mesh->points,
         .triangles = mesh->triangles,
         .point_count = mesh->vertex_count,
@@ -88,7 +88,7 @@ typedef struct answers
 {
     wisp_mesh_nearest near[QUESTIONS], far[FAR_QUESTIONS];
     wisp_mesh_hit steps[QUESTIONS], across[QUESTIONS];
-    wisp_mesh_work work; // of the near ones
+    wisp_collision_mesh_query_stats work; // of the near ones
 } answers;
 
 static wisp_vec3 shift( wisp_vec3 p, float size, int i, uint64_t stream )
@@ -117,12 +117,12 @@ static void make_questions( const wisp_mesh* mesh, float edge, questions* q )
     }
 }
 
-static void ask( wisp_mesh_tree* tree, const questions* q, int count, answers* a )
+static void ask( wisp_collision_mesh* tree, const questions* q, int count, answers* a )
 {
-    wisp_mesh_tree_closest( tree, q->near, count, a->near, &a->work );
-    wisp_mesh_tree_closest( tree, q->far, count, a->far, NULL );
-    wisp_mesh_tree_sweep( tree, q->steps, count, a->steps, NULL );
-    wisp_mesh_tree_sweep( tree, q->across, count, a->across, NULL );
+    wisp_collision_mesh_closest( tree, q->near, count, a->near, &a->work );
+    wisp_collision_mesh_closest( tree, q->far, count, a->far, NULL );
+    wisp_collision_mesh_cast( tree, q->steps, count, a->steps, NULL );
+    wisp_collision_mesh_cast( tree, q->across, count, a->across, NULL );
 }
 
 static bool are_same( const answers* a, const answers* b, int count )
@@ -155,38 +155,38 @@ static const struct
     { "far", FAR_QUESTIONS }, { "step", QUESTIONS }, { "path", QUESTIONS },
 };
 
-typedef struct entrant
+typedef struct implementation
 {
     const search_kind* kind;
-    wisp_mesh_tree* tree;
+    wisp_collision_mesh* tree;
     answers* found;
     double samples[TIMES][ROUNDS_MAX]; // s
     int rounds;
-} entrant;
+} implementation;
 
 // Build it anew, move it, and ask everything, with a clock beside.
-static wisp_status run_round( entrant* e, const wisp_mesh* mesh, const questions* q, wisp_error* error )
+static wisp_status run_round( implementation* e, const wisp_mesh* mesh, const questions* q, wisp_error* error )
 {
     double at[TIMES + 1];
-    wisp_mesh_tree_def def = search_def( mesh, e->kind );
-    wisp_mesh_tree_release( e->tree );
-    e->found->work = ( wisp_mesh_work ){ 0 };
+    wisp_collision_mesh_def def = search_def( mesh, e->kind );
+    wisp_collision_mesh_release( e->tree );
+    e->found->work = ( wisp_collision_mesh_query_stats ){ 0 };
     at[BUILD] = wisp_clock_seconds();
-    wisp_status status = wisp_mesh_tree_create( &def, NULL, &e->tree, error );
+    wisp_status status = wisp_collision_mesh_create( &def, NULL, &e->tree, error );
     at[UPDATE] = wisp_clock_seconds();
-    status = status == WISP_OK ? wisp_mesh_tree_update( e->tree, mesh->points, error ) : status;
+    status = status == WISP_OK ? wisp_collision_mesh_update( e->tree, mesh->points, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
     at[NEAR] = wisp_clock_seconds();
-    wisp_mesh_tree_closest( e->tree, q->near, QUESTIONS, e->found->near, &e->found->work );
+    wisp_collision_mesh_closest( e->tree, q->near, QUESTIONS, e->found->near, &e->found->work );
     at[FAR] = wisp_clock_seconds();
-    wisp_mesh_tree_closest( e->tree, q->far, FAR_QUESTIONS, e->found->far, NULL );
+    wisp_collision_mesh_closest( e->tree, q->far, FAR_QUESTIONS, e->found->far, NULL );
     at[STEPS] = wisp_clock_seconds();
-    wisp_mesh_tree_sweep( e->tree, q->steps, QUESTIONS, e->found->steps, NULL );
+    wisp_collision_mesh_cast( e->tree, q->steps, QUESTIONS, e->found->steps, NULL );
     at[ACROSS] = wisp_clock_seconds();
-    wisp_mesh_tree_sweep( e->tree, q->across, QUESTIONS, e->found->across, NULL );
+    wisp_collision_mesh_cast( e->tree, q->across, QUESTIONS, e->found->across, NULL );
     at[TIMES] = wisp_clock_seconds();
     for ( int k = 0; k < TIMES; ++k )
     {
@@ -206,7 +206,7 @@ static int count_found( const answers* a )
     return count;
 }
 
-static void add_entrant_row( entrant* e, const wisp_mesh* mesh, bool same, int table, results* out )
+static void add_implementation_row( implementation* e, const wisp_mesh* mesh, bool same, int table, results* out )
 {
     double median[TIMES];
     results_row* row = results_add_row( out, "collision", e->kind->name );
@@ -226,7 +226,7 @@ static void add_entrant_row( entrant* e, const wisp_mesh* mesh, bool same, int t
             row->ms_p90 = scale * summary.p90;
         }
     }
-    double bytes = (double)wisp_mesh_tree_bytes( e->tree );
+    double bytes = (double)wisp_collision_mesh_bytes( e->tree );
     if ( row != NULL )
     {
         results_put( &row->size, "triangles", mesh->triangle_count );
@@ -253,21 +253,21 @@ static void add_entrant_row( entrant* e, const wisp_mesh* mesh, bool same, int t
 typedef struct contest
 {
     wisp_mesh mesh;
-    questions asked;
-    answers truth;
+    questions queried;
+    answers reference;
     answers found[WISP_COUNT( searches )];
-    entrant entrants[WISP_COUNT( searches )];
+    implementation implementations[WISP_COUNT( searches )];
 } contest;
 
 static wisp_status ask_brute_force( contest* c, wisp_error* error )
 {
-    wisp_mesh_tree* all;
-    wisp_mesh_tree_def def = search_def( &c->mesh, &brute_force );
-    wisp_status status = wisp_mesh_tree_create( &def, NULL, &all, error );
+    wisp_collision_mesh* all;
+    wisp_collision_mesh_def def = search_def( &c->mesh, &brute_force );
+    wisp_status status = wisp_collision_mesh_create( &def, NULL, &all, error );
     if ( status == WISP_OK )
     {
-        ask( all, &c->asked, SAMPLE, &c->truth );
-        wisp_mesh_tree_release( all );
+        ask( all, &c->queried, SAMPLE, &c->reference );
+        wisp_collision_mesh_release( all );
     }
     return status;
 }
@@ -280,34 +280,34 @@ static wisp_status run_contest( contest* c, int level, double seconds, int table
     {
         return status;
     }
-    make_questions( &c->mesh, (float)ldexp( edge_of_level_0, -level ), &c->asked );
+    make_questions( &c->mesh, (float)ldexp( edge_of_level_0, -level ), &c->queried );
     status = ask_brute_force( c, error );
     double end = wisp_clock_seconds() + seconds;
     for ( int k = 0; k < WISP_COUNT( searches ); ++k )
     {
-        c->entrants[k] = ( entrant ){ .kind = searches + k, .found = c->found + k };
+        c->implementations[k] = ( implementation ){ .kind = searches + k, .found = c->found + k };
     }
     for ( int round = 0; round < ROUNDS_MAX && ( round < ROUNDS_MIN || wisp_clock_seconds() < end ); ++round )
     {
         for ( int k = 0; k < WISP_COUNT( searches ) && status == WISP_OK; ++k )
         {
-            status = run_round( c->entrants + k, &c->mesh, &c->asked, error );
+            status = run_round( c->implementations + k, &c->mesh, &c->queried, error );
         }
     }
     bool agree = status == WISP_OK && are_same( c->found, c->found + 1, QUESTIONS );
     for ( int k = 0; k < WISP_COUNT( searches ); ++k )
     {
-        bool same = status == WISP_OK && agree && are_same( c->found + k, &c->truth, SAMPLE );
+        bool same = status == WISP_OK && agree && are_same( c->found + k, &c->reference, SAMPLE );
         if ( status == WISP_OK )
         {
-            add_entrant_row( c->entrants + k, &c->mesh, same, table, out );
+            add_implementation_row( c->implementations + k, &c->mesh, same, table, out );
         }
         if ( status == WISP_OK && !same )
         {
             results_add_failure( out, "At %d triangles the answers of the %s are not those of the others.",
                                  c->mesh.triangle_count, searches[k].name );
         }
-        wisp_mesh_tree_release( c->entrants[k].tree );
+        wisp_collision_mesh_release( c->implementations[k].tree );
     }
     wisp_mesh_release( &c->mesh );
     return status;
@@ -375,8 +375,8 @@ static wisp_status add_cloth( cloth_run* run, wisp_fabric* fabric )
     status = status ? status : wisp_set_gravity( run->world, run->cloth, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } );
     status = status ? status : wisp_set_cloth( run->world, run->cloth, &cloth );
     status = status ? status : wisp_set_collision( run->world, run->cloth, &collision );
-    status = status ? status : wisp_want_collision_figures( run->world, run->cloth, true );
-    return status ? status : wisp_want( run->world, run->cloth, WISP_SURFACE_POINTS );
+    status = status ? status : wisp_request_collision_stats( run->world, run->cloth, true );
+    return status ? status : wisp_request( run->world, run->cloth, WISP_SURFACE_POINTS );
 }
 
 static wisp_status add_body( cloth_run* run, const wisp_mesh* mesh, const search_kind* kind )
@@ -399,11 +399,11 @@ static wisp_status step_cloth( cloth_run* run )
     double begin = wisp_clock_seconds();
     for ( int n = 0; n < CLOTH_STEPS && status == WISP_OK; ++n )
     {
-        wisp_collision_figures figures = { 0 };
+        wisp_collision_stats stats = { 0 };
         status = wisp_world_step( run->world, 1.0f / 60.0f );
-        status = status ? status : wisp_read_collision_figures( run->world, run->cloth, &figures );
-        run->contacts += figures.contacts;
-        run->penetration = figures.penetration;
+        status = status ? status : wisp_read_collision_stats( run->world, run->cloth, &stats );
+        run->contacts += stats.contacts;
+        run->penetration = stats.penetration;
     }
     run->ms = 1e3 * ( wisp_clock_seconds() - begin ) / CLOTH_STEPS;
     return status ? status : wisp_world_hash_column( run->world, run->cloth, WISP_SURFACE_POINTS, &run->hash );
@@ -439,10 +439,10 @@ static wisp_status run_cloth( const wisp_mesh* body, wisp_fabric* fabric, const 
 static wisp_status cook_cloth( wisp_fabric** out, wisp_error* error )
 {
     wisp_mesh mesh;
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = recipe.rows = CLOTH_SIDE;
-    recipe.spacing = 0.09f;
-    wisp_status status = wisp_mesh_make( &recipe, &mesh, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = generator.rows = CLOTH_SIDE;
+    generator.spacing = 0.09f;
+    wisp_status status = wisp_mesh_generate( &generator, &mesh, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -486,12 +486,12 @@ static wisp_status compare_cloth( const wisp_mesh* body, wisp_fabric* fabric, re
         cells_put( &header, "%s", names[i] );
     }
     int table = cells_begin_table( &header, title, out );
-    cloth_run truth, run;
-    wisp_status status = run_cloth( body, fabric, &brute_force, &truth, error );
+    cloth_run reference, run;
+    wisp_status status = run_cloth( body, fabric, &brute_force, &reference, error );
     for ( int k = 0; k < WISP_COUNT( searches ) && status == WISP_OK; ++k )
     {
         status = run_cloth( body, fabric, searches + k, &run, error );
-        bool same = run.contacts == truth.contacts && run.hash == truth.hash && run.contacts > 0;
+        bool same = run.contacts == reference.contacts && run.hash == reference.hash && run.contacts > 0;
         if ( status == WISP_OK )
         {
             add_cloth_row( searches + k, &run, same, table, out );
@@ -505,7 +505,7 @@ static wisp_status compare_cloth( const wisp_mesh* body, wisp_fabric* fabric, re
     }
     if ( status == WISP_OK )
     {
-        add_cloth_row( &brute_force, &truth, true, table, out );
+        add_cloth_row( &brute_force, &reference, true, table, out );
     }
     return status;
 }

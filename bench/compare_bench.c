@@ -88,7 +88,7 @@ compare_plan compare_default_plan( const bench_options* options )
         .worker_count = options->workers > 1 ? 2 : 1,
         .rounds_max = options->quick ? 1 : 64,
         .seconds = bench_seconds( options ),
-        .folder = BENCH_DATA "/truth",
+        .folder = BENCH_DATA "/reference",
         .options = options,
     };
     for ( int i = 0; i < COMPARE_SCENARIO_COUNT; ++i )
@@ -102,22 +102,22 @@ compare_plan compare_default_plan( const bench_options* options )
 
 // ---- a scene ----
 
-static void add_notes( const compare_scene* scene, const compare_truth* truth, const compare_figures* figures,
+static void add_notes( const compare_scene* scene, const compare_reference* reference, const compare_stats* stats,
                        const compare_plan* plan, results* out )
 {
     double doubt = 0.0, slack = 0.0;
-    for ( int k = 1; k < truth->look_count - 1; ++k )
+    for ( int k = 1; k < reference->look_count - 1; ++k )
     {
-        doubt += truth->looks[k].doubt * truth->looks[k].doubt / ( truth->look_count - 2 );
-        slack = truth->looks[k].look.slack > slack ? truth->looks[k].look.slack : slack;
+        doubt += reference->looks[k].doubt * reference->looks[k].doubt / ( reference->look_count - 2 );
+        slack = reference->looks[k].look.slack > slack ? reference->looks[k].look.slack : slack;
     }
     results_add_note(
         out,
-        "Comparison `%s`: the truth is %s in double precision, %g steps per second, every step solved by "
+        "Comparison `%s`: the reference is %s in double precision, %g steps per second, every step solved by "
         "Newton's method to %.1e of the weight's impulse; half as many steps differ by %.3g mm in the "
         "window and %.3g mm at rest. Up to %.0f of %d edges are slack in the window.",
-        scene->physics.name, truth->order > 1.5 ? "BDF2" : "implicit Euler", truth->rate, truth->residual,
-        1e3 * sqrt( doubt ), 1e3 * truth->looks[truth->look_count - 1].doubt, slack, scene->edge_count );
+        scene->physics.name, reference->order > 1.5 ? "BDF2" : "implicit Euler", reference->rate, reference->residual,
+        1e3 * sqrt( doubt ), 1e3 * reference->looks[reference->look_count - 1].doubt, slack, scene->edge_count );
     for ( int i = 0; i < plan->variant_count; ++i )
     {
         if ( plan->variants[i].is_limit )
@@ -126,7 +126,7 @@ static void add_notes( const compare_scene* scene, const compare_truth* truth, c
                 out,
                 "Comparison `%s`: what %s still has, %.3g mm, is the model's and the rounding of floats. Its "
                 "edges resist compression as they do stretching, those of Noh and Jung do not%s.",
-                scene->physics.name, plan->variants[i].name, 1e3 * figures[i].path,
+                scene->physics.name, plan->variants[i].name, 1e3 * stats[i].path,
                 scene->physics.has_ball ? ", and it bends by angles between triangles" : "" );
         }
     }
@@ -137,26 +137,26 @@ static wisp_status compare_one( const compare_plan* plan, compare_scenario scena
 {
     char path[1024];
     compare_scene scene;
-    compare_truth truth = { .points = NULL };
-    compare_figures* figures = calloc( COMPARE_VARIANTS_MAX, sizeof( compare_figures ) );
+    compare_reference reference = { .points = NULL };
+    compare_stats* stats = calloc( COMPARE_VARIANTS_MAX, sizeof( compare_stats ) );
     wisp_status status = compare_scene_make( scenario, TRIANGLE_VERTICES, &scene, error );
-    if ( status == WISP_OK && !figures )
+    if ( status == WISP_OK && !stats )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the figures of a comparison" );
     }
-    snprintf( path, sizeof( path ), "%s/%s.truth", plan->folder, compare_physics_of( scenario ).name );
-    status = status == WISP_OK ? compare_truth_read( path, &truth, error ) : status;
-    status = status == WISP_OK ? compare_truth_check( &truth, &scene, path, error ) : status;
-    status = status == WISP_OK ? compare_scene_run( plan, &scene, &truth, seconds, figures, out, error ) : status;
+    snprintf( path, sizeof( path ), "%s/%s.reference", plan->folder, compare_physics_of( scenario ).name );
+    status = status == WISP_OK ? compare_reference_read( path, &reference, error ) : status;
+    status = status == WISP_OK ? compare_reference_check( &reference, &scene, path, error ) : status;
+    status = status == WISP_OK ? compare_scene_run( plan, &scene, &reference, seconds, stats, out, error ) : status;
     if ( status == WISP_OK )
     {
-        compare_add_table( plan, &scene, &truth, figures, out );
-        compare_add_summaries( plan, &scene, figures, out );
-        add_notes( &scene, &truth, figures, plan, out );
+        compare_add_table( plan, &scene, &reference, stats, out );
+        compare_add_summaries( plan, &scene, stats, out );
+        add_notes( &scene, &reference, stats, plan, out );
     }
-    compare_truth_free( &truth );
+    compare_reference_free( &reference );
     compare_scene_free( &scene );
-    free( figures );
+    free( stats );
     return status;
 }
 

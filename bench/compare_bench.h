@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bench.h"
-#include "compare_truth.h"
+#include "compare_reference.h"
 
 #define COMPARE_VARIANTS_MAX 64
 #define COMPARE_WORKERS_MAX 2
@@ -42,7 +42,7 @@ typedef struct compare_plan
     int workers[COMPARE_WORKERS_MAX], worker_count;
     int rounds_max;               ///< of the window, each from the start; one is made in any case
     double seconds;               ///< of all scenarios together: no new round after this
-    const char* folder;           ///< of the truth files
+    const char* folder;           ///< of the reference files
     const bench_options* options; ///< for progress
 } compare_plan;
 
@@ -51,40 +51,41 @@ compare_plan compare_default_plan( const bench_options* options );
 void compare_add_variant( compare_plan* plan, compare_variant variant );
 
 /// Tables of all scenarios.
-/// @return WISP_IO_ERROR, WISP_BAD_INPUT a truth file is not there, broken, or of another cloth
+/// @return WISP_IO_ERROR, WISP_BAD_INPUT a reference file is not there, broken, or of another cloth
 wisp_status compare_bench_run( const compare_plan* plan, results* out, wisp_error* error );
 
 // ---- its parts ----
 
 /// What a variant showed in one scenario.
-typedef struct compare_figures
+typedef struct compare_stats
 {
     stats_summary ms[COMPARE_WORKERS_MAX]; ///< a frame, of the steps behind `timed_look`; NaN if it was halted
     double
-        path; ///< m, root mean square distance of all vertices to the truth over the looks of the window; NaN if halted
+        path; ///< m, root mean square distance of all vertices to the reference over the looks of the window; NaN if halted
     double worst; ///< m, the same at the worst look
     bool has_rest;
     compare_look rest;
-    double rest_distance; ///< m, root mean square distance to the truth at rest
+    double rest_distance; ///< m, root mean square distance to the reference at rest
     uint64_t hash;        ///< behind the window
     int halted_at;        ///< step; 0: never
-} compare_figures;
+} compare_stats;
 
 /// A world with the cloth in it, at its start.
 /// @param start [vertex_count]
 wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, const compare_variant* variant,
-                           const wisp_vec3* start, int workers, surface_entrant* out, wisp_error* error );
+                           const wisp_vec3* start, int workers, surface_implementation* out, wisp_error* error );
 /// Cook the scene's mesh with what all solvers need.
 wisp_status compare_cook( const compare_scene* scene, wisp_fabric** out, wisp_error* error );
 
 /// All variants through one scene, in turns.
 /// @param seconds no new round after so many @param figures [variant_count]
-wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
-                               double seconds, compare_figures* figures, results* out, wisp_error* error );
+wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene,
+                               const compare_reference* reference, double seconds, compare_stats* stats, results* out,
+                               wisp_error* error );
 
 /// The table of all variants, and a row for machines for each and every worker count.
-void compare_add_table( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
-                        const compare_figures* figures, results* out );
+void compare_add_table( const compare_plan* plan, const compare_scene* scene, const compare_reference* reference,
+                        const compare_stats* stats, results* out );
 /// What each method makes of the same time, and what it needs for the same error.
-void compare_add_summaries( const compare_plan* plan, const compare_scene* scene, const compare_figures* figures,
+void compare_add_summaries( const compare_plan* plan, const compare_scene* scene, const compare_stats* stats,
                             results* out );

@@ -25,7 +25,7 @@ static wisp_cloth_def cloth_of( const compare_scene* scene, const compare_varian
     {
         def.solver = WISP_SOLVER_PBD;
         def.stretch_stiffness = def.shear_stiffness = variant->stiffness;
-        def.bending = bends ? WISP_CLOTH_BENDING_CROSS : WISP_CLOTH_BENDING_NONE;
+        def.bending = bends ? WISP_CLOTH_BENDING_LINKS : WISP_CLOTH_BENDING_NONE;
         return def;
     }
     // the sum makes it isotropic: every edge has 1 / k
@@ -37,7 +37,7 @@ static wisp_cloth_def cloth_of( const compare_scene* scene, const compare_varian
 }
 
 static wisp_status add_position_based( const compare_scene* scene, const compare_variant* variant,
-                                       const wisp_vec3* start, surface_entrant* out )
+                                       const wisp_vec3* start, surface_implementation* out )
 {
     wisp_surface_def surface = wisp_default_surface_def();
     surface.fabric = out->fabric;
@@ -47,20 +47,21 @@ static wisp_status add_position_based( const compare_scene* scene, const compare
     surface.pin_count = scene->physics.has_ball ? 0 : scene->border_count;
     const wisp_cloth_def cloth = cloth_of( scene, variant );
     wisp_status status = wisp_add_surface( out->world, &surface, &out->entity );
-    status = status ? status : wisp_set_gravity( out->world, out->entity, out->recipe.gravity );
+    status = status ? status : wisp_set_gravity( out->world, out->entity, out->generator.gravity );
     status = status ? status : wisp_set_cloth( out->world, out->entity, &cloth );
-    status = status ? status : wisp_want( out->world, out->entity, WISP_SURFACE_POINTS );
+    status = status ? status : wisp_request( out->world, out->entity, WISP_SURFACE_POINTS );
     return status == WISP_OK && scene->physics.has_ball ? triangle_add_ball( out ) : status;
 }
 
 static wisp_status enter_position_based( const compare_scene* scene, wisp_fabric* fabric,
                                          const compare_variant* variant, const wisp_vec3* start, int workers,
-                                         surface_entrant* out, wisp_error* error )
+                                         surface_implementation* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_cloth_module, &wisp_collision_module };
-    *out = ( surface_entrant ){ .fabric = fabric, .recipe = surface_default_recipe( &wisp_cloth_module, fabric ) };
-    out->recipe.gravity = ( wisp_vec3 ){ 0.0f, -TRIANGLE_GRAVITY, 0.0f };
-    out->recipe.seconds = COMPARE_FRAME;
+    *out = ( surface_implementation ){ .fabric = fabric,
+                                       .generator = surface_default_generator( &wisp_cloth_module, fabric ) };
+    out->generator.gravity = ( wisp_vec3 ){ 0.0f, -TRIANGLE_GRAVITY, 0.0f };
+    out->generator.seconds = COMPARE_FRAME;
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
@@ -76,13 +77,14 @@ static wisp_status enter_position_based( const compare_scene* scene, wisp_fabric
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }
 
 static wisp_status enter_implicit( const compare_scene* scene, wisp_fabric* fabric, const compare_variant* variant,
-                                   const wisp_vec3* start, int workers, surface_entrant* out, wisp_error* error )
+                                   const wisp_vec3* start, int workers, surface_implementation* out,
+                                   wisp_error* error )
 {
     triangle_setting setting = triangle_default_setting();
     setting.cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
@@ -91,7 +93,7 @@ static wisp_status enter_implicit( const compare_scene* scene, wisp_fabric* fabr
     setting.cloth.damping = scene->physics.damping_link;
     setting.cloth.integrator = variant->bdf2 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;
     setting.cloth.tolerance = variant->tolerance;
-    setting.cloth.newton_repeats = variant->repeats;
+    setting.cloth.newton_iterations = variant->repeats;
     setting.seconds = 1.0f / (float)variant->rate;
     setting.workers = workers;
     setting.has_ball = scene->physics.has_ball;
@@ -104,7 +106,7 @@ static wisp_status enter_implicit( const compare_scene* scene, wisp_fabric* fabr
 }
 
 wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, const compare_variant* variant,
-                           const wisp_vec3* start, int workers, surface_entrant* out, wisp_error* error )
+                           const wisp_vec3* start, int workers, surface_implementation* out, wisp_error* error )
 {
     const bool is_implicit = variant->method == COMPARE_IMPLICIT;
     wisp_status status =
@@ -113,12 +115,12 @@ wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, cons
     {
         return status;
     }
-    out->recipe.workers = workers;
+    out->generator.workers = workers;
     status = wisp_set_damping( out->world, out->entity, scene->physics.damping );
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }
@@ -129,16 +131,16 @@ typedef struct contest
 {
     const compare_plan* plan;
     const compare_scene* scene;
-    const compare_truth* truth;
+    const compare_reference* reference;
     wisp_fabric* fabric;
     wisp_vec3* start;
-    surface_entrant* entrants; // [variant_count][worker_count]
+    surface_implementation* implementations; // [variant_count][worker_count]
     double* samples[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
     int sample_count[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
     int sample_room[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
     double* points;     // [vertex_count][3] of a look
     double* velocities; // likewise
-    compare_figures* figures;
+    compare_stats* stats;
     results* out;
 } contest;
 
@@ -148,9 +150,9 @@ static int workers_of( const contest* c, int variant )
     return c->plan->variants[variant].is_limit ? 1 : c->plan->worker_count;
 }
 
-static surface_entrant* entrant_of( const contest* c, int variant, int worker )
+static surface_implementation* implementation_of( const contest* c, int variant, int worker )
 {
-    return &c->entrants[variant * c->plan->worker_count + worker];
+    return &c->implementations[variant * c->plan->worker_count + worker];
 }
 
 static wisp_status enter_all( contest* c, wisp_error* error )
@@ -161,7 +163,7 @@ static wisp_status enter_all( contest* c, wisp_error* error )
         for ( int w = 0; w < workers_of( c, i ) && status == WISP_OK; ++w )
         {
             status = compare_enter( c->scene, c->fabric, &c->plan->variants[i], c->start, c->plan->workers[w],
-                                    entrant_of( c, i, w ), error );
+                                    implementation_of( c, i, w ), error );
         }
     }
     return status;
@@ -171,7 +173,7 @@ static void leave_all( contest* c )
 {
     for ( int i = 0; i < c->plan->variant_count * c->plan->worker_count; ++i )
     {
-        surface_entrant_destroy( &c->entrants[i] );
+        surface_implementation_destroy( &c->implementations[i] );
     }
 }
 
@@ -196,14 +198,14 @@ static wisp_status keep_sample( contest* c, int variant, int worker, double ms, 
 // On to the next look. The first step of a turn refills the caches and is not counted.
 static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed, wisp_error* error )
 {
-    surface_entrant* entrant = entrant_of( c, variant, worker );
-    const double seconds = (double)entrant->recipe.seconds;
+    surface_implementation* implementation = implementation_of( c, variant, worker );
+    const double seconds = (double)implementation->generator.seconds;
     const int steps = (int)lround( (double)COMPARE_LOOK_SECONDS / seconds );
     wisp_status status = WISP_OK;
     for ( int k = 0; k < steps && status == WISP_OK; ++k )
     {
         const double begin = wisp_clock_seconds();
-        status = surface_entrant_step( entrant, error );
+        status = surface_implementation_step( implementation, error );
         const double ms = 1e3 * ( wisp_clock_seconds() - begin ) * (double)COMPARE_FRAME / seconds;
         if ( status == WISP_OK && is_timed && k > 0 )
         {
@@ -215,11 +217,11 @@ static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed
 
 // ---- looking ----
 
-static wisp_status see( contest* c, surface_entrant* entrant, wisp_error* error )
+static wisp_status see( contest* c, surface_implementation* implementation, wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
-    for ( int i = 0; i < c->truth->vertex_count && status == WISP_OK; ++i )
+    wisp_status status = surface_implementation_points( implementation, &points, error );
+    for ( int i = 0; i < c->reference->vertex_count && status == WISP_OK; ++i )
     {
         c->points[3 * i] = (double)points[i].x;
         c->points[3 * i + 1] = (double)points[i].y;
@@ -230,48 +232,48 @@ static wisp_status see( contest* c, surface_entrant* entrant, wisp_error* error 
 
 static double square_distance( const contest* c, int look )
 {
-    const float* truth = c->truth->points + (size_t)look * 3 * (size_t)c->truth->vertex_count;
+    const float* reference = c->reference->points + (size_t)look * 3 * (size_t)c->reference->vertex_count;
     double sum = 0.0;
-    for ( int i = 0; i < 3 * c->truth->vertex_count; ++i )
+    for ( int i = 0; i < 3 * c->reference->vertex_count; ++i )
     {
-        const double off = c->points[i] - (double)truth[i];
+        const double off = c->points[i] - (double)reference[i];
         sum += off * off;
     }
-    return sum / c->truth->vertex_count;
+    return sum / c->reference->vertex_count;
 }
 
 static wisp_status look_at_path( contest* c, int variant, int look, wisp_error* error )
 {
-    compare_figures* figures = &c->figures[variant];
-    wisp_status status = see( c, entrant_of( c, variant, 0 ), error );
+    compare_stats* stats = &c->stats[variant];
+    wisp_status status = see( c, implementation_of( c, variant, 0 ), error );
     const double square = square_distance( c, look );
-    figures->path += square / ( c->scene->physics.look_count - 1 );
+    stats->path += square / ( c->scene->physics.look_count - 1 );
     // not fmax: that would step over a NaN
-    figures->worst = sqrt( square ) <= figures->worst ? figures->worst : sqrt( square );
+    stats->worst = sqrt( square ) <= stats->worst ? stats->worst : sqrt( square );
     return status;
 }
 
 static wisp_status look_at_rest( contest* c, int variant, wisp_error* error )
 {
-    surface_entrant* entrant = entrant_of( c, variant, 0 );
-    compare_figures* figures = &c->figures[variant];
-    wisp_vec3* velocities = malloc( (size_t)c->truth->vertex_count * sizeof( wisp_vec3 ) );
+    surface_implementation* implementation = implementation_of( c, variant, 0 );
+    compare_stats* stats = &c->stats[variant];
+    wisp_vec3* velocities = malloc( (size_t)c->reference->vertex_count * sizeof( wisp_vec3 ) );
     if ( !velocities )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for velocities" );
     }
-    wisp_status status = see( c, entrant, error );
-    surface_entrant_velocities( entrant, velocities );
-    for ( int i = 0; i < c->truth->vertex_count; ++i )
+    wisp_status status = see( c, implementation, error );
+    surface_implementation_velocities( implementation, velocities );
+    for ( int i = 0; i < c->reference->vertex_count; ++i )
     {
         c->velocities[3 * i] = (double)velocities[i].x;
         c->velocities[3 * i + 1] = (double)velocities[i].y;
         c->velocities[3 * i + 2] = (double)velocities[i].z;
     }
     free( velocities );
-    figures->has_rest = entrant->halted_at == 0;
-    figures->rest = compare_look_at( c->scene, c->points, c->velocities );
-    figures->rest_distance = sqrt( square_distance( c, c->truth->look_count - 1 ) );
+    stats->has_rest = implementation->halted_at == 0;
+    stats->rest = compare_look_at( c->scene, c->points, c->velocities );
+    stats->rest_distance = sqrt( square_distance( c, c->reference->look_count - 1 ) );
     return status;
 }
 
@@ -293,19 +295,19 @@ static wisp_status go_to_rest( contest* c, int variant, wisp_error* error )
 static wisp_status check_hash( contest* c, int variant, int worker, bool is_first, wisp_error* error )
 {
     uint64_t hash;
-    surface_entrant* entrant = entrant_of( c, variant, worker );
-    compare_figures* figures = &c->figures[variant];
-    wisp_status status = surface_entrant_hash( entrant, &hash, error );
+    surface_implementation* implementation = implementation_of( c, variant, worker );
+    compare_stats* stats = &c->stats[variant];
+    wisp_status status = surface_implementation_hash( implementation, &hash, error );
     if ( status == WISP_OK && is_first && worker == 0 )
     {
-        figures->hash = hash;
-        figures->halted_at = entrant->halted_at;
+        stats->hash = hash;
+        stats->halted_at = implementation->halted_at;
     }
-    else if ( status == WISP_OK && hash != figures->hash )
+    else if ( status == WISP_OK && hash != stats->hash )
     {
         results_add_failure( c->out, "cloth.compare.%s, %s: %d workers give hash %016llx, expected %016llx.",
                              c->scene->physics.name, c->plan->variants[variant].name, c->plan->workers[worker],
-                             (unsigned long long)hash, (unsigned long long)figures->hash );
+                             (unsigned long long)hash, (unsigned long long)stats->hash );
     }
     return status;
 }
@@ -341,7 +343,7 @@ static wisp_status run_round( contest* c, bool is_first, wisp_error* error )
     status = status == WISP_OK ? run_window( c, is_first, error ) : status;
     for ( int i = 0; i < c->plan->variant_count && status == WISP_OK && is_first; ++i )
     {
-        if ( c->plan->variants[i].has_rest && c->figures[i].halted_at == 0 )
+        if ( c->plan->variants[i].has_rest && c->stats[i].halted_at == 0 )
         {
             status = go_to_rest( c, i, error );
         }
@@ -354,13 +356,13 @@ static void conclude( contest* c )
 {
     for ( int i = 0; i < c->plan->variant_count; ++i )
     {
-        compare_figures* figures = &c->figures[i];
-        const bool is_halted = figures->halted_at > 0;
-        figures->path = is_halted ? NAN : sqrt( figures->path );
-        figures->worst = is_halted ? NAN : figures->worst;
+        compare_stats* stats = &c->stats[i];
+        const bool is_halted = stats->halted_at > 0;
+        stats->path = is_halted ? NAN : sqrt( stats->path );
+        stats->worst = is_halted ? NAN : stats->worst;
         for ( int w = 0; w < c->plan->worker_count; ++w )
         {
-            figures->ms[w] = stats_summarise( c->samples[i][w], is_halted ? 0 : c->sample_count[i][w] );
+            stats->ms[w] = stats_summarise( c->samples[i][w], is_halted ? 0 : c->sample_count[i][w] );
         }
     }
 }
@@ -392,28 +394,31 @@ static void free_contest( contest* c )
     }
     wisp_fabric_release( c->fabric );
     free( c->start );
-    free( c->entrants );
+    free( c->implementations );
     free( c->points );
     free( c->velocities );
 }
 
-wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
-                               double seconds, compare_figures* figures, results* out, wisp_error* error )
+wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene,
+                               const compare_reference* reference, double seconds, compare_stats* stats, results* out,
+                               wisp_error* error )
 {
-    const size_t n = (size_t)truth->vertex_count, entrants = (size_t)( plan->variant_count * plan->worker_count );
-    contest c = { .plan = plan, .scene = scene, .truth = truth, .figures = figures, .out = out };
+    const size_t n = (size_t)reference->vertex_count,
+                 implementations = (size_t)( plan->variant_count * plan->worker_count );
+    contest c = { .plan = plan, .scene = scene, .reference = reference, .stats = stats, .out = out };
     c.start = calloc( n, sizeof( wisp_vec3 ) );
-    c.entrants = calloc( entrants, sizeof( surface_entrant ) );
+    c.implementations = calloc( implementations, sizeof( surface_implementation ) );
     c.points = calloc( n, 3 * sizeof( double ) );
     c.velocities = calloc( n, 3 * sizeof( double ) );
     wisp_status status = WISP_OK;
-    if ( !c.start || !c.entrants || !c.points || !c.velocities )
+    if ( !c.start || !c.implementations || !c.points || !c.velocities )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a comparison of %zu worlds", entrants );
+        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a comparison of %zu worlds", implementations );
     }
     for ( size_t i = 0; i < n && status == WISP_OK; ++i )
     {
-        c.start[i] = ( wisp_vec3 ){ truth->points[3 * i], truth->points[3 * i + 1], truth->points[3 * i + 2] };
+        c.start[i] =
+            ( wisp_vec3 ){ reference->points[3 * i], reference->points[3 * i + 1], reference->points[3 * i + 2] };
     }
     status = status == WISP_OK ? compare_cook( scene, &c.fabric, error ) : status;
     status = status == WISP_OK ? run_rounds( &c, seconds, error ) : status;

@@ -64,7 +64,7 @@ static void place_start( compare_scene* scene )
     }
 }
 
-// Edges, lengths and masses are the oracle's, so that the truth and the looks mean the same by them.
+// Edges, lengths and masses are the oracle's, so that the reference and the looks mean the same by them.
 static wisp_status take_from_oracle( compare_scene* scene, wisp_error* error )
 {
     const wisp_mesh* mesh = &scene->base.mesh;
@@ -86,24 +86,24 @@ static wisp_status take_from_oracle( compare_scene* scene, wisp_error* error )
                                       .masses = scene->masses };
     triangle_oracle_params params = triangle_oracle_default_params();
     // with the rigidity 9/8 a diagonal of a sheet has the stiffness A / L
-    params.stiffness = TRIANGLE_ORACLE_STIFFNESS_SHEET;
+    params.stiffness = TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
     params.bend_rigidity = 9.0 / 8.0;
     triangle_oracle_lump( &def, (double)TRIANGLE_DENSITY, scene->masses );
     wisp_status status = triangle_oracle_create( &def, &params, &oracle, error );
-    double shares = 0.0;
+    double fractions = 0.0;
     for ( int k = 0; k < oracle.link_count; ++k )
     {
         const triangle_oracle_link* link = &oracle.link[k];
         if ( link->bends )
         {
-            shares += link->bend;
+            fractions += link->bend;
             continue;
         }
         scene->edges[2 * scene->edge_count] = link->i;
         scene->edges[2 * scene->edge_count + 1] = link->j;
         scene->lengths[scene->edge_count++] = link->length;
     }
-    scene->rigidity = shares > 0.0 ? 9.0 / 8.0 * (double)scene->physics.bend * oracle.bend_count / shares : 0.0;
+    scene->rigidity = fractions > 0.0 ? 9.0 / 8.0 * (double)scene->physics.bend * oracle.bend_count / fractions : 0.0;
     triangle_oracle_destroy( &oracle );
     free( points );
     return status;
@@ -117,12 +117,12 @@ wisp_status compare_scene_make( compare_scenario scenario, int vertices, compare
     {
         return status;
     }
-    const size_t n = (size_t)out->base.mesh.vertex_count, most_edges = 3 * (size_t)out->base.mesh.triangle_count;
+    const size_t n = (size_t)out->base.mesh.vertex_count, max_edges = 3 * (size_t)out->base.mesh.triangle_count;
     out->start = calloc( n, sizeof( wisp_vec3 ) );
     out->border = calloc( n, sizeof( int32_t ) );
     out->masses = calloc( n, sizeof( double ) );
-    out->edges = calloc( most_edges, 2 * sizeof( int32_t ) );
-    out->lengths = calloc( most_edges, sizeof( double ) );
+    out->edges = calloc( max_edges, 2 * sizeof( int32_t ) );
+    out->lengths = calloc( max_edges, sizeof( double ) );
     if ( out->start && out->border && out->masses && out->edges && out->lengths )
     {
         place_start( out );

@@ -1,5 +1,5 @@
 /// The scenes of `wisp bench cloth --compare`: the triangle scene's cloth of 958 vertices, one material in SI units, solved for
-/// by whoever can. What is here is what all solvers and the truth are told alike.
+/// by whoever can. What is here is what all solvers and the reference are told alike.
 #pragma once
 
 #include "triangle_scene.h"
@@ -20,13 +20,13 @@ typedef enum compare_scenario
 
 typedef struct compare_physics
 {
-    const char* name;   ///< of rows and of the truth's file
+    const char* name;   ///< of rows and of the reference's file
     bool has_ball;      ///< else the border is pinned
     float drop;         ///< m, how much lower than in the triangle scene the cloth begins
     float widening;     ///< of the flat cloth before it begins
     float bend;         ///< N m^2, of every diagonal
     float damping;      ///< 1/s, of all velocity
-    float damping_link; ///< N s/m, k_d of every link, which only the truth and implicit cloth have
+    float damping_link; ///< N s/m, k_d of every link, which only the reference and implicit cloth have
     int look_count;     ///< of the window: at 0, and then every COMPARE_LOOK_SECONDS
     int timed_look;     ///< times are taken after this look: before it hardly anything happens
     float rest_seconds; ///< when it is looked at once more
@@ -34,19 +34,20 @@ typedef struct compare_physics
 
 compare_physics compare_physics_of( compare_scenario scenario );
 
-/// Mesh, where it begins, and what both the bench and the truth need of it.
+/// Mesh, where it begins, and what both the bench and the reference need of it.
 typedef struct compare_scene
 {
     compare_physics physics;
     triangle_scene base; ///< the mesh at rest
-    wisp_vec3* start; ///< [vertex_count] where vertices begin. Of COMPARE_TAUT the truth knows better: its first look
-    int32_t* border;  ///< [border_count] vertices
+    wisp_vec3*
+        start; ///< [vertex_count] where vertices begin. Of COMPARE_TAUT the reference knows better: its first look
+    int32_t* border; ///< [border_count] vertices
     int border_count;
     int32_t* edges; ///< [edge_count][2]
     int edge_count;
     double* lengths; ///< [edge_count] m, at rest
     double* masses;  ///< [vertex_count] kg
-    uint64_t hash;   ///< of the mesh, so that a truth is not compared with another mesh
+    uint64_t hash;   ///< of the mesh, so that a reference is not compared with another mesh
     double rigidity; ///< N m: the bending of the diagonals as the rigidity of a sheet, on average
 } compare_scene;
 

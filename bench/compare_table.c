@@ -34,37 +34,37 @@ static int begin_table( const compare_plan* plan, const compare_scene* scene, re
     cells_put( &row, "hash" );
     char title[160];
     snprintf( title, sizeof( title ),
-              "Comparison `%s`: ms a frame, distance to the truth from %.2f to %.2f s, and figures at %g s",
+              "Comparison `%s`: ms a frame, distance to the reference from %.2f to %.2f s, and figures at %g s",
               scene->physics.name, (double)COMPARE_LOOK_SECONDS,
               (double)COMPARE_LOOK_SECONDS * ( scene->physics.look_count - 1 ), (double)scene->physics.rest_seconds );
     return cells_begin_table( &row, title, out );
 }
 
-static void add_truth_line( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
-                            int table, results* out )
+static void add_reference_line( const compare_plan* plan, const compare_scene* scene,
+                                const compare_reference* reference, int table, results* out )
 {
     cells row = { .count = 0 };
     double square = 0.0, worst = 0.0;
     for ( int k = 1; k < scene->physics.look_count; ++k )
     {
-        square += truth->looks[k].doubt * truth->looks[k].doubt / ( scene->physics.look_count - 1 );
-        worst = fmax( worst, truth->looks[k].doubt );
+        square += reference->looks[k].doubt * reference->looks[k].doubt / ( scene->physics.look_count - 1 );
+        worst = fmax( worst, reference->looks[k].doubt );
     }
-    cells_put( &row, "Newton in double 1/%g (its doubt)", truth->rate );
+    cells_put( &row, "Newton in double 1/%g (its doubt)", reference->rate );
     for ( int w = 0; w < 2 * plan->worker_count; ++w )
     {
         cells_put( &row, "-" );
     }
     cells_put_number( &row, 1e3 * sqrt( square ), 3 );
     cells_put_number( &row, 1e3 * worst, 3 );
-    const compare_truth_look* rest = &truth->looks[truth->look_count - 1];
+    const compare_reference_look* rest = &reference->looks[reference->look_count - 1];
     put_rest( scene, &rest->look, rest->doubt, &row );
     cells_put( &row, "-" );
     cells_end_row( &row, table, out );
 }
 
 static void add_line( const compare_plan* plan, const compare_scene* scene, const compare_variant* variant,
-                      const compare_figures* f, int table, results* out )
+                      const compare_stats* f, int table, results* out )
 {
     cells row = { .count = 0 };
     cells_put( &row, "%s%s", variant->name, variant->is_limit ? " (the model)" : "" );
@@ -101,7 +101,7 @@ static void put_finite( results_values* values, const char* name, double value )
     }
 }
 
-static void put_errors( const compare_figures* f, results_values* error )
+static void put_errors( const compare_stats* f, results_values* error )
 {
     put_finite( error, "path_rms_m", f->path );
     put_finite( error, "worst_look_rms_m", f->worst );
@@ -119,7 +119,7 @@ static void put_errors( const compare_figures* f, results_values* error )
 }
 
 static void add_rows( const compare_plan* plan, const compare_scene* scene, const compare_variant* variant,
-                      const compare_figures* f, results* out )
+                      const compare_stats* f, results* out )
 {
     char name[64];
     snprintf( name, sizeof( name ), "cloth.compare.%s", scene->physics.name );
@@ -146,22 +146,22 @@ static void add_rows( const compare_plan* plan, const compare_scene* scene, cons
     }
 }
 
-void compare_add_table( const compare_plan* plan, const compare_scene* scene, const compare_truth* truth,
-                        const compare_figures* figures, results* out )
+void compare_add_table( const compare_plan* plan, const compare_scene* scene, const compare_reference* reference,
+                        const compare_stats* stats, results* out )
 {
     const int table = begin_table( plan, scene, out );
-    add_truth_line( plan, scene, truth, table, out );
+    add_reference_line( plan, scene, reference, table, out );
     for ( int i = 0; i < plan->variant_count; ++i )
     {
-        add_line( plan, scene, &plan->variants[i], &figures[i], table, out );
-        add_rows( plan, scene, &plan->variants[i], &figures[i], out );
+        add_line( plan, scene, &plan->variants[i], &stats[i], table, out );
+        add_rows( plan, scene, &plan->variants[i], &stats[i], out );
     }
 }
 
 // ---- summaries ----
 
 // Of its worker counts the faster one: who has two cores may leave one idle.
-static double fastest( const compare_plan* plan, const compare_figures* f )
+static double fastest( const compare_plan* plan, const compare_stats* f )
 {
     double ms = INFINITY;
     for ( int w = 0; w < plan->worker_count; ++w )
@@ -172,14 +172,14 @@ static double fastest( const compare_plan* plan, const compare_figures* f )
 }
 
 // The fastest variant of a method whose error is not above the limit, or the nearest one whose time is not. -1: there is none.
-static int best_of( const compare_plan* plan, const compare_figures* figures, compare_method method, bool by_time,
+static int best_of( const compare_plan* plan, const compare_stats* stats, compare_method method, bool by_time,
                     double limit )
 {
     int best = -1;
     double least = INFINITY;
     for ( int i = 0; i < plan->variant_count; ++i )
     {
-        const double ms = fastest( plan, &figures[i] ), error = figures[i].path;
+        const double ms = fastest( plan, &stats[i] ), error = stats[i].path;
         const double value = by_time ? ms : error, limited = by_time ? error : ms;
         const bool takes_part = plan->variants[i].method == method && !plan->variants[i].is_limit;
         if ( takes_part && limited <= limit && value < least )
@@ -191,7 +191,7 @@ static int best_of( const compare_plan* plan, const compare_figures* figures, co
     return best;
 }
 
-static void put_best( const compare_plan* plan, const compare_figures* figures, int best, bool by_time, cells* row )
+static void put_best( const compare_plan* plan, const compare_stats* stats, int best, bool by_time, cells* row )
 {
     if ( best < 0 )
     {
@@ -199,11 +199,11 @@ static void put_best( const compare_plan* plan, const compare_figures* figures, 
         cells_put( row, "-" );
         return;
     }
-    cells_put_number( row, by_time ? fastest( plan, &figures[best] ) : 1e3 * figures[best].path, 3 );
+    cells_put_number( row, by_time ? fastest( plan, &stats[best] ) : 1e3 * stats[best].path, 3 );
     cells_put( row, "%s", plan->variants[best].name );
 }
 
-static void add_summary( const compare_plan* plan, const compare_scene* scene, const compare_figures* figures,
+static void add_summary( const compare_plan* plan, const compare_scene* scene, const compare_stats* stats,
                          bool by_time, results* out )
 {
     static const double budgets_ms[] = { 0.5, 1.0, 2.0, 4.0 }, targets_mm[] = { 10.0, 3.0, 1.0, 0.3 };
@@ -226,15 +226,15 @@ static void add_summary( const compare_plan* plan, const compare_scene* scene, c
         for ( int m = 0; m < COMPARE_METHOD_COUNT; ++m )
         {
             const double limit = by_time ? 1e-3 * targets_mm[i] : budgets_ms[i];
-            put_best( plan, figures, best_of( plan, figures, (compare_method)m, by_time, limit ), by_time, &line );
+            put_best( plan, stats, best_of( plan, stats, (compare_method)m, by_time, limit ), by_time, &line );
         }
         cells_end_row( &line, table, out );
     }
 }
 
-void compare_add_summaries( const compare_plan* plan, const compare_scene* scene, const compare_figures* figures,
+void compare_add_summaries( const compare_plan* plan, const compare_scene* scene, const compare_stats* stats,
                             results* out )
 {
-    add_summary( plan, scene, figures, false, out );
-    add_summary( plan, scene, figures, true, out );
+    add_summary( plan, scene, stats, false, out );
+    add_summary( plan, scene, stats, true, out );
 }

@@ -7,9 +7,9 @@
 
 static const contact_way ways[] = {
     { .name = "none", .is_off = true, .margin = 2.0f },
-    { .name = "samples, 2 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 2.0f, .margin = 2.0f },
-    { .name = "samples, 1 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 1.0f, .margin = 2.0f },
-    { .name = "exact, no guard", .margin = 2.0f, .no_guard = true },
+    { .name = "samples, 2 apart", .primitives = WISP_CONTACT_PARTICLES, .spacing = 2.0f, .margin = 2.0f },
+    { .name = "samples, 1 apart", .primitives = WISP_CONTACT_PARTICLES, .spacing = 1.0f, .margin = 2.0f },
+    { .name = "exact, no guard", .margin = 2.0f, .no_displacement_limit = true },
     { .name = "exact, margin 2", .margin = 2.0f },
 };
 
@@ -41,11 +41,11 @@ static wisp_status look( contact_run* run, int number, void* context, wisp_error
     return status;
 }
 
-static int begin_table( const contact_race* race, const char* what, results* out )
+static int begin_table( const contact_comparison* comparison, const char* what, results* out )
 {
     char title[160];
     snprintf( title, sizeof( title ), "Contact, %s of %d vertices each, %d steps of %d substeps", what,
-              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+              comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "way" );
     static const char* const names[] = { "steps",
@@ -63,23 +63,23 @@ static int begin_table( const contact_race* race, const char* what, results* out
                                          "searches",
                                          "hash",
                                          "same" };
-    return contact_race_begin_table( race, &header, names, WISP_COUNT( names ), title, out );
+    return contact_comparison_begin_table( comparison, &header, names, WISP_COUNT( names ), title, out );
 }
 
-static void add_line( const contact_race* race, const contact_run* run, const press_look* l, bool is_pair, int table,
-                      results* out )
+static void add_line( const contact_comparison* comparison, const contact_run* run, const press_look* l, bool is_pair,
+                      int table, results* out )
 {
     const contact_tally* t = &run->tally;
     const double percent = 100.0 / (double)PRESS_RADIUS;
     const bool has_wall = is_pair && run->way.is_off == false;
     cells row = { .count = 0 };
     cells_put( &row, "%s", run->way.name );
-    contact_race_put_times( race, run, &row );
+    contact_comparison_put_times( comparison, run, &row );
     cells_put( &row, "%d", run->steps );
     cells_put_number( &row, percent * l->last.overlap, 3 );
     cells_put_number( &row, percent * l->most, 3 );
-    cells_put( &row, "%d", t->crossings_last );
-    cells_put( &row, "%d", t->crossings_most );
+    cells_put( &row, "%d", t->intersections_last );
+    cells_put( &row, "%d", t->max_intersections );
     cells_put_number( &row, has_wall ? l->force : NAN, 2 );
     cells_put_number( &row, has_wall ? percent * l->last.patch : NAN, 1 );
     cells_put_number( &row, has_wall ? percent * l->last.unevenness : NAN, 3 );
@@ -93,42 +93,42 @@ static void add_line( const contact_race* race, const contact_run* run, const pr
     cells_end_row( &row, table, out );
 }
 
-static void check( const contact_race* race, const contact_run* run, const press_look* l, results* out )
+static void check( const contact_comparison* comparison, const contact_run* run, const press_look* l, results* out )
 {
-    static const double OVERLAP_MOST = 0.01; // of the radius (BAL-X1)
-    contact_race_check( race, run, out );
-    const bool is_tight = run->way.is_off == false && run->way.features == WISP_CONTACT_EXACT;
-    if ( is_tight && l->most > OVERLAP_MOST * (double)PRESS_RADIUS )
+    static const double MAX_OVERLAP = 0.01; // of the radius (BAL-X1)
+    contact_comparison_check( comparison, run, out );
+    const bool is_tight = run->way.is_off == false && run->way.primitives == WISP_CONTACT_TRIANGLES;
+    if ( is_tight && l->most > MAX_OVERLAP * (double)PRESS_RADIUS )
     {
-        results_add_failure( out, "BAL-X1, %s, %s: balloons overlap by %.2f %% of the radius.", race->name,
+        results_add_failure( out, "BAL-X1, %s, %s: balloons overlap by %.2f %% of the radius.", comparison->name,
                              run->way.name, 100.0 * l->most / (double)PRESS_RADIUS );
     }
     // each row gives one side what it takes from the other; sums of a hundred thousand products in double remain
     if ( run->tally.unbalanced > 1e-9 * fmax( run->tally.impulse, 1.0 ) )
     {
-        results_add_failure( out, "BAL-X1, %s, %s: forces are not opposite by %.1e N s.", race->name, run->way.name,
-                             run->tally.unbalanced );
+        results_add_failure( out, "BAL-X1, %s, %s: forces are not opposite by %.1e N s.", comparison->name,
+                             run->way.name, run->tally.unbalanced );
     }
 }
 
-static wisp_status run_scene( const contact_race* race, const char* what, bool is_pair, results* out,
+static wisp_status run_scene( const contact_comparison* comparison, const char* what, bool is_pair, results* out,
                               wisp_error* error )
 {
     contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
     press_look looks[WISP_COUNT( ways )] = { { .most = 0.0 } };
-    contact_race mine = *race;
+    contact_comparison mine = *comparison;
     mine.context = looks;
-    const wisp_status status = contact_race_run( &mine, runs, error );
+    const wisp_status status = contact_comparison_run( &mine, runs, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    const int table = begin_table( race, what, out );
-    for ( int i = 0; i < race->way_count; ++i )
+    const int table = begin_table( comparison, what, out );
+    for ( int i = 0; i < comparison->way_count; ++i )
     {
-        add_line( race, runs + i, looks + i, is_pair, table, out );
-        contact_race_add_rows( race, runs + i, out );
-        check( race, runs + i, looks + i, out );
+        add_line( comparison, runs + i, looks + i, is_pair, table, out );
+        contact_comparison_add_rows( comparison, runs + i, out );
+        check( comparison, runs + i, looks + i, out );
     }
     return WISP_OK;
 }
@@ -141,7 +141,7 @@ wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error
     {
         return status;
     }
-    contact_race race = {
+    contact_comparison comparison = {
         .scene = &scene,
         .enter = contact_enter_pair,
         .ways = ways,
@@ -156,12 +156,12 @@ wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error
         .begin = 0.7,
         .span = 0.05,
     };
-    status = run_scene( &race, "two balloons pressed together,", true, out, error );
-    race.enter = contact_enter_stack;
-    race.name = "contact.stack";
-    race.begin = 0.75;
-    race.span = 0.15;
-    status = status == WISP_OK ? run_scene( &race, "ten balloons in a box,", false, out, error ) : status;
+    status = run_scene( &comparison, "two balloons pressed together,", true, out, error );
+    comparison.enter = contact_enter_stack;
+    comparison.name = "contact.stack";
+    comparison.begin = 0.75;
+    comparison.span = 0.15;
+    status = status == WISP_OK ? run_scene( &comparison, "ten balloons in a box,", false, out, error ) : status;
     contact_scene_free( &scene );
     if ( status == WISP_OK )
     {

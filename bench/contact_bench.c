@@ -15,7 +15,7 @@ contact_plan contact_default_plan( const bench_options* options )
         .sheet_sides = { 32, brief ? 48 : 100, 316 },
         .sphere_levels = { 3, brief ? 4 : 5, 6 },
         .size_count = brief ? 2 : 3,
-        .brute_most = brief ? 6e6 : 6e7,
+        .max_brute = brief ? 6e6 : 6e7,
         .query_seconds = full    ? 60.0
                          : brief ? 0.2 * seconds
                                  : 0.3 * seconds,
@@ -41,24 +41,25 @@ contact_plan contact_default_plan( const bench_options* options )
     };
 }
 
-wisp_status contact_race_fold( const contact_plan* plan, contact_race race, contact_write_fn* write, results* out,
-                               wisp_error* error )
+wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
+                                     results* out, wisp_error* error )
 {
     contact_scene scene;
-    contact_run* runs = calloc( (size_t)race.way_count, sizeof( *runs ) );
-    wisp_status status = runs != NULL ? contact_make_cloth( plan->fold_side, &scene, error )
-                                      : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d ways", race.way_count );
+    contact_run* runs = calloc( (size_t)comparison.way_count, sizeof( *runs ) );
+    wisp_status status = runs != NULL
+                             ? contact_make_cloth( plan->fold_side, &scene, error )
+                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d ways", comparison.way_count );
     if ( status == WISP_OK )
     {
-        race.scene = &scene;
-        race.enter = contact_enter_fold;
-        race.steps = plan->fold_steps;
-        race.teams = &plan->teams;
-        race.options = plan->options;
-        status = contact_race_run( &race, runs, error );
+        comparison.scene = &scene;
+        comparison.enter = contact_enter_fold;
+        comparison.steps = plan->fold_steps;
+        comparison.teams = &plan->teams;
+        comparison.options = plan->options;
+        status = contact_comparison_run( &comparison, runs, error );
         if ( status == WISP_OK )
         {
-            write( &race, runs, out );
+            write( &comparison, runs, out );
         }
         contact_scene_free( &scene );
     }

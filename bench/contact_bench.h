@@ -3,7 +3,7 @@
 #pragma once
 
 #include "bench.h"
-#include "contact_race.h"
+#include "contact_comparison.h"
 
 #define CONTACT_SIZES_MAX 4
 
@@ -11,7 +11,7 @@
 typedef struct contact_plan
 {
     int sheet_sides[CONTACT_SIZES_MAX], sphere_levels[CONTACT_SIZES_MAX], size_count; ///< of what is searched, rising
-    double brute_most;    ///< boxes compared by brute force at the most; beyond it, only a sample asks
+    double max_brute;     ///< boxes compared by brute force at the most; beyond it, only a sample asks
     double query_seconds; ///< about how long times of queries are taken
     /// That one way may take; it ends earlier where it would take longer.
     double fold_seconds, motion_seconds, balloon_seconds;
@@ -31,11 +31,11 @@ contact_plan contact_default_plan( const bench_options* options );
 /// All tables of a plan.
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error );
 
-typedef void contact_write_fn( const contact_race* race, const contact_run* runs, results* out );
+typedef void contact_write_fn( const contact_comparison* comparison, const contact_run* runs, results* out );
 
 /// Let the cloth of a plan fold by all ways of a race, and write what came of it. @param race without scene and steps
-wisp_status contact_race_fold( const contact_plan* plan, contact_race race, contact_write_fn* write, results* out,
-                               wisp_error* error );
+wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
+                                     results* out, wisp_error* error );
 
 typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_error* error );
 

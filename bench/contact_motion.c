@@ -19,33 +19,33 @@ static double speed_of( const contact_way* way )
     return (double)( FOLD_SWING * hypotf( FOLD_SWING_X, FOLD_SWING_Z ) * ( 1.0f - way->ball_held ) );
 }
 
-static void add_line( const contact_race* race, const contact_run* run, int table, results* out )
+static void add_line( const contact_comparison* comparison, const contact_run* run, int table, results* out )
 {
     const contact_tally* t = &run->tally;
     const double speed = speed_of( &run->way );
     cells row = { .count = 0 };
     cells_put( &row, "%s", run->way.name );
     cells_put_number( &row, speed, 2 );
-    cells_put_number( &row, speed * (double)( CONTACT_STEP / CONTACT_SUBSTEPS / race->scene->thickness ), 2 );
-    contact_race_put_times( race, run, &row );
+    cells_put_number( &row, speed * (double)( CONTACT_STEP / CONTACT_SUBSTEPS / comparison->scene->thickness ), 2 );
+    contact_comparison_put_times( comparison, run, &row );
     cells_put( &row, "%d", run->steps );
     cells_put_number( &row, t->contacts, 0 );
     cells_put_number( &row, t->searches, 2 );
-    cells_put( &row, "%d", t->crossings_most );
+    cells_put( &row, "%d", t->max_intersections );
     cells_put( &row, "%d", t->crossed_steps );
-    cells_put_number( &row, (double)t->least_gap, 3 );
-    cells_put( &row, "%lld", (long long)t->guarded );
+    cells_put_number( &row, (double)t->min_gap, 3 );
+    cells_put( &row, "%lld", (long long)t->limited );
     cells_put_hash( &row, run->hash );
     cells_put( &row, "%s", run->same_hash ? "yes" : "NO" );
     cells_end_row( &row, table, out );
 }
 
-static int begin_table( const contact_race* race, results* out )
+static int begin_table( const contact_comparison* comparison, results* out )
 {
     char title[160];
     snprintf( title, sizeof( title ),
               "Contact, what motion costs: cloth of %d vertices folding over a ball, %d steps of %d substeps",
-              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+              comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "ball" );
     cells_put( &header, "max speed, m/s" );
@@ -59,21 +59,21 @@ static int begin_table( const contact_race* race, results* out )
                                          "limited displacements",
                                          "hash",
                                          "same" };
-    return contact_race_begin_table( race, &header, names, WISP_COUNT( names ), title, out );
+    return contact_comparison_begin_table( comparison, &header, names, WISP_COUNT( names ), title, out );
 }
 
-static void write_table( const contact_race* race, const contact_run* runs, results* out )
+static void write_table( const contact_comparison* comparison, const contact_run* runs, results* out )
 {
-    const int table = begin_table( race, out );
-    for ( int i = 0; i < race->way_count; ++i )
+    const int table = begin_table( comparison, out );
+    for ( int i = 0; i < comparison->way_count; ++i )
     {
-        add_line( race, runs + i, table, out );
-        contact_race_add_rows( race, runs + i, out );
-        contact_race_check( race, runs + i, out );
-        if ( runs[i].way.is_off == false && runs[i].tally.crossings_most > 0 )
+        add_line( comparison, runs + i, table, out );
+        contact_comparison_add_rows( comparison, runs + i, out );
+        contact_comparison_check( comparison, runs + i, out );
+        if ( runs[i].way.is_off == false && runs[i].tally.max_intersections > 0 )
         {
             results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.",
-                                 runs[i].way.name, runs[i].tally.crossings_most );
+                                 runs[i].way.name, runs[i].tally.max_intersections );
         }
     }
     results_add_note(
@@ -83,7 +83,7 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
 
 wisp_status contact_motion( const contact_plan* plan, results* out, wisp_error* error )
 {
-    const contact_race race = {
+    const contact_comparison comparison = {
         .ways = ways,
         .way_count = WISP_COUNT( ways ),
         .seconds = plan->motion_seconds,
@@ -91,5 +91,5 @@ wisp_status contact_motion( const contact_plan* plan, results* out, wisp_error* 
         .begin = 0.55,
         .span = 0.15,
     };
-    return contact_race_fold( plan, race, write_table, out, error );
+    return contact_comparison_fold( plan, comparison, write_table, out, error );
 }

@@ -1,6 +1,6 @@
 #include "contact_overlap.h"
 
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@
 typedef struct overlap_work
 {
     contact_world* world;
-    wisp_mesh_tree* tree; // of the surface that is asked
+    wisp_collision_mesh* tree; // of the surface that is asked
     wisp_mesh_query* queries;
     wisp_mesh_nearest* nearest;
     float* distances; // [vertex_count] of the first surface from the nearest other
@@ -18,36 +18,36 @@ typedef struct overlap_work
 static wisp_status build( overlap_work* work, const wisp_vec3* points, wisp_error* error )
 {
     const wisp_mesh* mesh = &work->world->scene->mesh;
-    const wisp_mesh_tree_def def = {
+    const wisp_collision_mesh_def def = {
         .points = points,
         .triangles = mesh->triangles,
         .point_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
         .search = WISP_MESH_SEARCH_VOXELS,
     };
-    return wisp_mesh_tree_create( &def, NULL, &work->tree, error );
+    return wisp_collision_mesh_create( &def, NULL, &work->tree, error );
 }
 
-static wisp_status ask( overlap_work* work, int asker, contact_overlap* out, wisp_error* error )
+static wisp_status ask( overlap_work* work, int query, contact_overlap* out, wisp_error* error )
 {
     const wisp_vec3* points;
     const int count = work->world->scene->mesh.vertex_count;
     const float thickness = work->world->scene->thickness;
-    const wisp_status status = contact_points( work->world, asker, &points, error );
+    const wisp_status status = contact_points( work->world, query, &points, error );
     for ( int v = 0; v < count && status == WISP_OK; ++v )
     {
         work->queries[v] = ( wisp_mesh_query ){ points[v], PRESS_RADIUS };
     }
     if ( status == WISP_OK )
     {
-        wisp_mesh_tree_closest( work->tree, work->queries, count, work->nearest, NULL );
+        wisp_collision_mesh_closest( work->tree, work->queries, count, work->nearest, NULL );
     }
     for ( int v = 0; v < count && status == WISP_OK; ++v )
     {
         const float distance = work->nearest[v].triangle >= 0 ? work->nearest[v].distance : INFINITY;
         out->overlap = fmax( out->overlap, (double)( thickness - distance ) );
         out->missed += distance < 0.5f * thickness ? 1 : 0;
-        work->distances[v] = asker == 0 ? fminf( work->distances[v], distance ) : work->distances[v];
+        work->distances[v] = query == 0 ? fminf( work->distances[v], distance ) : work->distances[v];
     }
     return status;
 }
@@ -80,16 +80,16 @@ static wisp_status look_at_wall( overlap_work* work, contact_overlap* out, wisp_
 static wisp_status find( overlap_work* work, contact_overlap* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int asked = 0; asked < work->world->surface_count && status == WISP_OK; ++asked )
+    for ( int queried = 0; queried < work->world->surface_count && status == WISP_OK; ++queried )
     {
         const wisp_vec3* points;
-        status = contact_points( work->world, asked, &points, error );
+        status = contact_points( work->world, queried, &points, error );
         status = status == WISP_OK ? build( work, points, error ) : status;
-        for ( int asker = 0; asker < work->world->surface_count && status == WISP_OK; ++asker )
+        for ( int query = 0; query < work->world->surface_count && status == WISP_OK; ++query )
         {
-            status = asker != asked ? ask( work, asker, out, error ) : WISP_OK;
+            status = query != queried ? ask( work, query, out, error ) : WISP_OK;
         }
-        wisp_mesh_tree_release( work->tree );
+        wisp_collision_mesh_release( work->tree );
         work->tree = NULL;
     }
     return status == WISP_OK ? look_at_wall( work, out, error ) : status;

@@ -229,10 +229,10 @@ static wisp_status add_cloth( shot* s, contact_world* world, wisp_error* error )
 static wisp_status add_ball( shot* s, wisp_vec3 centre, wisp_error* error )
 {
     wisp_mesh mesh = { 0 };
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    recipe.level = BALL_LEVEL;
-    recipe.radius = FOLD_BALL_RADIUS;
-    wisp_status status = wisp_mesh_make( &recipe, &mesh, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    generator.level = BALL_LEVEL;
+    generator.radius = FOLD_BALL_RADIUS;
+    wisp_status status = wisp_mesh_generate( &generator, &mesh, error );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         wisp_vec3* p = mesh.points + v;
@@ -431,7 +431,7 @@ static wisp_status picture_balloons( const contact_plan* plan, const balloon_pic
 
 static wisp_status picture_cloth( const contact_plan* plan, results* out, wisp_error* error )
 {
-    static const float shares[SHOTS_MAX] = { 0.07f, 0.1f, 0.18f, 0.3f, 0.6f, 1.0f };
+    static const float fractions[SHOTS_MAX] = { 0.07f, 0.1f, 0.18f, 0.3f, 0.6f, 1.0f };
     const contact_setting setting = setting_of( plan );
     contact_scene scene;
     contact_world world = { .world = NULL };
@@ -445,7 +445,7 @@ static wisp_status picture_cloth( const contact_plan* plan, results* out, wisp_e
     status = status == WISP_OK ? contact_enter_fold( &scene, &setting, &world, error ) : status;
     for ( int i = 0; i < SHOTS_MAX && status == WISP_OK; ++i )
     {
-        status = take_cloth( &all, &world, (int)( shares[i] * (float)plan->picture_steps ), error );
+        status = take_cloth( &all, &world, (int)( fractions[i] * (float)plan->picture_steps ), error );
     }
     contact_leave( &world );
     contact_scene_free( &scene );

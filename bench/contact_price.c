@@ -7,10 +7,10 @@
 
 static const contact_way ways[] = {
     { .name = "none", .is_off = true, .margin = 2.0f },
-    { .name = "samples, 4 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 4.0f, .margin = 2.0f },
-    { .name = "samples, 2 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 2.0f, .margin = 2.0f },
-    { .name = "samples, 1 apart", .features = WISP_CONTACT_SAMPLES, .spacing = 1.0f, .margin = 2.0f },
-    { .name = "exact, no guard", .margin = 2.0f, .no_guard = true },
+    { .name = "samples, 4 apart", .primitives = WISP_CONTACT_PARTICLES, .spacing = 4.0f, .margin = 2.0f },
+    { .name = "samples, 2 apart", .primitives = WISP_CONTACT_PARTICLES, .spacing = 2.0f, .margin = 2.0f },
+    { .name = "samples, 1 apart", .primitives = WISP_CONTACT_PARTICLES, .spacing = 1.0f, .margin = 2.0f },
+    { .name = "exact, no guard", .margin = 2.0f, .no_displacement_limit = true },
     { .name = "exact, margin 1", .margin = 1.0f },
     { .name = "exact, margin 2", .margin = 2.0f },
     { .name = "exact, margin 4", .margin = 4.0f },
@@ -23,35 +23,35 @@ enum
     BY_TREE = 8,
 };
 
-static void add_line( const contact_race* race, const contact_run* run, const contact_run* standard, int table,
-                      results* out )
+static void add_line( const contact_comparison* comparison, const contact_run* run, const contact_run* standard,
+                      int table, results* out )
 {
     const contact_tally* t = &run->tally;
     cells row = { .count = 0 };
     cells_put( &row, "%s", run->way.name );
-    contact_race_put_times( race, run, &row );
+    contact_comparison_put_times( comparison, run, &row );
     cells_put( &row, "%d", run->steps );
     cells_put_number( &row, run->steps == standard->steps ? run->mean[0] / standard->mean[0] : NAN, 2 );
     cells_put_number( &row, t->pairs, 0 );
     cells_put_number( &row, t->contacts, 0 );
     cells_put_number( &row, t->searches, 2 );
-    cells_put( &row, "%d", t->crossings_last );
-    cells_put( &row, "%d", t->crossings_most );
+    cells_put( &row, "%d", t->intersections_last );
+    cells_put( &row, "%d", t->max_intersections );
     cells_put( &row, "%d", t->crossed_steps );
-    cells_put_number( &row, (double)t->least_gap, 3 );
-    cells_put( &row, "%lld", (long long)t->guarded );
+    cells_put_number( &row, (double)t->min_gap, 3 );
+    cells_put( &row, "%lld", (long long)t->limited );
     cells_put_hash( &row, run->hash );
     cells_put( &row, "%s", run->same_hash ? "yes" : "NO" );
     cells_end_row( &row, table, out );
 }
 
-static int begin_table( const contact_race* race, results* out )
+static int begin_table( const contact_comparison* comparison, results* out )
 {
     char title[160];
     snprintf( title, sizeof( title ),
               "Contact, the price of accuracy: cloth of %d vertices folding over a moving ball, %d steps of %d "
               "substeps",
-              race->scene->mesh.vertex_count, race->steps, CONTACT_SUBSTEPS );
+              comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "way" );
     static const char* const names[] = { "steps",
@@ -66,18 +66,18 @@ static int begin_table( const contact_race* race, results* out )
                                          "limited displacements",
                                          "hash",
                                          "same" };
-    return contact_race_begin_table( race, &header, names, WISP_COUNT( names ), title, out );
+    return contact_comparison_begin_table( comparison, &header, names, WISP_COUNT( names ), title, out );
 }
 
-static void check( const contact_race* race, const contact_run* run, results* out )
+static void check( const contact_comparison* comparison, const contact_run* run, results* out )
 {
-    const bool is_tight =
-        run->way.is_off == false && run->way.no_guard == false && run->way.features == WISP_CONTACT_EXACT;
-    contact_race_check( race, run, out );
-    if ( is_tight && run->tally.crossings_most > 0 )
+    const bool is_tight = run->way.is_off == false && run->way.no_displacement_limit == false &&
+                          run->way.primitives == WISP_CONTACT_TRIANGLES;
+    contact_comparison_check( comparison, run, out );
+    if ( is_tight && run->tally.max_intersections > 0 )
     {
         results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.", run->way.name,
-                             run->tally.crossings_most );
+                             run->tally.max_intersections );
     }
 }
 
@@ -98,15 +98,15 @@ static double crossed_steps_of( const results_row* row )
     return 100.0 * rows_error( row, "crossed_steps" ) / row->steps;
 }
 
-static void add_chart( const contact_race* race, int first_row, results* out )
+static void add_chart( const contact_comparison* comparison, int first_row, results* out )
 {
     rows_chart_add( &( rows_chart ){ .first_row = first_row,
-                                     .name = race->name,
-                                     .workers = race->teams->workers[race->teams->count - 1],
-                                     .least_steps = race->steps,
+                                     .name = comparison->name,
+                                     .workers = comparison->teams->workers[comparison->teams->count - 1],
+                                     .min_steps = comparison->steps,
                                      .title = "Contact, the price of accuracy: a cloth that folds on itself",
                                      .x_label = "ms per step, mean",
-                                     .y_label = "steps that end with crossings, %",
+                                     .y_label = "steps that end with intersections, %",
                                      .caption = "Ringed: no other way is both faster and misses less. A way that ran "
                                                 "out of time has no mean to compare.",
                                      .x = mean_ms_of,
@@ -116,17 +116,17 @@ static void add_chart( const contact_race* race, int first_row, results* out )
                     out );
 }
 
-static void write_table( const contact_race* race, const contact_run* runs, results* out )
+static void write_table( const contact_comparison* comparison, const contact_run* runs, results* out )
 {
     const int first_row = out->row_count;
-    const int table = begin_table( race, out );
-    for ( int i = 0; i < race->way_count; ++i )
+    const int table = begin_table( comparison, out );
+    for ( int i = 0; i < comparison->way_count; ++i )
     {
-        add_line( race, runs + i, runs + STANDARD, table, out );
-        contact_race_add_rows( race, runs + i, out );
-        check( race, runs + i, out );
+        add_line( comparison, runs + i, runs + STANDARD, table, out );
+        contact_comparison_add_rows( comparison, runs + i, out );
+        check( comparison, runs + i, out );
     }
-    add_chart( race, first_row, out );
+    add_chart( comparison, first_row, out );
     if ( runs[BY_TREE].steps == runs[STANDARD].steps && runs[BY_TREE].hash != runs[STANDARD].hash )
     {
         results_add_failure( out, "The cloth folds otherwise when its pairs are found by the tree." );
@@ -134,7 +134,7 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
     results_add_note(
         out, "Contact, price: samples stand so many thicknesses apart. time / margin 2: the mean over that of the "
              "default, with one worker, where both made all steps. pairs, contacts, searches: means a step; "
-             "crossings: edges through "
+             "intersections: edges through "
              "triangles, exact, after the last step, at most, and how many steps ended with some." );
     results_add_note( out, "Contact, price: the gap of samples is theirs; "
                            "them is not seen. limited displacements: vertices whose displacement was shortened, all "
@@ -144,7 +144,7 @@ static void write_table( const contact_race* race, const contact_run* runs, resu
 
 wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* error )
 {
-    const contact_race race = {
+    const contact_comparison comparison = {
         .ways = ways,
         .way_count = WISP_COUNT( ways ),
         .seconds = plan->fold_seconds,
@@ -152,5 +152,5 @@ wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* e
         .begin = 0.3,
         .span = 0.25,
     };
-    return contact_race_fold( plan, race, write_table, out, error );
+    return contact_comparison_fold( plan, comparison, write_table, out, error );
 }

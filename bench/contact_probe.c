@@ -17,7 +17,7 @@ static void call( wisp_frame* frame, const wisp_span* span, void* user )
         state->run( state->context, wisp_frame_parallel( frame, span ), wisp_frame_kernels( frame ), &error );
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( frame, status, "%s", error.sentence );
+        wisp_frame_fail( frame, status, "%s", error.message );
     }
 }
 
@@ -39,7 +39,7 @@ static wisp_status declare( wisp_registry* registry )
                                             .name = "probe.call",
                                             .stage = WISP_STAGE_OBSERVE,
                                             .domain = WISP_DOMAIN_ENTITY,
-                                            .needs = { state->called },
+                                            .required = { state->called },
                                             .writes = { state->called },
                                             .run = call,
                                             .user = state,
@@ -62,9 +62,9 @@ wisp_status contact_probe_open( int workers, contact_probe* out, wisp_error* err
         return status;
     }
     const probe_state* state = wisp_world_module_state( out->world, probe_module.name );
-    status = wisp_world_add_plain( out->world, &out->entity );
+    status = wisp_world_add_empty( out->world, &out->entity );
     status = status ? status : wisp_world_attach( out->world, out->entity, state->called );
-    status = status ? status : wisp_want( out->world, out->entity, state->called );
+    status = status ? status : wisp_request( out->world, out->entity, state->called );
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );

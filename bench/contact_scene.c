@@ -38,10 +38,10 @@ static wisp_status cook( wisp_status status, contact_scene* out, wisp_error* err
 wisp_status contact_make_cloth( int side, contact_scene* out, wisp_error* error )
 {
     *out = ( contact_scene ){ .fabric = NULL };
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = recipe.rows = side;
-    recipe.spacing = FOLD_WIDTH / (float)( side - 1 );
-    const wisp_status status = wisp_mesh_make( &recipe, &out->mesh, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = generator.rows = side;
+    generator.spacing = FOLD_WIDTH / (float)( side - 1 );
+    const wisp_status status = wisp_mesh_generate( &generator, &out->mesh, error );
     for ( int v = 0; v < out->mesh.vertex_count; ++v )
     {
         out->mesh.points[v].y += FOLD_HEIGHT;
@@ -68,7 +68,7 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
                                contact_world* out, wisp_error* error )
 {
     // who keeps nothing apart and is not looked at does without the module
-    const bool has_contact = setting->way.is_off == false || setting->wants_figures;
+    const bool has_contact = setting->way.is_off == false || setting->requests_stats;
     const wisp_module* const modules[] = { effect, &wisp_collision_module, &wisp_contact_module };
     *out = ( contact_world ){ .scene = scene, .pace = 1.0f - setting->way.ball_held };
     wisp_world_def def = wisp_default_world_def();
@@ -83,16 +83,16 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
         return status;
     }
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.features = setting->way.features;
+    settings.primitives = setting->way.primitives;
     settings.search = setting->way.search;
-    settings.sample_spacing = setting->way.spacing * scene->thickness;
+    settings.particle_spacing = setting->way.spacing * scene->thickness;
     settings.margin = setting->way.margin;
-    settings.guard = setting->way.no_guard == false;
+    settings.displacement_limit = setting->way.no_displacement_limit == false;
     status = wisp_set_contact_settings( out->world, &settings );
     return status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
 }
 
-// A guest that meets nobody is a way to count crossings where nothing is kept apart.
+// A participant that meets nobody is a way to count intersections where nothing is kept apart.
 static wisp_status enter_contact( const contact_setting* setting, contact_world* out, wisp_entity surface )
 {
     wisp_contact_def def = wisp_default_contact_def();
@@ -103,15 +103,15 @@ static wisp_status enter_contact( const contact_setting* setting, contact_world*
         def.mask = 0;
     }
     wisp_status status = WISP_OK;
-    if ( setting->way.is_off == false || setting->wants_figures )
+    if ( setting->way.is_off == false || setting->requests_stats )
     {
         status = wisp_set_contact( out->world, surface, &def );
     }
-    if ( status == WISP_OK && setting->wants_figures )
+    if ( status == WISP_OK && setting->requests_stats )
     {
-        status = wisp_want( out->world, surface, WISP_QUALITY );
+        status = wisp_request( out->world, surface, WISP_MOTION_STATS );
     }
-    return status ? status : wisp_want( out->world, surface, WISP_SURFACE_POINTS );
+    return status ? status : wisp_request( out->world, surface, WISP_SURFACE_POINTS );
 }
 
 // @param points [vertex_count] where it starts; null: at rest
@@ -133,9 +133,9 @@ static wisp_status add_surface( contact_world* out, const wisp_vec3* points, flo
 
 static wisp_status finish( contact_world* out, const contact_setting* setting, wisp_status status, wisp_error* error )
 {
-    if ( status == WISP_OK && setting->wants_figures )
+    if ( status == WISP_OK && setting->requests_stats )
     {
-        status = wisp_want_contact_figures( out->world, true, true );
+        status = wisp_request_contact_stats( out->world, true, true );
     }
     if ( status != WISP_OK )
     {
@@ -153,7 +153,7 @@ void contact_leave( contact_world* world )
 
 // ---- bodies ----
 
-static wisp_status add_plane( contact_world* out, wisp_rigid pose, wisp_entity* plane )
+static wisp_status add_plane( contact_world* out, wisp_transform pose, wisp_entity* plane )
 {
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_PLANE;
@@ -191,7 +191,7 @@ static wisp_status add_ball_and_ground( contact_world* out )
     {
         keep_mover( out, body, ball.pose.rotation );
     }
-    const wisp_rigid ground = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    const wisp_transform ground = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     return status ? status : add_plane( out, ground, &plane );
 }
 
@@ -242,7 +242,7 @@ static wisp_status place_balloon( const contact_setting* setting, const balloon_
         points[v] = ( wisp_vec3 ){ p.x + c.x, p.y + c.y, p.z + c.z };
     }
     wisp_balloon_def balloon = wisp_default_balloon_def();
-    balloon.fill = PRESS_FILL;
+    balloon.gas_ratio = PRESS_FILL;
     balloon.buoyancy = false;
     balloon.edge_stiffness = place->skin;
     wisp_collision_def collision = wisp_default_collision_def();
@@ -269,8 +269,8 @@ static wisp_status add_balloons( const contact_setting* setting, const balloon_p
 
 wisp_vec3 contact_plate_at( int mover, float steps )
 {
-    const float share = fminf( steps / (float)PAIR_CLOSING, 1.0f );
-    const float from_middle = PRESS_RADIUS * ( PAIR_OPEN + share * ( PAIR_CLOSED - PAIR_OPEN ) );
+    const float fraction = fminf( steps / (float)PAIR_CLOSING, 1.0f );
+    const float from_middle = PRESS_RADIUS * ( PAIR_OPEN + fraction * ( PAIR_CLOSED - PAIR_OPEN ) );
     return ( wisp_vec3 ){ mover == 0 ? -from_middle : from_middle, 0.0f, 0.0f };
 }
 
@@ -284,7 +284,7 @@ static wisp_status add_plates( contact_world* out )
     for ( int i = 0; i < 2 && status == WISP_OK; ++i )
     {
         wisp_entity plate;
-        status = add_plane( out, ( wisp_rigid ){ turns[i], contact_plate_at( i, 0.0f ) }, &plate );
+        status = add_plane( out, ( wisp_transform ){ turns[i], contact_plate_at( i, 0.0f ) }, &plate );
         if ( status == WISP_OK )
         {
             keep_mover( out, plate, turns[i] );
@@ -320,7 +320,7 @@ wisp_status contact_enter_pair( const contact_scene* scene, const contact_settin
 static wisp_status add_box( contact_world* out )
 {
     const float h = sqrtf( 0.5f );
-    const wisp_rigid walls[] = {
+    const wisp_transform walls[] = {
         { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } }, { { 0.0f, 0.0f, -h, h }, { -STACK_BOX, 0.0f, 0.0f } },
         { { 0.0f, 0.0f, h, h }, { STACK_BOX, 0.0f, 0.0f } },  { { h, 0.0f, 0.0f, h }, { 0.0f, 0.0f, -STACK_BOX } },
         { { -h, 0.0f, 0.0f, h }, { 0.0f, 0.0f, STACK_BOX } },
@@ -374,7 +374,7 @@ wisp_status contact_step( void* context, wisp_error* error )
     wisp_status status = WISP_OK;
     for ( int i = 0; i < w->mover_count && status == WISP_OK; ++i )
     {
-        const wisp_rigid pose = { w->turns[i], w->place( i, w->pace * (float)( w->steps + 1 ) ) };
+        const wisp_transform pose = { w->turns[i], w->place( i, w->pace * (float)( w->steps + 1 ) ) };
         status = wisp_move_collider( w->world, w->movers[i], pose );
     }
     status = status ? status : wisp_world_step( w->world, CONTACT_STEP );

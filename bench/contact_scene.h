@@ -4,7 +4,7 @@
 
 #include "bench_world.h"
 #include "mesh.h"
-#include "surface_entrant.h"
+#include "surface_implementation.h"
 
 #include "contact/contact.h"
 #include "wisp/shapes.h"
@@ -43,10 +43,10 @@ typedef struct contact_way
 {
     const char* name;
     bool is_off; ///< nothing is kept apart
-    wisp_contact_features features;
+    wisp_contact_primitives primitives;
     float spacing; ///< of samples, in thicknesses
     float margin;  ///< in thicknesses
-    bool no_guard;
+    bool no_displacement_limit;
     wisp_pair_search search;
     /// Of the ball that it is measured over: what share of its pace is taken from it; 1: it rests, -1: twice as fast
     float ball_held;
@@ -70,7 +70,7 @@ typedef struct contact_setting
 {
     contact_way way;
     int workers;
-    bool wants_figures; ///< of contact and of motion; without them a step is as a user has it
+    bool requests_stats; ///< of contact and of motion; without them a step is as a user has it
 } contact_setting;
 
 /// Where a body is after so many steps, or parts of one.

@@ -5,7 +5,7 @@
 
 enum
 {
-    PIECES = 4000, // at least so many for the whole curve
+    PRIMITIVES = 4000, // at least so many for the whole curve
 };
 
 typedef struct elastica_place
@@ -31,13 +31,13 @@ static void move_on( double load, double s, double h, elastica_place* p )
 // a rod that is bent too little swings back, and may end with any slope
 static double shoot( double load, double start, int count, double ( *points )[2] )
 {
-    const int each = ( PIECES + count - 2 ) / ( count - 1 ), pieces = each * ( count - 1 );
+    const int each = ( PRIMITIVES + count - 2 ) / ( count - 1 ), primitives = each * ( count - 1 );
     elastica_place p = { .slope = start };
     double least = start;
     points[0][0] = points[0][1] = 0.0;
-    for ( int i = 0; i < pieces; ++i )
+    for ( int i = 0; i < primitives; ++i )
     {
-        move_on( load, (double)i / pieces, 1.0 / pieces, &p );
+        move_on( load, (double)i / primitives, 1.0 / primitives, &p );
         least = fmin( least, p.slope );
         if ( ( i + 1 ) % each == 0 )
         {
@@ -51,12 +51,12 @@ static double shoot( double load, double start, int count, double ( *points )[2]
 void elastica_lay( double load, int count, double ( *points )[2] )
 {
     // A moment that turned the rod past the vertical would have to be larger than sqrt( 2 G ) allows.
-    double low = 0.0, high = sqrt( 2.0 * load );
+    double lower = 0.0, upper = sqrt( 2.0 * load );
     for ( int i = 0; i < 100; ++i )
     {
-        const double middle = 0.5 * ( low + high );
+        const double middle = 0.5 * ( lower + upper );
         const bool is_too_much = shoot( load, middle, count, points ) > 0.0;
-        low = is_too_much ? low : middle;
-        high = is_too_much ? middle : high;
+        lower = is_too_much ? lower : middle;
+        upper = is_too_much ? middle : upper;
     }
 }

@@ -19,7 +19,7 @@ typedef struct figures_case
 
 /// A row of the page. A check that is not met fails the run.
 /// @param format what was measured
-void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool is_met,
+void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool meets_target,
                   const char* format, ... ) __attribute__( ( format( printf, 6, 7 ) ) );
 
 typedef wisp_status figures_fn( figures_case* page, wisp_error* error );
@@ -66,9 +66,9 @@ typedef struct figures_tracks
     int track_count, length;
 } figures_tracks;
 
-/// Keep the present shape of an entrant. Does nothing if there is no folder for pictures.
-wisp_status figures_take( const figures_case* page, figures_album* album, surface_entrant* entrant, wisp_error* error,
-                          const char* format, ... ) __attribute__( ( format( printf, 5, 6 ) ) );
+/// Keep the present shape of an implementation. Does nothing if there is no folder for pictures.
+wisp_status figures_take( const figures_case* page, figures_album* album, surface_implementation* implementation,
+                          wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 5, 6 ) ) );
 /// Write the shapes side by side as FOLDER/<name>.png and link it from the page.
 /// @param tracks drawn into every picture, or null
 wisp_status figures_write( figures_case* page, const figures_album* album, const figures_tracks* tracks,

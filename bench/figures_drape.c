@@ -97,7 +97,7 @@ static wisp_status run_quads( const figures_case* page, drape_mesh* mesh, wisp_e
 
 static double left( const drape_result* run )
 {
-    return run->end.kinetic / run->kinetic_most;
+    return run->end.kinetic / run->max_kinetic;
 }
 
 static void add_rest_row( figures_case* page, const char* id, const char* mesh, int which, const drape_result* run )
@@ -107,11 +107,11 @@ static void add_rest_row( figures_case* page, const char* id, const char* mesh, 
               (double)stiffnesses[which], page->quick ? FRAMES_QUICK * (double)FRAME : DRAPE_REST_SECONDS );
     figures_add(
         page, id, experiment, "at rest (kinetic energy below 1e-4 of its largest), no vertex ever deeper than 1 mm",
-        drape_is_at_rest( run ) && run->gap_least > -DRAPE_DEPTH,
+        drape_is_at_rest( run ) && run->min_gap > -DRAPE_DEPTH,
         "%.1e left; phi at least %.2f mm, at rest %.2f (edges' middles %.2f); longest edge +%.1f %%; hem at %.3f m, "
         "lowest %.3f; %.0f iterations a step",
-        left( run ), 1e3 * run->gap_least, 1e3 * run->end.gap, 1e3 * run->end.gap_between, 100.0 * run->end.strain,
-        run->end.hem_mean, run->end.hem_least, run->iterations );
+        left( run ), 1e3 * run->min_gap, 1e3 * run->end.gap, 1e3 * run->end.gap_between, 100.0 * run->end.strain,
+        run->end.hem_mean, run->end.min_hem, run->iterations );
 }
 
 // Does every value fall below the one before? @return the number of the first that does not; count if all do
@@ -136,7 +136,7 @@ static void add_stiffness_rows( figures_case* page, const drape_result* runs )
         {
             strain[count] = runs[i].end.strain;
             which[count++] = i;
-            all_rest = all_rest && drape_is_at_rest( &runs[i] ) && runs[i].gap_least > -DRAPE_DEPTH;
+            all_rest = all_rest && drape_is_at_rest( &runs[i] ) && runs[i].min_gap > -DRAPE_DEPTH;
         }
     }
     const drape_result *soft = &runs[which[0]], *firm = &runs[which[count - 1]];
@@ -171,12 +171,12 @@ static int sequence_count( const figures_case* page )
 static void add_sequence_row( figures_case* page, const char* id, const char* mesh, const drape_result* run )
 {
     const int last = sequence_count( page ) - 1;
-    const double share = run->shots[last].kinetic / run->kinetic_most;
+    const double fraction = run->shots[last].kinetic / run->max_kinetic;
     figures_add( page, id, mesh,
                  "falls, touches, drapes, settles: kinetic energy below 1e-4 of its largest in the last",
-                 run->contacts[0] == 0 && run->contacts[last] > 0 && share < DRAPE_REST,
-                 "at frame %d %.1e of %.3f J; %d vertices held, hem from %.3f to %.3f m", run->frames[last], share,
-                 run->kinetic_most, run->contacts[last], run->shots[0].hem_mean, run->shots[last].hem_mean );
+                 run->contacts[0] == 0 && run->contacts[last] > 0 && fraction < DRAPE_REST,
+                 "at frame %d %.1e of %.3f J; %d vertices held, hem from %.3f to %.3f m", run->frames[last], fraction,
+                 run->max_kinetic, run->contacts[last], run->shots[0].hem_mean, run->shots[last].hem_mean );
 }
 
 static double apart( double a, double b )
@@ -190,7 +190,7 @@ static void add_quad_row( figures_case* page, int which, const drape_result* tri
     const double start = (double)TRIANGLE_HEIGHT;
     const double height = apart( quads->end.hem_mean, triangles->end.hem_mean );
     const double fall = apart( start - quads->end.hem_mean, start - triangles->end.hem_mean );
-    const double lowest = apart( start - quads->end.hem_least, start - triangles->end.hem_least );
+    const double lowest = apart( start - quads->end.min_hem, start - triangles->end.min_hem );
     char experiment[80];
     snprintf( experiment, sizeof( experiment ), "quads beside triangles, k %.0f N/m", (double)stiffnesses[which] );
     figures_add( page, "Noh and Jung 10", experiment, "the hem within 10 %: its height, and the way it came down",

@@ -33,19 +33,19 @@ void drape_border_free( drape_border* border );
 
 typedef struct drape_look
 {
-    double kinetic;             ///< J
-    double gap, gap_between;    ///< m, least distance from the ball's surface: of vertices, of the middles of edges
-    double strain;              ///< largest of the links that stretch, 0 if none is longer than at rest
-    double hem_mean, hem_least; ///< m, height of the border
-    int folds;                  ///< round the border: where it stands out farthest from the ball's axis
+    double kinetic;           ///< J
+    double gap, gap_between;  ///< m, least distance from the ball's surface: of vertices, of the middles of edges
+    double strain;            ///< largest of the links that stretch, 0 if none is longer than at rest
+    double hem_mean, min_hem; ///< m, height of the border
+    int folds;                ///< round the border: where it stands out farthest from the ball's axis
     bool is_finite;
 } drape_look;
 
 /// What a step needs: kinetic energy and gap.
-wisp_status drape_glance( surface_entrant* entrant, drape_look* out, wisp_error* error );
+wisp_status drape_glance( surface_implementation* implementation, drape_look* out, wisp_error* error );
 /// All of it.
-wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border, surface_entrant* entrant,
-                           drape_look* out, wisp_error* error );
+wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border,
+                           surface_implementation* implementation, drape_look* out, wisp_error* error );
 
 // ---- a run ----
 
@@ -76,8 +76,8 @@ typedef struct drape_result
     int contacts[DRAPE_SHOTS_MAX]; ///< vertices that the ball holds
     int shot_count;                ///< that were taken
     drape_look end;                ///< after DRAPE_REST_SECONDS, or at the last step if that is earlier
-    double kinetic_most;           ///< J
-    double gap_least;              ///< m
+    double max_kinetic;            ///< J
+    double min_gap;                ///< m
     double iterations;             ///< a step, mean
     double ms;                     ///< a step, mean
     bool is_finite;                ///< always was

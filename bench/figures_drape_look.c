@@ -137,10 +137,10 @@ static void sample_border( const drape_border* border, const wisp_vec3* points, 
             ++k;
         }
         double from = border->places[k], to = k + 1 < border->count ? border->places[k + 1] : 1.0;
-        double share = ( place - from ) / ( to - from );
+        double fraction = ( place - from ) / ( to - from );
         const wisp_vec3 a = points[border->vertices[k]], b = points[border->vertices[( k + 1 ) % border->count]];
-        radius[i] = hypot( ( 1.0 - share ) * (double)a.x + share * (double)b.x,
-                           ( 1.0 - share ) * (double)a.z + share * (double)b.z );
+        radius[i] = hypot( ( 1.0 - fraction ) * (double)a.x + fraction * (double)b.x,
+                           ( 1.0 - fraction ) * (double)a.z + fraction * (double)b.z );
     }
 }
 
@@ -196,17 +196,17 @@ static double gap_of( double x, double y, double z )
     return sqrt( x * x + y * y + z * z ) - (double)TRIANGLE_BALL_RADIUS;
 }
 
-wisp_status drape_glance( surface_entrant* entrant, drape_look* out, wisp_error* error )
+wisp_status drape_glance( surface_implementation* implementation, drape_look* out, wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    surface_look look = surface_entrant_look( entrant );
+    surface_look look = surface_implementation_look( implementation );
     *out = ( drape_look ){ .kinetic = look.kinetic, .gap = INFINITY, .is_finite = look.is_finite };
-    for ( int i = 0; i < entrant->fabric->vertex_count; ++i )
+    for ( int i = 0; i < implementation->fabric->vertex_count; ++i )
     {
         out->gap = fmin( out->gap, gap_of( (double)points[i].x, (double)points[i].y, (double)points[i].z ) );
     }
@@ -239,23 +239,23 @@ static void look_at_edges( const triangle_scene* scene, const wisp_vec3* points,
     }
 }
 
-wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border, surface_entrant* entrant,
-                           drape_look* out, wisp_error* error )
+wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border,
+                           surface_implementation* implementation, drape_look* out, wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = drape_glance( entrant, out, error );
-    status = status == WISP_OK ? surface_entrant_points( entrant, &points, error ) : status;
+    wisp_status status = drape_glance( implementation, out, error );
+    status = status == WISP_OK ? surface_implementation_points( implementation, &points, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
     look_at_edges( scene, points, out );
-    out->hem_least = INFINITY;
+    out->min_hem = INFINITY;
     for ( int i = 0; i < border->count; ++i )
     {
         double height = (double)points[border->vertices[i]].y;
         out->hem_mean += height / border->count;
-        out->hem_least = fmin( out->hem_least, height );
+        out->min_hem = fmin( out->min_hem, height );
     }
     out->folds = count_folds( border, points );
     return WISP_OK;

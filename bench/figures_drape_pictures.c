@@ -29,10 +29,10 @@ static void set_scene( const figures_album* album, int shot, const wisp_mesh* ba
 
 static wisp_status make_ball( wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    recipe.level = BALL_LEVEL;
-    recipe.radius = TRIANGLE_BALL_RADIUS;
-    wisp_status status = wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    generator.level = BALL_LEVEL;
+    generator.radius = TRIANGLE_BALL_RADIUS;
+    wisp_status status = wisp_mesh_generate( &generator, out, error );
     for ( int i = 0; i < out->vertex_count; ++i )
     {
         out->points[i].y += TRIANGLE_BALL_HEIGHT;

@@ -18,7 +18,7 @@ static void put_shape( cells* row, const drape_look* look )
     cells_put_number( row, 1e3 * look->gap_between, 3 );
     cells_put_number( row, 100.0 * look->strain, 2 );
     cells_put_number( row, look->hem_mean, 4 );
-    cells_put_number( row, look->hem_least, 4 );
+    cells_put_number( row, look->min_hem, 4 );
     cells_put( row, "%d", look->folds );
 }
 
@@ -49,7 +49,7 @@ void drape_add_sequence( figures_case* page, const char* title, int shot_count, 
         cells row = { .count = 0 };
         cells_put( &row, "%d", run->frames[i] );
         cells_put( &row, "%.2e", look->kinetic );
-        cells_put( &row, "%.1e", look->kinetic / run->kinetic_most );
+        cells_put( &row, "%.1e", look->kinetic / run->max_kinetic );
         cells_put( &row, "%d", run->contacts[i] );
         put_shape( &row, look );
         cells_end_row( &row, table, page->out );
@@ -68,8 +68,8 @@ void drape_add_runs( figures_case* page, const char* title, const float* stiffne
         {
             cells row = { .count = 0 };
             cells_put_number( &row, (double)stiffnesses[i], 0 );
-            cells_put( &row, "%.1e", runs[i].end.kinetic / runs[i].kinetic_most );
-            cells_put_number( &row, 1e3 * runs[i].gap_least, 3 );
+            cells_put( &row, "%.1e", runs[i].end.kinetic / runs[i].max_kinetic );
+            cells_put_number( &row, 1e3 * runs[i].min_gap, 3 );
             put_shape( &row, &runs[i].end );
             cells_put_number( &row, runs[i].iterations, 1 );
             cells_put_number( &row, runs[i].ms, 2 );
@@ -115,12 +115,12 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
         {
             break;
         }
-        const double left = run.end.kinetic / run.kinetic_most;
+        const double left = run.end.kinetic / run.max_kinetic;
         cells row = { .count = 0 };
         cells_put( &row, "1/%d", rates[i] );
         cells_put_number( &row, run.iterations, 1 );
         cells_put( &row, "%.1e", left );
-        cells_put_number( &row, 1e3 * run.gap_least, 3 );
+        cells_put_number( &row, 1e3 * run.min_gap, 3 );
         put_shape( &row, &run.end );
         cells_put_number( &row, run.ms, 2 );
         cells_end_row( &row, table, page->out );
@@ -130,8 +130,8 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
                   "finite; kinetic energy after %d s below 1e-4 of its largest; no vertex ever deeper than 1 mm",
                   seconds );
         figures_add(
-            page, "Noh and Jung 8", experiment, expected, drape_is_at_rest( &run ) && run.gap_least > -DRAPE_DEPTH,
-            "%.1e left, phi at least %.2f mm, %.0f iterations a step", left, 1e3 * run.gap_least, run.iterations );
+            page, "Noh and Jung 8", experiment, expected, drape_is_at_rest( &run ) && run.min_gap > -DRAPE_DEPTH,
+            "%.1e left, phi at least %.2f mm, %.0f iterations a step", left, 1e3 * run.min_gap, run.iterations );
     }
     drape_border_free( &border );
     triangle_scene_free( &scene );

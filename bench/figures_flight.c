@@ -32,27 +32,28 @@ static int give_outlet( const figures_case* page, balloon_setting* setting, wisp
 }
 
 static wisp_status enter( const figures_case* page, const balloon_setting* setting, wisp_fabric** fabric,
-                          surface_entrant* entrant, wisp_error* error )
+                          surface_implementation* implementation, wisp_error* error )
 {
-    *entrant = ( surface_entrant ){ 0 };
+    *implementation = ( surface_implementation ){ 0 };
     wisp_status status = balloon_cook( &page->figure, setting, fabric, error );
-    return status == WISP_OK ? balloon_entrant_create( *fabric, setting, entrant, error ) : status;
+    return status == WISP_OK ? balloon_implementation_create( *fabric, setting, implementation, error ) : status;
 }
 
-static wisp_status advance( surface_entrant* entrant, int steps, wisp_balloon_figures* out, wisp_error* error )
+static wisp_status advance( surface_implementation* implementation, int steps, wisp_balloon_stats* out,
+                            wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = 0; s < steps && status == WISP_OK; ++s )
     {
-        status = surface_entrant_step( entrant, error );
+        status = surface_implementation_step( implementation, error );
     }
-    return status == WISP_OK ? balloon_entrant_read( entrant, out, error ) : status;
+    return status == WISP_OK ? balloon_implementation_read( implementation, out, error ) : status;
 }
 
-static wisp_status open_outlet( surface_entrant* entrant, wisp_error* error )
+static wisp_status open_outlet( surface_implementation* implementation, wisp_error* error )
 {
-    wisp_status status = wisp_open_balloon( entrant->world, entrant->entity, true );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_status status = wisp_open_balloon( implementation->world, implementation->entity, true );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
 // ---- F4 ----
@@ -77,15 +78,15 @@ static void vertex_normal( const wisp_mesh* mesh, const wisp_vec3* points, int v
 }
 
 // Mean velocity, weighted by area as the mass of the skin is.
-static bool mean_velocity( surface_entrant* entrant, double out[3] )
+static bool mean_velocity( surface_implementation* implementation, double out[3] )
 {
-    const wisp_fabric* f = entrant->fabric;
+    const wisp_fabric* f = implementation->fabric;
     wisp_vec3* v = malloc( (size_t)f->vertex_count * sizeof( wisp_vec3 ) );
     if ( !v )
     {
         return false;
     }
-    surface_entrant_velocities( entrant, v );
+    surface_implementation_velocities( implementation, v );
     out[0] = out[1] = out[2] = 0.0;
     for ( int i = 0; i < f->vertex_count; ++i )
     {
@@ -101,26 +102,26 @@ static bool mean_velocity( surface_entrant* entrant, double out[3] )
 wisp_status figures_four_forces( figures_case* page, wisp_error* error )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.fill = 1.2f;
+    setting.def.gas_ratio = 1.2f;
     setting.damping = 10.0f;
     int vertex = give_outlet( page, &setting, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant;
-    wisp_balloon_figures seen;
-    wisp_status status = enter( page, &setting, &fabric, &entrant, error );
-    status = status == WISP_OK ? advance( &entrant, 30, &seen, error ) : status;
-    status = status == WISP_OK ? open_outlet( &entrant, error ) : status;
+    surface_implementation implementation;
+    wisp_balloon_stats seen;
+    wisp_status status = enter( page, &setting, &fabric, &implementation, error );
+    status = status == WISP_OK ? advance( &implementation, 30, &seen, error ) : status;
+    status = status == WISP_OK ? open_outlet( &implementation, error ) : status;
     const wisp_vec3 thrown = { 0.0f, 0.0f, 2.0f };
     if ( status == WISP_OK )
     {
-        status = wisp_set_velocity( entrant.world, entrant.entity, thrown, ( wisp_vec3 ){ 0, 0, 0 } );
-        status = status == WISP_OK ? advance( &entrant, 1, &seen, error )
-                                   : bench_world_fail( entrant.world, status, error );
+        status = wisp_set_velocity( implementation.world, implementation.entity, thrown, ( wisp_vec3 ){ 0, 0, 0 } );
+        status = status == WISP_OK ? advance( &implementation, 1, &seen, error )
+                                   : bench_world_fail( implementation.world, status, error );
     }
     const wisp_vec3* points = NULL;
-    status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
     double along[3] = { 0.0, 0.0, 0.0 };
-    if ( status == WISP_OK && !mean_velocity( &entrant, along ) )
+    if ( status == WISP_OK && !mean_velocity( &implementation, along ) )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for velocities" );
     }
@@ -137,7 +138,7 @@ wisp_status figures_four_forces( figures_case* page, wisp_error* error )
                      "cosines %.4f %.4f %.4f %.4f; %.4f, %.4f, %.4f, %.4f N", c[0], c[1], c[2], c[3],
                      length( seen.gravity ), length( seen.buoyancy ), length( seen.drag ), length( seen.jet ) );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }
@@ -150,62 +151,63 @@ wisp_status figures_four_forces( figures_case* page, wisp_error* error )
 #define REST_STEPS 120
 // Of the largest overpressure. A crumpled skin comes to rest near its rest shape and not in it, so a little tension stays
 // however long one waits.
-#define END_SHARE 0.02
+#define END_FRACTION 0.02
 
 typedef struct release
 {
-    double volume_rest, volume_most, volume_end, pressure_most, pressure_end, spin_most, gas_lost, gas_wanted;
+    double volume_rest, max_volume, volume_end, max_pressure, pressure_end, max_spin, gas_lost, gas_requested;
     int steps;
     bool rose; // the volume never fell while gas came in
 } release;
 
-static wisp_status inflate( surface_entrant* entrant, release* r, wisp_error* error )
+static wisp_status inflate( surface_implementation* implementation, release* r, wisp_error* error )
 {
-    wisp_balloon_figures seen;
+    wisp_balloon_stats seen;
     wisp_status status = WISP_OK;
     r->rose = true;
     for ( int s = 0; s < INFLATE_STEPS && status == WISP_OK; ++s )
     {
-        status = advance( entrant, 1, &seen, error );
+        status = advance( implementation, 1, &seen, error );
         if ( status == WISP_OK )
         {
-            r->rose = r->rose && seen.volume >= r->volume_most;
-            r->volume_most = fmax( r->volume_most, seen.volume );
-            r->pressure_most = fmax( r->pressure_most, seen.pressure );
+            r->rose = r->rose && seen.volume >= r->max_volume;
+            r->max_volume = fmax( r->max_volume, seen.volume );
+            r->max_pressure = fmax( r->max_pressure, seen.pressure );
             r->volume_rest = seen.rest_volume;
-            r->gas_wanted = seen.target_volume;
+            r->gas_requested = seen.target_volume;
         }
     }
     if ( status == WISP_OK )
     {
-        status = wisp_set_balloon_inflation( entrant->world, entrant->entity, 0.0f );
-        status =
-            status == WISP_OK ? open_outlet( entrant, error ) : bench_world_fail( entrant->world, status, error );
+        status = wisp_set_balloon_inflation( implementation->world, implementation->entity, 0.0f );
+        status = status == WISP_OK ? open_outlet( implementation, error )
+                                   : bench_world_fail( implementation->world, status, error );
     }
     return status;
 }
 
-static wisp_status let_go( const figures_case* page, surface_entrant* entrant, figures_album* album, release* r,
-                           wisp_error* error )
+static wisp_status let_go( const figures_case* page, surface_implementation* implementation, figures_album* album,
+                           release* r, wisp_error* error )
 {
-    wisp_balloon_figures seen = { 0 };
+    wisp_balloon_stats seen = { 0 };
     wisp_status status = WISP_OK;
     bool is_running = true;
     for ( r->steps = 0; r->steps < RELEASE_STEPS_MAX && is_running && status == WISP_OK; ++r->steps )
     {
-        status = advance( entrant, 1, &seen, error );
-        r->spin_most = fmax( r->spin_most, length( seen.angular_velocity ) );
+        status = advance( implementation, 1, &seen, error );
+        r->max_spin = fmax( r->max_spin, length( seen.angular_velocity ) );
         is_running = r->steps == 0 || seen.mass_flow > 0.0;
         if ( status == WISP_OK && ( r->steps == 5 || r->steps == 15 ) )
         {
-            status = figures_take( page, album, entrant, error, "%.2f s after release", ( r->steps + 1 ) / 60.0 );
+            status =
+                figures_take( page, album, implementation, error, "%.2f s after release", ( r->steps + 1 ) / 60.0 );
         }
     }
-    status = status == WISP_OK ? advance( entrant, REST_STEPS, &seen, error ) : status;
+    status = status == WISP_OK ? advance( implementation, REST_STEPS, &seen, error ) : status;
     r->volume_end = seen.volume;
     r->pressure_end = seen.pressure;
     r->gas_lost = seen.gas_lost;
-    r->gas_wanted -= seen.target_volume;
+    r->gas_requested -= seen.target_volume;
     return status;
 }
 
@@ -218,13 +220,13 @@ wisp_status figures_inflate_release( figures_case* page, wisp_error* error )
     setting.damping = 2.0f;
     give_outlet( page, &setting, ( wisp_vec3 ){ 1.0f, 0.5f, 0.2f } );
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant;
+    surface_implementation implementation;
     release r = { 0 };
-    wisp_status status = enter( page, &setting, &fabric, &entrant, error );
-    status = status == WISP_OK ? inflate( &entrant, &r, error ) : status;
-    status = status == WISP_OK ? figures_take( page, &album, &entrant, error, "inflated" ) : status;
-    status = status == WISP_OK ? let_go( page, &entrant, &album, &r, error ) : status;
-    status = status == WISP_OK ? figures_take( page, &album, &entrant, error, "empty" ) : status;
+    wisp_status status = enter( page, &setting, &fabric, &implementation, error );
+    status = status == WISP_OK ? inflate( &implementation, &r, error ) : status;
+    status = status == WISP_OK ? figures_take( page, &album, &implementation, error, "inflated" ) : status;
+    status = status == WISP_OK ? let_go( page, &implementation, &album, &r, error ) : status;
+    status = status == WISP_OK ? figures_take( page, &album, &implementation, error, "empty" ) : status;
     if ( status == WISP_OK )
     {
         double density = balloon_oracle_density( (double)setting.def.atmospheric_pressure, BALLOON_ORACLE_HELIUM,
@@ -232,18 +234,18 @@ wisp_status figures_inflate_release( figures_case* page, wisp_error* error )
         figures_add(
             page, "F5", "inflated by half its volume in 1 s, then released",
             "V rises, then falls; P - P_atm ends below 2 % of its largest; the body turns",
-            r.rose && r.volume_most > 1.2 * r.volume_rest && r.volume_end < 0.9 * r.volume_most &&
-                r.pressure_most > 1000.0 && r.pressure_end <= END_SHARE * r.pressure_most && r.spin_most > 1.0,
+            r.rose && r.max_volume > 1.2 * r.volume_rest && r.volume_end < 0.9 * r.max_volume &&
+                r.max_pressure > 1000.0 && r.pressure_end <= END_FRACTION * r.max_pressure && r.max_spin > 1.0,
             "V / V_rest up to %.3f, then %.3f; P - P_atm from %.0f to %.1f Pa, jet of %.2f s; up to %.1f rad/s",
-            r.volume_most / r.volume_rest, r.volume_end / r.volume_rest, r.pressure_most, r.pressure_end,
-            r.steps / 60.0, r.spin_most );
-        double wrong = fabs( r.gas_lost / ( density * r.gas_wanted ) - 1.0 );
+            r.max_volume / r.volume_rest, r.volume_end / r.volume_rest, r.max_pressure, r.pressure_end,
+            r.steps / 60.0, r.max_spin );
+        double wrong = fabs( r.gas_lost / ( density * r.gas_requested ) - 1.0 );
         figures_add( page, "F5", "gas that left the outlet against gas that is missing", "the same mass within 1e-6",
                      wrong < 1e-6, "%.4f g, %.1e apart", 1e3 * r.gas_lost, wrong );
         status = figures_write( page, &album, NULL, "f5_release", "F5, inflated and released", error );
     }
     figures_album_free( &album );
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }
@@ -259,12 +261,12 @@ typedef struct spin_run
 } spin_run;
 
 // Tags are the farthest vertices along four directions.
-static wisp_status track( figures_case* page, surface_entrant* entrant, figures_tracks* tracks, int step,
-                          wisp_error* error )
+static wisp_status track( figures_case* page, surface_implementation* implementation, figures_tracks* tracks,
+                          int step, wisp_error* error )
 {
     static const wisp_vec3 directions[TAGS] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     for ( int tag = 0; tag < TAGS && status == WISP_OK; ++tag )
     {
         int vertex = balloon_mesh_extreme( &page->figure, directions[tag] );
@@ -277,26 +279,27 @@ static wisp_status fly( figures_case* page, float area, figures_album* album, fi
                         wisp_error* error )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.fill = 1.2f;
+    setting.def.gas_ratio = 1.2f;
     setting.def.outlet_area = area;
     setting.damping = 5.0f;
     give_outlet( page, &setting, ( wisp_vec3 ){ 1.0f, 0.5f, 0.2f } );
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant;
-    wisp_balloon_figures seen;
-    wisp_status status = enter( page, &setting, &fabric, &entrant, error );
-    status = status == WISP_OK ? advance( &entrant, 60, &seen, error ) : status;
-    status = status == WISP_OK ? open_outlet( &entrant, error ) : status;
+    surface_implementation implementation;
+    wisp_balloon_stats seen;
+    wisp_status status = enter( page, &setting, &fabric, &implementation, error );
+    status = status == WISP_OK ? advance( &implementation, 60, &seen, error ) : status;
+    status = status == WISP_OK ? open_outlet( &implementation, error ) : status;
     for ( int step = 0; step < TRACK_STEPS && status == WISP_OK; ++step )
     {
-        status = track( page, &entrant, tracks, step, error );
-        status = status == WISP_OK ? advance( &entrant, 1, &seen, error ) : status;
+        status = track( page, &implementation, tracks, step, error );
+        status = status == WISP_OK ? advance( &implementation, 1, &seen, error ) : status;
         out->spin = fmax( out->spin, length( seen.angular_velocity ) );
         out->mass_flow = fmax( out->mass_flow, seen.mass_flow );
     }
-    status =
-        status == WISP_OK ? figures_take( page, album, &entrant, error, "after %.1f s", TRACK_STEPS / 60.0 ) : status;
-    surface_entrant_destroy( &entrant );
+    status = status == WISP_OK
+                 ? figures_take( page, album, &implementation, error, "after %.1f s", TRACK_STEPS / 60.0 )
+                 : status;
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }
@@ -344,32 +347,32 @@ typedef struct rise_run
     double lift, weight; // N
 } rise_run;
 
-static wisp_status rise( figures_case* page, float fill, rise_run* out, wisp_error* error )
+static wisp_status rise( figures_case* page, float gas_ratio, rise_run* out, wisp_error* error )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.fill = fill;
+    setting.def.gas_ratio = gas_ratio;
     setting.damping = 1.0f;
     give_outlet( page, &setting, ( wisp_vec3 ){ 0.3f, 1.0f, 0.0f } );
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant;
-    wisp_balloon_figures seen = { 0 };
-    wisp_status status = enter( page, &setting, &fabric, &entrant, error );
-    status = status == WISP_OK ? advance( &entrant, RISE_STEPS, &seen, error ) : status;
+    surface_implementation implementation;
+    wisp_balloon_stats seen = { 0 };
+    wisp_status status = enter( page, &setting, &fabric, &implementation, error );
+    status = status == WISP_OK ? advance( &implementation, RISE_STEPS, &seen, error ) : status;
     out->risen = seen.centre[1];
     out->lift = length( seen.buoyancy );
     out->weight = length( seen.gravity );
-    status = status == WISP_OK ? open_outlet( &entrant, error ) : status;
+    status = status == WISP_OK ? open_outlet( &implementation, error ) : status;
     double highest = seen.centre[1], before = seen.centre[1];
     for ( int s = 0; s < FALL_STEPS && status == WISP_OK; ++s )
     {
-        status = advance( &entrant, 1, &seen, error );
+        status = advance( &implementation, 1, &seen, error );
         out->speed = fmax( out->speed, ( before - seen.centre[1] ) / (double)BALLOON_STEP );
         out->spin = fmax( out->spin, length( seen.angular_velocity ) );
         highest = fmax( highest, seen.centre[1] );
         before = seen.centre[1];
     }
     out->fell = highest - seen.centre[1];
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }
@@ -411,18 +414,18 @@ wisp_status figures_rise_and_reverse( figures_case* page, wisp_error* error )
 static wisp_status time_sphere( int level, double* vertices, double* ms, wisp_error* error )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.fill = 1.2f;
+    setting.def.gas_ratio = 1.2f;
     wisp_mesh mesh = { 0 };
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant = { 0 };
+    surface_implementation implementation = { 0 };
     double samples[TIMED_STEPS];
     wisp_status status = balloon_mesh_sphere( level, BALLOON_RADIUS, &mesh, error );
     status = status == WISP_OK ? balloon_cook( &mesh, &setting, &fabric, error ) : status;
-    status = status == WISP_OK ? balloon_entrant_create( fabric, &setting, &entrant, error ) : status;
+    status = status == WISP_OK ? balloon_implementation_create( fabric, &setting, &implementation, error ) : status;
     for ( int s = -2; s < TIMED_STEPS && status == WISP_OK; ++s )
     {
         double start = wisp_clock_seconds();
-        status = surface_entrant_step( &entrant, error );
+        status = surface_implementation_step( &implementation, error );
         samples[s < 0 ? 0 : s] = 1e3 * ( wisp_clock_seconds() - start );
     }
     if ( status == WISP_OK )
@@ -430,7 +433,7 @@ static wisp_status time_sphere( int level, double* vertices, double* ms, wisp_er
         *vertices = mesh.vertex_count;
         *ms = stats_summarise( samples, TIMED_STEPS ).median;
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     wisp_mesh_release( &mesh );
     return status;

@@ -39,12 +39,12 @@ typedef struct free_cloth
 {
     triangle_scene scene;
     wisp_vec3* stretched; // [vertex_count]
-    double* share;        // [vertex_count] of a row's mass in the vertex's
+    double* fraction;     // [vertex_count] of a row's mass in the vertex's
 } free_cloth;
 
 // ---- the masses of the rows ----
 
-static wisp_status count_neighbours( const wisp_mesh* mesh, double* share, wisp_error* error )
+static wisp_status count_neighbours( const wisp_mesh* mesh, double* fraction, wisp_error* error )
 {
     const size_t count = (size_t)mesh->vertex_count;
     double3* points = malloc( count * sizeof( double3 ) );
@@ -74,7 +74,7 @@ static wisp_status count_neighbours( const wisp_mesh* mesh, double* share, wisp_
         status = triangle_oracle_create( &def, &params, &oracle, error );
         for ( size_t i = 0; i < count && status == WISP_OK; ++i )
         {
-            share[i] = oracle.mass[i];
+            fraction[i] = oracle.mass[i];
         }
         if ( status == WISP_OK )
         {
@@ -86,17 +86,19 @@ static wisp_status count_neighbours( const wisp_mesh* mesh, double* share, wisp_
     return status;
 }
 
-static double kinetic_energy( surface_entrant* entrant, const double* share )
+static double kinetic_energy( surface_implementation* implementation, const double* fraction )
 {
-    const wisp_fabric* fabric = entrant->fabric;
-    const float* position = wisp_world_column( entrant->world, entrant->entity, WISP_PARTICLE_POSITION, 0 );
-    const float* velocity = wisp_world_column( entrant->world, entrant->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const wisp_fabric* fabric = implementation->fabric;
+    const float* position =
+        wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
+    const float* velocity =
+        wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_VELOCITY, 0 );
     double sum = 0.0;
     for ( int i = 0; i < fabric->vertex_count; ++i )
     {
         const size_t row = 4 * (size_t)fabric->vertex_slot[i];
         const double v[3] = { (double)velocity[row], (double)velocity[row + 1], (double)velocity[row + 2] };
-        sum += 0.5 * share[i] / (double)position[row + 3] * ( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
+        sum += 0.5 * fraction[i] / (double)position[row + 3] * ( v[0] * v[0] + v[1] * v[1] + v[2] * v[2] );
     }
     return sum;
 }
@@ -117,28 +119,29 @@ static double stretch_energy_at_first( const wisp_fabric* fabric, double stiffne
 
 // ---- flights ----
 
-static wisp_status advance( surface_entrant* entrant, const double* share, flight* f, wisp_error* error )
+static wisp_status advance( surface_implementation* implementation, const double* fraction, flight* f,
+                            wisp_error* error )
 {
     const int steps = (int)lrint( SECONDS / (double)f->seconds );
     double least = f->first;
     for ( int step = 1; step <= steps; ++step )
     {
-        wisp_implicit_cloth_figures seen;
-        wisp_status status = surface_entrant_step( entrant, error );
+        wisp_implicit_cloth_stats seen;
+        wisp_status status = surface_implementation_step( implementation, error );
         if ( status != WISP_OK )
         {
             return status;
         }
-        status = wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen );
+        status = wisp_read_implicit_cloth_stats( implementation->world, implementation->entity, &seen );
         if ( status != WISP_OK )
         {
-            return bench_world_fail( entrant->world, status, error );
+            return bench_world_fail( implementation->world, status, error );
         }
-        f->last = kinetic_energy( entrant, share ) + seen.stretch_energy + seen.bend_energy;
+        f->last = kinetic_energy( implementation, fraction ) + seen.stretch_energy + seen.bend_energy;
         f->most = fmax( f->most, f->last );
         f->rise = fmax( f->rise, f->last - least );
         least = fmin( least, f->last );
-        f->is_finite = f->is_finite && isfinite( f->last ) && entrant->halted_at == 0;
+        f->is_finite = f->is_finite && isfinite( f->last ) && implementation->halted_at == 0;
         f->iterations += (double)seen.iterations / steps;
         if ( step * SECONDS % steps == 0 )
         {
@@ -158,32 +161,33 @@ static wisp_status fly( const free_cloth* cloth, flight* f, wisp_error* error )
     setting.has_ball = false;
     setting.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     setting.points = cloth->stretched;
-    setting.wants_figures = true;
-    surface_entrant entrant;
-    wisp_status status = triangle_enter( &cloth->scene, &setting, &entrant, error );
+    setting.requests_stats = true;
+    surface_implementation implementation;
+    wisp_status status = triangle_enter( &cloth->scene, &setting, &implementation, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = wisp_set_velocity( entrant.world, entrant.entity, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, spin );
+    status =
+        wisp_set_velocity( implementation.world, implementation.entity, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, spin );
     if ( status == WISP_OK )
     {
-        f->first = kinetic_energy( &entrant, cloth->share ) +
+        f->first = kinetic_energy( &implementation, cloth->fraction ) +
                    stretch_energy_at_first( cloth->scene.fabric, (double)setting.cloth.stretch_stiffness );
-        status = advance( &entrant, cloth->share, f, error );
+        status = advance( &implementation, cloth->fraction, f, error );
     }
     else
     {
-        bench_world_fail( entrant.world, status, error );
+        bench_world_fail( implementation.world, status, error );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
 static void free_cloth_free( free_cloth* cloth )
 {
     free( cloth->stretched );
-    free( cloth->share );
+    free( cloth->fraction );
     triangle_scene_free( &cloth->scene );
 }
 
@@ -197,8 +201,8 @@ static wisp_status free_cloth_make( int vertices, free_cloth* out, wisp_error* e
     }
     const wisp_mesh* mesh = &out->scene.mesh;
     out->stretched = malloc( (size_t)mesh->vertex_count * sizeof( wisp_vec3 ) );
-    out->share = malloc( (size_t)mesh->vertex_count * sizeof( double ) );
-    if ( out->stretched == NULL || out->share == NULL )
+    out->fraction = malloc( (size_t)mesh->vertex_count * sizeof( double ) );
+    if ( out->stretched == NULL || out->fraction == NULL )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for a cloth that flies" );
     }
@@ -209,7 +213,7 @@ static wisp_status free_cloth_make( int vertices, free_cloth* out, wisp_error* e
             const wisp_vec3 p = mesh->points[i];
             out->stretched[i] = ( wisp_vec3 ){ STRETCHED * p.x, p.y, STRETCHED * p.z };
         }
-        status = count_neighbours( mesh, out->share, error );
+        status = count_neighbours( mesh, out->fraction, error );
     }
     if ( status != WISP_OK )
     {

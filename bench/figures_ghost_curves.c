@@ -36,16 +36,16 @@ static turns measure_turns( const wisp_vec3* points, int count, double limit )
 
 // ---- Fig. 3 ----
 
-typedef struct curve_figures
+typedef struct curve_stats
 {
     turns line, bezier, spline;
     double ends; // m, largest distance of an end of a curve to that of its strand
-} curve_figures;
+} curve_stats;
 
 #define CURVE_NODES_MAX 10
 
 static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve_kind kind, const wisp_vec3* nodes,
-                               int node_count, double limit, turns* out, wisp_view* view, curve_figures* f,
+                               int node_count, double limit, turns* out, wisp_view* view, curve_stats* f,
                                wisp_error* error )
 {
     wisp_curves_def def = wisp_default_curves_def();
@@ -53,7 +53,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     def.kind = kind;
     wisp_entity curve = { 0 };
     wisp_status status = wisp_add_curves( world, &def, &curve );
-    status = status == WISP_OK ? wisp_want( world, curve, WISP_STRAND_POINTS ) : status;
+    status = status == WISP_OK ? wisp_request( world, curve, WISP_STRAND_POINTS ) : status;
     status = status == WISP_OK ? wisp_world_step( world, STRANDS_STEP ) : status;
     status = status == WISP_OK ? wisp_world_view( world, curve, WISP_STRAND_POINTS, view ) : status;
     if ( status != WISP_OK )
@@ -67,7 +67,7 @@ static wisp_status draw_curve( wisp_world* world, wisp_entity strand, wisp_curve
     return WISP_OK;
 }
 
-static wisp_status draw_strand( const figures_case* page, figures_hair_album* album, int node_count, curve_figures* f,
+static wisp_status draw_strand( const figures_case* page, figures_hair_album* album, int node_count, curve_stats* f,
                                 wisp_error* error )
 {
     wisp_vec3 nodes[CURVE_NODES_MAX];
@@ -120,16 +120,17 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
 {
     static const int counts[] = { 4, 7, 10 };
     figures_hair_album album = { .count = 0 };
-    curve_figures f[WISP_COUNT( counts )] = { { .ends = 0.0 } };
+    curve_stats f[WISP_COUNT( counts )] = { { .ends = 0.0 } };
     wisp_status status = WISP_OK;
-    bool is_met = true;
+    bool meets_target = true;
     for ( int i = 0; i < WISP_COUNT( counts ) && status == WISP_OK; ++i )
     {
         status = draw_strand( page, &album, counts[i], &f[i], error );
 
         // Pieces of eq. 6 meet in the direction of the strand's own segments, so a joint turns as its vertex does.
-        is_met = is_met && f[i].bezier.sharp < f[i].line.sharp && f[i].bezier.largest < f[i].line.largest + 0.1 &&
-                 f[i].spline.largest < f[i].line.largest && f[i].ends < TUFT_ROUNDING;
+        meets_target = meets_target && f[i].bezier.sharp < f[i].line.sharp &&
+                       f[i].bezier.largest < f[i].line.largest + 0.1 && f[i].spline.largest < f[i].line.largest &&
+                       f[i].ends < TUFT_ROUNDING;
     }
     if ( status == WISP_OK )
     {
@@ -137,7 +138,7 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
             page, "Park and Kim 2024, Fig. 3",
             "zigzags of 4, 7 and 10 vertices, drawn by segments, eq. 6 and Catmull-Rom",
             "fewer sharp turns, the largest of eq. 6 at its joints only; ends coincide",
-            is_met && f[0].bezier.largest < f[0].line.largest,
+            meets_target && f[0].bezier.largest < f[0].line.largest,
             "sharp turns %d/%d/%d, %d/%d/%d, %d/%d/%d; largest %.0f/%.0f/%.0f, %.0f/%.0f/%.0f, %.0f/%.0f/%.0f "
             "degrees",
             f[0].line.sharp, f[0].bezier.sharp, f[0].spline.sharp, f[1].line.sharp, f[1].bezier.sharp,
@@ -187,13 +188,13 @@ static double sharpest( const wisp_vec3* points )
 static wisp_status is_refused( tuft* t, bool* out, wisp_error* error )
 {
     hair_head refused = { 0 };
-    hair_head_recipe recipe = hair_head_default_recipe( &t->target );
+    hair_head_generator generator = hair_head_default_generator( &t->target );
     wisp_error said = { 0 };
-    recipe.ghosts = &t->ghosts;
-    wisp_status status = hair_head_create( &recipe, &refused, &said );
+    generator.ghosts = &t->ghosts;
+    wisp_status status = hair_head_create( &generator, &refused, &said );
     *out = status == WISP_BAD_INPUT;
     hair_head_destroy( &refused );
-    return status == WISP_OK || status == WISP_BAD_INPUT ? WISP_OK : wisp_fail( error, status, "%s", said.sentence );
+    return status == WISP_OK || status == WISP_BAD_INPUT ? WISP_OK : wisp_fail( error, status, "%s", said.message );
 }
 
 wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )

@@ -6,7 +6,7 @@
 #define GHOSTS_MAX 5
 #define SHOT_STEP 25
 // Below this speed a direction means nothing, m/s.
-#define LEAST_SPEED 0.05
+#define MIN_SPEED 0.05
 
 static wisp_vec3 mean_of_group( const wisp_vec3* points, int ghost_count, int node )
 {
@@ -79,39 +79,39 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
 
 // ---- Fig. 2a ----
 
-typedef struct sway_figures
+typedef struct sway_stats
 {
     double root, rest;             // m: largest displacement of a root, and of anything before the head moves
     double steady, turning, wrong; // mean |y - b| / (tau |v|) by the change of direction; largest distance to W
     int steady_count, turning_count;
-} sway_figures;
+} sway_stats;
 
-static void measure_sway( const seen* s, sway_figures* f )
+static void measure_sway( const seen* s, sway_stats* f )
 {
     for ( int node = 0; node < TUFT_NODES; ++node )
     {
         double moved = tuft_length( tuft_minus( s->swaying[node], s->base[node] ) );
         double speed = tuft_length( s->now[node] ), before = tuft_length( s->before[node] );
         f->root = node == 0 && moved > f->root ? moved : f->root;
-        if ( node == 0 || speed < LEAST_SPEED || before < LEAST_SPEED )
+        if ( node == 0 || speed < MIN_SPEED || before < MIN_SPEED )
         {
             continue;
         }
         double cosine = tuft_dot( s->now[node], s->before[node] ) / ( speed * before );
-        double share = moved / ( (double)STRANDS_STEP * speed );
-        f->wrong = fmax( f->wrong, fabs( share - ( 0.5 - 0.5 * cosine ) ) );
+        double fraction = moved / ( (double)STRANDS_STEP * speed );
+        f->wrong = fmax( f->wrong, fabs( fraction - ( 0.5 - 0.5 * cosine ) ) );
         bool is_turning = cosine < 0.866;
-        f->turning += is_turning ? share : 0.0;
+        f->turning += is_turning ? fraction : 0.0;
         f->turning_count += is_turning ? 1 : 0;
-        f->steady += is_turning ? 0.0 : share;
+        f->steady += is_turning ? 0.0 : fraction;
         f->steady_count += is_turning ? 0 : 1;
     }
 }
 
 // Before the head moves nothing does: a pose that is the rest pose.
-static wisp_status rest_once( tuft* t, sway_figures* f, wisp_error* error )
+static wisp_status rest_once( tuft* t, sway_stats* f, wisp_error* error )
 {
-    const wisp_rigid still = hair_head_pose( 0.0 );
+    const wisp_transform still = hair_head_pose( 0.0 );
     const wisp_vec3 *a = NULL, *b = NULL;
     wisp_status status = hair_head_step_to( &t->swaying, still, error );
     status = status == WISP_OK ? hair_head_step_to( &t->plain, still, error ) : status;
@@ -129,7 +129,7 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
     figures_hair_album album = { .count = 0 };
     tuft t = { .target = { 0 } };
     seen s = { .target = NULL };
-    sway_figures f = { .root = 0.0 };
+    sway_stats f = { .root = 0.0 };
     wisp_ghosts_def follow = tuft_without_weights();
     follow.elastic = WISP_GHOST_ELASTIC_CHANGE;
     wisp_status status = tuft_make( 1, TUFT_NODES, &t, error );
@@ -153,7 +153,7 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
         double steady = f.steady / fmax( f.steady_count, 1.0 ), turning = f.turning / fmax( f.turning_count, 1.0 );
 
         // a displacement of dt |v| > 0.8 mm is known to 3e-7 m
-        double tolerance = 2.0 * TUFT_ROUNDING / ( (double)STRANDS_STEP * LEAST_SPEED );
+        double tolerance = 2.0 * TUFT_ROUNDING / ( (double)STRANDS_STEP * MIN_SPEED );
         figures_add(
             page, "Park and Kim 2024, Fig. 2a", "1:1, head swung from side to side, elastic weight off and on",
             "y - b is zero at rest and at the root; over tau |v| it rises with the change of velocity",
@@ -174,15 +174,15 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
 
 #define GROUP 4
 
-typedef struct group_figures
+typedef struct group_stats
 {
     double apart;       // m, largest difference of displacement within the group
     double spread;      // m^2, mean over nodes and steps
     int ordered, pairs; // ghosts in the order of their distance from the centre
     int samples;
-} group_figures;
+} group_stats;
 
-static void measure_group( const seen* s, group_figures* f )
+static void measure_group( const seen* s, group_stats* f )
 {
     for ( int node = 1; node < TUFT_NODES; ++node )
     {
@@ -199,7 +199,7 @@ static void measure_group( const seen* s, group_figures* f )
         }
         f->spread += spread_of_group( s->swaying, GROUP, node );
         ++f->samples;
-        if ( tuft_length( s->now[node] ) < LEAST_SPEED )
+        if ( tuft_length( s->now[node] ) < MIN_SPEED )
         {
             continue;
         }
@@ -215,8 +215,8 @@ static void measure_group( const seen* s, group_figures* f )
     }
 }
 
-static wisp_status run_group( const figures_case* page, figures_hair_album* album, float centre_gain,
-                              group_figures* f, wisp_error* error )
+static wisp_status run_group( const figures_case* page, figures_hair_album* album, float centre_gain, group_stats* f,
+                              wisp_error* error )
 {
     tuft t = { .target = { 0 } };
     seen s = { .target = NULL };
@@ -246,7 +246,7 @@ static wisp_status run_group( const figures_case* page, figures_hair_album* albu
 wisp_status figures_ghost_block( figures_case* page, wisp_error* error )
 {
     figures_hair_album album = { .count = 0 };
-    group_figures f = { .apart = 0.0 };
+    group_stats f = { .apart = 0.0 };
     wisp_status status = run_group( page, &album, 0.0f, &f, error );
     if ( status == WISP_OK )
     {
@@ -264,7 +264,7 @@ wisp_status figures_ghost_apart( figures_case* page, wisp_error* error )
 {
     static const float gains[] = { 0.0f, 0.5f, 1.0f };
     figures_hair_album album = { .count = 0 };
-    group_figures f[WISP_COUNT( gains )] = { { .apart = 0.0 } };
+    group_stats f[WISP_COUNT( gains )] = { { .apart = 0.0 } };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( gains ) && status == WISP_OK; ++i )
     {
@@ -292,16 +292,16 @@ wisp_status figures_ghost_apart( figures_case* page, wisp_error* error )
 
 wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
 {
-    static const float wanted[] = { 0.25f, 1.0f, 2.5f };
+    static const float requested[] = { 0.25f, 1.0f, 2.5f };
     figures_hair_album album = { .count = 0 };
-    double worst = 0.0, ratio[WISP_COUNT( wanted )] = { 0.0 };
+    double worst = 0.0, ratio[WISP_COUNT( requested )] = { 0.0 };
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( wanted ) && status == WISP_OK; ++i )
+    for ( int i = 0; i < WISP_COUNT( requested ) && status == WISP_OK; ++i )
     {
         tuft t = { .target = { 0 } };
         seen s = { .target = NULL };
         wisp_ghosts_def follow = tuft_without_weights();
-        follow.spread = wanted[i];
+        follow.spread = requested[i];
         status = tuft_make( GROUP, TUFT_NODES, &t, error );
         status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
         for ( int step = 1; step <= SHOT_STEP && status == WISP_OK; ++step )
@@ -313,11 +313,11 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
             double now = spread_of_group( s.swaying, GROUP, node );
             double rest = spread_of_group( t.ghosts.points, GROUP, node );
             ratio[i] += now / rest / ( TUFT_NODES - 1 );
-            worst = fmax( worst, fabs( now / rest / (double)wanted[i] - 1.0 ) );
+            worst = fmax( worst, fabs( now / rest / (double)requested[i] - 1.0 ) );
         }
         if ( status == WISP_OK )
         {
-            figures_hair_begin( page, &album, "V / v0 = %.2f", (double)wanted[i] );
+            figures_hair_begin( page, &album, "V / v0 = %.2f", (double)requested[i] );
             status = tuft_take( page, &album, &t, &s, error );
         }
         tuft_free( &t );

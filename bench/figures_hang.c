@@ -45,19 +45,19 @@ static void put_upright( const wisp_mesh* mesh, wisp_vec3* points )
     }
 }
 
-static wisp_status advance( surface_entrant* entrant, int steps, hang_result* out, wisp_error* error )
+static wisp_status advance( surface_implementation* implementation, int steps, hang_result* out, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int i = 0; i < steps && status == WISP_OK; ++i )
     {
-        wisp_implicit_cloth_figures seen = { 0 };
+        wisp_implicit_cloth_stats seen = { 0 };
         const double begin = wisp_clock_seconds();
-        status = surface_entrant_step( entrant, error );
+        status = surface_implementation_step( implementation, error );
         out->ms += 1e3 * ( wisp_clock_seconds() - begin );
         if ( status == WISP_OK &&
-             wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &seen ) != WISP_OK )
+             wisp_read_implicit_cloth_stats( implementation->world, implementation->entity, &seen ) != WISP_OK )
         {
-            status = bench_world_fail( entrant->world, WISP_CONFLICT, error );
+            status = bench_world_fail( implementation->world, WISP_CONFLICT, error );
         }
         out->iterations += seen.iterations;
     }
@@ -67,24 +67,24 @@ static wisp_status advance( surface_entrant* entrant, int steps, hang_result* ou
 static wisp_status run( const triangle_scene* scene, const triangle_setting* setting, int steps, hang_result* out,
                         wisp_error* error )
 {
-    surface_entrant entrant;
-    wisp_status status = triangle_enter( scene, setting, &entrant, error );
+    surface_implementation implementation;
+    wisp_status status = triangle_enter( scene, setting, &implementation, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     const wisp_vec3* points;
-    status = advance( &entrant, steps, out, error );
-    status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+    status = advance( &implementation, steps, out, error );
+    status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
     if ( status == WISP_OK )
     {
-        const surface_look look = surface_entrant_look( &entrant );
+        const surface_look look = surface_implementation_look( &implementation );
         memcpy( out->points, points, (size_t)scene->mesh.vertex_count * sizeof( wisp_vec3 ) );
         out->kinetic = look.kinetic;
-        out->first_order = (double)wisp_world_counter( entrant.world, WISP_COUNT_FIRST_ORDER );
-        out->is_finite = look.is_finite && entrant.halted_at == 0;
+        out->first_order = (double)wisp_world_counter( implementation.world, WISP_COUNT_FIRST_ORDER );
+        out->is_finite = look.is_finite && implementation.halted_at == 0;
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
@@ -105,7 +105,7 @@ wisp_status hang_run( const triangle_scene* scene, const hang_plan* plan, hang_r
         put_upright( &scene->mesh, start );
         setting.cloth = plan->cloth;
         setting.seconds = plan->seconds;
-        setting.wants_figures = true;
+        setting.requests_stats = true;
         setting.has_ball = false;
         setting.points = plan->is_upright ? start : NULL;
         setting.pins = pins;

@@ -10,7 +10,7 @@
 #define FLIGHT_SECONDS 0.5
 #define STEP 0.01f // where nothing else is said
 #define STEP_LONGEST 0.02f
-#define TOLERANCE_LEAST 1e-7f
+#define MIN_TOLERANCE 1e-7f
 
 enum
 {
@@ -59,7 +59,7 @@ static wisp_status run( const triangle_scene* scene, const swing* how, hang_resu
         .steps = (int)lrint( FLIGHT_SECONDS / (double)how->seconds ),
     };
     plan.cloth.integrator = how->integrator;
-    plan.cloth.newton_repeats = how->repeats;
+    plan.cloth.newton_iterations = how->repeats;
     plan.cloth.tolerance = how->tolerance;
     return hang_run( scene, &plan, out, error );
 }
@@ -225,7 +225,7 @@ static wisp_status vary_steps( swing_page* s, wisp_error* error )
 wisp_status figures_hang_accuracy( figures_case* page, wisp_error* error )
 {
     const swing fine = { STEP_LONGEST / (float)( 1 << FINE_HALVING ), WISP_IMPLICIT_BDF2, 2, 1e-6f };
-    const swing exact = { STEP, WISP_IMPLICIT_EULER, 1, TOLERANCE_LEAST };
+    const swing exact = { STEP, WISP_IMPLICIT_EULER, 1, MIN_TOLERANCE };
     const int vertices = page->quick ? QUICK_VERTICES : TRIANGLE_VERTICES;
     swing_page s = { .page = page };
     wisp_status status = triangle_scene_make( vertices, &s.scene, error );

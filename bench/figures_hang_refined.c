@@ -132,7 +132,7 @@ static void add_line( figures_case* page, int table, int form, wisp_implicit_sti
     cells line = { .count = 0 };
     cells_put( &line, "%s", forms[form].name );
     cells_put( &line, "%s", forms[form].measured );
-    cells_put( &line, "%s", stiffness == WISP_IMPLICIT_STIFFNESS_SHEET ? "sheet" : "link" );
+    cells_put( &line, "%s", stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL ? "sheet" : "link" );
     for ( int i = 0; i < row->count; ++i )
     {
         cells_put_number( &line, 1e3 * row->sag[i], 2 );
@@ -211,12 +211,12 @@ wisp_status figures_hang_refined( figures_case* page, wisp_error* error )
     const int table = begin_table( page, count );
     for ( int i = 0; i < ( page->quick ? CORNERS : FORM_COUNT ) && status == WISP_OK; ++i )
     {
-        status = hang_all( scenes, count, i, WISP_IMPLICIT_STIFFNESS_SHEET, &sheet[i], error );
+        status = hang_all( scenes, count, i, WISP_IMPLICIT_STIFFNESS_MATERIAL, &sheet[i], error );
         status =
             status == WISP_OK ? hang_all( scenes, count, i, WISP_IMPLICIT_STIFFNESS_LINK, &link[i], error ) : status;
         if ( status == WISP_OK )
         {
-            add_line( page, table, i, WISP_IMPLICIT_STIFFNESS_SHEET, &sheet[i] );
+            add_line( page, table, i, WISP_IMPLICIT_STIFFNESS_MATERIAL, &sheet[i] );
             add_line( page, table, i, WISP_IMPLICIT_STIFFNESS_LINK, &link[i] );
         }
     }

@@ -7,15 +7,15 @@
 #define SIDE 360
 #define TRACK_RADIUS 0.0015f // m
 
-wisp_status figures_take( const figures_case* page, figures_album* album, surface_entrant* entrant, wisp_error* error,
-                          const char* format, ... )
+wisp_status figures_take( const figures_case* page, figures_album* album, surface_implementation* implementation,
+                          wisp_error* error, const char* format, ... )
 {
     if ( !page->pictures || album->count == FIGURES_SHOTS_MAX )
     {
         return WISP_OK;
     }
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;

@@ -13,15 +13,15 @@ static const wisp_vec3 triangle_points[] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f,
 static const int32_t triangle[] = { 0, 1, 2 };
 
 // Only the link between the first two vertices answers; the third makes a triangle of them and stays out of it.
-static void leave_two( surface_entrant* entrant, float w0, float w1 )
+static void leave_two( surface_implementation* implementation, float w0, float w1 )
 {
-    const wisp_fabric* f = entrant->fabric;
-    float* stiffness = wisp_world_column( entrant->world, entrant->entity, WISP_LINK_STIFFNESS, 0 );
-    float* position = wisp_world_column( entrant->world, entrant->entity, WISP_PARTICLE_POSITION, 0 );
+    const wisp_fabric* f = implementation->fabric;
+    float* stiffness = wisp_world_column( implementation->world, implementation->entity, WISP_LINK_STIFFNESS, 0 );
+    float* position = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
     int first = 4 * f->vertex_slot[0], second = 4 * f->vertex_slot[1];
     for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
     {
-        int a = f->link_a4[slot], b = f->link_b4[slot];
+        int a = f->link_a_x4[slot], b = f->link_b_x4[slot];
         bool is_theirs = ( a == first && b == second ) || ( a == second && b == first );
         stiffness[slot] = is_theirs ? 1.0f : 0.0f;
     }
@@ -39,28 +39,28 @@ static wisp_status project_pair( float w0, float w1, double* error_out, wisp_err
     def.vertex_count = 3;
     def.triangle_count = 1;
     wisp_fabric* fabric = NULL;
-    surface_entrant entrant = { 0 };
+    surface_implementation implementation = { 0 };
     wisp_status status = wisp_fabric_cook( &def, NULL, &fabric, error );
     if ( status == WISP_OK )
     {
-        surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, fabric );
-        recipe.points = stretched;
-        recipe.vertex_mass = 1.0f;
-        status = surface_entrant_create( &recipe, &entrant, error );
+        surface_generator generator = surface_default_generator( &wisp_cloth_module, fabric );
+        generator.points = stretched;
+        generator.vertex_mass = 1.0f;
+        status = surface_implementation_create( &generator, &implementation, error );
     }
     if ( status == WISP_OK )
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.solver = WISP_SOLVER_PBD;
-        status = wisp_set_cloth( entrant.world, entrant.entity, &cloth );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( entrant.world, status, error );
+        status = wisp_set_cloth( implementation.world, implementation.entity, &cloth );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( implementation.world, status, error );
     }
     const wisp_vec3* points = NULL;
     if ( status == WISP_OK )
     {
-        leave_two( &entrant, w0, w1 );
-        status = surface_entrant_step( &entrant, error );
-        status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+        leave_two( &implementation, w0, w1 );
+        status = surface_implementation_step( &implementation, error );
+        status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
     }
     if ( status == WISP_OK )
     {
@@ -69,7 +69,7 @@ static wisp_status project_pair( float w0, float w1, double* error_out, wisp_err
         double wrong_ratio = fabs( way0 * (double)w1 - way1 * (double)w0 );
         *error_out = fmax( *error_out, fmax( wrong_length, wrong_ratio ) );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     return status;
 }
@@ -138,36 +138,39 @@ typedef struct volume_run
     int reversals; // steps in which the volume went against the ramp by more than rounding
 } volume_run;
 
-static wisp_status follow_volume( figures_case* page, wisp_fabric* fabric, float fill, figures_album* album,
+static wisp_status follow_volume( figures_case* page, wisp_fabric* fabric, float gas_ratio, figures_album* album,
                                   volume_run* out, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
     setting.def.solver = WISP_SOLVER_PBD;
     setting.def.volume = WISP_SOLVER_PBD;
-    setting.def.least_fill = 0.5f;
+    setting.def.min_gas_ratio = 0.5f;
     setting.damping = 5.0f;
-    surface_entrant entrant = { 0 };
-    wisp_status status = balloon_entrant_create( fabric, &setting, &entrant, error );
+    surface_implementation implementation = { 0 };
+    wisp_status status = balloon_implementation_create( fabric, &setting, &implementation, error );
     double rest = balloon_volume( &page->figure, page->figure.points ), before = rest;
     for ( int s = 1; s <= RAMP_STEPS + SETTLE_STEPS && status == WISP_OK; ++s )
     {
-        float share = fminf( (float)s / RAMP_STEPS, 1.0f );
-        status = wisp_set_balloon_fill( entrant.world, entrant.entity, 1.0f + share * ( fill - 1.0f ) );
-        status = status == WISP_OK ? surface_entrant_step( &entrant, error )
-                                   : bench_world_fail( entrant.world, status, error );
+        float fraction = fminf( (float)s / RAMP_STEPS, 1.0f );
+        status = wisp_set_balloon_gas_ratio( implementation.world, implementation.entity,
+                                             1.0f + fraction * ( gas_ratio - 1.0f ) );
+        status = status == WISP_OK ? surface_implementation_step( &implementation, error )
+                                   : bench_world_fail( implementation.world, status, error );
         const wisp_vec3* points = NULL;
-        status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+        status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
         if ( status == WISP_OK )
         {
             double now = balloon_volume( &page->figure, points );
-            double along = ( now - before ) * ( fill < 1.0f ? -1.0 : 1.0 );
+            double along = ( now - before ) * ( gas_ratio < 1.0f ? -1.0 : 1.0 );
             out->reversals += s <= RAMP_STEPS && along < -1e-4 * rest;
             before = now;
         }
     }
-    out->error = before / ( rest * (double)fill ) - 1.0;
-    status = status == WISP_OK ? figures_take( page, album, &entrant, error, "V0 / V = %.1f", (double)fill ) : status;
-    surface_entrant_destroy( &entrant );
+    out->error = before / ( rest * (double)gas_ratio ) - 1.0;
+    status = status == WISP_OK
+                 ? figures_take( page, album, &implementation, error, "V0 / V = %.1f", (double)gas_ratio )
+                 : status;
+    surface_implementation_destroy( &implementation );
     return status;
 }
 

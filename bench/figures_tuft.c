@@ -67,15 +67,15 @@ wisp_ghosts_def tuft_without_weights( void )
 
 wisp_status tuft_enter( tuft* t, const wisp_ghosts_def* follow, wisp_error* error )
 {
-    hair_head_recipe recipe = hair_head_default_recipe( &t->target );
-    recipe.ghosts = &t->ghosts;
-    recipe.shows_moving = true;
-    recipe.follow = *follow;
-    wisp_status status = hair_head_create( &recipe, &t->swaying, error );
-    recipe.follow = tuft_without_weights();
-    recipe.follow.resample = follow->resample;
-    recipe.follow.frame = follow->frame;
-    return status == WISP_OK ? hair_head_create( &recipe, &t->plain, error ) : status;
+    hair_head_generator generator = hair_head_default_generator( &t->target );
+    generator.ghosts = &t->ghosts;
+    generator.shows_moving = true;
+    generator.follow = *follow;
+    wisp_status status = hair_head_create( &generator, &t->swaying, error );
+    generator.follow = tuft_without_weights();
+    generator.follow.resample = follow->resample;
+    generator.follow.frame = follow->frame;
+    return status == WISP_OK ? hair_head_create( &generator, &t->plain, error ) : status;
 }
 
 wisp_status tuft_advance( tuft* t, seen* s, wisp_error* error )

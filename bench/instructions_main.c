@@ -80,7 +80,7 @@ int main( int argc, char** argv )
     }
     if ( status != WISP_OK )
     {
-        fprintf( stderr, "wisp_instructions: %s\n", error.sentence );
+        fprintf( stderr, "wisp_instructions: %s\n", error.message );
     }
     else
     {

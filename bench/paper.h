@@ -18,7 +18,7 @@ typedef struct paper_line
     double source_ms, source_fps; ///< NaN where the source has no such size
 
     stats_summary ms[PAPER_VARIANTS_MAX]; ///< plain C, then ours
-    double share[3];                  ///< of the parallel variant's step: freeze, align, clump; the rest is the rest
+    double fraction[3];               ///< of the parallel variant's step: freeze, align, clump; the rest is the rest
     double neighbours;                ///< a vertex
     double bytes;                     ///< a vertex, of the parallel variant's world
     bool by_oracle;                   ///< errors are distances to the double oracle, else to plain C
@@ -41,5 +41,5 @@ typedef struct paper_table
 /// Name of a variant as tables and rows have it: "plain", "wisp".
 const char* paper_variant_name( int variant );
 
-/// The table, the fit, and the sentences below them.
+/// The table, the fit, and the messages below them.
 void paper_report( const paper_table* table, results* out );

@@ -7,7 +7,7 @@ bench_case_fn paper_frozen_hair;
 static const struct paper_part
 {
     bench_case_fn* run;
-    double share; // of the time
+    double fraction; // of the time
 } parts[] = {
     { paper_frozen_hair, 0.55 },
     { paper_triangle_cloth, 0.45 },
@@ -17,13 +17,13 @@ static const struct paper_part
 typedef struct part_progress
 {
     const bench_options* whole;
-    double begin, share;
+    double begin, fraction;
 } part_progress;
 
-static void pass_on( void* user, double share, const char* what )
+static void pass_on( void* user, double fraction, const char* what )
 {
     const part_progress* part = user;
-    bench_progress( part->whole, part->begin + part->share * share, what );
+    bench_progress( part->whole, part->begin + part->fraction * fraction, what );
 }
 
 wisp_status paper_bench( const bench_options* options, results* out, wisp_error* error )
@@ -32,13 +32,13 @@ wisp_status paper_bench( const bench_options* options, results* out, wisp_error*
     part_progress progress = { .whole = options };
     for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
     {
-        progress.share = parts[i].share;
+        progress.fraction = parts[i].fraction;
         bench_options part = *options;
-        part.seconds = parts[i].share * bench_seconds( options );
+        part.seconds = parts[i].fraction * bench_seconds( options );
         part.progress = pass_on;
         part.progress_user = &progress;
         status = parts[i].run( &part, out, error );
-        progress.begin += progress.share;
+        progress.begin += progress.fraction;
     }
     return status;
 }

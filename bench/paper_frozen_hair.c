@@ -1,5 +1,5 @@
 #include "paper.h"
-#include "paper_entrants.h"
+#include "paper_implementations.h"
 
 #include <float.h>
 #include <math.h>
@@ -30,7 +30,7 @@ static const paper_size sizes[PAPER_SIZES] = {
 };
 
 /// Everything that one size needs while it is measured.
-typedef struct paper_race
+typedef struct paper_comparison
 {
     paper_scene scene;
     plain_frozen_hair plain;
@@ -38,61 +38,62 @@ typedef struct paper_race
     paper_world worlds[PAPER_VARIANTS_MAX]; ///< by variant; 0 is plain C and has none
     bench_variant variants[PAPER_VARIANTS_MAX];
     double* oracle; ///< [vertices][3] or null
-} paper_race;
+} paper_comparison;
 
 const char* paper_variant_name( int variant )
 {
     return variant == 0 ? "plain" : "wisp";
 }
 
-// ---- entrants ----
+// ---- implementations ----
 
-static wisp_status enter( const paper_table* table, int strands, paper_race* race, wisp_error* error )
+static wisp_status enter( const paper_table* table, int strands, paper_comparison* comparison, wisp_error* error )
 {
-    wisp_status status = paper_scene_make( strands, &race->scene, error );
+    wisp_status status = paper_scene_make( strands, &comparison->scene, error );
     if ( status == WISP_OK )
     {
-        status = paper_plain_create( &race->scene, &race->plain, error );
-        race->has_plain = status == WISP_OK;
-        race->variants[0] = ( bench_variant ){ .name = "plain", .step = paper_plain_step, .context = &race->plain };
+        status = paper_plain_create( &comparison->scene, &comparison->plain, error );
+        comparison->has_plain = status == WISP_OK;
+        comparison->variants[0] =
+            ( bench_variant ){ .name = "plain", .step = paper_plain_step, .context = &comparison->plain };
     }
     for ( int v = 1; v < table->variant_count && status == WISP_OK; ++v )
     {
-        status = paper_world_create( &race->scene, table->workers[v], &race->worlds[v], error );
-        race->variants[v] = ( bench_variant ){
-            .name = "wisp", .step = paper_world_step, .after = paper_world_after, .context = &race->worlds[v]
+        status = paper_world_create( &comparison->scene, table->workers[v], &comparison->worlds[v], error );
+        comparison->variants[v] = ( bench_variant ){
+            .name = "wisp", .step = paper_world_step, .after = paper_world_after, .context = &comparison->worlds[v]
         };
     }
     return status;
 }
 
-static void leave( const paper_table* table, paper_race* race )
+static void leave( const paper_table* table, paper_comparison* comparison )
 {
-    bench_free_samples( race->variants, table->variant_count );
+    bench_free_samples( comparison->variants, table->variant_count );
     for ( int v = 1; v < table->variant_count; ++v )
     {
-        paper_world_destroy( &race->worlds[v] );
+        paper_world_destroy( &comparison->worlds[v] );
     }
-    if ( race->has_plain )
+    if ( comparison->has_plain )
     {
-        plain_frozen_hair_destroy( &race->plain );
+        plain_frozen_hair_destroy( &comparison->plain );
     }
-    paper_scene_free( &race->scene );
-    free( race->oracle );
+    paper_scene_free( &comparison->scene );
+    free( comparison->oracle );
 }
 
 // ---- errors and hashes ----
 
-static double largest_distance( const paper_race* race, const wisp_vec3* points )
+static double largest_distance( const paper_comparison* comparison, const wisp_vec3* points )
 {
     double largest = 0.0;
-    for ( int i = 0; i < race->scene.groom.vertex_count; ++i )
+    for ( int i = 0; i < comparison->scene.groom.vertex_count; ++i )
     {
-        wisp_vec3 q = race->plain.position[i];
+        wisp_vec3 q = comparison->plain.position[i];
         double reference[3] = { (double)q.x, (double)q.y, (double)q.z };
-        if ( race->oracle )
+        if ( comparison->oracle )
         {
-            memcpy( reference, race->oracle + 3 * (size_t)i, sizeof( reference ) );
+            memcpy( reference, comparison->oracle + 3 * (size_t)i, sizeof( reference ) );
         }
         double dx = (double)points[i].x - reference[0];
         double dy = (double)points[i].y - reference[1];
@@ -105,42 +106,42 @@ static double largest_distance( const paper_race* race, const wisp_vec3* points 
     return largest;
 }
 
-static wisp_status run_oracle( paper_race* race, wisp_error* error )
+static wisp_status run_oracle( paper_comparison* comparison, wisp_error* error )
 {
-    race->oracle = malloc( 3 * (size_t)race->scene.groom.vertex_count * sizeof( double ) );
-    return race->oracle ? paper_oracle_run( &race->scene, COMPARED_EVENT, race->oracle, error )
-                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
+    comparison->oracle = malloc( 3 * (size_t)comparison->scene.groom.vertex_count * sizeof( double ) );
+    return comparison->oracle ? paper_oracle_run( &comparison->scene, COMPARED_EVENT, comparison->oracle, error )
+                              : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
 }
 
 // Everybody runs the same event. Plain C comes first because it may be the reference of the others.
-static wisp_status judge( const paper_table* table, paper_race* race, paper_line* line, results* out,
+static wisp_status judge( const paper_table* table, paper_comparison* comparison, paper_line* line, results* out,
                           wisp_error* error )
 {
-    line->tolerance = PAPER_TOLERATED_ROUNDINGS * (double)FLT_EPSILON * race->scene.extent;
+    line->tolerance = PAPER_TOLERATED_ROUNDINGS * (double)FLT_EPSILON * comparison->scene.extent;
     line->by_oracle = line->vertices <= table->oracle_vertices_max;
-    wisp_status status = line->by_oracle ? run_oracle( race, error ) : WISP_OK;
+    wisp_status status = line->by_oracle ? run_oracle( comparison, error ) : WISP_OK;
     if ( status != WISP_OK )
     {
         return status;
     }
     double start = wisp_clock_seconds();
-    status = paper_plain_replay( &race->plain, COMPARED_EVENT, error );
+    status = paper_plain_replay( &comparison->plain, COMPARED_EVENT, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    race->variants[0].warm_ms = 1e3 * ( wisp_clock_seconds() - start );
-    line->error[0] = line->by_oracle ? largest_distance( race, race->plain.position ) : NAN;
+    comparison->variants[0].warm_ms = 1e3 * ( wisp_clock_seconds() - start );
+    line->error[0] = line->by_oracle ? largest_distance( comparison, comparison->plain.position ) : NAN;
     for ( int v = 1; v < table->variant_count; ++v )
     {
         const wisp_vec3* points;
         uint64_t hash;
-        status = paper_world_replay( &race->worlds[v], COMPARED_EVENT, &points, &hash, error );
+        status = paper_world_replay( &comparison->worlds[v], COMPARED_EVENT, &points, &hash, error );
         if ( status != WISP_OK )
         {
             return status;
         }
-        line->error[v] = largest_distance( race, points );
+        line->error[v] = largest_distance( comparison, points );
         line->hash = v == 1 ? hash : line->hash;
         if ( hash != line->hash )
         {
@@ -168,14 +169,14 @@ static void check_errors( const paper_table* table, const paper_line* line, resu
 }
 
 // After hundreds of other commands the same event from rest must still give the same bits.
-static wisp_status check_repeat( const paper_table* table, paper_race* race, const paper_line* line, results* out,
-                                 wisp_error* error )
+static wisp_status check_repeat( const paper_table* table, paper_comparison* comparison, const paper_line* line,
+                                 results* out, wisp_error* error )
 {
     for ( int v = 1; v < table->variant_count; ++v )
     {
         const wisp_vec3* points;
         uint64_t hash;
-        wisp_status status = paper_world_replay( &race->worlds[v], COMPARED_EVENT, &points, &hash, error );
+        wisp_status status = paper_world_replay( &comparison->worlds[v], COMPARED_EVENT, &points, &hash, error );
         if ( status != WISP_OK )
         {
             return status;
@@ -196,10 +197,10 @@ static wisp_status check_repeat( const paper_table* table, paper_race* race, con
 
 // Where not even one more round of plain C fits, the run that gave the reference is its sample: a first run, whose
 // page faults are below a hundredth of it at this size.
-static wisp_status time_race( const paper_table* table, paper_race* race, paper_line* line, bool quick,
-                              double seconds, wisp_error* error )
+static wisp_status time_comparison( const paper_table* table, paper_comparison* comparison, paper_line* line,
+                                    bool quick, double seconds, wisp_error* error )
 {
-    double plain_ms = race->variants[0].warm_ms;
+    double plain_ms = comparison->variants[0].warm_ms;
     line->plain_once = quick && 1e-3 * plain_ms * ROUND_OF_PLAIN > seconds;
     int first = line->plain_once ? 1 : 0;
     const bench_effort effort = {
@@ -207,14 +208,15 @@ static wisp_status time_race( const paper_table* table, paper_race* race, paper_
         .rounds_min = quick ? 1 : 3,
         .samples_max = SAMPLES_MAX,
     };
-    wisp_status status = bench_interleave( race->variants + first, table->variant_count - first, &effort, error );
+    wisp_status status =
+        bench_interleave( comparison->variants + first, table->variant_count - first, &effort, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     for ( int v = first; v < table->variant_count; ++v )
     {
-        line->ms[v] = stats_summarise( race->variants[v].samples, race->variants[v].sample_count );
+        line->ms[v] = stats_summarise( comparison->variants[v].samples, comparison->variants[v].sample_count );
     }
     if ( line->plain_once )
     {
@@ -223,30 +225,31 @@ static wisp_status time_race( const paper_table* table, paper_race* race, paper_
     return WISP_OK;
 }
 
-static void find_shares( profile_samples* profile, double step_ms, double share[3] )
+static void find_fractions( profile_samples* profile, double step_ms, double fraction[3] )
 {
     static const char* const stages[3] = { ".freeze", ".align", ".clump" };
     for ( int stage = 0; stage < 3; ++stage )
     {
-        share[stage] = 0.0;
+        fraction[stage] = 0.0;
         for ( int i = 0; i < profile->pass_count; ++i )
         {
             if ( strstr( profile->passes[i].name, stages[stage] ) )
             {
-                share[stage] += 1e3 * profile_samples_median( profile, i ) / step_ms;
+                fraction[stage] += 1e3 * profile_samples_median( profile, i ) / step_ms;
             }
         }
     }
 }
 
-static wisp_status describe( const paper_table* table, paper_race* race, paper_line* line, wisp_error* error )
+static wisp_status describe( const paper_table* table, paper_comparison* comparison, paper_line* line,
+                             wisp_error* error )
 {
-    paper_world* widest = &race->worlds[table->variant_count - 1];
-    find_shares( &widest->profile, line->ms[table->variant_count - 1].median, line->share );
+    paper_world* widest = &comparison->worlds[table->variant_count - 1];
+    find_fractions( &widest->profile, line->ms[table->variant_count - 1].median, line->fraction );
     line->bytes = (double)wisp_world_memory( widest->world ) / line->vertices;
 
-    wisp_frozen_hair_report report;
-    wisp_status status = wisp_report_frozen_hair( widest->world, widest->hair, &report );
+    wisp_frozen_hair_stats report;
+    wisp_status status = wisp_read_frozen_hair_stats( widest->world, widest->hair, &report );
     if ( status != WISP_OK )
     {
         return bench_world_fail( widest->world, status, error );
@@ -260,7 +263,8 @@ static wisp_status describe( const paper_table* table, paper_race* race, paper_l
 
 // ---- rows ----
 
-static void add_row( const paper_table* table, const paper_race* race, const paper_line* line, int v, results* out )
+static void add_row( const paper_table* table, const paper_comparison* comparison, const paper_line* line, int v,
+                     results* out )
 {
     results_row* row = results_add_row( out, "paper", paper_variant_name( v ) );
     if ( !row )
@@ -284,19 +288,20 @@ static void add_row( const paper_table* table, const paper_race* race, const pap
     }
     if ( v > 0 )
     {
-        profile_samples profile = race->worlds[v].profile;
+        profile_samples profile = comparison->worlds[v].profile;
         for ( int i = 0; i < profile.pass_count; ++i )
         {
             results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
         }
         results_put( &row->size, "bytes_a_vertex",
-                     (double)wisp_world_memory( race->worlds[v].world ) / line->vertices );
+                     (double)wisp_world_memory( comparison->worlds[v].world ) / line->vertices );
         row->hash = line->hash;
         row->has_hash = true;
     }
 }
 
-static void add_rows( const paper_table* table, const paper_race* race, const paper_line* line, results* out )
+static void add_rows( const paper_table* table, const paper_comparison* comparison, const paper_line* line,
+                      results* out )
 {
     results_row* source = isfinite( line->source_ms ) ? results_add_row( out, "paper", "source" ) : NULL;
     if ( source )
@@ -307,45 +312,45 @@ static void add_rows( const paper_table* table, const paper_race* race, const pa
     }
     for ( int v = 0; v < table->variant_count; ++v )
     {
-        add_row( table, race, line, v, out );
+        add_row( table, comparison, line, v, out );
     }
 }
 
 // ---- the case ----
 
-static wisp_status run_race( const paper_table* table, paper_race* race, paper_line* line, bool quick,
-                             double deadline, double share, results* out, wisp_error* error )
+static wisp_status run_comparison( const paper_table* table, paper_comparison* comparison, paper_line* line,
+                                   bool quick, double deadline, double fraction, results* out, wisp_error* error )
 {
-    wisp_status status = enter( table, line->strands, race, error );
+    wisp_status status = enter( table, line->strands, comparison, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    line->vertices = race->scene.groom.vertex_count;
-    status = judge( table, race, line, out, error );
+    line->vertices = comparison->scene.groom.vertex_count;
+    status = judge( table, comparison, line, out, error );
     if ( status == WISP_OK )
     {
         check_errors( table, line, out );
-        double left = fmax( share * ( deadline - wisp_clock_seconds() ), 0.0 );
-        status = time_race( table, race, line, quick, left, error );
+        double left = fmax( fraction * ( deadline - wisp_clock_seconds() ), 0.0 );
+        status = time_comparison( table, comparison, line, quick, left, error );
     }
     if ( status == WISP_OK )
     {
-        status = check_repeat( table, race, line, out, error );
+        status = check_repeat( table, comparison, line, out, error );
     }
     if ( status == WISP_OK )
     {
-        status = describe( table, race, line, error );
+        status = describe( table, comparison, line, error );
     }
     if ( status == WISP_OK )
     {
-        add_rows( table, race, line, out );
+        add_rows( table, comparison, line, out );
     }
     return status;
 }
 
 // The share of what is left of the time that belongs to a size, the larger ones having theirs still to come.
-static double share_of_rest( int size, bool quick )
+static double fraction_of_rest( int size, bool quick )
 {
     double sum = 0.0;
     for ( int i = size; i < PAPER_SIZES; ++i )
@@ -381,14 +386,14 @@ wisp_status paper_frozen_hair( const bench_options* options, results* out, wisp_
         snprintf( what, sizeof( what ), "paper, %d strands", sizes[i].strands );
         bench_progress( options, (double)i / table.size_count, what );
 
-        paper_race race = { 0 };
-        status = run_race( &table, &race, &table.lines[i], options->quick, deadline,
-                           share_of_rest( i, options->quick ), out, error );
+        paper_comparison comparison = { 0 };
+        status = run_comparison( &table, &comparison, &table.lines[i], options->quick, deadline,
+                                 fraction_of_rest( i, options->quick ), out, error );
         if ( status == WISP_OK )
         {
-            table.clump_radius = (double)race.scene.def.clump_radius;
+            table.clump_radius = (double)comparison.scene.def.clump_radius;
         }
-        leave( &table, &race );
+        leave( &table, &comparison );
     }
     if ( status == WISP_OK )
     {

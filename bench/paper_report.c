@@ -105,10 +105,10 @@ static void add_line( const paper_table* table, const paper_line* line, int numb
         number_cell( &row, line->ms[v].median, line->ms[v].median < 100.0 ? 3 : 1 );
     }
     number_cell( &row, line->ms[0].median / line->ms[last].median, 1 );
-    double rest = 1.0 - line->share[0] - line->share[1] - line->share[2];
+    double rest = 1.0 - line->fraction[0] - line->fraction[1] - line->fraction[2];
     for ( int stage = 0; stage < 3; ++stage )
     {
-        number_cell( &row, 100.0 * line->share[stage], 1 );
+        number_cell( &row, 100.0 * line->fraction[stage], 1 );
     }
     number_cell( &row, 100.0 * fmax( rest, 0.0 ), 1 );
     number_cell( &row, line->neighbours, 1 );
@@ -174,11 +174,11 @@ static void add_fits( const paper_table* table, results* out )
     }
 }
 
-// ---- the sentences ----
+// ---- the messages ----
 
-static const char* met( bool is_met )
+static const char* met( bool meets_target )
 {
-    return is_met ? "met" : "MISSED";
+    return meets_target ? "met" : "MISSED";
 }
 
 static void add_contract( const paper_table* table, results* out )

@@ -47,7 +47,7 @@ typedef struct triangle_line
     double iteration_ns[TRIANGLE_WORKERS_MAX]; ///< of the pass that solves, a vertex and iteration: median over steps
     double pass_ms[TRIANGLE_WORKERS_MAX];      ///< mean of that pass
     double iterations_mean;                    ///< a step
-    int iterations_most;
+    int max_iterations;
     double growth_mean; ///< iterations a step over the steps of growth
     int contacts;       ///< vertices that stick, slide or land in the last step
     uint64_t unsolved, indefinite;
@@ -63,7 +63,7 @@ typedef struct triangle_hang
     double plain_iterations, iterations; ///< a step
     int64_t plain_unsolved;              ///< steps of plain C that did not end at their tolerance
     uint64_t unsolved, indefinite;
-    double distance_most, distance_rms; ///< m, between both at the end
+    double max_distance, distance_rms; ///< m, between both at the end
     uint64_t hash;
 } triangle_hang;
 
@@ -77,6 +77,6 @@ wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, 
 /// Let them hang beside plain C. @param hangs [hang_count]
 wisp_status triangle_hang_all( const triangle_plan* plan, triangle_hang* hangs, results* out, wisp_error* error );
 
-/// Tables, rows and sentences.
+/// Tables, rows and messages.
 void triangle_report( const triangle_plan* plan, const triangle_line* lines, const triangle_hang* hangs,
                       results* out );

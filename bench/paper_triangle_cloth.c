@@ -9,7 +9,7 @@
 
 // Below so many seconds all cloths make fewer steps, and the two largest are left out, which take 25 s by themselves.
 #define FULL_SECONDS 25.0
-// Entrants change places after about so much time.
+// Implementations change places after about so much time.
 #define TURN_MS 20.0
 #define SOLVING_PASS "implicit_cloth.step"
 
@@ -38,22 +38,22 @@ triangle_plan triangle_default_plan( const bench_options* options )
     };
 }
 
-// ---- entrants ----
+// ---- implementations ----
 
 // Whoever is timed has no figures, which would cost time; another one, with all workers, has them and is not timed.
 enum
 {
-    ENTRANTS_MAX = TRIANGLE_WORKERS_MAX + 1,
+    IMPLEMENTATIONS_MAX = TRIANGLE_WORKERS_MAX + 1,
 };
 
 typedef struct drop_run
 {
     triangle_scene scene;
-    surface_entrant entrants[ENTRANTS_MAX]; // the last one has the figures
+    surface_implementation implementations[IMPLEMENTATIONS_MAX]; // the last one has the figures
     int timed_count;
     double *ms, *pass_ms; // [worker][step]
     int* iterations;      // [step]
-    wisp_implicit_cloth_figures figures;
+    wisp_implicit_cloth_stats stats;
 } drop_run;
 
 static wisp_status enter( const triangle_plan* plan, const triangle_drop* drop, drop_run* run, wisp_error* error )
@@ -70,21 +70,21 @@ static wisp_status enter( const triangle_plan* plan, const triangle_drop* drop, 
     wisp_status status = triangle_scene_make( drop->vertices, &run->scene, error );
     triangle_setting setting = triangle_default_setting();
     setting.cloth.stretch_stiffness = drop->stretch_stiffness;
-    setting.cloth.stiff_repeats = 1; // the source solves once a step, however fine the mesh
+    setting.cloth.max_newton_iterations = 1; // the source solves once a step, however fine the mesh
     for ( int e = 0; e <= run->timed_count && status == WISP_OK; ++e )
     {
-        setting.wants_figures = e == run->timed_count;
-        setting.workers = plan->workers[setting.wants_figures ? plan->worker_count - 1 : e];
-        status = triangle_enter( &run->scene, &setting, &run->entrants[e], error );
+        setting.requests_stats = e == run->timed_count;
+        setting.workers = plan->workers[setting.requests_stats ? plan->worker_count - 1 : e];
+        status = triangle_enter( &run->scene, &setting, &run->implementations[e], error );
     }
     return status;
 }
 
 static void leave( drop_run* run )
 {
-    for ( int e = 0; e < ENTRANTS_MAX; ++e )
+    for ( int e = 0; e < IMPLEMENTATIONS_MAX; ++e )
     {
-        surface_entrant_destroy( &run->entrants[e] );
+        surface_implementation_destroy( &run->implementations[e] );
     }
     triangle_scene_free( &run->scene );
     free( run->ms );
@@ -94,9 +94,9 @@ static void leave( drop_run* run )
 
 // ---- steps ----
 
-static double last_pass_ms( const surface_entrant* entrant )
+static double last_pass_ms( const surface_implementation* implementation )
 {
-    const wisp_profile profile = wisp_world_profile( entrant->world );
+    const wisp_profile profile = wisp_world_profile( implementation->world );
     for ( int i = 0; i < profile.count; ++i )
     {
         if ( strcmp( profile.lines[i].pass, SOLVING_PASS ) == 0 )
@@ -111,21 +111,21 @@ static wisp_status timed_step( const triangle_drop* drop, drop_run* run, int e, 
 {
     const size_t at = (size_t)e * (size_t)drop->steps + (size_t)step;
     const double start = wisp_clock_seconds();
-    wisp_status status = surface_entrant_step( &run->entrants[e], error );
+    wisp_status status = surface_implementation_step( &run->implementations[e], error );
     run->ms[at] = 1e3 * ( wisp_clock_seconds() - start );
-    run->pass_ms[at] = last_pass_ms( &run->entrants[e] );
-    return status == WISP_OK ? surface_entrant_keep_profile( &run->entrants[e] ) : status;
+    run->pass_ms[at] = last_pass_ms( &run->implementations[e] );
+    return status == WISP_OK ? surface_implementation_keep_profile( &run->implementations[e] ) : status;
 }
 
 static wisp_status watched_step( drop_run* run, int step, wisp_error* error )
 {
-    surface_entrant* entrant = &run->entrants[run->timed_count];
-    wisp_status status = surface_entrant_step( entrant, error );
+    surface_implementation* implementation = &run->implementations[run->timed_count];
+    wisp_status status = surface_implementation_step( implementation, error );
     if ( status == WISP_OK )
     {
-        status = wisp_read_implicit_cloth_figures( entrant->world, entrant->entity, &run->figures );
-        status = status == WISP_OK ? status : bench_world_fail( entrant->world, status, error );
-        run->iterations[step] = run->figures.iterations;
+        status = wisp_read_implicit_cloth_stats( implementation->world, implementation->entity, &run->stats );
+        status = status == WISP_OK ? status : bench_world_fail( implementation->world, status, error );
+        run->iterations[step] = run->stats.iterations;
     }
     return status;
 }
@@ -229,7 +229,7 @@ static void conclude_iterations( const triangle_plan* plan, const triangle_drop*
     for ( int step = 0; step < drop->steps; ++step )
     {
         const int n = run->iterations[step];
-        line->iterations_most = n > line->iterations_most ? n : line->iterations_most;
+        line->max_iterations = n > line->max_iterations ? n : line->max_iterations;
     }
     const int begin = plan->touch_step, end = begin + plan->growth_steps;
     line->growth_mean = end <= drop->steps ? mean_iterations( run, begin, end ) : NAN;
@@ -247,10 +247,10 @@ static void check( const triangle_plan* plan, const drop_run* run, const triangl
                              bench_workers_word( workers ), is_watched ? " with figures" : "",
                              (unsigned long long)hash, plan->workers[0], (unsigned long long)line->hash );
     }
-    if ( run->entrants[e].halted_at > 0 )
+    if ( run->implementations[e].halted_at > 0 )
     {
         results_add_failure( out, "Cloth of %d vertices, k_s %.0f: halted at step %d.", line->vertices,
-                             (double)line->drop->stretch_stiffness, run->entrants[e].halted_at );
+                             (double)line->drop->stretch_stiffness, run->implementations[e].halted_at );
     }
 }
 
@@ -258,18 +258,18 @@ static wisp_status conclude( const triangle_plan* plan, drop_run* run, triangle_
                              wisp_error* error )
 {
     line->vertices = run->scene.fabric->vertex_count;
-    line->stretch_links = run->figures.stretch_links;
-    line->bend_links = run->figures.bend_links;
-    line->contacts = run->figures.sticking + run->figures.sliding + run->figures.landing;
-    const wisp_world* watched = run->entrants[run->timed_count].world;
-    line->unsolved = wisp_world_counter( watched, WISP_COUNT_UNSOLVED );
+    line->stretch_links = run->stats.stretch_links;
+    line->bend_links = run->stats.bend_links;
+    line->contacts = run->stats.sticking + run->stats.sliding + run->stats.landing;
+    const wisp_world* watched = run->implementations[run->timed_count].world;
+    line->unsolved = wisp_world_counter( watched, WISP_COUNT_NOT_CONVERGED );
     line->indefinite = wisp_world_counter( watched, WISP_COUNT_INDEFINITE );
     conclude_iterations( plan, line->drop, run, line );
     wisp_status status = conclude_times( line->drop, run, line, error );
     for ( int e = 0; e <= run->timed_count && status == WISP_OK; ++e )
     {
         uint64_t hash = 0;
-        status = surface_entrant_hash( &run->entrants[e], &hash, error );
+        status = surface_implementation_hash( &run->implementations[e], &hash, error );
         line->hash = e == 0 ? hash : line->hash;
         if ( status == WISP_OK )
         {
@@ -294,7 +294,7 @@ static void add_row( const triangle_plan* plan, const triangle_line* line, const
     results_put( &row->size, "stretch_stiffness", (double)line->drop->stretch_stiffness );
     results_put( &row->size, "steps", line->drop->steps );
     results_put( &row->size, "iterations_mean", line->iterations_mean );
-    results_put( &row->size, "iterations_most", line->iterations_most );
+    results_put( &row->size, "max_iterations", line->max_iterations );
     results_put( &row->size, "contacts", line->contacts );
     results_put( &row->size, "unsolved", (double)line->unsolved );
     results_put( &row->size, "indefinite", (double)line->indefinite );
@@ -333,7 +333,7 @@ static void add_rows( const triangle_plan* plan, drop_run* run, const triangle_l
     }
     for ( int w = 0; w < run->timed_count; ++w )
     {
-        add_row( plan, line, variant, w, &run->entrants[w].profile, out );
+        add_row( plan, line, variant, w, &run->implementations[w].profile, out );
     }
     if ( run->timed_count == 0 )
     {

@@ -72,7 +72,7 @@ static void add_line( const triangle_plan* plan, const triangle_line* line, int 
         cells_put_number( &row, line->ms[w].median, 3 );
     }
     cells_put_number( &row, line->drop->source_ms / line->mean_ms[0], 0 );
-    cells_put( &row, "%.1f / %d", line->iterations_mean, line->iterations_most );
+    cells_put( &row, "%.1f / %d", line->iterations_mean, line->max_iterations );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
         cells_put_number( &row, line->iteration_ns[w], 1 );
@@ -261,14 +261,14 @@ static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, re
         cells_put_pair( &row, h->plain_iterations, 1, h->iterations, 1 );
         cells_put( &row, "%lld / %llu", (long long)h->plain_unsolved,
                    (unsigned long long)( h->unsolved + h->indefinite ) );
-        cells_put( &row, "%.1e", h->distance_most );
+        cells_put( &row, "%.1e", h->max_distance );
         cells_put( &row, "%.1e", h->distance_rms );
         cells_put_hash( &row, h->hash );
         cells_end_row( &row, table, out );
     }
 }
 
-// ---- the sentences ----
+// ---- the messages ----
 
 static void claim_iterations( const triangle_plan* plan, const triangle_line* line, results* out )
 {

@@ -76,7 +76,7 @@ static int find_series( const rows_chart* what, const results_row* row, int numb
 
 static void add_row( const rows_chart* what, const results_row* row, int number, results* out )
 {
-    bool is_whole = row->steps >= what->least_steps;
+    bool is_whole = row->steps >= what->min_steps;
     results_point point = { .x = is_whole ? what->x( row ) : NAN, .y = what->y( row ) };
     if ( what->is_front )
     {

@@ -11,12 +11,12 @@ strands_plan strands_default_plan( const bench_options* options )
     return ( strands_plan ){
         .sizes = { 100, 300, 500, 2000, 10000, 50000 },
         .size_count = 6,
-        .scenario_steps = is_full ? 60 : STRANDS_TRUTH_STEPS,
+        .scenario_steps = is_full ? 60 : STRANDS_REFERENCE_STEPS,
         .scenario_strands = 2000,
         .few_settings_strands = is_full ? 10000 : 2000,
         .few_settings = is_full ? 3 : 1,
         .plain_strands = is_full ? 50000 : 10000,
-        .race_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
+        .comparison_seconds = ( is_full ? 0.5 : 0.1 ) * bench_seconds( options ),
         .head_sides = { 44, is_full ? 224 : 128 }, // of 20 vertices: a million
         .head_count = 2,
         .head_ratios_min = 16,
@@ -47,9 +47,9 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
     {
         wisp_status ( *make )( const strands_plan* plan, results* out, wisp_error* error );
         const char* what;
-        double share; // of the case that is done when it begins
+        double fraction; // of the case that is done when it begins
     } tables[] = {
-        { strands_race, "strands against plain C", 0.0 },
+        { strands_comparison, "strands against plain C", 0.0 },
         { strands_closed_forms, "strands against closed forms", 0.6 },
         { strands_independence, "strands at other rates", 0.65 },
         { strands_energy, "stretch and energy", 0.7 },
@@ -58,7 +58,7 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( tables ) && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, tables[i].share, tables[i].what );
+        bench_progress( plan->options, tables[i].fraction, tables[i].what );
         status = tables[i].make( plan, out, error );
     }
     return status;

@@ -22,16 +22,16 @@ static const closed_setting closed_settings[] = {
 
 typedef struct measurement
 {
-    double value, truth; // of one figure, or of the worse of several
-    double us;           // a step, median
-    uint64_t laid;       // strands laid out from the root, over all steps
+    double value, reference; // of one figure, or of the worse of several
+    double us;               // a step, median
+    uint64_t laid;           // strands laid out from the root, over all steps
 } measurement;
 
 typedef struct closed_form
 {
     const char* name;
     double parameter;
-    double truth;
+    double reference;
     double tolerance;
     bool direct_only; // links have no such figure
     wisp_status ( *run )( const strands_plan* plan, const struct closed_form* form, const closed_setting* setting,
@@ -46,31 +46,31 @@ typedef struct closed_form
 typedef struct closed_run
 {
     strands_shape shape;
-    strands_entrant entrant;
+    strands_implementation implementation;
     double us[STEPS_MAX];
     int steps;
 } closed_run;
 
-static strands_recipe default_recipe( const closed_run* run, const closed_setting* setting )
+static strands_generator default_generator( const closed_run* run, const closed_setting* setting )
 {
-    strands_recipe recipe = strands_default_recipe( &run->shape );
-    recipe.dynamics.stretch = setting->stretch;
-    recipe.dynamics.bend = WISP_STRAND_BEND_NONE;
-    recipe.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
-    recipe.dynamics.clamped = false;
-    recipe.substeps = setting->substeps;
-    return recipe;
+    strands_generator generator = strands_default_generator( &run->shape );
+    generator.dynamics.stretch = setting->stretch;
+    generator.dynamics.bend = WISP_STRAND_BEND_NONE;
+    generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    generator.dynamics.clamped = false;
+    generator.substeps = setting->substeps;
+    return generator;
 }
 
 static wisp_status step( closed_run* run, const wisp_vec3** points, wisp_error* error )
 {
     double start = wisp_clock_seconds();
-    wisp_status status = strands_entrant_step( &run->entrant, error );
+    wisp_status status = strands_implementation_step( &run->implementation, error );
     if ( run->steps < STEPS_MAX )
     {
         run->us[run->steps++] = 1e6 * ( wisp_clock_seconds() - start );
     }
-    return status == WISP_OK ? strands_entrant_points( &run->entrant, points, error ) : status;
+    return status == WISP_OK ? strands_implementation_points( &run->implementation, points, error ) : status;
 }
 
 static wisp_status settle( const strands_plan* plan, closed_run* run, const wisp_vec3** points, wisp_error* error )
@@ -87,8 +87,9 @@ static wisp_status settle( const strands_plan* plan, closed_run* run, const wisp
 static void finish( closed_run* run, measurement* out )
 {
     out->us = stats_summarise( run->us, run->steps ).median;
-    out->laid = run->entrant.world ? wisp_world_counter( run->entrant.world, WISP_COUNT_LAID ) : 0;
-    strands_entrant_destroy( &run->entrant );
+    out->laid =
+        run->implementation.world ? wisp_world_counter( run->implementation.world, WISP_COUNT_STRAND_RESET ) : 0;
+    strands_implementation_destroy( &run->implementation );
     strands_shape_free( &run->shape );
 }
 
@@ -98,14 +99,14 @@ static double radians( double degrees )
 }
 
 /// Times at which a value passes through 0, by straight lines between steps.
-typedef struct crossings
+typedef struct intersections
 {
     double last, time[3];
     double peak[2]; // the largest values between them
     int count;
-} crossings;
+} intersections;
 
-static void feed( crossings* c, int step, double value )
+static void feed( intersections* c, int step, double value )
 {
     if ( c->count < 3 && step > 0 && ( c->last < 0.0 ) != ( value < 0.0 ) )
     {
@@ -122,9 +123,9 @@ static void feed( crossings* c, int step, double value )
 
 // Step until the value has come back to 0 from the same side: that is one period.
 static wisp_status swing( closed_run* run, double ( *read )( const closed_run* run, const wisp_vec3* points ),
-                          crossings* out, wisp_error* error )
+                          intersections* out, wisp_error* error )
 {
-    crossings c = { 0 };
+    intersections c = { 0 };
     feed( &c, 0, read( run, run->shape.points ) );
     wisp_status status = WISP_OK;
     for ( int s = 1; s <= SWING_STEPS_MAX && c.count < 3 && status == WISP_OK; ++s )
@@ -140,7 +141,7 @@ static wisp_status swing( closed_run* run, double ( *read )( const closed_run* r
     return status;
 }
 
-static double period_of( const crossings* c )
+static double period_of( const intersections* c )
 {
     return c->count == 3 ? c->time[2] - c->time[0] : NAN;
 }
@@ -168,16 +169,16 @@ static double pendulum_period( double amplitude )
     return 6.283185307179586 * sqrt( SWING_LENGTH / STRANDS_GRAVITY ) / a;
 }
 
-static wisp_status swing_pendulum( const closed_form* form, const closed_setting* setting, crossings* c,
+static wisp_status swing_pendulum( const closed_form* form, const closed_setting* setting, intersections* c,
                                    measurement* out, wisp_error* error )
 {
     closed_run run = { .steps = 0 };
     double angle = radians( form->parameter );
     const wisp_vec3 direction = { (float)sin( angle ), (float)-cos( angle ), 0.0f };
     wisp_status status = strands_shape_make_straight( 2, direction, SWING_LENGTH, &run.shape, error );
-    strands_recipe recipe = default_recipe( &run, setting );
-    recipe.dynamics.vertex_mass = 1.0f;
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
+    strands_generator generator = default_generator( &run, setting );
+    generator.dynamics.vertex_mass = 1.0f;
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
     status = status == WISP_OK ? swing( &run, read_angle, c, error ) : status;
     finish( &run, out );
     return status;
@@ -189,10 +190,10 @@ static wisp_status run_pendulum( const strands_plan* plan, const closed_form* fo
                                  measurement* out, wisp_error* error )
 {
     (void)plan;
-    crossings c = { 0 };
+    intersections c = { 0 };
     wisp_status status = swing_pendulum( form, setting, &c, out, error );
     out->value = period_of( &c );
-    out->truth = pendulum_period( 0.5 * ( c.peak[0] + c.peak[1] ) );
+    out->reference = pendulum_period( 0.5 * ( c.peak[0] + c.peak[1] ) );
     return status;
 }
 
@@ -200,10 +201,10 @@ static wisp_status run_amplitude( const strands_plan* plan, const closed_form* f
                                   measurement* out, wisp_error* error )
 {
     (void)plan;
-    crossings c = { 0 };
+    intersections c = { 0 };
     wisp_status status = swing_pendulum( form, setting, &c, out, error );
     out->value = c.peak[1] / radians( 1.0 );
-    out->truth = form->parameter;
+    out->reference = form->parameter;
     return status;
 }
 
@@ -274,13 +275,13 @@ static wisp_status run_chain( const strands_plan* plan, const closed_form* form,
         chain_mode( n, mode + 1 );
         lay_mode( mode, CHAIN_AMPLITUDE * SWING_LENGTH, SWING_LENGTH / n, &run.shape );
     }
-    strands_recipe recipe = default_recipe( &run, setting );
-    recipe.dynamics.vertex_mass = 1.0f;
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
-    crossings c = { 0 };
+    strands_generator generator = default_generator( &run, setting );
+    generator.dynamics.vertex_mass = 1.0f;
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
+    intersections c = { 0 };
     status = status == WISP_OK ? swing( &run, read_tip, &c, error ) : status;
     out->value = period_of( &c );
-    out->truth = form->truth * sqrt( SWING_LENGTH / STRANDS_GRAVITY );
+    out->reference = form->reference * sqrt( SWING_LENGTH / STRANDS_GRAVITY );
     finish( &run, out );
     return status;
 }
@@ -298,8 +299,8 @@ static wisp_status add_tensions( closed_run* run, double* sums, wisp_error* erro
     wisp_status status = step( run, &points, error );
     if ( status == WISP_OK )
     {
-        status = wisp_read_strand_tension( run->entrant.world, run->entrant.entity, tensions );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( run->entrant.world, status, error );
+        status = wisp_read_strand_tension( run->implementation.world, run->implementation.entity, tensions );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( run->implementation.world, status, error );
     }
     for ( int s = 0; s < TENSION_VERTICES && status == WISP_OK; ++s )
     {
@@ -317,9 +318,9 @@ static wisp_status run_tension( const strands_plan* plan, const closed_form* for
     const wisp_vec3 down = { 0.0f, -1.0f, 0.0f };
     double tensions[TENSION_VERTICES] = { 0.0 };
     wisp_status status = strands_shape_make_straight( TENSION_VERTICES, down, SWING_LENGTH, &run.shape, error );
-    strands_recipe recipe = default_recipe( &run, setting );
-    recipe.dynamics.vertex_mass = 1.0f;
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
+    strands_generator generator = default_generator( &run, setting );
+    generator.dynamics.vertex_mass = 1.0f;
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
     for ( int s = 0; s < TENSION_STEPS && status == WISP_OK; ++s )
     {
         status = add_tensions( &run, tensions, error );
@@ -328,12 +329,13 @@ static wisp_status run_tension( const strands_plan* plan, const closed_form* for
     for ( int s = 0; s + 1 < TENSION_VERTICES && status == WISP_OK; ++s )
     {
         // the masses of all vertices behind the segment hang on it
-        double truth = STRANDS_GRAVITY * ( TENSION_VERTICES - 1 - s ), wrong = fabs( tensions[s] / truth - 1.0 );
+        double reference = STRANDS_GRAVITY * ( TENSION_VERTICES - 1 - s ),
+               wrong = fabs( tensions[s] / reference - 1.0 );
         if ( !( wrong <= worst ) )
         {
             worst = wrong;
             out->value = tensions[s];
-            out->truth = truth;
+            out->reference = reference;
         }
     }
     finish( &run, out );
@@ -368,18 +370,18 @@ static wisp_status run_catenary( const strands_plan* plan, const closed_form* fo
     {
         lay_catenary( &run.shape );
     }
-    strands_recipe recipe = default_recipe( &run, setting );
-    recipe.dynamics.pins = &pin;
-    recipe.dynamics.pin_count = 1;
-    recipe.dynamics.damping = 4.0f;
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
+    strands_generator generator = default_generator( &run, setting );
+    generator.dynamics.pins = &pin;
+    generator.dynamics.pin_count = 1;
+    generator.dynamics.damping = 4.0f;
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
     status = status == WISP_OK ? settle( plan, &run, &points, error ) : status;
     out->value = 0.0;
     for ( int v = 0; v <= CATENARY_SEGMENTS && status == WISP_OK; ++v )
     {
         out->value = fmax( out->value, -(double)points[v].y );
     }
-    out->truth = form->truth;
+    out->reference = form->reference;
     finish( &run, out );
     return status;
 }
@@ -389,20 +391,20 @@ static wisp_status run_catenary( const strands_plan* plan, const closed_form* fo
 #define ROD_VERTICES 64
 #define ROD_LENGTH 0.2 // m, a hair of ordinary length and thickness; its stiffness follows from the form
 
-static strands_recipe rod_recipe( const closed_run* run, const closed_setting* setting, double rigidity )
+static strands_generator rod_generator( const closed_run* run, const closed_setting* setting, double rigidity )
 {
-    strands_recipe recipe = default_recipe( run, setting );
+    strands_generator generator = default_generator( run, setting );
     double l = ROD_LENGTH / ( ROD_VERTICES - 1 );
-    recipe.dynamics.bend =
+    generator.dynamics.bend =
         setting->stretch == WISP_STRAND_STRETCH_DIRECT ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;
-    recipe.dynamics.bend_rigidity = (float)rigidity;
+    generator.dynamics.bend_rigidity = (float)rigidity;
 
     // A distance over two segments resists in the fourth power of the angle: it stores what a rod does at one angle
     // only, here at the mean angle of a hair bent through a right angle.
     double angle = 1.5707963267948966 / ( ROD_VERTICES - 2 );
-    recipe.dynamics.bend_compliance = (float)( l * l * l * angle * angle / ( 16.0 * rigidity ) );
-    recipe.dynamics.clamped = true;
-    return recipe;
+    generator.dynamics.bend_compliance = (float)( l * l * l * angle * angle / ( 16.0 * rigidity ) );
+    generator.dynamics.clamped = true;
+    return generator;
 }
 
 static wisp_status settle_elastica( const strands_plan* plan, const closed_form* form, const closed_setting* setting,
@@ -413,16 +415,16 @@ static wisp_status settle_elastica( const strands_plan* plan, const closed_form*
     const wisp_vec3* points = NULL;
     wisp_status status = strands_shape_make_straight( ROD_VERTICES, along, ROD_LENGTH, &run.shape, error );
     double weight = (double)wisp_default_strand_dynamics_def().line_density * STRANDS_GRAVITY;
-    strands_recipe recipe =
-        rod_recipe( &run, setting, weight * ROD_LENGTH * ROD_LENGTH * ROD_LENGTH / form->parameter );
-    recipe.dynamics.damping = 6.0f;
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
+    strands_generator generator =
+        rod_generator( &run, setting, weight * ROD_LENGTH * ROD_LENGTH * ROD_LENGTH / form->parameter );
+    generator.dynamics.damping = 6.0f;
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
     status = status == WISP_OK ? settle( plan, &run, &points, error ) : status;
     if ( status == WISP_OK )
     {
         *tip = points[ROD_VERTICES - 1];
     }
-    out->truth = form->truth;
+    out->reference = form->reference;
     finish( &run, out );
     return status;
 }
@@ -475,13 +477,13 @@ static wisp_status run_cantilever( const strands_plan* plan, const closed_form* 
     // as stiff as swings once in the wanted period
     double omega = 6.283185307179586 / form->parameter;
     double rigidity = density * length_2 * length_2 * omega * omega / ( 3.51602 * 3.51602 );
-    strands_recipe recipe = rod_recipe( &run, setting, rigidity );
-    recipe.dynamics.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &run.entrant, error ) : status;
-    crossings c = { 0 };
+    strands_generator generator = rod_generator( &run, setting, rigidity );
+    generator.dynamics.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    status = status == WISP_OK ? strands_implementation_create( &generator, &run.implementation, error ) : status;
+    intersections c = { 0 };
     status = status == WISP_OK ? swing( &run, read_deflection, &c, error ) : status;
     out->value = 1.0 / period_of( &c );
-    out->truth = 1.0 / form->parameter;
+    out->reference = 1.0 / form->parameter;
     finish( &run, out );
     return status;
 }
@@ -531,12 +533,12 @@ static void add_row( const closed_form* form, const closed_setting* setting, con
 static void add_line( const closed_form* form, const closed_setting* setting, const measurement* m, int table,
                       results* out )
 {
-    double wrong = m->value / m->truth - 1.0;
+    double wrong = m->value / m->reference - 1.0;
     cells row = { .count = 0 };
     cells_put( &row, "%s", form->name );
     cells_put( &row, "%s", setting->name );
     cells_put( &row, "%d", setting->substeps );
-    cells_put_number( &row, m->truth, 6 );
+    cells_put_number( &row, m->reference, 6 );
     cells_put_number( &row, m->value, 6 );
     cells_put( &row, isfinite( wrong ) ? "%.4f" : "-", 100.0 * wrong );
     cells_put( &row, setting->is_held && isfinite( form->tolerance ) ? "%.1f" : "-", 100.0 * form->tolerance );
@@ -553,7 +555,7 @@ static void add_line( const closed_form* form, const closed_setting* setting, co
 
 wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error )
 {
-    static const char* const header[] = { "form",    "solver",      "substeps",    "truth",        "measured",
+    static const char* const header[] = { "form",    "solver",      "substeps",    "reference",    "measured",
                                           "error %", "tolerated %", "us per step", "strand resets" };
     int table =
         results_add_table( out, "Strands against closed forms, steps of 1/60 s", WISP_COUNT( header ), header );

@@ -9,7 +9,7 @@
 static const int ratios[] = { 1, 4, 16 };
 
 #define ROWS_MAX ( 1 + WISP_COUNT( ratios ) )
-#define ENTRANTS_MAX ( ROWS_MAX * STRANDS_WORKERS_MAX )
+#define IMPLEMENTATIONS_MAX ( ROWS_MAX * STRANDS_WORKERS_MAX )
 #define SAMPLES_MAX 60
 #define LOOK_STEPS 5
 #define CLAIM_FRAME_MS 5.0
@@ -35,23 +35,23 @@ typedef struct guides_run
     strands_shape hair;
     guides_row rows[ROWS_MAX];
     int row_count;
-    hair_head heads[ENTRANTS_MAX]; // [row][worker]
-    wisp_vec3* path;               // [look][vertex] of the full simulation
+    hair_head heads[IMPLEMENTATIONS_MAX]; // [row][worker]
+    wisp_vec3* path;                      // [look][vertex] of the full simulation
     int look_count;
 } guides_run;
 
-static hair_head_recipe make_recipe( const guides_run* run, const guides_row* row, int workers, bool sways )
+static hair_head_generator make_generator( const guides_run* run, const guides_row* row, int workers, bool sways )
 {
-    hair_head_recipe recipe = hair_head_default_recipe( row->ratio > 0 ? &row->guides : &run->hair );
-    recipe.ghosts = row->ratio > 0 ? &run->hair : NULL;
-    recipe.workers = workers;
+    hair_head_generator generator = hair_head_default_generator( row->ratio > 0 ? &row->guides : &run->hair );
+    generator.ghosts = row->ratio > 0 ? &run->hair : NULL;
+    generator.workers = workers;
     if ( !sways )
     {
-        recipe.follow.elastic = WISP_GHOST_ELASTIC_OFF;
-        recipe.follow.tip_gain = 0.0f;
-        recipe.follow.centre_gain = 0.0f;
+        generator.follow.elastic = WISP_GHOST_ELASTIC_OFF;
+        generator.follow.tip_gain = 0.0f;
+        generator.follow.centre_gain = 0.0f;
     }
-    return recipe;
+    return generator;
 }
 
 // ---- distance to the full simulation ----
@@ -88,8 +88,8 @@ static wisp_status shake( guides_run* run, hair_head* head, bool keeps, double* 
 static wisp_status shake_without_sway( guides_run* run, guides_row* row, wisp_error* error )
 {
     hair_head head = { 0 };
-    const hair_head_recipe recipe = make_recipe( run, row, 1, false );
-    wisp_status status = hair_head_create( &recipe, &head, error );
+    const hair_head_generator generator = make_generator( run, row, 1, false );
+    wisp_status status = hair_head_create( &generator, &head, error );
     status = status == WISP_OK ? shake( run, &head, false, &row->rms_still, error ) : status;
     hair_head_destroy( &head );
     return status;
@@ -140,7 +140,7 @@ static double follow_ms( hair_head* head )
 
 static wisp_status measure( const strands_plan* plan, guides_run* run, wisp_error* error )
 {
-    bench_variant variants[ENTRANTS_MAX] = { { 0 } };
+    bench_variant variants[IMPLEMENTATIONS_MAX] = { { 0 } };
     int count = run->row_count * run->worker_count;
     for ( int i = 0; i < count; ++i )
     {
@@ -249,13 +249,13 @@ static void add_claim( const strands_plan* plan, const guides_run* run, results*
 
 // ---- one head ----
 
-static wisp_status enter( const strands_plan* plan, int least_ratio, int steps, guides_run* run, wisp_error* error )
+static wisp_status enter( const strands_plan* plan, int min_ratio, int steps, guides_run* run, wisp_error* error )
 {
     wisp_status status = hair_head_make_hair( run->side, STRANDS_VERTICES, &run->hair, error );
     run->row_count = 1;
     for ( int i = 0; i < WISP_COUNT( ratios ) && status == WISP_OK; ++i )
     {
-        if ( ratios[i] >= least_ratio )
+        if ( ratios[i] >= min_ratio )
         {
             guides_row* row = &run->rows[run->row_count++];
             row->ratio = ratios[i];
@@ -264,9 +264,9 @@ static wisp_status enter( const strands_plan* plan, int least_ratio, int steps, 
     }
     for ( int i = 0; i < run->row_count * run->worker_count && status == WISP_OK; ++i )
     {
-        const hair_head_recipe recipe = make_recipe( run, &run->rows[i / run->worker_count],
-                                                     plan->workers[run->first_worker + i % run->worker_count], true );
-        status = hair_head_create( &recipe, &run->heads[i], error );
+        const hair_head_generator generator = make_generator(
+            run, &run->rows[i / run->worker_count], plan->workers[run->first_worker + i % run->worker_count], true );
+        status = hair_head_create( &generator, &run->heads[i], error );
     }
     run->look_count = steps / LOOK_STEPS;
     size_t count = (size_t)run->look_count * (size_t)strands_shape_size( &run->hair );
@@ -276,7 +276,7 @@ static wisp_status enter( const strands_plan* plan, int least_ratio, int steps, 
 
 static void leave( guides_run* run )
 {
-    for ( int i = 0; i < ENTRANTS_MAX; ++i )
+    for ( int i = 0; i < IMPLEMENTATIONS_MAX; ++i )
     {
         hair_head_destroy( &run->heads[i] );
     }

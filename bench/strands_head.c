@@ -69,9 +69,10 @@ wisp_status hair_head_make_guides( const strands_shape* hair, int ratio, strands
                 sum[1] += (double)p.y;
                 sum[2] += (double)p.z;
             }
-            double share = 1.0 / ( edge * edge );
+            double fraction = 1.0 / ( edge * edge );
             out->points[(size_t)g * (size_t)hair->vertices + (size_t)v] =
-                ( wisp_vec3 ){ (float)( share * sum[0] ), (float)( share * sum[1] ), (float)( share * sum[2] ) };
+                ( wisp_vec3 ){ (float)( fraction * sum[0] ), (float)( fraction * sum[1] ),
+                               (float)( fraction * sum[2] ) };
         }
     }
     return status;
@@ -79,9 +80,9 @@ wisp_status hair_head_make_guides( const strands_shape* hair, int ratio, strands
 
 // ---- worlds ----
 
-hair_head_recipe hair_head_default_recipe( const strands_shape* moving )
+hair_head_generator hair_head_default_generator( const strands_shape* moving )
 {
-    return ( hair_head_recipe ){
+    return ( hair_head_generator ){
         .moving = moving,
         .follow = wisp_default_ghosts_def(),
         .dynamics = wisp_default_strand_dynamics_def(),
@@ -101,35 +102,35 @@ static wisp_status add( wisp_world* world, const strands_shape* shape, wisp_enti
 
 static wisp_status add_all( hair_head* head )
 {
-    wisp_status status = add( head->world, head->recipe.moving, &head->moving );
+    wisp_status status = add( head->world, head->generator.moving, &head->moving );
     if ( status == WISP_OK )
     {
-        status = wisp_set_strand_dynamics( head->world, head->moving, &head->recipe.dynamics );
+        status = wisp_set_strand_dynamics( head->world, head->moving, &head->generator.dynamics );
     }
-    if ( status == WISP_OK && head->recipe.ghosts )
+    if ( status == WISP_OK && head->generator.ghosts )
     {
-        status = add( head->world, head->recipe.ghosts, &head->ghosts );
-        head->recipe.follow.targets = head->moving;
-        status = status == WISP_OK ? wisp_set_ghosts( head->world, head->ghosts, &head->recipe.follow ) : status;
-        status = status == WISP_OK ? wisp_want( head->world, head->ghosts, WISP_STRAND_POINTS ) : status;
+        status = add( head->world, head->generator.ghosts, &head->ghosts );
+        head->generator.follow.targets = head->moving;
+        status = status == WISP_OK ? wisp_set_ghosts( head->world, head->ghosts, &head->generator.follow ) : status;
+        status = status == WISP_OK ? wisp_request( head->world, head->ghosts, WISP_STRAND_POINTS ) : status;
     }
-    if ( status == WISP_OK && ( !head->recipe.ghosts || head->recipe.shows_moving ) )
+    if ( status == WISP_OK && ( !head->generator.ghosts || head->generator.shows_moving ) )
     {
-        status = wisp_want( head->world, head->moving, WISP_STRAND_POINTS );
+        status = wisp_request( head->world, head->moving, WISP_STRAND_POINTS );
     }
     return status;
 }
 
-wisp_status hair_head_create( const hair_head_recipe* recipe, hair_head* out, wisp_error* error )
+wisp_status hair_head_create( const hair_head_generator* generator, hair_head* out, wisp_error* error )
 {
     const wisp_module* modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
-    *out = ( hair_head ){ .recipe = *recipe };
+    *out = ( hair_head ){ .generator = *generator };
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.log = bench_world_drop_log;
-    def.workers = recipe->workers;
-    def.substeps = recipe->substeps;
+    def.workers = generator->workers;
+    def.substeps = generator->substeps;
     wisp_status status = wisp_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
@@ -151,17 +152,17 @@ void hair_head_destroy( hair_head* head )
     *head = ( hair_head ){ 0 };
 }
 
-wisp_rigid hair_head_pose( double seconds )
+wisp_transform hair_head_pose( double seconds )
 {
     // The ramp keeps the first step from being a blow.
     double ramp = fmin( seconds / 0.25, 1.0 );
     double sway = 0.04 * ramp * sin( 9.42477796 * seconds ), turn = 0.35 * ramp * sin( 7.0 * seconds );
     const wisp_quat rotation = { 0.0f, (float)sin( 0.5 * turn ), 0.0f, (float)cos( 0.5 * turn ) };
     const wisp_vec3 translation = { (float)sway, 0.0f, 0.0f };
-    return wisp_rigid_make( rotation, translation );
+    return wisp_transform_make( rotation, translation );
 }
 
-wisp_status hair_head_step_to( hair_head* head, wisp_rigid pose, wisp_error* error )
+wisp_status hair_head_step_to( hair_head* head, wisp_transform pose, wisp_error* error )
 {
     wisp_status status = wisp_move_strand_head( head->world, head->moving, pose );
     status = status == WISP_OK ? wisp_world_step( head->world, STRANDS_STEP ) : status;
@@ -185,18 +186,18 @@ wisp_status hair_head_keep_profile( void* context )
 
 wisp_status hair_head_points( hair_head* head, const wisp_vec3** points, wisp_error* error )
 {
-    if ( head->recipe.ghosts == NULL )
+    if ( head->generator.ghosts == NULL )
     {
         return hair_head_moving_points( head, points, error );
     }
     return bench_world_points( head->world, head->ghosts, WISP_STRAND_POINTS,
-                               strands_shape_size( head->recipe.ghosts ), points, error );
+                               strands_shape_size( head->generator.ghosts ), points, error );
 }
 
 wisp_status hair_head_moving_points( hair_head* head, const wisp_vec3** points, wisp_error* error )
 {
     return bench_world_points( head->world, head->moving, WISP_STRAND_POINTS,
-                               strands_shape_size( head->recipe.moving ), points, error );
+                               strands_shape_size( head->generator.moving ), points, error );
 }
 
 void hair_head_moving_velocities( hair_head* head, wisp_vec3* out )
@@ -219,6 +220,6 @@ void hair_head_moving_velocities( hair_head* head, wisp_vec3* out )
 
 wisp_status hair_head_hash( hair_head* head, uint64_t* hash, wisp_error* error )
 {
-    wisp_entity seen = head->recipe.ghosts ? head->ghosts : head->moving;
+    wisp_entity seen = head->generator.ghosts ? head->ghosts : head->moving;
     return bench_world_hash( head->world, seen, WISP_STRAND_POINTS, hash, error );
 }

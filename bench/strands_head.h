@@ -12,7 +12,7 @@ wisp_status hair_head_make_hair( int side, int vertices, strands_shape* out, wis
 /// @param ratio ghosts a guide: 1, 4 or 16; the side must be a multiple of the block's
 wisp_status hair_head_make_guides( const strands_shape* hair, int ratio, strands_shape* out, wisp_error* error );
 
-typedef struct hair_head_recipe
+typedef struct hair_head_generator
 {
     const strands_shape* moving; ///< simulated: all of the hair, or the guides
     const strands_shape* ghosts; ///< null: there are none
@@ -20,29 +20,29 @@ typedef struct hair_head_recipe
     wisp_strand_dynamics_def dynamics;
     bool shows_moving; ///< the simulated strands can be looked at beside their ghosts
     int substeps, workers;
-} hair_head_recipe;
+} hair_head_generator;
 
 /// The engine's defaults, ten substeps, one worker, no ghosts.
-hair_head_recipe hair_head_default_recipe( const strands_shape* moving );
+hair_head_generator hair_head_default_generator( const strands_shape* moving );
 
 typedef struct hair_head
 {
     wisp_world* world;
     wisp_entity moving, ghosts;
-    hair_head_recipe recipe;
+    hair_head_generator generator;
     profile_samples profile;
     int steps;
 } hair_head;
 
-wisp_status hair_head_create( const hair_head_recipe* recipe, hair_head* out, wisp_error* error );
+wisp_status hair_head_create( const hair_head_generator* generator, hair_head* out, wisp_error* error );
 void hair_head_destroy( hair_head* head );
 
 /// Where the shaken head is at a time: from side to side and turning, beginning gently.
-wisp_rigid hair_head_pose( double seconds );
+wisp_transform hair_head_pose( double seconds );
 /// Move the head on and step. @param context the head, as a bench_variant has it
 wisp_status hair_head_step( void* context, wisp_error* error );
 /// Step with the head going to a pose of the caller's.
-wisp_status hair_head_step_to( hair_head* head, wisp_rigid pose, wisp_error* error );
+wisp_status hair_head_step_to( hair_head* head, wisp_transform pose, wisp_error* error );
 wisp_status hair_head_keep_profile( void* context );
 /// What is seen: the ghosts, or all strands where there are none; the user's order, valid until the next step.
 wisp_status hair_head_points( hair_head* head, const wisp_vec3** points, wisp_error* error );

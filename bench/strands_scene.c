@@ -65,9 +65,9 @@ wisp_status strands_shape_make_straight( int vertices, wisp_vec3 direction, doub
 
 // ---- worlds ----
 
-strands_recipe strands_default_recipe( const strands_shape* shape )
+strands_generator strands_default_generator( const strands_shape* shape )
 {
-    return ( strands_recipe ){
+    return ( strands_generator ){
         .shape = shape,
         .dynamics = wisp_default_strand_dynamics_def(),
         .substeps = 10,
@@ -77,40 +77,42 @@ strands_recipe strands_default_recipe( const strands_shape* shape )
     };
 }
 
-static wisp_status add_strands( strands_entrant* entrant )
+static wisp_status add_strands( strands_implementation* implementation )
 {
-    const strands_shape* shape = entrant->recipe.shape;
+    const strands_shape* shape = implementation->generator.shape;
     wisp_strands_def def = wisp_default_strands_def();
     def.points = shape->points;
     def.offsets = shape->offsets;
     def.strand_count = shape->strand_count;
-    wisp_status status = wisp_add_strands( entrant->world, &def, &entrant->entity );
+    wisp_status status = wisp_add_strands( implementation->world, &def, &implementation->entity );
     if ( status == WISP_OK )
     {
-        status = wisp_set_strand_dynamics( entrant->world, entrant->entity, &entrant->recipe.dynamics );
+        status = wisp_set_strand_dynamics( implementation->world, implementation->entity,
+                                           &implementation->generator.dynamics );
     }
     if ( status == WISP_OK )
     {
-        status = wisp_want( entrant->world, entrant->entity, WISP_STRAND_POINTS );
+        status = wisp_request( implementation->world, implementation->entity, WISP_STRAND_POINTS );
     }
-    if ( status == WISP_OK && entrant->recipe.has_quality )
+    if ( status == WISP_OK && implementation->generator.has_motion_stats )
     {
-        status = wisp_want( entrant->world, entrant->entity, WISP_QUALITY );
+        status = wisp_request( implementation->world, implementation->entity, WISP_MOTION_STATS );
     }
     return status;
 }
 
-wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entrant* out, wisp_error* error )
+wisp_status strands_implementation_create( const strands_generator* generator, strands_implementation* out,
+                                           wisp_error* error )
 {
     const wisp_module* module = &wisp_strands_module;
-    *out = ( strands_entrant ){ .recipe = *recipe };
+    *out = ( strands_implementation ){ .generator = *generator };
     wisp_world_def def = wisp_default_world_def();
     def.modules = &module;
     def.module_count = 1;
     def.log = bench_world_drop_log;
-    def.workers = recipe->workers;
-    def.substeps = recipe->substeps;
-    def.iterations = recipe->iterations;
+    def.workers = generator->workers;
+    def.substeps = generator->substeps;
+    def.iterations = generator->iterations;
     wisp_status status = wisp_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
@@ -120,50 +122,51 @@ wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entran
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        strands_entrant_destroy( out );
+        strands_implementation_destroy( out );
     }
     return status;
 }
 
-void strands_entrant_destroy( strands_entrant* entrant )
+void strands_implementation_destroy( strands_implementation* implementation )
 {
-    wisp_world_destroy( entrant->world );
-    profile_samples_free( &entrant->profile );
-    *entrant = ( strands_entrant ){ 0 };
+    wisp_world_destroy( implementation->world );
+    profile_samples_free( &implementation->profile );
+    *implementation = ( strands_implementation ){ 0 };
 }
 
-wisp_status strands_entrant_step( void* context, wisp_error* error )
+wisp_status strands_implementation_step( void* context, wisp_error* error )
 {
-    strands_entrant* entrant = context;
-    return bench_world_step( entrant->world, entrant->entity, entrant->recipe.seconds, &entrant->steps,
-                             &entrant->halted_at, error );
+    strands_implementation* implementation = context;
+    return bench_world_step( implementation->world, implementation->entity, implementation->generator.seconds,
+                             &implementation->steps, &implementation->halted_at, error );
 }
 
-wisp_status strands_entrant_steps( strands_entrant* entrant, int count, wisp_error* error )
+wisp_status strands_implementation_steps( strands_implementation* implementation, int count, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = 0; s < count && status == WISP_OK; ++s )
     {
-        status = strands_entrant_step( entrant, error );
+        status = strands_implementation_step( implementation, error );
     }
     return status;
 }
 
-wisp_status strands_entrant_keep_profile( void* context )
+wisp_status strands_implementation_keep_profile( void* context )
 {
-    strands_entrant* entrant = context;
-    return profile_samples_add( &entrant->profile, wisp_world_profile( entrant->world ) );
+    strands_implementation* implementation = context;
+    return profile_samples_add( &implementation->profile, wisp_world_profile( implementation->world ) );
 }
 
-wisp_status strands_entrant_hash( strands_entrant* entrant, uint64_t* hash, wisp_error* error )
+wisp_status strands_implementation_hash( strands_implementation* implementation, uint64_t* hash, wisp_error* error )
 {
-    return bench_world_hash( entrant->world, entrant->entity, WISP_STRAND_POINTS, hash, error );
+    return bench_world_hash( implementation->world, implementation->entity, WISP_STRAND_POINTS, hash, error );
 }
 
-wisp_status strands_entrant_points( strands_entrant* entrant, const wisp_vec3** points, wisp_error* error )
+wisp_status strands_implementation_points( strands_implementation* implementation, const wisp_vec3** points,
+                                           wisp_error* error )
 {
-    return bench_world_points( entrant->world, entrant->entity, WISP_STRAND_POINTS,
-                               strands_shape_size( entrant->recipe.shape ), points, error );
+    return bench_world_points( implementation->world, implementation->entity, WISP_STRAND_POINTS,
+                               strands_shape_size( implementation->generator.shape ), points, error );
 }
 
 // ---- measures ----

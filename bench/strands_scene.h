@@ -36,41 +36,43 @@ wisp_status strands_shape_make_straight( int vertices, wisp_vec3 direction, doub
 
 // ---- worlds ----
 
-typedef struct strands_recipe
+typedef struct strands_generator
 {
-    const strands_shape* shape; ///< the caller's, who keeps it until the entrant is gone
+    const strands_shape* shape; ///< the caller's, who keeps it until the implementation is gone
     wisp_strand_dynamics_def dynamics;
     int substeps, workers;
-    int iterations;   ///< of what is not solved directly: sweeps a substep
-    float seconds;    ///< a step
-    bool has_quality; ///< energies are wanted too
-} strands_recipe;
+    int iterations;        ///< of what is not solved directly: sweeps a substep
+    float seconds;         ///< a step
+    bool has_motion_stats; ///< energies are wanted too
+} strands_generator;
 
 /// Steps of 1/60 s, one worker, ten substeps of one iteration, the engine's defaults.
-strands_recipe strands_default_recipe( const strands_shape* shape );
+strands_generator strands_default_generator( const strands_shape* shape );
 
-typedef struct strands_entrant
+typedef struct strands_implementation
 {
     wisp_world* world;
     wisp_entity entity;
-    strands_recipe recipe;
+    strands_generator generator;
     profile_samples profile; ///< of the steps that were kept
     int steps;
     int halted_at; ///< the step at which the engine halted it; 0: it never did
-} strands_entrant;
+} strands_implementation;
 
 /// Strands at rest, with WISP_STRAND_POINTS wanted as a renderer would.
-wisp_status strands_entrant_create( const strands_recipe* recipe, strands_entrant* out, wisp_error* error );
-void strands_entrant_destroy( strands_entrant* entrant );
+wisp_status strands_implementation_create( const strands_generator* generator, strands_implementation* out,
+                                           wisp_error* error );
+void strands_implementation_destroy( strands_implementation* implementation );
 
-/// One step. @param context the entrant, as a bench_variant has it
-wisp_status strands_entrant_step( void* context, wisp_error* error );
-wisp_status strands_entrant_steps( strands_entrant* entrant, int count, wisp_error* error );
+/// One step. @param context the implementation, as a bench_variant has it
+wisp_status strands_implementation_step( void* context, wisp_error* error );
+wisp_status strands_implementation_steps( strands_implementation* implementation, int count, wisp_error* error );
 /// Keep the last step's profile.
-wisp_status strands_entrant_keep_profile( void* context );
-wisp_status strands_entrant_hash( strands_entrant* entrant, uint64_t* hash, wisp_error* error );
+wisp_status strands_implementation_keep_profile( void* context );
+wisp_status strands_implementation_hash( strands_implementation* implementation, uint64_t* hash, wisp_error* error );
 /// The vertices in the user's order, valid until the next step.
-wisp_status strands_entrant_points( strands_entrant* entrant, const wisp_vec3** points, wisp_error* error );
+wisp_status strands_implementation_points( strands_implementation* implementation, const wisp_vec3** points,
+                                           wisp_error* error );
 
 // ---- measures, in double ----
 

@@ -35,16 +35,16 @@ typedef struct look_sums
     double energy_lost;
 } look_sums;
 
-static double square_distance( const path_record* truth, int number, const wisp_vec3* points )
+static double square_distance( const path_record* reference, int number, const wisp_vec3* points )
 {
     double sum = 0.0;
-    const double* q = truth->points + (size_t)number * (size_t)truth->vertex_count * 3;
-    for ( int i = 0; i < truth->vertex_count; ++i, q += 3 )
+    const double* q = reference->points + (size_t)number * (size_t)reference->vertex_count * 3;
+    for ( int i = 0; i < reference->vertex_count; ++i, q += 3 )
     {
         double x = (double)points[i].x - q[0], y = (double)points[i].y - q[1], z = (double)points[i].z - q[2];
         sum += x * x + y * y + z * z;
     }
-    return sum / truth->vertex_count;
+    return sum / reference->vertex_count;
 }
 
 static void keep_path( path_record* record, int number, const wisp_vec3* points )
@@ -58,25 +58,25 @@ static void keep_path( path_record* record, int number, const wisp_vec3* points 
     }
 }
 
-static void look( surface_entrant* entrant, look_sums* sums )
+static void look( surface_implementation* implementation, look_sums* sums )
 {
-    surface_look seen = surface_entrant_look( entrant );
+    surface_look seen = surface_implementation_look( implementation );
     sums->stretch_max += seen.stretch_max;
     sums->stretch_mean += seen.stretch_mean;
     sums->kinetic += seen.kinetic;
     ++sums->count;
 }
 
-static wisp_status look_at_path( surface_entrant* entrant, const path_record* truth, path_record* record,
-                                 look_sums* sums, wisp_error* error )
+static wisp_status look_at_path( surface_implementation* implementation, const path_record* reference,
+                                 path_record* record, look_sums* sums, wisp_error* error )
 {
     const wisp_vec3* points;
-    wisp_status status = surface_entrant_points( entrant, &points, error );
+    wisp_status status = surface_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    sums->square += truth ? square_distance( truth, sums->path_count, points ) : NAN;
+    sums->square += reference ? square_distance( reference, sums->path_count, points ) : NAN;
     if ( record )
     {
         keep_path( record, sums->path_count, points );
@@ -87,51 +87,51 @@ static wisp_status look_at_path( surface_entrant* entrant, const path_record* tr
 
 // ---- running ----
 
-static wisp_status warm_one( surface_entrant* entrant, int steps, wisp_error* error )
+static wisp_status warm_one( surface_implementation* implementation, int steps, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = 0; s < steps && status == WISP_OK; ++s )
     {
-        status = surface_entrant_step( entrant, error );
+        status = surface_implementation_step( implementation, error );
     }
     return status;
 }
 
-// The first entrant is looked at on its way; the others do the same steps.
-static wisp_status warm( surface_entrant* entrants, int count, const scenario_plan* plan, const path_record* truth,
-                         path_record* record, look_sums* sums, wisp_error* error )
+// The first implementation is looked at on its way; the others do the same steps.
+static wisp_status warm( surface_implementation* implementations, int count, const scenario_plan* plan,
+                         const path_record* reference, path_record* record, look_sums* sums, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     int looks = scenario_path_looks( plan );
     for ( int i = 0; i < looks && status == WISP_OK; ++i )
     {
-        status = warm_one( &entrants[0], plan->turn_steps, error );
-        status = status == WISP_OK ? look_at_path( &entrants[0], truth, record, sums, error ) : status;
+        status = warm_one( &implementations[0], plan->turn_steps, error );
+        status = status == WISP_OK ? look_at_path( &implementations[0], reference, record, sums, error ) : status;
     }
-    status =
-        status == WISP_OK ? warm_one( &entrants[0], plan->warm_steps - looks * plan->turn_steps, error ) : status;
-    surface_look seen = surface_entrant_look( &entrants[0] );
+    status = status == WISP_OK ? warm_one( &implementations[0], plan->warm_steps - looks * plan->turn_steps, error )
+                               : status;
+    surface_look seen = surface_implementation_look( &implementations[0] );
     sums->energy_lost = seen.potential < 0.0 ? 1.0 + seen.kinetic / seen.potential : NAN;
     for ( int e = 1; e < count && status == WISP_OK; ++e )
     {
-        status = warm_one( &entrants[e], plan->warm_steps, error );
+        status = warm_one( &implementations[e], plan->warm_steps, error );
     }
     return status;
 }
 
 // @param samples receives the times of the counted steps
-static wisp_status take_turn( surface_entrant* entrant, int steps, double* samples, int* sample_count,
+static wisp_status take_turn( surface_implementation* implementation, int steps, double* samples, int* sample_count,
                               wisp_error* error )
 {
     for ( int s = 0; s < steps; ++s )
     {
         double start = wisp_clock_seconds();
-        wisp_status status = surface_entrant_step( entrant, error );
+        wisp_status status = surface_implementation_step( implementation, error );
         double ms = 1e3 * ( wisp_clock_seconds() - start );
         if ( status == WISP_OK && ( s > 0 || steps == 1 ) )
         {
             samples[( *sample_count )++] = ms;
-            status = surface_entrant_keep_profile( entrant );
+            status = surface_implementation_keep_profile( implementation );
         }
         if ( status != WISP_OK )
         {
@@ -141,14 +141,14 @@ static wisp_status take_turn( surface_entrant* entrant, int steps, double* sampl
     return WISP_OK;
 }
 
-static void conclude( surface_entrant* entrants, int count, double* samples, const int* sample_count, int room,
-                      const look_sums* sums, scenario_figures* out )
+static void conclude( surface_implementation* implementations, int count, double* samples, const int* sample_count,
+                      int room, const look_sums* sums, scenario_stats* out )
 {
     bool is_halted = out->halted_at > 0;
     for ( int e = 0; e < count; ++e )
     {
         out->ms[e] = stats_summarise( samples + (size_t)e * (size_t)room, is_halted ? 0 : sample_count[e] );
-        out->links_ms[e] = is_halted ? NAN : surface_entrant_pass_ms( &entrants[e], "links." );
+        out->links_ms[e] = is_halted ? NAN : surface_implementation_pass_ms( &implementations[e], "links." );
     }
     out->stretch_max = is_halted ? NAN : sums->stretch_max / sums->count;
     out->stretch_mean = is_halted ? NAN : sums->stretch_mean / sums->count;
@@ -157,44 +157,45 @@ static void conclude( surface_entrant* entrants, int count, double* samples, con
     out->path = is_halted ? NAN : sqrt( sums->square / sums->path_count );
 }
 
-static wisp_status take_turns( surface_entrant* entrants, int count, const scenario_plan* plan,
-                               const path_record* truth, path_record* record, double* samples, scenario_figures* out,
-                               wisp_error* error )
+static wisp_status take_turns( surface_implementation* implementations, int count, const scenario_plan* plan,
+                               const path_record* reference, path_record* record, double* samples,
+                               scenario_stats* out, wisp_error* error )
 {
-    int sample_count[SCENARIO_ENTRANTS_MAX] = { 0 };
+    int sample_count[SCENARIO_IMPLEMENTATIONS_MAX] = { 0 };
     look_sums sums = { 0 };
-    wisp_status status = warm( entrants, count, plan, truth, record, &sums, error );
+    wisp_status status = warm( implementations, count, plan, reference, record, &sums, error );
     for ( int turn = 0;
-          turn < plan->measured_steps / plan->turn_steps && status == WISP_OK && entrants[0].halted_at == 0; ++turn )
+          turn < plan->measured_steps / plan->turn_steps && status == WISP_OK && implementations[0].halted_at == 0;
+          ++turn )
     {
         for ( int e = 0; e < count && status == WISP_OK; ++e )
         {
             double* room = samples + (size_t)e * (size_t)plan->measured_steps;
-            status = take_turn( &entrants[e], plan->turn_steps, room, &sample_count[e], error );
+            status = take_turn( &implementations[e], plan->turn_steps, room, &sample_count[e], error );
         }
-        if ( status == WISP_OK && entrants[0].halted_at == 0 )
+        if ( status == WISP_OK && implementations[0].halted_at == 0 )
         {
-            look( &entrants[0], &sums );
+            look( &implementations[0], &sums );
         }
     }
     for ( int e = 0; e < count && status == WISP_OK; ++e )
     {
-        status = surface_entrant_hash( &entrants[e], &out->hash[e], error );
+        status = surface_implementation_hash( &implementations[e], &out->hash[e], error );
     }
     if ( status == WISP_OK )
     {
-        out->halted_at = entrants[0].halted_at;
-        conclude( entrants, count, samples, sample_count, plan->measured_steps, &sums, out );
+        out->halted_at = implementations[0].halted_at;
+        conclude( implementations, count, samples, sample_count, plan->measured_steps, &sums, out );
     }
     return status;
 }
 
-wisp_status scenario_run( surface_entrant* entrants, int count, const scenario_plan* plan, const path_record* truth,
-                          path_record* record, scenario_figures* out, wisp_error* error )
+wisp_status scenario_run( surface_implementation* implementations, int count, const scenario_plan* plan,
+                          const path_record* reference, path_record* record, scenario_stats* out, wisp_error* error )
 {
-    *out = ( scenario_figures ){ 0 };
+    *out = ( scenario_stats ){ 0 };
     double* samples = malloc( (size_t)count * (size_t)plan->measured_steps * sizeof( double ) );
-    wisp_status status = samples ? take_turns( entrants, count, plan, truth, record, samples, out, error )
+    wisp_status status = samples ? take_turns( implementations, count, plan, reference, record, samples, out, error )
                                  : wisp_fail( error, WISP_NO_MEMORY, "no memory for the samples" );
     free( samples );
     return status;
@@ -202,16 +203,16 @@ wisp_status scenario_run( surface_entrant* entrants, int count, const scenario_p
 
 // ---- results ----
 
-void scenario_check_hashes( const surface_entrant* entrants, int count, const uint64_t* hashes, const char* what,
-                            results* out )
+void scenario_check_hashes( const surface_implementation* implementations, int count, const uint64_t* hashes,
+                            const char* what, results* out )
 {
     for ( int e = 1; e < count; ++e )
     {
         if ( hashes[e] != hashes[0] )
         {
             results_add_failure( out, "%s: %d workers give hash %016llx, %d gives %016llx.", what,
-                                 entrants[e].recipe.workers, (unsigned long long)hashes[e],
-                                 entrants[0].recipe.workers, (unsigned long long)hashes[0] );
+                                 implementations[e].generator.workers, (unsigned long long)hashes[e],
+                                 implementations[0].generator.workers, (unsigned long long)hashes[0] );
         }
     }
 }
@@ -224,25 +225,25 @@ static void put_finite( results_values* values, const char* name, double value )
     }
 }
 
-void scenario_put_times( const scenario_figures* figures, int count, cells* row )
+void scenario_put_times( const scenario_stats* stats, int count, cells* row )
 {
     for ( int e = 0; e < count; ++e )
     {
-        if ( figures->halted_at > 0 )
+        if ( stats->halted_at > 0 )
         {
-            cells_put( row, "halted at step %d", figures->halted_at );
+            cells_put( row, "halted at step %d", stats->halted_at );
             cells_put( row, "-" );
         }
         else
         {
-            cells_put_number( row, figures->ms[e].median, 3 );
-            cells_put( row, "%.3f .. %.3f", figures->ms[e].p10, figures->ms[e].p90 );
+            cells_put_number( row, stats->ms[e].median, 3 );
+            cells_put( row, "%.3f .. %.3f", stats->ms[e].p10, stats->ms[e].p90 );
         }
     }
 }
 
-void scenario_add_rows( const surface_entrant* entrants, int count, const scenario_figures* figures, const char* name,
-                        const char* variant, const char* truth_name, results* out )
+void scenario_add_rows( const surface_implementation* implementations, int count, const scenario_stats* stats,
+                        const char* name, const char* variant, const char* reference_name, results* out )
 {
     for ( int e = 0; e < count; ++e )
     {
@@ -251,32 +252,32 @@ void scenario_add_rows( const surface_entrant* entrants, int count, const scenar
         {
             return;
         }
-        const surface_recipe* recipe = &entrants[e].recipe;
-        results_put( &row->size, "vertices", entrants[e].fabric->vertex_count );
-        results_put( &row->size, "links", entrants[e].fabric->link_count );
-        results_put( &row->size, "substeps", recipe->substeps );
-        results_put( &row->size, "iterations", recipe->iterations );
-        row->workers = recipe->workers;
-        row->ms_median = figures->ms[e].median;
-        row->ms_p10 = figures->ms[e].p10;
-        row->ms_p90 = figures->ms[e].p90;
-        row->steps = figures->ms[e].count;
-        profile_samples profile = entrants[e].profile;
+        const surface_generator* generator = &implementations[e].generator;
+        results_put( &row->size, "vertices", implementations[e].fabric->vertex_count );
+        results_put( &row->size, "links", implementations[e].fabric->link_count );
+        results_put( &row->size, "substeps", generator->substeps );
+        results_put( &row->size, "iterations", generator->iterations );
+        row->workers = generator->workers;
+        row->ms_median = stats->ms[e].median;
+        row->ms_p10 = stats->ms[e].p10;
+        row->ms_p90 = stats->ms[e].p90;
+        row->steps = stats->ms[e].count;
+        profile_samples profile = implementations[e].profile;
         for ( int i = 0; i < profile.pass_count; ++i )
         {
             results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
         }
-        snprintf( row->error_reference, sizeof( row->error_reference ), "%s", truth_name );
-        put_finite( &row->error, "stretch_max", figures->stretch_max );
-        put_finite( &row->error, "stretch_mean", figures->stretch_mean );
-        put_finite( &row->error, "kinetic_J", figures->kinetic );
-        put_finite( &row->error, "energy_lost_share", figures->energy_lost );
-        put_finite( &row->error, "path_rms_m", figures->path );
-        if ( figures->halted_at > 0 )
+        snprintf( row->error_reference, sizeof( row->error_reference ), "%s", reference_name );
+        put_finite( &row->error, "stretch_max", stats->stretch_max );
+        put_finite( &row->error, "stretch_mean", stats->stretch_mean );
+        put_finite( &row->error, "kinetic_J", stats->kinetic );
+        put_finite( &row->error, "energy_lost_fraction", stats->energy_lost );
+        put_finite( &row->error, "path_rms_m", stats->path );
+        if ( stats->halted_at > 0 )
         {
-            results_put( &row->error, "halted_at_step", figures->halted_at );
+            results_put( &row->error, "halted_at_step", stats->halted_at );
         }
-        row->hash = figures->hash[e];
+        row->hash = stats->hash[e];
         row->has_hash = true;
     }
 }

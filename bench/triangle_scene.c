@@ -7,12 +7,13 @@
 
 static wisp_status make_mesh( int vertices, triangle_scene* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( vertices > 0 ? WISP_MESH_DELAUNAY : WISP_MESH_PLANE_REGULAR );
-    recipe.vertex_count = vertices;
-    recipe.width = recipe.depth = TRIANGLE_WIDTH;
-    recipe.columns = recipe.rows = TRIANGLE_QUAD_SIDE;
-    recipe.spacing = TRIANGLE_WIDTH / ( TRIANGLE_QUAD_SIDE - 1 );
-    wisp_status status = wisp_mesh_make( &recipe, &out->mesh, error );
+    wisp_mesh_generator generator =
+        wisp_default_mesh_generator( vertices > 0 ? WISP_MESH_DELAUNAY : WISP_MESH_PLANE_REGULAR );
+    generator.vertex_count = vertices;
+    generator.width = generator.depth = TRIANGLE_WIDTH;
+    generator.columns = generator.rows = TRIANGLE_QUAD_SIDE;
+    generator.spacing = TRIANGLE_WIDTH / ( TRIANGLE_QUAD_SIDE - 1 );
+    wisp_status status = wisp_mesh_generate( &generator, &out->mesh, error );
     for ( int i = 0; status == WISP_OK && i < out->mesh.vertex_count; ++i )
     {
         out->mesh.points[i].y += TRIANGLE_HEIGHT;
@@ -57,7 +58,8 @@ triangle_setting triangle_default_setting( void )
     };
 }
 
-static wisp_status add_cloth( const triangle_scene* scene, const triangle_setting* setting, surface_entrant* out )
+static wisp_status add_cloth( const triangle_scene* scene, const triangle_setting* setting,
+                              surface_implementation* out )
 {
     wisp_surface_def surface = wisp_default_surface_def();
     surface.fabric = scene->fabric;
@@ -73,14 +75,14 @@ static wisp_status add_cloth( const triangle_scene* scene, const triangle_settin
     wisp_status status = wisp_add_surface( out->world, &surface, &out->entity );
     status = status ? status : wisp_set_gravity( out->world, out->entity, setting->gravity );
     status = status ? status : wisp_set_implicit_cloth( out->world, out->entity, &cloth );
-    if ( status == WISP_OK && setting->wants_figures )
+    if ( status == WISP_OK && setting->requests_stats )
     {
-        status = wisp_want_implicit_cloth_figures( out->world, out->entity, true );
+        status = wisp_request_implicit_cloth_stats( out->world, out->entity, true );
     }
-    return status ? status : wisp_want( out->world, out->entity, WISP_SURFACE_POINTS );
+    return status ? status : wisp_request( out->world, out->entity, WISP_SURFACE_POINTS );
 }
 
-wisp_status triangle_add_ball( surface_entrant* entrant )
+wisp_status triangle_add_ball( surface_implementation* implementation )
 {
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
@@ -91,18 +93,18 @@ wisp_status triangle_add_ball( surface_entrant* entrant )
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = TRIANGLE_MARGIN;
     wisp_entity entity;
-    wisp_status status = wisp_add_collider( entrant->world, &ball, &entity );
-    return status ? status : wisp_set_collision( entrant->world, entrant->entity, &collision );
+    wisp_status status = wisp_add_collider( implementation->world, &ball, &entity );
+    return status ? status : wisp_set_collision( implementation->world, implementation->entity, &collision );
 }
 
-wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting* setting, surface_entrant* out,
+wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting* setting, surface_implementation* out,
                             wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_collision_module, &wisp_implicit_cloth_module };
-    *out = ( surface_entrant ){ .fabric = scene->fabric };
-    out->recipe = surface_default_recipe( &wisp_implicit_cloth_module, scene->fabric );
-    out->recipe.gravity = setting->gravity;
-    out->recipe.seconds = setting->seconds;
+    *out = ( surface_implementation ){ .fabric = scene->fabric };
+    out->generator = surface_default_generator( &wisp_implicit_cloth_module, scene->fabric );
+    out->generator.gravity = setting->gravity;
+    out->generator.seconds = setting->seconds;
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
@@ -118,7 +120,7 @@ wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting*
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }

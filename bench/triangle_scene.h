@@ -2,7 +2,7 @@
 /// quads with first and second neighbours. Without the ball it hangs, or flies.
 #pragma once
 
-#include "surface_entrant.h"
+#include "surface_implementation.h"
 
 #include "implicit_cloth/implicit_cloth.h"
 
@@ -36,7 +36,7 @@ typedef struct triangle_setting
     float seconds;                 ///< a step, default 0.01
     int workers;                   ///< default 1
     bool has_ball;                 ///< default true
-    bool wants_figures;            ///< those of wisp_read_implicit_cloth_figures(), which cost time; default false
+    bool requests_stats;           ///< those of wisp_read_implicit_cloth_stats(), which cost time; default false
     wisp_vec3 gravity;             ///< m/s^2, default down
     const wisp_vec3* points;       ///< where the vertices start; null: the rest shape
     const int32_t* pins;
@@ -45,10 +45,10 @@ typedef struct triangle_setting
 
 triangle_setting triangle_default_setting( void );
 
-/// Put the ball into an entrant's world, and let the entrant's surface collide with it.
-wisp_status triangle_add_ball( surface_entrant* entrant );
+/// Put the ball into an implementation's world, and let the implementation's surface collide with it.
+wisp_status triangle_add_ball( surface_implementation* implementation );
 
 /// A world with the cloth, and with the ball if the setting has it.
-/// @param scene the caller's, who keeps it until the entrant is gone
-wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting* setting, surface_entrant* out,
+/// @param scene the caller's, who keeps it until the implementation is gone
+wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting* setting, surface_implementation* out,
                             wisp_error* error );

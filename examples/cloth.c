@@ -72,12 +72,12 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
     {
         status = wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } );
     }
-    // Asking creates the passes: without a wish a step does nothing.
+    // Asking creates the passes: without a request a step does nothing.
     if ( status == WISP_OK )
     {
-        status = wisp_want( world, *out, WISP_SURFACE_POINTS );
+        status = wisp_request( world, *out, WISP_SURFACE_POINTS );
     }
-    return status == WISP_OK ? wisp_want( world, *out, WISP_QUALITY ) : status;
+    return status == WISP_OK ? wisp_request( world, *out, WISP_MOTION_STATS ) : status;
 }
 
 static wisp_status run( wisp_world* world, wisp_entity cloth )
@@ -87,15 +87,15 @@ static wisp_status run( wisp_world* world, wisp_entity cloth )
     {
         status = wisp_world_step( world, STEP );
         wisp_view view;
-        wisp_quality quality;
+        wisp_motion_stats motion_stats;
         if ( step % 60 == 0 && status == WISP_OK &&
              wisp_world_view( world, cloth, WISP_SURFACE_POINTS, &view ) == WISP_OK &&
-             wisp_world_quality( world, cloth, &quality ) == WISP_OK )
+             wisp_read_motion_stats( world, cloth, &motion_stats ) == WISP_OK )
         {
             const wisp_vec3* last = (const wisp_vec3*)view.data + view.count - 1; // in our own order
             printf( "%d s: a free corner is at (%.2f, %.2f, %.2f), the largest strain is %.2f %%\n", step / 60,
-                    (double)last->x, (double)last->y, (double)last->z, 100.0 * quality.strain_max );
-            status = quality.strain_max < 0.1 && last->y < 0.0f ? WISP_OK : WISP_BAD_INPUT;
+                    (double)last->x, (double)last->y, (double)last->z, 100.0 * motion_stats.strain_max );
+            status = motion_stats.strain_max < 0.1 && last->y < 0.0f ? WISP_OK : WISP_BAD_INPUT;
         }
     }
     return status;
@@ -114,7 +114,7 @@ int main( void )
     wisp_world* world;
     if ( cook( &fabric, &error ) != WISP_OK || wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        printf( "%s\n", error.sentence );
+        printf( "%s\n", error.message );
         return 1;
     }
     wisp_entity cloth;

@@ -51,12 +51,12 @@ static void host_release( void* user, void* block, size_t size )
 
 // ---- the host's log ----
 
-static void host_log( void* user, wisp_log_level level, const char* sentence )
+static void host_log( void* user, wisp_log_level level, const char* message )
 {
     static const char* const words[] = { "info", "warning", "error" };
     int* lines = user;
     *lines += 1;
-    printf( "  log: %s: %s\n", words[level], sentence );
+    printf( "  log: %s: %s\n", words[level], message );
 }
 
 // ---- strands: a patch of 20 x 10 hanging wisps, 8 mm apart ----
@@ -102,7 +102,7 @@ static wisp_status add_hair( wisp_world* world, wisp_entity* hair )
     status = wisp_set_frozen_hair( world, *hair, &frozen );
 
     // Nobody wants anything yet, so there is nothing to do. Asking for points creates the passes that answer.
-    return status == WISP_OK ? wisp_want( world, *hair, WISP_STRAND_POINTS ) : status;
+    return status == WISP_OK ? wisp_request( world, *hair, WISP_STRAND_POINTS ) : status;
 }
 
 // ---- what the host does in a frame ----
@@ -185,7 +185,7 @@ int main( void )
     wisp_error error = { 0 };
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        printf( "no world: %s\n", error.sentence );
+        printf( "no world: %s\n", error.message );
         return 1;
     }
 

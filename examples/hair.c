@@ -55,16 +55,16 @@ static wisp_status add_hair( wisp_world* world, wisp_entity* guides, wisp_entity
     follow.targets = *guides;
     status = status == WISP_OK ? wisp_set_ghosts( world, *ghosts, &follow ) : status;
     // asking creates the passes
-    status = status == WISP_OK ? wisp_want( world, *guides, WISP_QUALITY ) : status;
-    return status == WISP_OK ? wisp_want( world, *ghosts, WISP_STRAND_POINTS ) : status;
+    status = status == WISP_OK ? wisp_request( world, *guides, WISP_MOTION_STATS ) : status;
+    return status == WISP_OK ? wisp_request( world, *ghosts, WISP_STRAND_POINTS ) : status;
 }
 
 // From side to side, twice a second.
-static wisp_rigid head_at( float time )
+static wisp_transform head_at( float time )
 {
     const float turn = 0.4f * sinf( 12.566f * time );
-    return wisp_rigid_make( ( wisp_quat ){ 0.0f, sinf( 0.5f * turn ), 0.0f, cosf( 0.5f * turn ) },
-                            ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    return wisp_transform_make( ( wisp_quat ){ 0.0f, sinf( 0.5f * turn ), 0.0f, cosf( 0.5f * turn ) },
+                                ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 }
 
 static wisp_status shake( wisp_world* world, wisp_entity guides, int seconds )
@@ -74,12 +74,12 @@ static wisp_status shake( wisp_world* world, wisp_entity guides, int seconds )
     {
         status = wisp_move_strand_head( world, guides, head_at( STEP * (float)step ) );
         status = status == WISP_OK ? wisp_world_step( world, STEP ) : status;
-        wisp_quality quality;
+        wisp_motion_stats motion_stats;
         if ( step % 60 == 0 && status == WISP_OK )
         {
-            status = wisp_world_quality( world, guides, &quality );
-            printf( "%d s: %5.2f m/s at most, longest stretch %.5f %%\n", step / 60, quality.speed_max,
-                    100.0 * quality.strain_max );
+            status = wisp_read_motion_stats( world, guides, &motion_stats );
+            printf( "%d s: %5.2f m/s at most, longest stretch %.5f %%\n", step / 60, motion_stats.speed_max,
+                    100.0 * motion_stats.strain_max );
         }
     }
     return status;
@@ -118,7 +118,7 @@ int main( void )
     wisp_world* world;
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        fprintf( stderr, "hair: %s\n", error.sentence );
+        fprintf( stderr, "hair: %s\n", error.message );
         return 1;
     }
     wisp_entity guides, ghosts;

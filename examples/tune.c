@@ -19,7 +19,7 @@ static const int32_t corners[2] = { 0, SIDE - 1 };
 // From rough to fine.
 static const double substeps[] = { 1, 2, 4, 8, 16, 32 };
 static const double iterations[] = { 1, 2 };
-static const wisp_tune_knob knobs[] = {
+static const wisp_tune_parameter parameters[] = {
     { "substeps", substeps, WISP_COUNT( substeps ), false },
     { "iterations", iterations, WISP_COUNT( iterations ), false },
 };
@@ -61,7 +61,8 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
 }
 
 // A world of a choice. Tuning asks for the points, runs it, and lets it go.
-static wisp_status build( void* user, const int* choice, int substep_factor, wisp_tune_world* out, wisp_error* error )
+static wisp_status build( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
+                          wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_cloth_module };
     static wisp_tune_points compared;
@@ -69,8 +70,8 @@ static wisp_status build( void* user, const int* choice, int substep_factor, wis
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = 1;
-    def.substeps = (int)substeps[choice[0]] * substep_factor;
-    def.iterations = (int)iterations[choice[1]];
+    def.substeps = (int)substeps[configuration[0]] * substep_factor;
+    def.iterations = (int)iterations[configuration[1]];
     wisp_status status = wisp_world_create( &def, &out->world, error );
     if ( status != WISP_OK )
     {
@@ -91,27 +92,27 @@ static wisp_status build( void* user, const int* choice, int substep_factor, wis
 
 static wisp_status tune( wisp_fabric* fabric, wisp_tune_result* out, wisp_error* error )
 {
-    wisp_tune_job job = wisp_default_tune_job();
-    job.knobs = knobs;
-    job.knob_count = WISP_COUNT( knobs );
-    job.error = 0.02; // m; or job.budget_ms
+    wisp_tune_def args = wisp_default_tune_def();
+    args.parameters = parameters;
+    args.parameter_count = WISP_COUNT( parameters );
+    args.error = 0.02; // m; or job.budget_ms
     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
     worlds.build = build;
     worlds.user = fabric;
     worlds.step_count = 30;
-    return wisp_tune_worlds( &job, &worlds, out, error );
+    return wisp_tune_worlds( &args, &worlds, out, error );
 }
 
 static void print( const wisp_tune_result* found )
 {
-    for ( int i = 0; i < found->visit_count; ++i )
+    for ( int i = 0; i < found->trial_count; ++i )
     {
-        const wisp_tune_visit* visit = &found->visits[i];
-        printf( "%2.0f substeps, %1.0f iterations: %.4f ms, %.2f mm%s\n", substeps[visit->choice[0]],
-                iterations[visit->choice[1]], visit->sample.ms, 1e3 * visit->sample.error,
-                visit->is_front ? ", nothing beats it" : "" );
+        const wisp_tune_trial* trial = &found->trials[i];
+        printf( "%2.0f substeps, %1.0f iterations: %.4f ms, %.2f mm%s\n", substeps[trial->configuration[0]],
+                iterations[trial->configuration[1]], trial->sample.ms, 1e3 * trial->sample.error,
+                trial->is_pareto ? ", nothing beats it" : "" );
     }
-    printf( "%s: %g substeps, %g iterations: %.4f ms a step, %.2f mm\n", found->is_met ? "met" : "not met",
+    printf( "%s: %g substeps, %g iterations: %.4f ms a step, %.2f mm\n", found->meets_target ? "met" : "not met",
             found->values[0], found->values[1], found->achieved.ms, 1e3 * found->achieved.error );
 }
 
@@ -125,24 +126,24 @@ int main( void )
     def.triangle_count = WISP_COUNT( triangles );
     def.attachments = corners;
     def.attachment_count = WISP_COUNT( corners );
-    def.cross_links = true;
+    def.bend_links = true;
     wisp_error error = { 0 };
     wisp_fabric* fabric;
     wisp_tune_result found;
     if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )
     {
-        printf( "%s\n", error.sentence );
+        printf( "%s\n", error.message );
         return 1;
     }
     const wisp_status status = tune( fabric, &found, &error );
     wisp_fabric_release( fabric );
     if ( status != WISP_OK )
     {
-        printf( "%s\n", error.sentence );
+        printf( "%s\n", error.message );
         return 1;
     }
     print( &found );
-    const bool is_met = found.is_met && found.achieved.error <= 0.02;
+    const bool meets_target = found.meets_target && found.achieved.error <= 0.02;
     wisp_tune_release( &found );
-    return is_met ? 0 : 1;
+    return meets_target ? 0 : 1;
 }

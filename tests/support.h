@@ -22,12 +22,12 @@
 /// from one on. Zero-initialised refuses nothing.
 typedef struct test_host
 {
-    _Atomic int64_t asked;  ///< requests so far
-    _Atomic int64_t blocks; ///< lent now
-    _Atomic int64_t bytes;  ///< lent now
-    _Atomic int faults;     ///< blocks that came back with another size than they were asked with
-    int64_t refuse;         ///< number of the request to refuse, from 1; 0 refuses none
-    bool refuse_rest;       ///< and all behind it
+    _Atomic int64_t queried; ///< requests so far
+    _Atomic int64_t blocks;  ///< lent now
+    _Atomic int64_t bytes;   ///< lent now
+    _Atomic int faults;      ///< blocks that came back with another size than they were asked with
+    int64_t refuse;          ///< number of the request to refuse, from 1; 0 refuses none
+    bool refuse_rest;        ///< and all behind it
 } test_host;
 
 /// What a block's owner must tell back. It lies in front of the block, so that the block's end stays the end of the
@@ -40,7 +40,7 @@ typedef struct test_block
 static inline void* test_host_allocate( void* user, size_t size, size_t alignment )
 {
     test_host* host = user;
-    int64_t number = atomic_fetch_add( &host->asked, 1 ) + 1;
+    int64_t number = atomic_fetch_add( &host->queried, 1 ) + 1;
     if ( host->refuse != 0 && ( number == host->refuse || ( number > host->refuse && host->refuse_rest ) ) )
     {
         return NULL;
@@ -82,14 +82,14 @@ static inline wisp_allocator test_host_allocator( test_host* host )
 /// Refuse the n-th request from now on, or with `rest` that one and all behind it; n = 0 refuses none.
 static inline void test_host_refuse( test_host* host, int64_t n, bool rest )
 {
-    host->refuse = n > 0 ? atomic_load( &host->asked ) + n : 0;
+    host->refuse = n > 0 ? atomic_load( &host->queried ) + n : 0;
     host->refuse_rest = rest;
 }
 
 /// Did anybody ask for the request that test_host_refuse() named?
 static inline bool test_host_has_refused( const test_host* host )
 {
-    return host->refuse != 0 && atomic_load( &host->asked ) >= host->refuse;
+    return host->refuse != 0 && atomic_load( &host->queried ) >= host->refuse;
 }
 
 /// Everything lent came back, with the size it was asked with.
@@ -102,7 +102,7 @@ static inline void assert_host_has_all_back( test_host* host )
 
 // ---- log ----
 
-/// Keeps the last sentence of a world. Zero-initialised has heard nothing.
+/// Keeps the last message of a world. Zero-initialised has heard nothing.
 typedef struct test_log
 {
     int count;
@@ -110,21 +110,21 @@ typedef struct test_log
     char last[600];
 } test_log;
 
-static inline void test_log_listen( void* user, wisp_log_level level, const char* sentence )
+static inline void test_log_listen( void* user, wisp_log_level level, const char* message )
 {
     test_log* log = user;
     log->count += 1;
     log->level = level;
-    snprintf( log->last, sizeof( log->last ), "%s", sentence );
+    snprintf( log->last, sizeof( log->last ), "%s", message );
 }
 
-/// One sentence: some words, no newline, no full stop.
-static inline void assert_one_sentence( const char* sentence )
+/// One message: some words, no newline, no full stop.
+static inline void assert_one_message( const char* message )
 {
-    size_t length = strlen( sentence );
+    size_t length = strlen( message );
     assert_true( length > 10 );
-    assert_null( strchr( sentence, '\n' ) );
-    assert_true( sentence[length - 1] != '.' );
+    assert_null( strchr( message, '\n' ) );
+    assert_true( message[length - 1] != '.' );
 }
 
 // ---- numbers ----
@@ -137,10 +137,10 @@ static inline int test_random( int a, int b, int count )
 }
 
 /// Uniform in [low, high).
-static inline float test_random_float( int a, int b, float low, float high )
+static inline float test_random_float( int a, int b, float lower, float upper )
 {
-    return low +
-           ( high - low ) * wisp_random_unit_float( wisp_random_make_key( 8, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit_float( wisp_random_make_key( 8, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
 }
 
 // ---- strands ----

@@ -21,7 +21,7 @@ typedef struct delaunay_point
 /// Bring points to the lattice: the longer side of their bounding box becomes the whole of it.
 /// @param coordinates [count][2] x and y
 /// @param out [count]
-/// @param name what sentences call the points
+/// @param name what messages call the points
 /// @return WISP_BAD_INPUT a coordinate is not finite, or all points are one
 wisp_status delaunay_snap( const double* coordinates, int count, delaunay_point* out, const char* name,
                            wisp_error* error );
@@ -43,9 +43,9 @@ static inline int delaunay_triangle_count( int count, int outline_count )
 /// @param outline_count >= 3
 /// @param triangles [delaunay_triangle_count( count, outline_count )][3] receives indices, counter-clockwise;
 ///                  undefined on failure
-/// @param name what sentences call the points
+/// @param name what messages call the points
 /// @return WISP_BAD_INPUT too few points, a point off the lattice, two at one place, an outline that runs clockwise,
-///         crosses itself or passes through a point, or a point outside of it: the sentence names the points;
+///         crosses itself or passes through a point, or a point outside of it: the message names the points;
 ///         WISP_NO_MEMORY
 wisp_status delaunay_fill( const delaunay_point* points, int count, int outline_count, int32_t* triangles,
                            const char* name, wisp_error* error );

@@ -88,8 +88,10 @@ void delaunay_settle( delaunay* d )
 
 static void put_frame( delaunay* d )
 {
-    const int32_t low = -DELAUNAY_SIDE, high = 2 * DELAUNAY_SIDE;
-    const delaunay_point frame[DELAUNAY_FRAME] = { { low, low }, { high, low }, { high, high }, { low, high } };
+    const int32_t lower = -DELAUNAY_SIDE, upper = 2 * DELAUNAY_SIDE;
+    const delaunay_point frame[DELAUNAY_FRAME] = {
+        { lower, lower }, { upper, lower }, { upper, upper }, { lower, upper }
+    };
     int32_t first = d->point_count;
     for ( int k = 0; k < DELAUNAY_FRAME; ++k )
     {

@@ -14,7 +14,7 @@ enum
 /// Half-edge 3 * t + k runs from corner k of triangle t to the next. Triangles are counter-clockwise.
 typedef struct delaunay
 {
-    const char* name;       // what sentences call the points
+    const char* name;       // what messages call the points
     delaunay_point* points; // [point_count + DELAUNAY_FRAME]
     int32_t* corners;       // [3 * triangle_room] where each half-edge begins
     int32_t* twins;         // [3 * triangle_room] the half-edge across

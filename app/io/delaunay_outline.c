@@ -20,7 +20,7 @@ static wisp_status refuse_point( const delaunay* d, const way* w, int32_t point,
                       d->name, w->from, w->to, point );
 }
 
-static wisp_status refuse_crossing( const delaunay* d, const way* w, wisp_error* error )
+static wisp_status refuse_intersection( const delaunay* d, const way* w, wisp_error* error )
 {
     return wisp_fail( error, WISP_BAD_INPUT,
                       "%s: the outline crosses itself: from point %d to point %d and from point %d to point %d",
@@ -56,7 +56,7 @@ static wisp_status set_out( const delaunay* d, way* w, wisp_error* error )
         if ( turn > 0 && delaunay_turn( a, points[delaunay_to( d, opposite )], b ) < 0 )
         {
             w->cross = opposite;
-            return d->locked[opposite] ? refuse_crossing( d, w, error ) : WISP_OK;
+            return d->locked[opposite] ? refuse_intersection( d, w, error ) : WISP_OK;
         }
         half = d->twins[delaunay_previous( half )];
     }
@@ -78,7 +78,7 @@ static wisp_status go_on( const delaunay* d, way* w, wisp_error* error )
         return refuse_point( d, w, apex, error );
     }
     w->cross = side > 0 ? delaunay_next( back ) : delaunay_previous( back );
-    return d->locked[w->cross] ? refuse_crossing( d, w, error ) : WISP_OK;
+    return d->locked[w->cross] ? refuse_intersection( d, w, error ) : WISP_OK;
 }
 
 // Of the edges that the way crosses, the one to flip: its left end is the farthest from the way, and of the edges
@@ -188,13 +188,13 @@ wisp_status delaunay_take_inside( delaunay* d, int outline_count, int32_t* trian
                           d->triangle_count );
     }
     flood_outside( d, outside );
-    int count = 0, wanted = delaunay_triangle_count( d->point_count, outline_count );
+    int count = 0, requested = delaunay_triangle_count( d->point_count, outline_count );
     for ( int t = 0; t < d->triangle_count; ++t )
     {
         count += !outside[t];
     }
     wisp_status status = WISP_OK;
-    if ( count != wanted )
+    if ( count != requested )
     {
         // A point that is not a corner of what is left takes two triangles away with it. Nothing waits any more.
         status = refuse_outsider( d, outside, d->waiting, error );

@@ -92,7 +92,7 @@ static wisp_status check_offsets( const wisp_groom* groom, const char* name, wis
     return WISP_OK;
 }
 
-// The numbers of one vertex under the names that sentences use.
+// The numbers of one vertex under the names that messages use.
 typedef struct vertex_numbers
 {
     const char* name[8];
@@ -167,8 +167,8 @@ static wisp_status check_vertex_range( const wisp_groom* groom, int s, int v, wi
     {
         bool coordinate = k < 3;
         bool thickness = groom->thickness != NULL && k == 3;
-        float least = coordinate ? -WISP_GROOM_FARTHEST : 0.0f;
-        float most = coordinate || thickness ? WISP_GROOM_FARTHEST : 1.0f;
+        float least = coordinate ? -WISP_GROOM_MAX_COORDINATE : 0.0f;
+        float most = coordinate || thickness ? WISP_GROOM_MAX_COORDINATE : 1.0f;
         if ( numbers.value[k] < least || numbers.value[k] > most )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "groom: strand %d, vertex %d: %s: got %.9g, expected %g .. %g",

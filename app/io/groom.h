@@ -38,14 +38,14 @@ extern "C"
 #define WISP_GROOM_FILE_CAP ( (size_t)1 << 30 )
 
 /// Farthest coordinate that wisp_groom_check() accepts, m.
-#define WISP_GROOM_FARTHEST 1e6f
+#define WISP_GROOM_MAX_COORDINATE 1e6f
 
     /// Free the arrays and leave an empty groom, which may be released again.
     WISP_API void wisp_groom_release( wisp_groom* groom );
 
     /// Read a file. A file that starts with "HAIR" is a .hair file whatever it is called; otherwise the name decides.
     /// @param out receives the groom, to be released by the caller; empty on failure
-    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the sentence names the file, and the byte,
+    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the message names the file, and the byte,
     ///         strand or vertex; WISP_NO_MEMORY
     WISP_API wisp_status wisp_groom_read( const char* path, wisp_groom* out, wisp_error* error );
 
@@ -54,7 +54,7 @@ extern "C"
     /// header's flags are refused too: an array that nobody knows shifts the ones behind it. A strand of 0 segments
     /// has one vertex. The header's default segment count applies where the array is missing. Its other defaults and
     /// its text are not kept: a missing array stays null.
-    /// @param name what the sentence calls the file
+    /// @param name what the message calls the file
     WISP_API wisp_status wisp_groom_read_hair( const void* bytes, size_t size, const char* name, wisp_groom* out,
                                                wisp_error* error );
 
@@ -71,7 +71,7 @@ extern "C"
     WISP_API wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_error* error );
 
     /// Write to a stream. Errors of the stream itself are left to the caller's ferror().
-    /// @param name what the sentence calls the file
+    /// @param name what the message calls the file
     /// @return WISP_BAD_INPUT the groom is malformed or not finite, or the format cannot hold a strand: .hair needs
     ///         1 to 65536 vertices a strand, .usda at least 2; nothing is written then. .obj keeps strands of one
     ///         vertex as vertices without a line.
@@ -83,9 +83,9 @@ extern "C"
                                                wisp_error* error );
 
     /// Whether a groom may be simulated: offsets start at 0, never fall and end at vertex_count; every number is
-    /// finite; coordinates are within WISP_GROOM_FARTHEST; thickness is not negative; transparency and colour are in
+    /// finite; coordinates are within WISP_GROOM_MAX_COORDINATE; thickness is not negative; transparency and colour are in
     /// 0..1; two dimensions mean z = 0.
-    /// @return WISP_BAD_INPUT the sentence names the first strand and vertex
+    /// @return WISP_BAD_INPUT the message names the first strand and vertex
     WISP_API wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error );
 
     /// What a strand does on its way down.
@@ -96,8 +96,8 @@ extern "C"
         WISP_GROOM_CURLY, ///< winds: a helix in three dimensions, a looping cycloid in two
     } wisp_groom_shape;
 
-    /// A groom to be made. Fill from wisp_default_groom_recipe().
-    typedef struct wisp_groom_recipe
+    /// A groom to be made. Fill from wisp_default_groom_generator().
+    typedef struct wisp_groom_generator
     {
         wisp_groom_shape shape;
         int dimension;    ///< 2: roots on the x axis, strands along -y, z = 0. 3: roots on the upper cap of a sphere
@@ -112,25 +112,26 @@ extern "C"
         float length_variation;  ///< in [0, 1): lengths are uniform in length * (1 - v) .. length * (1 + v)
         float thickness;         ///< m, >= 0, diameter of every vertex; 0 leaves the array out
         uint64_t seed;           ///< of lengths and phases
-    } wisp_groom_recipe;
+    } wisp_groom_generator;
 
     /// Hair of 25 cm that looks like hair: 2000 strands on a head in three dimensions, 64 strands 2 mm apart in two;
     /// 24 vertices a strand, 64 where it curls; waves of 6 mm every 7 cm, curls of 8 mm every 4 cm; lengths vary by 8
     /// percent; 0.08 mm thick.
-    /// @param dimension 2 or 3; anything else is kept and then refused by wisp_groom_make()
-    WISP_API wisp_groom_recipe wisp_default_groom_recipe( wisp_groom_shape shape, int dimension );
+    /// @param dimension 2 or 3; anything else is kept and then refused by wisp_groom_generate()
+    WISP_API wisp_groom_generator wisp_default_groom_generator( wisp_groom_shape shape, int dimension );
 
-/// Most vertices that wisp_groom_make() makes.
+/// Most vertices that wisp_groom_generate() makes.
 #define WISP_GROOM_MADE_CAP ( 1 << 27 )
 
     /// Make a groom. The same recipe gives the same bits on every machine. Straight strands in two dimensions have
     /// exactly one x each. Vertices are evenly spaced along the centre line.
-    /// @return WISP_BAD_INPUT the sentence names the recipe's value; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_groom_make( const wisp_groom_recipe* recipe, wisp_groom* out, wisp_error* error );
+    /// @return WISP_BAD_INPUT the message names the recipe's value; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_groom_generate( const wisp_groom_generator* generator, wisp_groom* out,
+                                              wisp_error* error );
 
     /// Print what is in a groom (counts, vertices a strand, bounds, lengths, thickness) and what is wrong with it, by
     /// element: segments of zero length, strands without a segment, strands that share a root, coordinates beyond
-    /// WISP_GROOM_FARTHEST; the first ten of each kind and how many there are.
+    /// WISP_GROOM_MAX_COORDINATE; the first ten of each kind and how many there are.
     /// @param name what the text calls the groom
     /// @return WISP_BAD_INPUT the groom is malformed or not finite, which is then the only thing printed;
     ///         WISP_NO_MEMORY

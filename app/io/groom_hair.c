@@ -25,7 +25,7 @@ enum
     HAS_COLOUR = 16,
     KNOWN_FLAGS = 31,
 
-    MOST_VERTICES_A_STRAND = 65536, // segments are counted in 16 bits
+    MAX_VERTICES_A_STRAND = 65536, // segments are counted in 16 bits
 };
 
 // What the header says, and where each array starts; an array that is not there starts at 0.
@@ -261,11 +261,11 @@ static wisp_status check_fits( const wisp_groom* groom, const char* name, wisp_e
     for ( int s = 0; status == WISP_OK && s < groom->strand_count; ++s )
     {
         int count = groom->offsets[s + 1] - groom->offsets[s];
-        if ( count < 1 || count > MOST_VERTICES_A_STRAND )
+        if ( count < 1 || count > MAX_VERTICES_A_STRAND )
         {
             status = wisp_fail( error, WISP_BAD_INPUT,
                                 "%s: strand %d has %d vertices; a .hair file holds 1 to %d a strand",
-                                io_short_name( name ), s, count, MOST_VERTICES_A_STRAND );
+                                io_short_name( name ), s, count, MAX_VERTICES_A_STRAND );
         }
     }
     return status;

@@ -82,7 +82,7 @@ static void print_column( FILE* out, const char* label, const float* values, int
     print_figure( out, label, &f, unit );
 }
 
-static void print_figures( FILE* out, const wisp_groom* groom, const char* name )
+static void print_stats( FILE* out, const wisp_groom* groom, const char* name )
 {
     figure vertices = { .count = 0 };
     figure length = { .count = 0 };
@@ -180,7 +180,7 @@ static finding find_far_vertices( const wisp_groom* groom )
         for ( int v = groom->offsets[s]; v < groom->offsets[s + 1]; ++v )
         {
             wisp_vec3 p = groom->points[v];
-            if ( fmaxf( fmaxf( fabsf( p.x ), fabsf( p.y ) ), fabsf( p.z ) ) > WISP_GROOM_FARTHEST )
+            if ( fmaxf( fmaxf( fabsf( p.x ), fabsf( p.y ) ), fabsf( p.z ) ) > WISP_GROOM_MAX_COORDINATE )
             {
                 note( &f, s, v - groom->offsets[s] );
             }
@@ -275,7 +275,7 @@ static void print_findings( FILE* out, const wisp_groom* groom, const finding* s
     bool found = zero.count + brief.count + shared->count + far.count > 0;
     if ( far.count == 0 && wisp_groom_check( groom, &error ) != WISP_OK )
     {
-        fprintf( out, "  wrong: %s\n", error.sentence );
+        fprintf( out, "  wrong: %s\n", error.message );
     }
     else if ( !found )
     {
@@ -300,12 +300,12 @@ wisp_status wisp_groom_info( FILE* out, const wisp_groom* groom, const char* nam
     }
     if ( status == WISP_OK )
     {
-        print_figures( out, groom, name );
+        print_stats( out, groom, name );
         print_findings( out, groom, &shared );
     }
     else if ( error.status != WISP_OK )
     {
-        fprintf( out, "%s\n", error.sentence );
+        fprintf( out, "%s\n", error.message );
     }
     io_numbers_end( &numbers );
     return status;

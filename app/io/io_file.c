@@ -15,7 +15,7 @@
 enum
 {
     FIRST_BLOCK = 64 * 1024, // bytes, where a file's size is unknown
-    NAME_SHOWN = 200,        // characters of a path that a sentence shows
+    NAME_SHOWN = 200,        // characters of a path that a message shows
     PARTIAL_ATTEMPTS = 100,  // names tried before giving up; one is enough unless a crash left files behind
 };
 
@@ -28,15 +28,15 @@ const char* io_short_name( const char* name )
 bool io_has_extension( const char* path, const char* extension )
 {
     size_t length = strlen( path );
-    size_t wanted = strlen( extension );
-    if ( length <= wanted )
+    size_t requested = strlen( extension );
+    if ( length <= requested )
     {
         return false;
     }
-    for ( size_t i = 0; i < wanted; ++i )
+    for ( size_t i = 0; i < requested; ++i )
     {
         // Not tolower(): the host's locale has no say in what a file is.
-        char c = path[length - wanted + i];
+        char c = path[length - requested + i];
         char lower = c >= 'A' && c <= 'Z' ? (char)( c - 'A' + 'a' ) : c;
         if ( lower != extension[i] )
         {

@@ -23,7 +23,7 @@ typedef struct io_output
     char* partial; ///< the new file beside it; null when path is a device or a pipe, which is written in place
 } io_output;
 
-/// @return WISP_IO_ERROR the operating system refused (the sentence carries its reason); WISP_NO_MEMORY
+/// @return WISP_IO_ERROR the operating system refused (the message carries its reason); WISP_NO_MEMORY
 wisp_status io_output_open( const char* path, io_output* output, wisp_error* error );
 
 /// Bring everything to the disk and put the new file in the place of the old one.
@@ -54,5 +54,5 @@ void io_numbers_end( io_numbers* numbers );
 /// The locale has no say.
 bool io_has_extension( const char* path, const char* extension );
 
-/// The end of a long path, so that a sentence of 500 characters still has room for what is wrong.
+/// The end of a long path, so that a message of 500 characters still has room for what is wrong.
 const char* io_short_name( const char* name );

@@ -45,7 +45,7 @@ extern "C"
 
     /// Read a file; its name decides on the format.
     /// @param out receives the mesh, to be released by the caller; empty on failure
-    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the sentence names the file, and the line,
+    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the message names the file, and the line,
     ///         byte, vertex or face; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
 
@@ -53,14 +53,14 @@ extern "C"
     /// corners are v, v/t, v//n or v/t/n; negative ones count backwards from the last vertex before the line. A
     /// polygon is cut into a fan around its first corner, which is right for convex ones. Texture and normal indices
     /// are syntax only. Every other line is passed over.
-    /// @param name what the sentence calls the file
+    /// @param name what the message calls the file
     WISP_API wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
     /// Read the bytes of a PLY file: x, y, z of `vertex` and the list vertex_indices or vertex_index of `face`,
     /// whatever their types; other elements and properties are passed over. In text, a row is a line. Polygons are
     /// cut into fans as in OBJ. Nothing but white space may follow the last element.
-    /// @param name what the sentence calls the file
+    /// @param name what the message calls the file
     WISP_API wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
@@ -90,7 +90,7 @@ extern "C"
     /// Write a mesh with points on it as little-endian PLY: the vertices, then the points, each with its normal (nx,
     /// ny, nz) and the number of its element, which is -1 of a vertex; the triangles; the edges as vertex1 and vertex2.
     /// It is read back as a mesh with vertices of no triangle.
-    /// @return as wisp_mesh_write(); also WISP_BAD_INPUT a point, a normal or an element that cannot be (the sentence
+    /// @return as wisp_mesh_write(); also WISP_BAD_INPUT a point, a normal or an element that cannot be (the message
     ///         names it)
     WISP_API wisp_status wisp_mesh_write_layer( const char* path, const wisp_mesh* mesh, const wisp_mesh_layer* layer,
                                                 wisp_error* error );
@@ -102,7 +102,7 @@ extern "C"
         WISP_MESH_PLANE_REGULAR,     ///< every diagonal from (i, j) to (i + 1, j + 1)
         WISP_MESH_PLANE_ALTERNATING, ///< so where i + j is even, the other diagonal where it is odd
         WISP_MESH_PLANE_IRREGULAR,   ///< shifted at random, then Delaunay
-        WISP_MESH_DELAUNAY,          ///< a rectangle by wisp_mesh_make_flat(): no rows, valences that differ
+        WISP_MESH_DELAUNAY,          ///< a rectangle by wisp_mesh_generate_flat(): no rows, valences that differ
         WISP_MESH_GARMENT,           ///< the front panel of a shirt by the same, denser at armholes and neckline
         WISP_MESH_ICOSPHERE,         ///< 10 * 4^level + 2 vertices
         WISP_MESH_UV_SPHERE,
@@ -113,8 +113,8 @@ extern "C"
         WISP_MESH_SHAPE_COUNT
     } wisp_mesh_shape;
 
-    /// A mesh to be made. Fill from wisp_default_mesh_recipe().
-    typedef struct wisp_mesh_recipe
+    /// A mesh to be made. Fill from wisp_default_mesh_generator().
+    typedef struct wisp_mesh_generator
     {
         wisp_mesh_shape shape;
         int columns;         ///< >= 2, vertices of a plane along x
@@ -134,16 +134,17 @@ extern "C"
         float width;       ///< m, > 0, of Delaunay rectangle and garment along x
         float depth;       ///< m, > 0, of the same along z, within a thousandth and a thousand times of the width
         uint64_t seed;     ///< of the shifts, and of the vertices inside Delaunay rectangle and garment
-    } wisp_mesh_recipe;
+    } wisp_mesh_generator;
 
     /// Planes of 32 x 32 vertices 2 cm apart; round shapes of radius 0.5 m with some thousand triangles; Delaunay
     /// pieces of 958 vertices in a square of 1 m x 1 m or a shirt of 0.55 m x 0.7 m.
-    WISP_API wisp_mesh_recipe wisp_default_mesh_recipe( wisp_mesh_shape shape );
+    WISP_API wisp_mesh_generator wisp_default_mesh_generator( wisp_mesh_shape shape );
 
     /// Make a mesh around the origin. Planes lie in y = 0 and look along +y; closed shapes and the tube look
     /// outwards. The same recipe gives the same bits on every machine.
-    /// @return WISP_BAD_INPUT the sentence names the recipe's value; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_mesh_make( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    /// @return WISP_BAD_INPUT the message names the recipe's value; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out,
+                                             wisp_error* error );
 
     /// A corner of a flat piece, and the straight edge from there to the next one.
     typedef struct wisp_mesh_corner
@@ -157,12 +158,12 @@ extern "C"
     /// comes first, corner 0 being vertex 0; the inside follows along Hilbert's curve. Where density asks the border
     /// for more vertices than there are, all edges get fewer. The same call gives the same bits on every machine.
     /// @param corners [corner_count] counter-clockwise seen from above, where +y points at the eye and x to the right
-    ///                z points down; not crossing or touching itself
+    ///                z points down; not intersection or touching itself
     /// @param corner_count >= 3
     /// @param vertex_count >= corner_count
-    /// @return WISP_BAD_INPUT the sentence names the corner, or the value; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_mesh_make_flat( const wisp_mesh_corner* corners, int corner_count, int vertex_count,
-                                              uint64_t seed, wisp_mesh* out, wisp_error* error );
+    /// @return WISP_BAD_INPUT the message names the corner, or the value; WISP_NO_MEMORY
+    WISP_API wisp_status wisp_mesh_generate_flat( const wisp_mesh_corner* corners, int corner_count, int vertex_count,
+                                                  uint64_t seed, wisp_mesh* out, wisp_error* error );
 
     // ---- pairs ----
 
@@ -200,7 +201,7 @@ extern "C"
     } wisp_mesh_finding;
 
     /// Triangles that hang together by edges.
-    typedef struct wisp_mesh_shell
+    typedef struct wisp_mesh_component
     {
         int first_triangle; ///< the lowest number
         int triangle_count;
@@ -208,38 +209,38 @@ extern "C"
         bool consistent; ///< as many triangles run along each edge of two or more one way as the other
         double area;     ///< m^2
         double volume;   ///< m^3, negative inside out; 0 unless closed and consistent
-    } wisp_mesh_shell;
+    } wisp_mesh_component;
 
-    typedef struct wisp_mesh_report
+    typedef struct wisp_mesh_diagnostics
     {
         int vertex_count, triangle_count, edge_count;
         int euler_characteristic; ///< vertices in use - edges + triangles: sphere 2, torus 0, disc 1
-        int border_loop_count;    ///< pieces that the border edges hang together in
-        int shell_count;
-        wisp_mesh_shell shells[WISP_MESH_LISTED]; ///< the first ones
-        bool closed;                              ///< all shells are
-        double area, volume;                      ///< sums over all shells
-        wisp_vec3 lowest, highest;                ///< bounds of all vertices, m
-        double edge_least, edge_mean, edge_most;  ///< m, lengths of edges
+        int open_loop_count;      ///< pieces that the border edges hang together in
+        int component_count;
+        wisp_mesh_component components[WISP_MESH_LISTED]; ///< the first ones
+        bool closed;                                      ///< all shells are
+        double area, volume;                              ///< sums over all shells
+        wisp_vec3 lowest, highest;                        ///< bounds of all vertices, m
+        double min_edge, edge_mean, max_edge;             ///< m, lengths of edges
 
-        wisp_mesh_finding borders;              ///< edges of one triangle
+        wisp_mesh_finding open_edges;           ///< edges of one triangle
         wisp_mesh_finding windings;             ///< edges whose two triangles run along them the same way
         wisp_mesh_finding inside_out;           ///< closed consistent shells of negative volume
         wisp_mesh_finding nonmanifold_edges;    ///< edges of three or more triangles
         wisp_mesh_finding nonmanifold_vertices; ///< vertices where more than one fan of triangles meets
         wisp_mesh_finding duplicates;           ///< triangles with the vertices of an earlier one, in any order
         wisp_mesh_finding degenerates;          ///< triangles that name a vertex twice or have no area
-        wisp_mesh_finding loose;                ///< vertices that no triangle names
-    } wisp_mesh_report;
+        wisp_mesh_finding unreferenced;         ///< vertices that no triangle names
+    } wisp_mesh_diagnostics;
 
 /// A triangle has no area when its height is at most this part of its longest edge: what rounding to floats leaves.
 #define WISP_MESH_FLAT 1e-7
 
     /// Examine a mesh. Triangles that name a vertex twice count as degenerate and as nothing else. Time grows as the
     /// number of elements, also for hostile meshes.
-    /// @return WISP_BAD_INPUT the mesh is malformed (an index out of range) or not finite, the sentence names the
+    /// @return WISP_BAD_INPUT the mesh is malformed (an index out of range) or not finite, the message names the
     ///         element; WISP_NO_MEMORY
-    WISP_API wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_report* report, wisp_error* error );
+    WISP_API wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* report, wisp_error* error );
 
     /// What a user of a mesh may demand of it, or-ed.
     enum
@@ -248,13 +249,13 @@ extern "C"
         WISP_MESH_ORIENTED = 2, ///< consistent winding, no shell inside out
         WISP_MESH_MANIFOLD = 4, ///< no edge of three triangles, no vertex of two fans
         WISP_MESH_CLEAN = 8,    ///< no duplicate, degenerate or loose element
-        WISP_MESH_ONE_SHELL = 16,
+        WISP_MESH_ONE_COMPONENT = 16,
     };
 
     /// Refuse a mesh that does not meet the demands.
-    /// @param name what the sentence calls the mesh
-    /// @return WISP_BAD_INPUT the sentence names the first element that is wrong
-    WISP_API wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, const char* name,
+    /// @param name what the message calls the mesh
+    /// @return WISP_BAD_INPUT the message names the first element that is wrong
+    WISP_API wisp_status wisp_mesh_require( const wisp_mesh_diagnostics* report, int demands, const char* name,
                                             wisp_error* error );
 
     /// What wisp_mesh_repair() may do, or-ed. Done in this order.
@@ -265,7 +266,7 @@ extern "C"
         WISP_MESH_TURN_TRIANGLES =
             4, ///< flood fill over edges of two triangles; closed pieces then look outwards, open
                ///< ones keep the winding that most of their triangles have
-        WISP_MESH_DROP_LOOSE = 8,
+        WISP_MESH_DROP_UNREFERENCED = 8,
         WISP_MESH_REPAIR_ALL = 15,
     };
 
@@ -275,7 +276,7 @@ extern "C"
         int degenerates_dropped;
         int duplicates_dropped;
         int triangles_turned;
-        int loose_dropped;
+        int unreferenced_dropped;
         int32_t* kept; ///< [kept_count] number before the repair of each vertex that is left, rising
         int kept_count;
     } wisp_mesh_repairs;
@@ -287,7 +288,7 @@ extern "C"
     /// examine again.
     /// @param repairs receives what was done; empty on failure
     /// @return WISP_BAD_INPUT malformed, or with WISP_MESH_TURN_TRIANGLES one-sided like a Moebius strip (the
-    ///         sentence names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the
+    ///         message names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the
     ///         mesh is unchanged
     WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error );
 
@@ -295,9 +296,9 @@ extern "C"
 
     /// Print what `wisp info` says: figures, then what is wrong, by element.
     /// @param name what the text calls the mesh
-    WISP_API void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* name );
+    WISP_API void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name );
 
-    /// A sentence for each repair that was done, or one that says that none was needed.
+    /// A message for each repair that was done, or one that says that none was needed.
     WISP_API void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const char* name );
 
     /// Examine and print.

@@ -10,16 +10,16 @@
 typedef struct examination
 {
     const wisp_mesh* mesh;
-    wisp_mesh_report* report;
+    wisp_mesh_diagnostics* report;
     mesh_edges edges;
-    int32_t* shell_sets;     // of triangles that share an edge
-    int32_t* fan_sets;       // of corners 3 * t + k whose triangles share an edge at the corner's vertex
-    int32_t* border_sets;    // of vertices joined by open edges
-    int32_t* first_of;       // [triangle_count] of duplicates
-    int32_t* shell_number;   // [triangle_count] of the shell of a triangle that stands for its set
-    int32_t* vertex_count;   // [vertex_count] of fans
-    bool* flags;             // [vertex_count] named by a triangle, lies on a border
-    wisp_mesh_shell* shells; // [report->shell_count]
+    int32_t* component_sets;         // of triangles that share an edge
+    int32_t* fan_sets;               // of corners 3 * t + k whose triangles share an edge at the corner's vertex
+    int32_t* border_sets;            // of vertices joined by open edges
+    int32_t* first_of;               // [triangle_count] of duplicates
+    int32_t* component_number;       // [triangle_count] of the shell of a triangle that stands for its set
+    int32_t* vertex_count;           // [vertex_count] of fans
+    bool* flags;                     // [vertex_count] named by a triangle, lies on a border
+    wisp_mesh_component* components; // [report->shell_count]
 } examination;
 
 enum
@@ -41,13 +41,13 @@ static void note( wisp_mesh_finding* finding, int first, int second )
 
 // ---- edges -----------------------------------------------------------------------------------------------------
 
-static void measure_edge( wisp_mesh_report* report, const wisp_mesh* mesh, int32_t half )
+static void measure_edge( wisp_mesh_diagnostics* report, const wisp_mesh* mesh, int32_t half )
 {
     mesh_vector d = mesh_between( mesh->points[mesh_from( mesh, half )], mesh->points[mesh_to( mesh, half )] );
     double length = sqrt( mesh_dot( d, d ) );
     bool is_first = report->edge_count == 0;
-    report->edge_least = is_first || length < report->edge_least ? length : report->edge_least;
-    report->edge_most = is_first || length > report->edge_most ? length : report->edge_most;
+    report->min_edge = is_first || length < report->min_edge ? length : report->min_edge;
+    report->max_edge = is_first || length > report->max_edge ? length : report->max_edge;
     report->edge_mean += length;
     ++report->edge_count;
 }
@@ -68,7 +68,7 @@ static void join_neighbours( examination* x, int32_t half, int32_t other )
 {
     const wisp_mesh* mesh = x->mesh;
     int32_t a = mesh_from( mesh, half ), b = mesh_to( mesh, half );
-    mesh_sets_merge( x->shell_sets, half / 3, other / 3 );
+    mesh_sets_merge( x->component_sets, half / 3, other / 3 );
     mesh_sets_merge( x->fan_sets, corner_at( mesh, half, a ), corner_at( mesh, other, a ) );
     mesh_sets_merge( x->fan_sets, corner_at( mesh, half, b ), corner_at( mesh, other, b ) );
 }
@@ -81,7 +81,7 @@ static void examine_edge( examination* x, int begin, int end )
     measure_edge( x->report, mesh, first );
     if ( end - begin == 1 )
     {
-        note_edge( &x->report->borders, mesh, first );
+        note_edge( &x->report->open_edges, mesh, first );
         int32_t a = mesh_from( mesh, first ), b = mesh_to( mesh, first );
         mesh_sets_merge( x->border_sets, a, b );
         x->flags[VERTEX_FLAGS * (size_t)a + VERTEX_ON_BORDER] = true;
@@ -134,17 +134,17 @@ static void examine_triangles( examination* x )
     }
 }
 
-static void grow_bounds( wisp_mesh_report* report, wisp_vec3 p, bool is_first )
+static void grow_bounds( wisp_mesh_diagnostics* report, wisp_vec3 p, bool is_first )
 {
-    wisp_vec3* low = &report->lowest;
-    wisp_vec3* high = &report->highest;
-    *low = is_first ? p : ( wisp_vec3 ){ fminf( low->x, p.x ), fminf( low->y, p.y ), fminf( low->z, p.z ) };
-    *high = is_first ? p : ( wisp_vec3 ){ fmaxf( high->x, p.x ), fmaxf( high->y, p.y ), fmaxf( high->z, p.z ) };
+    wisp_vec3* lower = &report->lowest;
+    wisp_vec3* upper = &report->highest;
+    *lower = is_first ? p : ( wisp_vec3 ){ fminf( lower->x, p.x ), fminf( lower->y, p.y ), fminf( lower->z, p.z ) };
+    *upper = is_first ? p : ( wisp_vec3 ){ fmaxf( upper->x, p.x ), fmaxf( upper->y, p.y ), fmaxf( upper->z, p.z ) };
 }
 
 static void examine_vertices( examination* x )
 {
-    wisp_mesh_report* report = x->report;
+    wisp_mesh_diagnostics* report = x->report;
     int in_use = 0;
     for ( int v = 0; v < x->mesh->vertex_count; ++v )
     {
@@ -157,9 +157,9 @@ static void examine_vertices( examination* x )
         }
         if ( !flags[VERTEX_NAMED] )
         {
-            note( &report->loose, v, 0 );
+            note( &report->unreferenced, v, 0 );
         }
-        report->border_loop_count += flags[VERTEX_ON_BORDER] && x->border_sets[v] == v;
+        report->open_loop_count += flags[VERTEX_ON_BORDER] && x->border_sets[v] == v;
     }
     report->euler_characteristic = in_use - report->edge_count + x->edges.half_count / 3;
 }
@@ -172,73 +172,73 @@ static wisp_status number_shells( examination* x, wisp_error* error )
     int count = 0;
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
-        bool is_first = x->shell_sets[t] == t && !mesh_names_twice( mesh, t );
-        x->shell_number[t] = is_first ? count++ : 0;
+        bool is_first = x->component_sets[t] == t && !mesh_names_twice( mesh, t );
+        x->component_number[t] = is_first ? count++ : 0;
     }
-    x->report->shell_count = count;
-    x->shells = calloc( (size_t)count + 1, sizeof *x->shells );
-    if ( x->shells == NULL )
+    x->report->component_count = count;
+    x->components = calloc( (size_t)count + 1, sizeof *x->components );
+    if ( x->components == NULL )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d components", count );
     }
     return WISP_OK;
 }
 
-static wisp_mesh_shell* shell_of( examination* x, int t )
+static wisp_mesh_component* component_of( examination* x, int t )
 {
-    return x->shells + x->shell_number[mesh_sets_find( x->shell_sets, t )];
+    return x->components + x->component_number[mesh_sets_find( x->component_sets, t )];
 }
 
 // Volume is summed over tetrahedra whose tip is a vertex of the shell itself: far from the origin nothing cancels.
 static void measure_triangle( examination* x, int t )
 {
     const wisp_mesh* mesh = x->mesh;
-    wisp_mesh_shell* shell = shell_of( x, t );
-    shell->first_triangle = shell->triangle_count == 0 ? t : shell->first_triangle;
-    ++shell->triangle_count;
+    wisp_mesh_component* component = component_of( x, t );
+    component->first_triangle = component->triangle_count == 0 ? t : component->first_triangle;
+    ++component->triangle_count;
     const int32_t* c = mesh->triangles + 3 * t;
-    wisp_vec3 tip = mesh->points[mesh->triangles[3 * shell->first_triangle]];
+    wisp_vec3 tip = mesh->points[mesh->triangles[3 * component->first_triangle]];
     mesh_vector normal = mesh_cross( mesh_between( mesh->points[c[0]], mesh->points[c[1]] ),
                                      mesh_between( mesh->points[c[0]], mesh->points[c[2]] ) );
-    shell->area += 0.5 * sqrt( mesh_dot( normal, normal ) );
-    shell->volume += mesh_dot( mesh_between( tip, mesh->points[c[0]] ), normal ) / 6.0;
+    component->area += 0.5 * sqrt( mesh_dot( normal, normal ) );
+    component->volume += mesh_dot( mesh_between( tip, mesh->points[c[0]] ), normal ) / 6.0;
 }
 
 static void judge_edge( examination* x, int begin, int end )
 {
     const int32_t* half = x->edges.half;
-    wisp_mesh_shell* shell = shell_of( x, half[begin] / 3 );
+    wisp_mesh_component* component = component_of( x, half[begin] / 3 );
     int balance = 0;
     for ( int i = begin; i < end; ++i )
     {
         balance += mesh_from( x->mesh, half[i] ) < mesh_to( x->mesh, half[i] ) ? 1 : -1;
     }
-    shell->closed = shell->closed && ( end - begin ) % 2 == 0;
-    shell->consistent = shell->consistent && ( end - begin == 1 || balance == 0 );
+    component->closed = component->closed && ( end - begin ) % 2 == 0;
+    component->consistent = component->consistent && ( end - begin == 1 || balance == 0 );
 }
 
-static void report_shell( wisp_mesh_report* report, wisp_mesh_shell* shell, int number )
+static void report_shell( wisp_mesh_diagnostics* report, wisp_mesh_component* component, int number )
 {
-    shell->volume = shell->closed && shell->consistent ? shell->volume : 0.0;
-    report->closed = report->closed && shell->closed;
-    report->area += shell->area;
-    report->volume += shell->volume;
-    if ( shell->volume < 0.0 )
+    component->volume = component->closed && component->consistent ? component->volume : 0.0;
+    report->closed = report->closed && component->closed;
+    report->area += component->area;
+    report->volume += component->volume;
+    if ( component->volume < 0.0 )
     {
         note( &report->inside_out, number, 0 );
     }
     if ( number < WISP_MESH_LISTED )
     {
-        report->shells[number] = *shell;
+        report->components[number] = *component;
     }
 }
 
 static void examine_shells( examination* x )
 {
-    for ( int s = 0; s < x->report->shell_count; ++s )
+    for ( int s = 0; s < x->report->component_count; ++s )
     {
-        x->shells[s].closed = true;
-        x->shells[s].consistent = true;
+        x->components[s].closed = true;
+        x->components[s].consistent = true;
     }
     for ( int t = 0; t < x->mesh->triangle_count; ++t )
     {
@@ -251,10 +251,10 @@ static void examine_shells( examination* x )
     {
         judge_edge( x, x->edges.starts[e], x->edges.starts[e + 1] );
     }
-    x->report->closed = x->report->shell_count > 0;
-    for ( int s = 0; s < x->report->shell_count; ++s )
+    x->report->closed = x->report->component_count > 0;
+    for ( int s = 0; s < x->report->component_count; ++s )
     {
-        report_shell( x->report, &x->shells[s], s );
+        report_shell( x->report, &x->components[s], s );
     }
 }
 
@@ -263,15 +263,15 @@ static void examine_shells( examination* x )
 static wisp_status ask_for_memory( examination* x, wisp_error* error )
 {
     size_t triangles = (size_t)x->mesh->triangle_count, vertices = (size_t)x->mesh->vertex_count;
-    x->shell_sets = mesh_sets_make( x->mesh->triangle_count );
+    x->component_sets = mesh_sets_make( x->mesh->triangle_count );
     x->fan_sets = mesh_sets_make( 3 * x->mesh->triangle_count );
     x->border_sets = mesh_sets_make( x->mesh->vertex_count );
     x->first_of = malloc( triangles * sizeof *x->first_of );
-    x->shell_number = malloc( triangles * sizeof *x->shell_number );
+    x->component_number = malloc( triangles * sizeof *x->component_number );
     x->vertex_count = calloc( vertices, sizeof *x->vertex_count );
     x->flags = calloc( vertices, VERTEX_FLAGS * sizeof *x->flags );
-    bool has_all = x->shell_sets != NULL && x->fan_sets != NULL && x->border_sets != NULL && x->first_of != NULL &&
-                   x->shell_number != NULL && x->vertex_count != NULL && x->flags != NULL;
+    bool has_all = x->component_sets != NULL && x->fan_sets != NULL && x->border_sets != NULL &&
+                   x->first_of != NULL && x->component_number != NULL && x->vertex_count != NULL && x->flags != NULL;
     return has_all ? WISP_OK
                    : wisp_fail( error, WISP_NO_MEMORY, "no memory to examine %d triangles", x->mesh->triangle_count );
 }
@@ -279,14 +279,14 @@ static wisp_status ask_for_memory( examination* x, wisp_error* error )
 static void give_back( examination* x )
 {
     mesh_edges_release( &x->edges );
-    free( x->shell_sets );
+    free( x->component_sets );
     free( x->fan_sets );
     free( x->border_sets );
     free( x->first_of );
-    free( x->shell_number );
+    free( x->component_number );
     free( x->vertex_count );
     free( x->flags );
-    free( x->shells );
+    free( x->components );
 }
 
 // Triangles that name a vertex twice are no duplicates of each other: they are worse things already.
@@ -307,9 +307,9 @@ static wisp_status find_duplicates( examination* x, wisp_error* error )
     return status;
 }
 
-wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_report* report, wisp_error* error )
+wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* report, wisp_error* error )
 {
-    *report = ( wisp_mesh_report ){ .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count };
+    *report = ( wisp_mesh_diagnostics ){ .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count };
     examination x = { .mesh = mesh, .report = report };
     wisp_status status = mesh_check( mesh, "mesh", error );
     if ( status == WISP_OK )
@@ -338,7 +338,7 @@ wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_report* report, 
     give_back( &x );
     if ( status != WISP_OK )
     {
-        *report = ( wisp_mesh_report ){ 0 };
+        *report = ( wisp_mesh_diagnostics ){ 0 };
     }
     return status;
 }

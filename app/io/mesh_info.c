@@ -25,20 +25,21 @@ typedef struct finding_kind
 } finding_kind;
 
 static const finding_kind kinds[] = {
-    { offsetof( wisp_mesh_report, borders ), WISP_MESH_CLOSED, ELEMENT_EDGE, "open edges" },
-    { offsetof( wisp_mesh_report, nonmanifold_edges ), WISP_MESH_MANIFOLD, ELEMENT_EDGE,
+    { offsetof( wisp_mesh_diagnostics, open_edges ), WISP_MESH_CLOSED, ELEMENT_EDGE, "open edges" },
+    { offsetof( wisp_mesh_diagnostics, nonmanifold_edges ), WISP_MESH_MANIFOLD, ELEMENT_EDGE,
       "edges of more than two triangles" },
-    { offsetof( wisp_mesh_report, nonmanifold_vertices ), WISP_MESH_MANIFOLD, ELEMENT_FANS,
+    { offsetof( wisp_mesh_diagnostics, nonmanifold_vertices ), WISP_MESH_MANIFOLD, ELEMENT_FANS,
       "vertices where separate fans of triangles meet" },
-    { offsetof( wisp_mesh_report, windings ), WISP_MESH_ORIENTED, ELEMENT_EDGE,
+    { offsetof( wisp_mesh_diagnostics, windings ), WISP_MESH_ORIENTED, ELEMENT_EDGE,
       "edges along which the winding disagrees" },
-    { offsetof( wisp_mesh_report, inside_out ), WISP_MESH_ORIENTED, ELEMENT_SHELL, "components turned inside out" },
-    { offsetof( wisp_mesh_report, duplicates ), WISP_MESH_CLEAN, ELEMENT_DUPLICATE, "duplicate triangles" },
-    { offsetof( wisp_mesh_report, degenerates ), WISP_MESH_CLEAN, ELEMENT_TRIANGLE, "triangles without area" },
-    { offsetof( wisp_mesh_report, loose ), WISP_MESH_CLEAN, ELEMENT_VERTEX, "unreferenced vertices" },
+    { offsetof( wisp_mesh_diagnostics, inside_out ), WISP_MESH_ORIENTED, ELEMENT_SHELL,
+      "components turned inside out" },
+    { offsetof( wisp_mesh_diagnostics, duplicates ), WISP_MESH_CLEAN, ELEMENT_DUPLICATE, "duplicate triangles" },
+    { offsetof( wisp_mesh_diagnostics, degenerates ), WISP_MESH_CLEAN, ELEMENT_TRIANGLE, "triangles without area" },
+    { offsetof( wisp_mesh_diagnostics, unreferenced ), WISP_MESH_CLEAN, ELEMENT_VERTEX, "unreferenced vertices" },
 };
 
-static const wisp_mesh_finding* finding_of( const wisp_mesh_report* report, const finding_kind* kind )
+static const wisp_mesh_finding* finding_of( const wisp_mesh_diagnostics* report, const finding_kind* kind )
 {
     return (const wisp_mesh_finding*)( (const char*)report + kind->at );
 }
@@ -76,7 +77,7 @@ static element_words name_element( const wisp_mesh_finding* finding, element_kin
     return words;
 }
 
-wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, const char* name, wisp_error* error )
+wisp_status wisp_mesh_require( const wisp_mesh_diagnostics* report, int demands, const char* name, wisp_error* error )
 {
     for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
     {
@@ -87,18 +88,18 @@ wisp_status wisp_mesh_require( const wisp_mesh_report* report, int demands, cons
                               kinds[k].title, finding->count, name_element( finding, kinds[k].element, 0 ).text );
         }
     }
-    if ( ( demands & WISP_MESH_ONE_SHELL ) != 0 && report->shell_count != 1 )
+    if ( ( demands & WISP_MESH_ONE_COMPONENT ) != 0 && report->component_count != 1 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: got %d components, expected one; the second starts with triangle %d",
-                          io_short_name( name ), report->shell_count, report->shells[1].first_triangle );
+                          io_short_name( name ), report->component_count, report->components[1].first_triangle );
     }
     return WISP_OK;
 }
 
 // ---- printing --------------------------------------------------------------------------------------------------
 
-static void print_figures( FILE* out, const wisp_mesh_report* r, const char* name )
+static void print_stats( FILE* out, const wisp_mesh_diagnostics* r, const char* name )
 {
     fprintf( out, "%s: %s mesh of triangles\n", name, r->closed ? "closed" : "open" );
     fprintf( out, "  %-20s %d\n", "vertices", r->vertex_count );
@@ -108,8 +109,8 @@ static void print_figures( FILE* out, const wisp_mesh_report* r, const char* nam
     fprintf( out, "  %-20s x %.6g .. %.6g, y %.6g .. %.6g, z %.6g .. %.6g m\n", "bounds", (double)r->lowest.x,
              (double)r->highest.x, (double)r->lowest.y, (double)r->highest.y, (double)r->lowest.z,
              (double)r->highest.z );
-    fprintf( out, "  %-20s min %.6g, mean %.6g, max %.6g m\n", "edge length", r->edge_least, r->edge_mean,
-             r->edge_most );
+    fprintf( out, "  %-20s min %.6g, mean %.6g, max %.6g m\n", "edge length", r->min_edge, r->edge_mean,
+             r->max_edge );
     fprintf( out, "  %-20s %.6g m^2\n", "area", r->area );
     if ( r->closed )
     {
@@ -117,29 +118,30 @@ static void print_figures( FILE* out, const wisp_mesh_report* r, const char* nam
     }
 }
 
-static void print_shells( FILE* out, const wisp_mesh_report* r )
+static void print_shells( FILE* out, const wisp_mesh_diagnostics* r )
 {
-    fprintf( out, "  %-20s %d\n", "components", r->shell_count );
-    int listed = r->shell_count < WISP_MESH_LISTED ? r->shell_count : WISP_MESH_LISTED;
-    for ( int s = 0; r->shell_count > 1 && s < listed; ++s )
+    fprintf( out, "  %-20s %d\n", "components", r->component_count );
+    int listed = r->component_count < WISP_MESH_LISTED ? r->component_count : WISP_MESH_LISTED;
+    for ( int s = 0; r->component_count > 1 && s < listed; ++s )
     {
-        const wisp_mesh_shell* shell = &r->shells[s];
-        fprintf( out, "    component %d, from triangle %d: %d triangles, %s, area %.6g m^2", s, shell->first_triangle,
-                 shell->triangle_count, shell->closed ? "closed" : "open", shell->area );
-        if ( shell->closed && shell->consistent )
+        const wisp_mesh_component* component = &r->components[s];
+        fprintf( out, "    component %d, from triangle %d: %d triangles, %s, area %.6g m^2", s,
+                 component->first_triangle, component->triangle_count, component->closed ? "closed" : "open",
+                 component->area );
+        if ( component->closed && component->consistent )
         {
-            fprintf( out, ", volume %.6g m^3", shell->volume );
+            fprintf( out, ", volume %.6g m^3", component->volume );
         }
         fputc( '\n', out );
     }
-    if ( r->shell_count > WISP_MESH_LISTED )
+    if ( r->component_count > WISP_MESH_LISTED )
     {
-        fprintf( out, "    and %d more\n", r->shell_count - WISP_MESH_LISTED );
+        fprintf( out, "    and %d more\n", r->component_count - WISP_MESH_LISTED );
     }
 }
 
 // Open edges are usual in cloth, so they are a note and no defect.
-static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_kind* kind )
+static void print_finding( FILE* out, const wisp_mesh_diagnostics* r, const finding_kind* kind )
 {
     const wisp_mesh_finding* finding = finding_of( r, kind );
     if ( finding->count == 0 )
@@ -149,7 +151,7 @@ static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_k
     fprintf( out, "  %s: %s: %d", kind->demand == WISP_MESH_CLOSED ? "note" : "wrong", kind->title, finding->count );
     if ( kind->demand == WISP_MESH_CLOSED )
     {
-        fprintf( out, " in %d %s", r->border_loop_count, r->border_loop_count == 1 ? "loop" : "loops" );
+        fprintf( out, " in %d %s", r->open_loop_count, r->open_loop_count == 1 ? "loop" : "loops" );
     }
     fputc( '\n', out );
     int listed = finding->count < WISP_MESH_LISTED ? finding->count : WISP_MESH_LISTED;
@@ -163,12 +165,12 @@ static void print_finding( FILE* out, const wisp_mesh_report* r, const finding_k
     }
 }
 
-void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* name )
+void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name )
 {
     // A host's decimal comma is a matter of looks: where memory fails even for a locale, it is printed.
     io_numbers numbers = { 0 };
     wisp_status plain = io_numbers_begin( &numbers, NULL );
-    print_figures( out, report, name );
+    print_stats( out, report, name );
     print_shells( out, report );
     bool found = false;
     for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
@@ -188,7 +190,7 @@ void wisp_mesh_print( FILE* out, const wisp_mesh_report* report, const char* nam
 
 wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
 {
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     wisp_status status = wisp_mesh_examine( mesh, &report, &error );
     if ( status == WISP_OK )
@@ -197,7 +199,7 @@ wisp_status wisp_mesh_info( FILE* out, const wisp_mesh* mesh, const char* name )
     }
     else
     {
-        fprintf( out, "%s: %s\n", name, error.sentence );
+        fprintf( out, "%s: %s\n", name, error.message );
     }
     return status;
 }
@@ -212,7 +214,7 @@ void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const
         { repairs->degenerates_dropped, "triangle without area was removed", "triangles without area were removed" },
         { repairs->duplicates_dropped, "duplicate triangle was removed", "duplicate triangles were removed" },
         { repairs->triangles_turned, "triangle was turned over", "triangles were turned over" },
-        { repairs->loose_dropped, "unreferenced vertex was removed", "unreferenced vertices were removed" },
+        { repairs->unreferenced_dropped, "unreferenced vertex was removed", "unreferenced vertices were removed" },
     };
     bool done = false;
     for ( int i = 0; i < WISP_COUNT( deeds ); ++i )

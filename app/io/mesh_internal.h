@@ -18,7 +18,7 @@ extern "C"
     /// Malformed or not finite: what no reader lets through and what writers and the doctor refuse.
     wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error );
 
-    /// The first coordinate of vertex v that is not finite, as a sentence.
+    /// The first coordinate of vertex v that is not finite, as a message.
     wisp_status mesh_check_vertex( wisp_vec3 p, int v, const char* name, wisp_error* error );
 
     /// The writers behind the paths.
@@ -34,7 +34,7 @@ extern "C"
     typedef struct mesh_fan
     {
         wisp_mesh* mesh;  ///< receives the triangles
-        const char* name; ///< what sentences call the file
+        const char* name; ///< what messages call the file
         int capacity;     ///< triangles that there is room for
         int corner_count; ///< of the polygon at hand
         int32_t first, previous;
@@ -69,7 +69,7 @@ extern "C"
     /// [+-] digits, within int32_t.
     bool mesh_word_is_integer( mesh_word word, int32_t* value );
 
-    /// A word for a sentence: at most 24 characters, none of which a terminal takes for a command.
+    /// A word for a message: at most 24 characters, none of which a terminal takes for a command.
     typedef struct mesh_quote
     {
         char text[32];
@@ -148,14 +148,14 @@ extern "C"
     mesh_vector mesh_cross( mesh_vector a, mesh_vector b );
     double mesh_dot( mesh_vector a, mesh_vector b );
 
-    // ---- mesh_make_*.c: shapes ----
+    // ---- mesh_generate_*.c: shapes ----
 
     /// All take a recipe that was checked.
-    wisp_status mesh_make_plane( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
-    wisp_status mesh_make_irregular( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
-    wisp_status mesh_make_delaunay( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
-    wisp_status mesh_make_icosphere( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
-    wisp_status mesh_make_turned( const wisp_mesh_recipe* recipe, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_generate_plane( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_generate_irregular( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_generate_delaunay( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_generate_icosphere( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
+    wisp_status mesh_generate_turned( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
 
 #ifdef __cplusplus
 }

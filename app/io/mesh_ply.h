@@ -5,8 +5,8 @@
 
 enum
 {
-    PLY_MOST_ELEMENTS = 32,
-    PLY_MOST_PROPERTIES = 256, // of all elements together
+    PLY_MAX_ELEMENTS = 32,
+    PLY_MAX_PROPERTIES = 256, // of all elements together
     PLY_NAME_ROOM = 32,
 };
 
@@ -57,11 +57,11 @@ typedef struct ply_element
 
 typedef struct ply_header
 {
-    const char* name; ///< what sentences call the file
+    const char* name; ///< what messages call the file
     ply_encoding encoding;
     int element_count, property_count;
-    ply_element elements[PLY_MOST_ELEMENTS];
-    ply_property properties[PLY_MOST_PROPERTIES];
+    ply_element elements[PLY_MAX_ELEMENTS];
+    ply_property properties[PLY_MAX_PROPERTIES];
     int vertex_element, face_element;
     int line_count; ///< of the header
     size_t size;    ///< bytes of the header; the first row begins here

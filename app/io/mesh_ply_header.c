@@ -135,10 +135,10 @@ static wisp_status read_element( header_reading* r, mesh_word line )
     {
         return refuse_word( r, "a number of elements in 0 .. 2147483647", number );
     }
-    if ( header->element_count == PLY_MOST_ELEMENTS )
+    if ( header->element_count == PLY_MAX_ELEMENTS )
     {
         return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: expected at most %d elements", header->name,
-                          header->line_count, PLY_MOST_ELEMENTS );
+                          header->line_count, PLY_MAX_ELEMENTS );
     }
     int* role = mesh_word_is( name, "vertex" ) ? &header->vertex_element
                 : mesh_word_is( name, "face" ) ? &header->face_element
@@ -204,10 +204,10 @@ static wisp_status read_property( header_reading* r, mesh_word line )
     {
         return refuse_line( r, "got a property before the first element" );
     }
-    if ( header->property_count == PLY_MOST_PROPERTIES )
+    if ( header->property_count == PLY_MAX_PROPERTIES )
     {
         return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: expected at most %d properties", header->name,
-                          header->line_count, PLY_MOST_PROPERTIES );
+                          header->line_count, PLY_MAX_PROPERTIES );
     }
     ply_property property = { .count_type = PLY_NONE };
     mesh_word type = mesh_next_word( &line );

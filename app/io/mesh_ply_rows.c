@@ -27,7 +27,7 @@ typedef struct row_reading
     wisp_error* error;
 } row_reading;
 
-// ---- sentences -------------------------------------------------------------------------------------------------
+// ---- messages -------------------------------------------------------------------------------------------------
 
 // Where a row is wrong: its element, its number, and the line or the byte.
 static wisp_status refuse( const row_reading* r, const ply_property* property, const char* problem )
@@ -73,10 +73,10 @@ static uint64_t put_together( const unsigned char* bytes, int width, bool big )
 
 static double value_of_bits( uint64_t bits, ply_type type )
 {
-    uint32_t low = (uint32_t)bits;
+    uint32_t lower = (uint32_t)bits;
     float single;
     double twice;
-    memcpy( &single, &low, sizeof single );
+    memcpy( &single, &lower, sizeof single );
     memcpy( &twice, &bits, sizeof twice );
     switch ( type )
     {
@@ -243,7 +243,7 @@ static wisp_status read_row( row_reading* r )
 }
 
 // Bytes that a row has at least, lists being empty.
-static uint64_t least_row( const ply_header* header, const ply_element* element )
+static uint64_t min_row( const ply_header* header, const ply_element* element )
 {
     uint64_t sum = 0;
     for ( int p = 0; p < element->property_count; ++p )
@@ -263,7 +263,7 @@ static wisp_status check_length( const row_reading* r )
     uint64_t least = 0;
     for ( int e = 0; e < header->element_count; ++e )
     {
-        least += (uint64_t)header->elements[e].count * least_row( header, &header->elements[e] );
+        least += (uint64_t)header->elements[e].count * min_row( header, &header->elements[e] );
     }
     // The last line of a text may lack its end.
     uint64_t there = r->size - r->at + ( header->encoding == PLY_TEXT );

@@ -83,12 +83,12 @@ typedef struct flood
 {
     wisp_mesh* mesh;
     mesh_edges edges;
-    int32_t* twin;  // [3 * triangle_count] the half-edge across an edge of two triangles, else UNSEEN
-    int32_t* piece; // [triangle_count] first triangle of the piece that it belongs to
-    int32_t* queue; // [triangle_count] triangles, piece after piece
-    bool* turned;   // [triangle_count] against how it came
-    bool* open;     // [triangle_count] of a piece's first triangle: its edges do not close it
-    bool* odd;      // [triangle_count] scratch
+    int32_t* twin;      // [3 * triangle_count] the half-edge across an edge of two triangles, else UNSEEN
+    int32_t* primitive; // [triangle_count] first triangle of the piece that it belongs to
+    int32_t* queue;     // [triangle_count] triangles, piece after piece
+    bool* turned;       // [triangle_count] against how it came
+    bool* open;         // [triangle_count] of a piece's first triangle: its edges do not close it
+    bool* odd;          // [triangle_count] scratch
 } flood;
 
 static void find_twins( flood* f )
@@ -122,9 +122,9 @@ static wisp_status carry_over( flood* f, int32_t half, int* queued, wisp_error* 
     int other = twin / 3;
     bool same_way = mesh_from( f->mesh, half ) == mesh_from( f->mesh, twin );
     bool turn = f->turned[t] != same_way;
-    if ( f->piece[other] == UNSEEN )
+    if ( f->primitive[other] == UNSEEN )
     {
-        f->piece[other] = f->piece[t];
+        f->primitive[other] = f->primitive[t];
         f->turned[other] = turn;
         f->queue[( *queued )++] = other;
     }
@@ -138,10 +138,10 @@ static wisp_status carry_over( flood* f, int32_t half, int* queued, wisp_error* 
 }
 
 // One piece, from its lowest triangle on. Its triangles end up in queue[begin .. *queued - 1].
-static wisp_status fill_piece( flood* f, int first, int* queued, wisp_error* error )
+static wisp_status fill_primitive( flood* f, int first, int* queued, wisp_error* error )
 {
     int begin = *queued;
-    f->piece[first] = first;
+    f->primitive[first] = first;
     f->queue[( *queued )++] = first;
     wisp_status status = WISP_OK;
     for ( int q = begin; status == WISP_OK && q < *queued; ++q )
@@ -156,7 +156,7 @@ static wisp_status fill_piece( flood* f, int first, int* queued, wisp_error* err
 
 // A piece is closed when it has an even number of triangles along each edge, and its own at that: two cubes that
 // share an edge are two closed pieces.
-static void find_open_pieces( flood* f )
+static void find_open_primitives( flood* f )
 {
     const mesh_edges* edges = &f->edges;
     for ( int e = 0; e < edges->edge_count; ++e )
@@ -164,17 +164,17 @@ static void find_open_pieces( flood* f )
         int begin = edges->starts[e], end = edges->starts[e + 1];
         for ( int i = begin; i < end; ++i )
         {
-            bool* odd = &f->odd[f->piece[edges->half[i] / 3]];
+            bool* odd = &f->odd[f->primitive[edges->half[i] / 3]];
             *odd = !*odd;
         }
         for ( int i = begin; i < end; ++i )
         {
-            int32_t piece = f->piece[edges->half[i] / 3];
-            f->open[piece] = f->open[piece] || f->odd[piece];
+            int32_t primitive = f->primitive[edges->half[i] / 3];
+            f->open[primitive] = f->open[primitive] || f->odd[primitive];
         }
         for ( int i = begin; i < end; ++i )
         {
-            f->odd[f->piece[edges->half[i] / 3]] = false;
+            f->odd[f->primitive[edges->half[i] / 3]] = false;
         }
     }
 }
@@ -217,21 +217,21 @@ static wisp_status fill( flood* f, wisp_error* error )
     int queued = 0;
     for ( int t = 0; t < f->mesh->triangle_count; ++t )
     {
-        f->piece[t] = UNSEEN;
+        f->primitive[t] = UNSEEN;
     }
     for ( int t = 0; t < f->mesh->triangle_count; ++t )
     {
-        wisp_status status = f->piece[t] == UNSEEN ? fill_piece( f, t, &queued, error ) : WISP_OK;
+        wisp_status status = f->primitive[t] == UNSEEN ? fill_primitive( f, t, &queued, error ) : WISP_OK;
         if ( status != WISP_OK )
         {
             return status;
         }
     }
-    find_open_pieces( f );
+    find_open_primitives( f );
     for ( int begin = 0, end = 0; begin < queued; begin = end )
     {
-        int32_t piece = f->piece[f->queue[begin]];
-        while ( end < queued && f->piece[f->queue[end]] == piece )
+        int32_t primitive = f->primitive[f->queue[begin]];
+        while ( end < queued && f->primitive[f->queue[end]] == primitive )
         {
             ++end;
         }
@@ -261,13 +261,13 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
     size_t count = (size_t)mesh->triangle_count;
     flood f = { .mesh = mesh };
     f.twin = malloc( 3 * count * sizeof *f.twin );
-    f.piece = malloc( count * sizeof *f.piece );
+    f.primitive = malloc( count * sizeof *f.primitive );
     f.queue = malloc( count * sizeof *f.queue );
     f.turned = calloc( count, sizeof *f.turned );
     f.open = calloc( count, sizeof *f.open );
     f.odd = calloc( count, sizeof *f.odd );
     wisp_status status = mesh_edges_build( mesh, &f.edges, error );
-    if ( status == WISP_OK && ( f.twin == NULL || f.piece == NULL || f.queue == NULL || f.turned == NULL ||
+    if ( status == WISP_OK && ( f.twin == NULL || f.primitive == NULL || f.queue == NULL || f.turned == NULL ||
                                 f.open == NULL || f.odd == NULL ) )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory to repair %d triangles", mesh->triangle_count );
@@ -282,7 +282,7 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
     }
     mesh_edges_release( &f.edges );
     free( f.twin );
-    free( f.piece );
+    free( f.primitive );
     free( f.queue );
     free( f.turned );
     free( f.open );
@@ -295,7 +295,7 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
 // Fills repairs->kept; new_number[v] is where a vertex goes, or UNSEEN.
 static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_number, wisp_mesh_repairs* repairs )
 {
-    bool keep_all = ( what & WISP_MESH_DROP_LOOSE ) == 0;
+    bool keep_all = ( what & WISP_MESH_DROP_UNREFERENCED ) == 0;
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         new_number[v] = keep_all ? v : UNSEEN;
@@ -312,7 +312,7 @@ static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_numbe
             new_number[v] = repairs->kept_count++;
         }
     }
-    repairs->loose_dropped = mesh->vertex_count - repairs->kept_count;
+    repairs->unreferenced_dropped = mesh->vertex_count - repairs->kept_count;
 }
 
 static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error )

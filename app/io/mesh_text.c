@@ -5,8 +5,8 @@
 
 enum
 {
-    SHOWN = 24, // characters of a word that a sentence shows
-    MOST_EXPONENT_DIGITS = 4,
+    SHOWN = 24, // characters of a word that a message shows
+    MAX_EXPONENT_DIGITS = 4,
 };
 
 static bool is_blank( char c )
@@ -94,7 +94,7 @@ bool mesh_word_is_number( mesh_word word )
     {
         size_t exponent = skip_sign( word, at + 1 );
         at = skip_digits( word, exponent );
-        if ( at == exponent || at - exponent > MOST_EXPONENT_DIGITS )
+        if ( at == exponent || at - exponent > MAX_EXPONENT_DIGITS )
         {
             return false;
         }
@@ -122,7 +122,7 @@ bool mesh_word_is_integer( mesh_word word, int32_t* value )
     return true;
 }
 
-// ---- sentences -------------------------------------------------------------------------------------------------
+// ---- messages -------------------------------------------------------------------------------------------------
 
 mesh_quote mesh_quote_word( mesh_word word )
 {

@@ -12,10 +12,10 @@ static const record_format* const formats[] = {
     &record_format_wisp, &record_format_pc2, &record_format_pvd, &record_format_obj, &record_format_usda,
 };
 
-static wisp_status find_format( const char* path, wisp_record_format wanted, const record_format** format,
+static wisp_status find_format( const char* path, wisp_record_format requested, const record_format** format,
                                 wisp_error* error )
 {
-    int number = (int)wanted;
+    int number = (int)requested;
     if ( number < 0 || number > WISP_COUNT( formats ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got recording format %d, which does not exist",
@@ -43,7 +43,7 @@ static void release_recorder( wisp_recorder* recorder )
 
 static wisp_status start( wisp_recorder* recorder, const char* path, const wisp_recorder_def* def, wisp_error* error )
 {
-    recorder->step_seconds = def->step_seconds;
+    recorder->dt = def->dt;
     recorder->path = strdup( path );
     if ( recorder->path == NULL )
     {
@@ -63,10 +63,10 @@ wisp_status wisp_recorder_open( const char* path, wisp_record_format format, con
     {
         return status;
     }
-    if ( !isfinite( def->step_seconds ) || def->step_seconds <= 0.0 )
+    if ( !isfinite( def->dt ) || def->dt <= 0.0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got %g seconds between two frames, expected more than 0",
-                          io_short_name( path ), def->step_seconds );
+                          io_short_name( path ), def->dt );
     }
     status = record_check_bodies( def->bodies, def->body_count, path, error );
     if ( status != WISP_OK )

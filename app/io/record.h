@@ -56,8 +56,8 @@ extern "C"
     typedef struct wisp_recorder_def
     {
         const wisp_record_body* bodies;
-        int body_count;      ///< 1 to WISP_RECORD_MAX_BODIES
-        double step_seconds; ///< s, > 0, between two frames; .usda counts its time codes in it
+        int body_count; ///< 1 to WISP_RECORD_MAX_BODIES
+        double dt;      ///< s, > 0, between two frames; .usda counts its time codes in it
     } wisp_recorder_def;
 
     typedef struct wisp_recorder wisp_recorder;
@@ -71,7 +71,7 @@ extern "C"
     /// A file that is there already is replaced in one step. Numbered files of a longer recording under the same name
     /// stay beyond the last frame.
     /// @param out receives the recorder, for wisp_recorder_close(); null on failure
-    /// @return WISP_BAD_INPUT an extension that is not known, or a body (the sentence names it) that is malformed or
+    /// @return WISP_BAD_INPUT an extension that is not known, or a body (the message names it) that is malformed or
     ///         does not fit the format; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recorder_open( const char* path, wisp_record_format format,
                                              const wisp_recorder_def* def, wisp_recorder** out, wisp_error* error );
@@ -97,7 +97,7 @@ extern "C"
 
     typedef struct wisp_recording_info
     {
-        double step_seconds;  ///< s, between two frames
+        double dt;            ///< s, between two frames
         int body_count;       ///< >= 1
         int frame_count;      ///< whole frames, damaged ones among them
         uint64_t frame_bytes; ///< of one frame; all are equally long
@@ -110,11 +110,11 @@ extern "C"
     /// recording that was cut opens with its whole frames; wisp_recording_describe() tells that it was.
     /// @param out receives the recording, for wisp_recording_close(); null on failure
     /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT not a recording, or its list of bodies is
-    ///         damaged (the sentence names the byte); WISP_NO_MEMORY
+    ///         damaged (the message names the byte); WISP_NO_MEMORY
     WISP_API wisp_status wisp_recording_open( const char* path, wisp_recording** out, wisp_error* error );
 
     /// The same for bytes in memory, which are not copied and must outlive the recording.
-    /// @param name what sentences call it
+    /// @param name what messages call it
     WISP_API wisp_status wisp_recording_open_memory( const void* bytes, size_t size, const char* name,
                                                      wisp_recording** out, wisp_error* error );
 
@@ -133,7 +133,7 @@ extern "C"
     /// @param index 0 .. frame_count - 1
     /// @param points [body_count][vertex_count] to be filled; null, or null for a body, where they are not wanted
     /// @param time, hash may be null
-    /// @return WISP_BAD_INPUT no such frame, or a damaged one: the sentence names its number and the byte where it
+    /// @return WISP_BAD_INPUT no such frame, or a damaged one: the message names its number and the byte where it
     ///         starts, and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec3* const* points,
                                                double* time, uint64_t* hash, wisp_error* error );
@@ -169,7 +169,7 @@ extern "C"
     WISP_API wisp_pc2_info wisp_pc2_describe( const wisp_pc2* cache );
 
     /// @param points [point_count] to be filled
-    /// @return WISP_BAD_INPUT no such frame, or a point that is not finite: the sentence names frame, point and byte,
+    /// @return WISP_BAD_INPUT no such frame, or a point that is not finite: the message names frame, point and byte,
     ///         and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_pc2_frame( wisp_pc2* cache, int index, wisp_vec3* points, wisp_error* error );
 

@@ -1,10 +1,10 @@
-// What all files of recordings need: sentences, and paths beside a path.
+// What all files of recordings need: messages, and paths beside a path.
 #include "record_internal.h"
 
 #include <errno.h>
 #include <stdlib.h>
 
-// ---- sentences -------------------------------------------------------------------------------------------------
+// ---- messages -------------------------------------------------------------------------------------------------
 
 wisp_status record_no_memory( const char* name, wisp_error* error )
 {

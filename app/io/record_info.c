@@ -55,13 +55,13 @@ static wisp_status print_findings( FILE* out, const findings* f, wisp_error* err
     int listed = f->count < LISTED ? f->count : LISTED;
     for ( int i = 0; i < listed; ++i )
     {
-        fprintf( out, "  wrong: %s\n", f->first[i].sentence );
+        fprintf( out, "  wrong: %s\n", f->first[i].message );
     }
     if ( f->count > LISTED )
     {
         fprintf( out, "  wrong: and %d more frames\n", f->count - LISTED );
     }
-    return f->count == 0 ? WISP_OK : wisp_fail( error, f->first[0].status, "%s", f->first[0].sentence );
+    return f->count == 0 ? WISP_OK : wisp_fail( error, f->first[0].status, "%s", f->first[0].message );
 }
 
 // ---- recordings ------------------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ static wisp_status read_frames( survey* s, wisp_recording* recording, const wisp
         }
         else if ( status != WISP_OK )
         {
-            return wisp_fail( error, status, "%s", cause.sentence );
+            return wisp_fail( error, status, "%s", cause.message );
         }
         else
         {
@@ -164,11 +164,11 @@ static wisp_status read_frames( survey* s, wisp_recording* recording, const wisp
     return WISP_OK;
 }
 
-static void print_figures( FILE* out, const survey* s, const wisp_recording* recording,
-                           const wisp_recording_info* info, const char* name )
+static void print_stats( FILE* out, const survey* s, const wisp_recording* recording, const wisp_recording_info* info,
+                         const char* name )
 {
     fprintf( out, "%s: recording of %d frames\n", name, info->frame_count );
-    fprintf( out, "  %-20s %.6g s\n", "step", info->step_seconds );
+    fprintf( out, "  %-20s %.6g s\n", "step", info->dt );
     if ( s->read_count > 0 )
     {
         fprintf( out, "  %-20s %.6g .. %.6g s\n", "time", s->first_time, s->last_time );
@@ -211,7 +211,7 @@ static wisp_status print_recording( FILE* out, wisp_recording* recording, survey
     {
         return status;
     }
-    print_figures( out, s, recording, &info, name );
+    print_stats( out, s, recording, &info, name );
     print_end( out, &info );
     if ( s->found.count == 0 && info.complete )
     {
@@ -259,7 +259,7 @@ static wisp_status read_samples( wisp_pc2* cache, wisp_vec3* points, record_boun
         }
         else
         {
-            return wisp_fail( error, status, "%s", cause.sentence );
+            return wisp_fail( error, status, "%s", cause.message );
         }
     }
     return WISP_OK;

@@ -72,7 +72,7 @@ typedef struct record_bodies
 } record_bodies;
 
 /// All that record.h says of bodies.
-/// @param name what the sentence calls the file
+/// @param name what the message calls the file
 wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error );
 
 wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
@@ -103,7 +103,7 @@ struct wisp_recorder
     const record_format* format;
     record_bodies bodies;
     char* path;
-    double step_seconds;
+    double dt;
     double last_time; ///< of the frame before, where there is one
     int frame_count;
     bool lost;  ///< a write failed that cannot be taken back
@@ -146,7 +146,7 @@ typedef struct record_source
     size_t buffer_size;
     uint64_t size;
     int descriptor;
-    char* name; ///< short, for sentences
+    char* name; ///< short, for messages
 } record_source;
 
 /// @return WISP_IO_ERROR; WISP_BAD_INPUT not a regular file: only those can be read from anywhere; WISP_NO_MEMORY

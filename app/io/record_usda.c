@@ -169,9 +169,9 @@ static wisp_status usda_open( wisp_recorder* recorder, wisp_error* error )
 // ---- frames ----------------------------------------------------------------------------------------------------
 
 // A whole number wherever the time is one up to rounding: programs show samples at whole frames.
-static double to_code( double time, double step_seconds )
+static double to_code( double time, double dt )
 {
-    double code = time / step_seconds;
+    double code = time / dt;
     double whole = round( code );
     return fabs( code - whole ) <= 1e-9 * fmax( 1.0, fabs( whole ) ) ? whole : code;
 }
@@ -204,7 +204,7 @@ static wisp_status add_code( usda_file* file, const wisp_recorder* recorder, dou
 static wisp_status usda_frame( wisp_recorder* recorder, const record_frame* frame, wisp_error* error )
 {
     usda_file* file = recorder->file;
-    wisp_status status = add_code( file, recorder, to_code( frame->time, recorder->step_seconds ), error );
+    wisp_status status = add_code( file, recorder, to_code( frame->time, recorder->dt ), error );
     for ( int b = 0; status == WISP_OK && b < recorder->bodies.count; ++b )
     {
         size_t count = (size_t)recorder->bodies.list[b].vertex_count;
@@ -333,9 +333,9 @@ static wisp_status write_body( const wisp_recorder* recorder, int b, wisp_error*
 }
 
 // 1/60 as a float is not quite a sixtieth; programs want 60 frames a second.
-static double rate_of( double step_seconds )
+static double rate_of( double dt )
 {
-    double rate = 1.0 / step_seconds;
+    double rate = 1.0 / dt;
     double whole = round( rate );
     return whole >= 1.0 && fabs( rate - whole ) <= 1e-6 * whole ? whole : rate;
 }
@@ -344,7 +344,7 @@ static wisp_status write_stage( const wisp_recorder* recorder, wisp_error* error
 {
     const usda_file* file = recorder->file;
     FILE* out = file->output.stream;
-    double rate = rate_of( recorder->step_seconds );
+    double rate = rate_of( recorder->dt );
     int count = recorder->frame_count;
     fprintf( out,
              "#usda 1.0\n(\n"

@@ -10,7 +10,7 @@ enum
 {
     // Frames of zeros at the end: blocks that a power cut left allocated and unwritten. More of them than any disk
     // keeps waiting are not that, and looking at each would let a short hole of a file take hours.
-    MOST_UNWRITTEN = 1 << 16,
+    MAX_UNWRITTEN = 1 << 16,
 };
 
 struct wisp_recording
@@ -199,16 +199,16 @@ static wisp_status read_bodies( wisp_recording* recording, header_cursor* cursor
                : status;
 }
 
-static wisp_status read_figures( wisp_recording* recording, const header_cursor* cursor, wisp_error* error )
+static wisp_status read_stats( wisp_recording* recording, const header_cursor* cursor, wisp_error* error )
 {
     wisp_recording_info* info = &recording->info;
     info->body_count = recording->bodies.count;
-    info->step_seconds = io_get_double( cursor->bytes + RECORD_AT_STEP_SECONDS );
-    if ( !isfinite( info->step_seconds ) || info->step_seconds <= 0.0 )
+    info->dt = io_get_double( cursor->bytes + RECORD_AT_STEP_SECONDS );
+    if ( !isfinite( info->dt ) || info->dt <= 0.0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%s: byte %d: got %g seconds between two frames, expected more than 0", cursor->name,
-                          RECORD_AT_STEP_SECONDS, info->step_seconds );
+                          RECORD_AT_STEP_SECONDS, info->dt );
     }
     info->frame_bytes = io_get_u64( cursor->bytes + RECORD_AT_FRAME_BYTES );
     uint64_t needed = RECORD_FRAME_AT_POINTS + record_point_bytes( &recording->bodies ) + RECORD_CHECKSUM_SIZE;
@@ -240,7 +240,7 @@ static wisp_status read_header( wisp_recording* recording, wisp_error* error )
                           end );
     }
     status = read_bodies( recording, &cursor, error );
-    return status == WISP_OK ? read_figures( recording, &cursor, error ) : status;
+    return status == WISP_OK ? read_stats( recording, &cursor, error ) : status;
 }
 
 // ---- where frames end ------------------------------------------------------------------------------------------
@@ -301,11 +301,11 @@ static wisp_status drop_unwritten( wisp_recording* recording, wisp_error* error 
         {
             break;
         }
-        if ( dropped == MOST_UNWRITTEN )
+        if ( dropped == MAX_UNWRITTEN )
         {
             return wisp_fail( error, WISP_BAD_INPUT, "%s: byte %llu: more than %d frames of zeros end the file",
                               recording->source.name,
-                              (unsigned long long)frame_byte( recording, info->frame_count - 1 ), MOST_UNWRITTEN );
+                              (unsigned long long)frame_byte( recording, info->frame_count - 1 ), MAX_UNWRITTEN );
         }
         info->frame_count -= 1;
         info->tail_bytes += info->frame_bytes;

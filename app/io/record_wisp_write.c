@@ -68,7 +68,7 @@ static void put_header( unsigned char* bytes, size_t size, const wisp_recorder* 
     io_put_u32( bytes + RECORD_AT_BODY_COUNT, (uint32_t)recorder->bodies.count );
     io_put_u64( bytes + RECORD_AT_HEADER_BYTES, size );
     io_put_u64( bytes + RECORD_AT_FRAME_BYTES, file->frame_bytes );
-    io_put_double( bytes + RECORD_AT_STEP_SECONDS, recorder->step_seconds );
+    io_put_double( bytes + RECORD_AT_STEP_SECONDS, recorder->dt );
     unsigned char* at = bytes + RECORD_AT_BODIES;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {

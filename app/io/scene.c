@@ -89,7 +89,7 @@ wisp_status scene_read_output_strands( scene_reader* r, const scene_node* node, 
     wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &output->strands );
     if ( !status )
     {
-        r->scene->strands[output->strands].want_points = true;
+        r->scene->strands[output->strands].request_points = true;
     }
     return status;
 }
@@ -100,7 +100,7 @@ wisp_status scene_read_output_surface( scene_reader* r, const scene_node* node, 
     wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &output->surface );
     if ( !status )
     {
-        r->scene->surfaces[output->surface].want_points = true;
+        r->scene->surfaces[output->surface].request_points = true;
     }
     return status;
 }
@@ -266,7 +266,7 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
 wisp_scene scene_defaults( void )
 {
     return ( wisp_scene ){
-        .step_seconds = 1.0f / 60.0f,
+        .dt = 1.0f / 60.0f,
         .steps = 1,
         .substeps = 1,
         .iterations = 1,

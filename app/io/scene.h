@@ -1,19 +1,19 @@
 /// Scenes: a YAML (or JSON) file with strands, surfaces and colliders, their effects, events, and what to compute and
 /// write.
-/// docs/scenes.md describes the format. A scene is untrusted: bounded, checked, and refused with one sentence such as
+/// docs/scenes.md describes the format. A scene is untrusted: bounded, checked, and refused with one message such as
 /// `scene.yaml:12:7: strands[0].frozen_hair.clump.radius: got 'ten', expected a number`.
 #pragma once
 
 #include "balloon/balloon.h"
 #include "boundary/boundary.h"
-#include "climate/climate.h"
+#include "environment/environment.h"
 #include "cloth/cloth.h"
 #include "collision/collision.h"
 #include "contact/contact.h"
 #include "frozen_hair/frozen_hair.h"
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
-#include "strand_look/strand_look.h"
+#include "strand_appearance/strand_appearance.h"
 #include "strands/strands.h"
 
 #include "groom.h"
@@ -36,7 +36,7 @@ extern "C"
     typedef struct wisp_scene_pose
     {
         float time; ///< s
-        wisp_rigid pose;
+        wisp_transform pose;
     } wisp_scene_pose;
 
     typedef struct wisp_scene_path
@@ -63,22 +63,22 @@ extern "C"
         int line, column; ///< of the entry, for messages about it that come later
 
         // Where they come from: one of these.
-        const char* file;           ///< where to read the strands, already relative to the scene's folder; or null
-        bool is_made;               ///< `recipe` tells how to make them
-        bool is_scattered;          ///< `scatter` does
-        bool is_curves;             ///< `curves` does: smooth curves through the strands of another entry
-        wisp_groom_recipe recipe;   ///< the defaults if not made
-        wisp_scene_scatter scatter; ///< around none (-1) if not scattered
-        wisp_curves_def curves;     ///< without a source
-        int curves_of;              ///< index into the scene's strands, of those the curves run through; -1: none
+        const char* file;  ///< where to read the strands, already relative to the scene's folder; or null
+        bool is_made;      ///< `recipe` tells how to make them
+        bool is_scattered; ///< `scatter` does
+        bool is_curves;    ///< `curves` does: smooth curves through the strands of another entry
+        wisp_groom_generator generator; ///< the defaults if not made
+        wisp_scene_scatter scatter;     ///< around none (-1) if not scattered
+        wisp_curves_def curves;         ///< without a source
+        int curves_of;                  ///< index into the scene's strands, of those the curves run through; -1: none
 
         float scale; ///< > 0, about the groom's own origin, before the pose
-        wisp_rigid pose;
+        wisp_transform pose;
 
-        bool has_frozen_hair, has_climate, has_look;
+        bool has_frozen_hair, has_environment, has_appearance;
         wisp_frozen_hair_def frozen_hair; ///< the defaults without a stage if the scene has none
-        wisp_climate_def climate;
-        wisp_strand_look_def look;
+        wisp_environment_def environment;
+        wisp_strand_appearance_def appearance;
 
         int stretch_count; ///< length of frozen_hair.strand_stretch_stiffness, 0 if that is null; must be the number
         int bend_count;    ///< of strands, which is known here, and checked, only if they are made
@@ -99,11 +99,11 @@ extern "C"
         wisp_ghosts_def ghosts; ///< without targets
         int targets;            ///< index into the scene's strands, of those that ghosts follow; -1: none
 
-        bool want_points, want_width, want_colour; ///< points also if an output writes them
-        bool want_strain, want_speed, want_quality;
-        bool want_contacts; ///< figures of the collision
-        bool is_shown;      ///< in pictures: as written, else unless ghosts follow them or curves run through them
-        bool has_show;      ///< it is written
+        bool request_points, request_width, request_colour; ///< points also if an output writes them
+        bool request_strain, request_speed, request_motion_stats;
+        bool request_contacts; ///< figures of the collision
+        bool is_shown;         ///< in pictures: as written, else unless ghosts follow them or curves run through them
+        bool has_show;         ///< it is written
     } wisp_scene_strands;
 
     // ---- surfaces ----
@@ -111,24 +111,24 @@ extern "C"
     /// Where a mesh comes from, and what is done to it before it is used.
     typedef struct wisp_scene_mesh
     {
-        const char* file;        ///< already relative to the scene's folder; null if made
-        bool is_made;            ///< `recipe` tells how to make it
-        wisp_mesh_recipe recipe; ///< the defaults if not made
-        int repairs;             ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
-        int demands;             ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
-        float scale;             ///< > 0, about the mesh's own origin
+        const char* file;              ///< already relative to the scene's folder; null if made
+        bool is_made;                  ///< `recipe` tells how to make it
+        wisp_mesh_generator generator; ///< the defaults if not made
+        int repairs;                   ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
+        int demands;                   ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
+        float scale;                   ///< > 0, about the mesh's own origin
     } wisp_scene_mesh;
 
     /// A filling at a time.
     typedef struct wisp_scene_fill
     {
-        float time; ///< s
-        float fill; ///< V_0 / V_rest
+        float time;      ///< s
+        float gas_ratio; ///< V_0 / V_rest
     } wisp_scene_fill;
 
     typedef struct wisp_scene_box
     {
-        wisp_vec3 low, high; ///< m, low <= high
+        wisp_vec3 lower, upper; ///< m, low <= high
     } wisp_scene_box;
 
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
@@ -139,7 +139,7 @@ extern "C"
 
         wisp_scene_mesh mesh; ///< of an instance nothing but the defaults
         int instance_of;      ///< index of the surface whose fabric this one shares, lower than its own; -1: none
-        wisp_rigid pose;      ///< where the scaled mesh starts
+        wisp_transform pose;  ///< where the scaled mesh starts
 
         float area_density, vertex_mass; ///< as in wisp_surface_def
 
@@ -171,7 +171,7 @@ extern "C"
 
         int levels;       ///< coarse levels of the fabric at most, 0: none
         int finest_level; ///< as wisp_fabric_def has it
-        wisp_sweep sweep;
+        wisp_solve_order solve_order;
         int tile_size;
         bool has_collision;
         wisp_collision_def collision;
@@ -179,10 +179,10 @@ extern "C"
         wisp_contact_def contact;
         wisp_boundary_def boundary;
 
-        bool want_points; ///< also if an output writes them
-        bool want_normals, want_strain, want_speed, want_quality;
-        bool want_figures;  ///< of the balloon, or of the implicit cloth
-        bool want_contacts; ///< figures of the collision
+        bool request_points; ///< also if an output writes them
+        bool request_normals, request_strain, request_speed, request_motion_stats;
+        bool request_stats;    ///< of the balloon, or of the implicit cloth
+        bool request_contacts; ///< figures of the collision
     } wisp_scene_surface;
 
     // ---- colliders ----
@@ -214,8 +214,8 @@ extern "C"
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands, -1: it is a surface's
         int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind alone
-        bool has_fill, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity;
-        float fill;
+        bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity;
+        float gas_ratio;
         float inflation_rate; ///< m^3/s
         bool open;
         wisp_vec3 wind;                       ///< m/s
@@ -235,7 +235,7 @@ extern "C"
     typedef struct wisp_scene
     {
         const char* name; ///< of the file, as messages show it
-        float step_seconds;
+        float dt;
         int steps;
         int substeps, iterations;
         int workers; ///< 0 is one a core
@@ -243,9 +243,10 @@ extern "C"
         wisp_vec3 gravity; ///< m/s^2, of surfaces and of strands that move
 
         bool has_contact;
-        wisp_contact_settings contact; ///< how the contacts of all guests are found; the defaults if not written
-        bool want_contact_figures;     ///< of all guests together
-        bool want_crossings;           ///< and how many there are at the end of each step
+        wisp_contact_settings
+            contact;                ///< how the contacts of all participants are found; the defaults if not written
+        bool request_contact_stats; ///< of all participants together
+        bool request_intersections; ///< and how many there are at the end of each step
 
         wisp_scene_strands* strands; ///< [strands_count], in the order of the file
         int strands_count;

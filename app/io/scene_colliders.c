@@ -83,7 +83,7 @@ static const scene_field MESH_FIELDS[] = {
       .help = "Properties that the repaired mesh must have, as for a surface.", .form = "list of words",
       .initial = "none" },
     { "scale", SCENE_NUMBER, .at = AT( mesh.scale ), .range = SIZE, .help = "Factor of the size of the mesh." },
-    { "double_sided", SCENE_SWITCH, .at = DEF( sheet ),
+    { "double_sided", SCENE_SWITCH, .at = DEF( double_sided ),
       .help = "The mesh has two sides and no inside; otherwise it must be closed." },
     { "search", SCENE_CHOICE, .at = DEF( search ), .choices = SEARCHES,
       .help = "How triangles are found; it changes the time and not the result." },
@@ -146,7 +146,7 @@ wisp_scene_collider scene_default_collider( void )
 {
     return ( wisp_scene_collider ){
         .def = wisp_default_collider_def(),
-        .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
+        .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
     };
 }
 

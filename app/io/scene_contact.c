@@ -34,9 +34,9 @@ static const scene_field BOUNDARY_FIELDS[] = {
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
     { "max_points", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ),
       .help = "A layer that would have more points stays as it was, and a message says so." },
-    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( least_spacing ), .range = SIZE, .unit = METRES,
+    { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( min_spacing ), .range = SIZE, .unit = METRES,
       .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },
-    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( most_spacing ), .range = SIZE, .unit = METRES,
+    { "max_spacing", SCENE_NUMBER, .at = BOUNDARY( max_spacing ), .range = SIZE, .unit = METRES,
       .help = "Largest local spacing.", .initial = "four times the spacing" },
     { "curvature_gain", SCENE_NUMBER, .at = BOUNDARY( curvature_gain ), .range = RANGE( 0, 1e6 ), .unit = PER_RADIAN,
       .help = "Local spacing is divided by 1 + gain times the angle between the normals of the ends of an edge." },
@@ -67,10 +67,10 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
             return scene_refuse_node( r, child, "boundary.%s needs 'by_screen: true'", screen_keys[i] );
         }
     }
-    if ( b->most_spacing > 0.0f && b->least_spacing > b->most_spacing )
+    if ( b->max_spacing > 0.0f && b->min_spacing > b->max_spacing )
     {
         return scene_refuse_node( r, node, "got boundary.min_spacing %g, expected at most boundary.max_spacing, %g",
-                                  (double)b->least_spacing, (double)b->most_spacing );
+                                  (double)b->min_spacing, (double)b->max_spacing );
     }
     return WISP_OK;
 }
@@ -78,7 +78,7 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
 // ---- participants of contact ----
 
 // Strands never meet themselves, so theirs is the same table without `self`.
-#define GUEST_FIELDS( owner )                                                                                        \
+#define PARTICIPANT_FIELDS( owner )                                                                                  \
     { "thickness",                                                                                                   \
       SCENE_NUMBER,                                                                                                  \
       .at = offsetof( owner, contact.thickness ),                                                                    \
@@ -91,7 +91,7 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
           .help = "Friction coefficient; two participants have the geometric mean of theirs." },                     \
         { "max_push_out_speed",                                                                                      \
           SCENE_NUMBER,                                                                                              \
-          .at = offsetof( owner, contact.recovery_speed ),                                                           \
+          .at = offsetof( owner, contact.max_push_out_speed ),                                                       \
           .range = RANGE( 0, 1e6 ),                                                                                  \
           .unit = SPEEDS,                                                                                            \
           .initial = "ten thicknesses per second",                                                                   \
@@ -116,20 +116,20 @@ wisp_status scene_check_boundary( scene_reader* r, const scene_node* node, const
     }
 
 static const scene_field SURFACE_FIELDS[] = {
-    GUEST_FIELDS( wisp_scene_surface ),
+    PARTICIPANT_FIELDS( wisp_scene_surface ),
     { "self", SCENE_SWITCH, .at = offsetof( wisp_scene_surface, contact.self ),
       .help = "Whether the surface keeps its distance from itself." },
 };
 const scene_block SCENE_CONTACT_BLOCK = BLOCK( SURFACE_FIELDS );
 
-static const scene_field STRANDS_FIELDS[] = { GUEST_FIELDS( wisp_scene_strands ) };
+static const scene_field STRANDS_FIELDS[] = { PARTICIPANT_FIELDS( wisp_scene_strands ) };
 const scene_block SCENE_STRAND_CONTACT_BLOCK = BLOCK( STRANDS_FIELDS );
 
 // ---- contact of the scene ----
 
 #define CONTACT( member ) offsetof( wisp_scene, contact.member )
 
-static const scene_choice FEATURES[] = {
+static const scene_choice PRIMITIVES[] = {
     { "triangles", "vertices from triangles and edges from edges" },
     { "particles", "boundary particles from each other; cheaper, but what is thinner than their spacing passes" },
     { NULL, NULL }
@@ -146,10 +146,10 @@ static const scene_choice WORDS[] = {
     { NULL, NULL },
 };
 
-static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_requests( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
-    bool* const wants[] = { &scene->want_contact_figures, &scene->want_crossings };
+    bool* const requests[] = { &scene->request_contact_stats, &scene->request_intersections };
     wisp_status status = scene_expect_list( r, node, "a list of words" );
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
@@ -157,13 +157,13 @@ static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
         status = scene_read_choice( r, item, WORDS, &word );
-        if ( !status && *wants[word] )
+        if ( !status && *requests[word] )
         {
             return scene_refuse_node( r, item, "'%s' is listed twice", WORDS[word].word );
         }
         if ( !status )
         {
-            *wants[word] = true;
+            *requests[word] = true;
             scene_leave( r, outside );
         }
     }
@@ -171,26 +171,26 @@ static wisp_status read_wants( scene_reader* r, const scene_node* node, void* at
 }
 
 static const scene_field WORLD_FIELDS[] = {
-    { "primitives", SCENE_CHOICE, .at = CONTACT( features ), .choices = FEATURES, .help = "What is kept apart." },
+    { "primitives", SCENE_CHOICE, .at = CONTACT( primitives ), .choices = PRIMITIVES, .help = "What is kept apart." },
     { "search", SCENE_CHOICE, .at = CONTACT( search ), .choices = SEARCHES,
       .help = "How pairs are found; it changes the time and not the result." },
-    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( sample_spacing ), .range = SIZE, .unit = METRES,
+    { "particle_spacing", SCENE_NUMBER, .at = CONTACT( particle_spacing ), .range = SIZE, .unit = METRES,
       .help = "Spacing of particles, with `primitives: particles`.",
       .initial = "the smallest thickness of the participants" },
     { "margin", SCENE_NUMBER, .at = CONTACT( margin ), .range = RANGE( 0.01, 100 ),
       .help = "How much farther than the thickness pairs are searched, in thicknesses; it changes the time and not "
               "the result." },
-    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( guard ),
+    { "displacement_limit", SCENE_SWITCH, .at = CONTACT( displacement_limit ),
       .help = "Shortens displacements before primitives pass through each other, with `primitives: triangles`." },
-    { "compute", SCENE_CUSTOM, .read = read_wants, .choices = WORDS,
+    { "compute", SCENE_CUSTOM, .read = read_requests, .choices = WORDS,
       .help = "Statistics that are computed and printed.", .form = "list of words", .initial = "none" },
 };
 const scene_block SCENE_WORLD_CONTACT_BLOCK = BLOCK( WORLD_FIELDS );
 
 // Refuse a key that these primitives do not use.
-static wisp_status check_features( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
+static wisp_status check_primitives( scene_reader* r, const scene_node* node, const wisp_contact_settings* settings )
 {
-    const bool exact = settings->features == WISP_CONTACT_EXACT;
+    const bool exact = settings->primitives == WISP_CONTACT_TRIANGLES;
     const char* const key = exact ? "particle_spacing" : "displacement_limit";
     const scene_node* child = scene_child( r, node, key );
     return child
@@ -203,5 +203,5 @@ wisp_status scene_read_contact( scene_reader* r, const scene_node* node, void* a
     wisp_scene* scene = at;
     wisp_status status = scene_read_block( r, node, &SCENE_WORLD_CONTACT_BLOCK, scene );
     scene->has_contact = status == WISP_OK;
-    return status ? status : check_features( r, node, &scene->contact );
+    return status ? status : check_primitives( r, node, &scene->contact );
 }

@@ -25,8 +25,8 @@ static wisp_vec3 cubic_at( const cubic* c, float t )
 static wisp_vec3 tangent( const wisp_vec3* points, int count, int k )
 {
     int before = k > 0 ? k - 1 : 0, after = k < count - 1 ? k + 1 : count - 1;
-    float share = 1.0f / (float)( after - before );
-    return mix( share, points[after], -share, points[before] );
+    float fraction = 1.0f / (float)( after - before );
+    return mix( fraction, points[after], -fraction, points[before] );
 }
 
 static cubic smooth_cubic( const wisp_vec3* points, int count, int k )

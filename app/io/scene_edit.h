@@ -23,7 +23,7 @@ extern "C"
     /// place; a key that is not there is added to its mapping, as YAML or as JSON, whatever the file is. A key that is taken
     /// out goes with its comma, or with its line unless a comment is on it; one that is not there stays away.
     /// @param to written only if all went well, and may be `from`; null writes nothing and tells whether it would go well
-    /// @return WISP_BAD_INPUT a value cannot be set or a key taken out safely, or the result is not a scene (the sentence
+    /// @return WISP_BAD_INPUT a value cannot be set or a key taken out safely, or the result is not a scene (the message
     ///         names file and line); WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_edit_file( const char* from, const wisp_scene_edit* edits, int count,
                                                const char* to, wisp_error* error );

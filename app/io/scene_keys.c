@@ -105,9 +105,9 @@ static void add_range( writer* w, const scene_field* field )
     if ( is_vector || field->type == SCENE_NUMBER || field->type == SCENE_NUMBERS || field->type == SCENE_WHOLE )
     {
         add( w, ", " );
-        add_number( w, field->range.low, false );
+        add_number( w, field->range.lower, false );
         add( w, " .. " );
-        add_number( w, field->range.high, false );
+        add_number( w, field->range.upper, false );
         add( w, "%s", is_vector ? " each" : "" );
     }
 }
@@ -307,17 +307,17 @@ int wisp_scene_write_keys( FILE* out, const char* only )
     const wisp_scene scene = scene_defaults();
     const wisp_scene_strands strands = scene_default_strands( scene.gravity );
     const wisp_scene_surface surface = scene_default_surface( scene.gravity );
-    const wisp_groom_recipe groom = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 );
+    const wisp_groom_generator groom = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     const wisp_scene_command command = { 0 };
     const scene_event event = { 0 };
     const wisp_scene_output output = { 0 };
     const wisp_scene_pose pose = { 0 };
     const wisp_scene_box box = { 0 };
     const wisp_scene_collider collider = scene_default_collider();
-    wisp_mesh_recipe meshes[WISP_MESH_SHAPE_COUNT];
+    wisp_mesh_generator meshes[WISP_MESH_SHAPE_COUNT];
     for ( int i = 0; i < WISP_MESH_SHAPE_COUNT; ++i )
     {
-        meshes[i] = wisp_default_mesh_recipe( (wisp_mesh_shape)i );
+        meshes[i] = wisp_default_mesh_generator( (wisp_mesh_shape)i );
     }
     const section sections[] = {
         { "", "Keys of the file itself.", &SCENE_BLOCK_OF_ALL, 1, &scene, 0 },
@@ -325,7 +325,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
         { "strands[]", "Strands come from exactly one of `file`, `generate`, `scatter` and `curves`.",
           &SCENE_STRANDS_BLOCK, 1, &strands, 0 },
         { "strands[].generate", "Generated strands. Defaults are those of straight strands in three dimensions.",
-          &SCENE_MAKE_BLOCK, 1, &groom, 0 },
+          &SCENE_GENERATE_BLOCK, 1, &groom, 0 },
         { "surfaces[]",
           "A surface comes from exactly one of `file`, `generate` and `instance_of`. Without `cloth`, `balloon` and "
           "`implicit` its vertices move independently.",

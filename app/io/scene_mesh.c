@@ -12,7 +12,7 @@
 
 // ---- generate: a table for each shape, so that a key that the shape has no use for is refused as unknown ----
 
-#define AT( member ) offsetof( wisp_mesh_recipe, member )
+#define AT( member ) offsetof( wisp_mesh_generator, member )
 
 static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonals alike" },
                                        { "alternating_plane", "a grid in y = 0, diagonals alternate" },
@@ -50,9 +50,9 @@ static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonal
     {                                                                                                                \
         "segments", SCENE_WHOLE, .at = AT( segments ), .range = COUNT( 3 ), .help = "Segments around the y axis."    \
     }
-#define RINGS_FIELD( least, sentence )                                                                               \
+#define RINGS_FIELD( least, message )                                                                                \
     {                                                                                                                \
-        "rings", SCENE_WHOLE, .at = AT( rings ), .range = COUNT( least ), .help = sentence                           \
+        "rings", SCENE_WHOLE, .at = AT( rings ), .range = COUNT( least ), .help = message                            \
     }
 #define ALONG_FIELD                                                                                                  \
     {                                                                                                                \
@@ -75,10 +75,10 @@ static const scene_choice SHAPES[] = { { "plane", "a grid in y = 0, all diagonal
     {                                                                                                                \
         key, SCENE_NUMBER, .at = AT( member ), .range = SIZE, .unit = METRES, .help = side                           \
     }
-#define VERTICES_FIELD( least, count, sentence )                                                                     \
+#define VERTICES_FIELD( least, count, message )                                                                      \
     {                                                                                                                \
         "vertices", SCENE_WHOLE, .at = AT( vertex_count ), .range = COUNT( least ), .initial = count,                \
-                                 .help = sentence                                                                    \
+                                 .help = message                                                                     \
     }
 #define SEED_FIELD                                                                                                   \
     {                                                                                                                \
@@ -163,59 +163,60 @@ static wisp_status read_shape( scene_reader* r, const scene_node* node, int* sha
     return status;
 }
 
-int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe )
+int64_t scene_generator_vertices( const wisp_mesh_generator* generator )
 {
-    const int64_t columns = recipe->columns, segments = recipe->segments, rings = recipe->rings;
-    switch ( recipe->shape )
+    const int64_t columns = generator->columns, segments = generator->segments, rings = generator->rings;
+    switch ( generator->shape )
     {
         case WISP_MESH_PLANE_IRREGULAR:
-            return recipe->vertex_count ? recipe->vertex_count : columns * recipe->rows;
+            return generator->vertex_count ? generator->vertex_count : columns * generator->rows;
         case WISP_MESH_DELAUNAY:
         case WISP_MESH_GARMENT:
-            return recipe->vertex_count;
+            return generator->vertex_count;
         case WISP_MESH_ICOSPHERE:
         case WISP_MESH_PEAR:
-            return 10 * ( (int64_t)1 << ( 2 * recipe->level ) ) + 2;
+            return 10 * ( (int64_t)1 << ( 2 * generator->level ) ) + 2;
         case WISP_MESH_UV_SPHERE:
             return segments * ( rings - 1 ) + 2;
         case WISP_MESH_TORUS:
             return segments * rings;
         case WISP_MESH_CAPSULE:
-            return segments * ( 2 * rings + recipe->length_segments - 1 ) + 2;
+            return segments * ( 2 * rings + generator->length_segments - 1 ) + 2;
         case WISP_MESH_TUBE:
-            return segments * ( (int64_t)recipe->length_segments + 1 );
+            return segments * ( (int64_t)generator->length_segments + 1 );
         default:
-            return columns * recipe->rows;
+            return columns * generator->rows;
     }
 }
 
-static wisp_status check_recipe( scene_reader* r, const scene_node* node, const wisp_mesh_recipe* recipe )
+static wisp_status check_generator( scene_reader* r, const scene_node* node, const wisp_mesh_generator* generator )
 {
-    int64_t count = scene_recipe_vertices( recipe );
+    int64_t count = scene_generator_vertices( generator );
     if ( count > WISP_SCENE_MAX_VERTICES )
     {
         return scene_refuse_node( r, node, "got %lld vertices, expected at most %d", (long long)count,
                                   WISP_SCENE_MAX_VERTICES );
     }
-    if ( recipe->shape == WISP_MESH_TORUS && !( recipe->tube_radius < recipe->radius ) )
+    if ( generator->shape == WISP_MESH_TORUS && !( generator->tube_radius < generator->radius ) )
     {
         return scene_refuse_node( r, node, "got tube_radius %g, expected less than radius, %g",
-                                  (double)recipe->tube_radius, (double)recipe->radius );
+                                  (double)generator->tube_radius, (double)generator->radius );
     }
-    bool is_delaunay = recipe->shape == WISP_MESH_DELAUNAY || recipe->shape == WISP_MESH_GARMENT;
+    bool is_delaunay = generator->shape == WISP_MESH_DELAUNAY || generator->shape == WISP_MESH_GARMENT;
     // The same condition as in the generator, in the same arithmetic.
-    if ( is_delaunay && !( recipe->depth >= recipe->width / 1e3f && recipe->depth <= recipe->width * 1e3f ) )
+    if ( is_delaunay &&
+         !( generator->depth >= generator->width / 1e3f && generator->depth <= generator->width * 1e3f ) )
     {
         return scene_refuse_node( r, node, "got depth %g, expected a thousandth to a thousand times width, %g",
-                                  (double)recipe->depth, (double)recipe->width );
+                                  (double)generator->depth, (double)generator->width );
     }
-    int64_t grid = (int64_t)recipe->columns * recipe->rows;
-    if ( recipe->shape == WISP_MESH_PLANE_IRREGULAR && recipe->vertex_count != 0 &&
-         ( recipe->vertex_count / recipe->rows < 2 || recipe->vertex_count > 2 * grid ||
-           2 * (int64_t)recipe->vertex_count < grid ) )
+    int64_t grid = (int64_t)generator->columns * generator->rows;
+    if ( generator->shape == WISP_MESH_PLANE_IRREGULAR && generator->vertex_count != 0 &&
+         ( generator->vertex_count / generator->rows < 2 || generator->vertex_count > 2 * grid ||
+           2 * (int64_t)generator->vertex_count < grid ) )
     {
         return scene_refuse_node( r, node, "got %d vertices, expected half to twice of %d columns times %d rows",
-                                  recipe->vertex_count, recipe->columns, recipe->rows );
+                                  generator->vertex_count, generator->columns, generator->rows );
     }
     return WISP_OK;
 }
@@ -230,9 +231,9 @@ wisp_status scene_read_mesh_make( scene_reader* r, const scene_node* node, void*
         return status;
     }
     mesh->is_made = true;
-    mesh->recipe = wisp_default_mesh_recipe( (wisp_mesh_shape)shape );
-    status = scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->recipe );
-    return status ? status : check_recipe( r, node, &mesh->recipe );
+    mesh->generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
+    status = scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->generator );
+    return status ? status : check_generator( r, node, &mesh->generator );
 }
 
 // ---- repair and require ----
@@ -256,9 +257,9 @@ const scene_choice SCENE_REQUIRE_WORDS[] = {
 };
 
 static wisp_status read_flags( scene_reader* r, const scene_node* node, const scene_choice* words, const int* flags,
-                               const char* wanted, int* out )
+                               const char* requested, int* out )
 {
-    wisp_status status = scene_expect_list( r, node, wanted );
+    wisp_status status = scene_expect_list( r, node, requested );
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
     {
@@ -281,7 +282,7 @@ static wisp_status read_flags( scene_reader* r, const scene_node* node, const sc
 wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at )
 {
     static const int flags[] = { WISP_MESH_DROP_DEGENERATES, WISP_MESH_DROP_DUPLICATES, WISP_MESH_TURN_TRIANGLES,
-                                 WISP_MESH_DROP_LOOSE };
+                                 WISP_MESH_DROP_UNREFERENCED };
     return read_flags( r, node, SCENE_REPAIR_WORDS, flags,
                        "a list of degenerates, duplicates, winding and unreferenced", at );
 }
@@ -289,7 +290,7 @@ wisp_status scene_read_repair( scene_reader* r, const scene_node* node, void* at
 wisp_status scene_read_require( scene_reader* r, const scene_node* node, void* at )
 {
     static const int flags[] = { WISP_MESH_CLOSED, WISP_MESH_ORIENTED, WISP_MESH_MANIFOLD, WISP_MESH_CLEAN,
-                                 WISP_MESH_ONE_SHELL };
+                                 WISP_MESH_ONE_COMPONENT };
     return read_flags( r, node, SCENE_REQUIRE_WORDS, flags,
                        "a list of closed, oriented, manifold, clean and one_component", at );
 }
@@ -336,7 +337,7 @@ static wisp_quat turn_about( wisp_vec3 axis, float degrees )
     double scale = (double)sine / length;
     wisp_quat q = { (float)( (double)axis.x * scale ), (float)( (double)axis.y * scale ),
                     (float)( (double)axis.z * scale ), cosine };
-    return wisp_rigid_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 // First b, then a.
@@ -367,7 +368,7 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
         wisp_quat x = turn_about( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, turn.degrees.x );
         wisp_quat y = turn_about( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, turn.degrees.y );
         wisp_quat z = turn_about( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, turn.degrees.z );
-        *out = wisp_rigid_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+        *out = wisp_transform_make( turn_after( z, turn_after( y, x ) ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
         return WISP_OK;
     }
     if ( !( fabsf( turn.axis.x ) + fabsf( turn.axis.y ) + fabsf( turn.axis.z ) >= 1e-6f ) )

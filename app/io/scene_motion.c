@@ -8,7 +8,7 @@
 
 static int64_t made_vertices( const wisp_scene_strands* strands )
 {
-    return (int64_t)strands->recipe.strand_count * strands->recipe.vertices_per_strand;
+    return (int64_t)strands->generator.strand_count * strands->generator.vertices_per_strand;
 }
 
 // How many vertices there are is known if the strands are made.

@@ -3,9 +3,9 @@
 
 #include "scene_schema.h"
 
-extern const scene_block SCENE_BLOCK_OF_ALL;  // over wisp_scene
-extern const scene_block SCENE_STRANDS_BLOCK; // over wisp_scene_strands
-extern const scene_block SCENE_MAKE_BLOCK;    // over wisp_groom_recipe
+extern const scene_block SCENE_BLOCK_OF_ALL;   // over wisp_scene
+extern const scene_block SCENE_STRANDS_BLOCK;  // over wisp_scene_strands
+extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
     SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
     SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
@@ -17,7 +17,7 @@ extern const scene_block SCENE_BOUNDARY_BLOCK, SCENE_CONTACT_BLOCK; // over wisp
 extern const scene_block SCENE_WORLD_CONTACT_BLOCK;                 // over wisp_scene
 extern const scene_block SCENE_BOX_BLOCK;                           // over wisp_scene_box
 
-extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_recipe
+extern const scene_block SCENE_MESH_BLOCKS[WISP_MESH_SHAPE_COUNT];      // over wisp_mesh_generator
 extern const scene_block SCENE_COLLIDER_BLOCKS[WISP_COLLIDER_COUNT];    // over wisp_scene_collider
 extern const scene_block SCENE_PIN_POSE_BLOCK, SCENE_POSITION_BLOCK;    // over wisp_scene_pose
 extern const scene_block SCENE_ROTATION_BLOCK;                          // over what scene_mesh.c makes a rotation of
@@ -42,11 +42,12 @@ scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene
     scene_read_script, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
-scene_read_fn scene_read_make, scene_read_curve, scene_read_want;                           // wisp_scene_strands
+scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;                    // wisp_scene_strands
 scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path;       // wisp_scene_strands
 scene_read_fn scene_read_command_strands;                                                   // wisp_scene_command
 scene_read_fn scene_read_output_strands, scene_read_output_surface, scene_read_output_file; // wisp_scene_output
-scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_want, scene_read_outlet,
+scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
+    scene_read_outlet,
     scene_read_fill_path;                                    // wisp_scene_surface
 scene_read_fn scene_read_collider_path, scene_read_friction; // wisp_scene_collider
 
@@ -79,7 +80,7 @@ wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
 wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
 
 /// Vertices that a recipe makes.
-int64_t scene_recipe_vertices( const wisp_mesh_recipe* recipe );
+int64_t scene_generator_vertices( const wisp_mesh_generator* generator );
 
 /// Entries that may be named by those that follow. To be called once for each list, in the order of scene_named.
 /// @param entries [count] each begins as scene_entry does

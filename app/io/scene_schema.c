@@ -138,10 +138,10 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     {
         return scene_refuse_node( r, node, "got an empty list, expected one number per strand" );
     }
-    if ( strands->is_made && node->count != strands->recipe.strand_count )
+    if ( strands->is_made && node->count != strands->generator.strand_count )
     {
         return scene_refuse_node( r, node, "got %d numbers, expected %d, one per strand", node->count,
-                                  strands->recipe.strand_count );
+                                  strands->generator.strand_count );
     }
     float* values = scene_take( r->scene, (size_t)node->count, sizeof *values );
     if ( !values )
@@ -184,7 +184,7 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
     _Static_assert( sizeof( wisp_solver ) == sizeof choice && sizeof( wisp_cloth_bending ) == sizeof choice &&
                         sizeof( wisp_balloon_pressure ) == sizeof choice &&
                         sizeof( wisp_balloon_drag ) == sizeof choice &&
-                        sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_sweep ) == sizeof choice,
+                        sizeof( wisp_balloon_spin ) == sizeof choice && sizeof( wisp_solve_order ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_strand_stretch ) == sizeof choice && sizeof( wisp_strand_bend ) == sizeof choice &&
                         sizeof( wisp_strand_rest ) == sizeof choice &&

@@ -55,7 +55,7 @@ typedef enum scene_type
 /// Both ends belong to it.
 typedef struct scene_range
 {
-    double low, high;
+    double lower, upper;
 } scene_range;
 
 /// A word that a value may be, and what it means.
@@ -82,7 +82,7 @@ typedef struct scene_field
     scene_read_fn* read;
 
     // For the reference.
-    const char* help;    // one sentence
+    const char* help;    // one message
     const char* form;    // of SCENE_CUSTOM: what the value looks like
     const char* initial; // default, if it is not the value in the struct
 } scene_field;
@@ -114,7 +114,7 @@ size_t scene_enter_index( scene_reader* reader, int index );
 size_t scene_enter_key( scene_reader* reader, const char* key );
 void scene_leave( scene_reader* reader, size_t path_length );
 
-/// Refuse a value: the sentence begins with its place and the path.
+/// Refuse a value: the message begins with its place and the path.
 wisp_status scene_refuse_node( const scene_reader* reader, const scene_node* node, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
 
@@ -134,7 +134,7 @@ wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char
 wisp_status scene_read_vector( scene_reader* r, const scene_node* node, const scene_field* field, wisp_vec3* out );
 
 /// Make sure that a value is a list of two. @param wanted such as "a pair [time, gas_ratio]"
-wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* wanted );
+wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested );
 
 /// Refuse a value of the wrong kind. @param wanted such as "a number"
-wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted );
+wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* requested );

@@ -18,7 +18,7 @@ wisp_status scene_read_strands_name( scene_reader* r, const scene_node* node, vo
 // within a thousandth of a step is meant to be the same.
 static double step_of( const wisp_scene* scene, float time )
 {
-    double steps = (double)time / (double)scene->step_seconds;
+    double steps = (double)time / (double)scene->dt;
     return fmax( 0.0, ceil( steps - 1e-3 ) );
 }
 
@@ -45,7 +45,7 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
 static wisp_status check_gas( scene_reader* r, const scene_node* node, const wisp_scene_event* e,
                               const wisp_scene_surface* s )
 {
-    const char* key = e->has_fill             ? "gas_ratio"
+    const char* key = e->has_gas_ratio        ? "gas_ratio"
                       : e->has_inflation_rate ? "inflation_rate"
                       : e->has_open           ? "outlet_open"
                                               : NULL;
@@ -58,15 +58,15 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     {
         return scene_refuse_node( r, node, "the balloon '%s' has no outlet to open or close", s->name );
     }
-    if ( e->has_fill && e->fill < s->balloon.least_fill )
+    if ( e->has_gas_ratio && e->gas_ratio < s->balloon.min_gas_ratio )
     {
         return scene_refuse_node( r, node, "got gas_ratio %g, expected at least min_gas_ratio of '%s', %g",
-                                  (double)e->fill, s->name, (double)s->balloon.least_fill );
+                                  (double)e->gas_ratio, s->name, (double)s->balloon.min_gas_ratio );
     }
     // Keyframes would overwrite it before the next step.
-    const double time = (double)e->step * (double)r->scene->step_seconds;
+    const double time = (double)e->step * (double)r->scene->dt;
     const wisp_scene_fill* last = s->fill_path_count > 0 ? &s->fill_path[s->fill_path_count - 1] : NULL;
-    if ( e->has_fill && last && time < (double)last->time )
+    if ( e->has_gas_ratio && last && time < (double)last->time )
     {
         return scene_refuse_node( r, node, "the gas ratio of '%s' follows its gas_ratio_keyframes until %g s",
                                   s->name, (double)last->time );
@@ -78,7 +78,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
 static wisp_status check_strands( scene_reader* r, const scene_node* node, const wisp_scene_event* e )
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
-    if ( e->has_fill || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
+    if ( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
          e->release )
     {
         return scene_refuse_node( r, node, "strands take only 'wind'" );
@@ -106,7 +106,7 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
         return check_strands( r, node, e );
     }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
-    if ( !( e->has_fill || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
+    if ( !( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
             e->has_angular_velocity || e->release ) )
     {
         return scene_refuse_node( r, node,

@@ -57,50 +57,51 @@ wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
     return WISP_OK;
 }
 
-wisp_status scene_read_make( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_generate( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene_strands* strands = base;
     strands->is_made = true;
 
     // Defaults depend on shape and dimension, which may stand anywhere in the mapping: the first reading learns these
     // two, the second reads everything over their defaults.
-    wisp_groom_recipe* recipe = &strands->recipe;
-    wisp_status status = scene_read_block( r, node, &SCENE_MAKE_BLOCK, recipe );
+    wisp_groom_generator* generator = &strands->generator;
+    wisp_status status = scene_read_block( r, node, &SCENE_GENERATE_BLOCK, generator );
     if ( status )
     {
         return status;
     }
-    *recipe = wisp_default_groom_recipe( recipe->shape, recipe->dimension );
-    status = scene_read_block( r, node, &SCENE_MAKE_BLOCK, recipe );
+    *generator = wisp_default_groom_generator( generator->shape, generator->dimension );
+    status = scene_read_block( r, node, &SCENE_GENERATE_BLOCK, generator );
 
-    if ( !status && (int64_t)recipe->strand_count * recipe->vertices_per_strand > WISP_GROOM_MADE_CAP )
+    if ( !status && (int64_t)generator->strand_count * generator->vertices_per_strand > WISP_GROOM_MADE_CAP )
     {
         return scene_refuse_node( r, node, "got %d strands of %d vertices, expected at most %d vertices in all",
-                                  recipe->strand_count, recipe->vertices_per_strand, WISP_GROOM_MADE_CAP );
+                                  generator->strand_count, generator->vertices_per_strand, WISP_GROOM_MADE_CAP );
     }
     return status;
 }
 
 // ---- environment and output ----
 
-static wisp_status read_control_point( scene_reader* r, const scene_node* node, wisp_climate_def* climate, int i )
+static wisp_status read_control_point( scene_reader* r, const scene_node* node, wisp_environment_def* environment,
+                                       int i )
 {
     static const scene_field ice = { "ice", SCENE_NUMBER, .range = { 0, 1 } };
     static const scene_field stiffness = { "stiffness", SCENE_NUMBER, .range = { 1e-3, 1e12 } };
     wisp_status status = scene_expect_pair( r, node, "a pair [ice, stiffness]" );
     const scene_node* first = scene_first( r->tree, node );
-    status = status ? status : scene_read_number( r, first, &ice, &climate->ice[i] );
+    status = status ? status : scene_read_number( r, first, &ice, &environment->ice[i] );
     if ( !status )
     {
-        status = scene_read_number( r, scene_next( r->tree, first ), &stiffness, &climate->stiffness[i] );
+        status = scene_read_number( r, scene_next( r->tree, first ), &stiffness, &environment->stiffness[i] );
     }
     if ( status )
     {
         return status;
     }
-    bool last = i + 1 == climate->point_count;
-    bool rises = i == 0 ? climate->ice[i] == 0.0f : climate->ice[i] > climate->ice[i - 1];
-    if ( !rises || ( last && climate->ice[i] != 1.0f ) )
+    bool last = i + 1 == environment->point_count;
+    bool rises = i == 0 ? environment->ice[i] == 0.0f : environment->ice[i] > environment->ice[i - 1];
+    if ( !rises || ( last && environment->ice[i] != 1.0f ) )
     {
         return scene_refuse_node( r, first, "ice must rise from 0 at the first point to 1 at the last" );
     }
@@ -108,12 +109,12 @@ static wisp_status read_control_point( scene_reader* r, const scene_node* node, 
 }
 
 // Stiffness may rise or fall, but not both: colder or wetter hair must not turn back.
-static bool turns_back( const wisp_climate_def* climate, int i )
+static bool turns_back( const wisp_environment_def* environment, int i )
 {
-    float step = climate->stiffness[i] - climate->stiffness[i - 1];
+    float step = environment->stiffness[i] - environment->stiffness[i - 1];
     for ( int k = 1; k < i; ++k )
     {
-        float before = climate->stiffness[k] - climate->stiffness[k - 1];
+        float before = environment->stiffness[k] - environment->stiffness[k - 1];
         if ( ( before < 0.0f && step > 0.0f ) || ( before > 0.0f && step < 0.0f ) )
         {
             return true;
@@ -124,27 +125,28 @@ static bool turns_back( const wisp_climate_def* climate, int i )
 
 wisp_status scene_read_curve( scene_reader* r, const scene_node* node, void* base )
 {
-    wisp_climate_def* climate = &( (wisp_scene_strands*)base )->climate;
+    wisp_environment_def* environment = &( (wisp_scene_strands*)base )->environment;
     wisp_status status = scene_expect_list( r, node, "a list of pairs [ice, stiffness]" );
     if ( status )
     {
         return status;
     }
-    if ( node->count < 2 || node->count > WISP_CLIMATE_MAX_POINTS )
+    if ( node->count < 2 || node->count > WISP_ENVIRONMENT_MAX_POINTS )
     {
-        return scene_refuse_node( r, node, "got %d points, expected 2 to %d", node->count, WISP_CLIMATE_MAX_POINTS );
+        return scene_refuse_node( r, node, "got %d points, expected 2 to %d", node->count,
+                                  WISP_ENVIRONMENT_MAX_POINTS );
     }
-    climate->point_count = node->count;
+    environment->point_count = node->count;
     const scene_node* point = scene_first( r->tree, node );
     for ( int i = 0; i < node->count; ++i, point = scene_next( r->tree, point ) )
     {
         size_t outside = scene_enter_index( r, i );
-        status = read_control_point( r, point, climate, i );
+        status = read_control_point( r, point, environment, i );
         if ( status )
         {
             return status;
         }
-        if ( i > 0 && turns_back( climate, i ) )
+        if ( i > 0 && turns_back( environment, i ) )
         {
             return scene_refuse_node( r, point, "stiffness must rise or fall throughout" );
         }
@@ -166,7 +168,7 @@ const scene_choice SCENE_STRANDS_WORDS[] = {
 
 // Words from OF_LOOK on need a look, those from OF_DYNAMICS on a motion, those from OF_COLLISION on a collision
 // too, which ghosts can have without a motion of their own.
-wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base )
+wisp_status scene_read_request( scene_reader* r, const scene_node* node, void* base )
 {
     enum
     {
@@ -175,8 +177,8 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
         OF_COLLISION = 6,
     };
     wisp_scene_strands* s = base;
-    bool* const wants[] = { &s->want_points, &s->want_width,   &s->want_colour,  &s->want_strain,
-                            &s->want_speed,  &s->want_quality, &s->want_contacts };
+    bool* const requests[] = { &s->request_points, &s->request_width,        &s->request_colour,  &s->request_strain,
+                               &s->request_speed,  &s->request_motion_stats, &s->request_contacts };
 
     wisp_status status = scene_expect_list( r, node, "a list of words" );
     int i = 0;
@@ -185,11 +187,11 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
         status = scene_read_choice( r, item, SCENE_STRANDS_WORDS, &word );
-        if ( !status && *wants[word] )
+        if ( !status && *requests[word] )
         {
             return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_STRANDS_WORDS[word].word );
         }
-        if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_look )
+        if ( !status && word >= OF_LOOK && word < OF_DYNAMICS && !s->has_appearance )
         {
             return scene_refuse_node( r, item, "'%s' needs the key 'appearance'", SCENE_STRANDS_WORDS[word].word );
         }
@@ -204,7 +206,7 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
         }
         if ( !status )
         {
-            *wants[word] = true;
+            *requests[word] = true;
             scene_leave( r, outside );
         }
     }
@@ -216,15 +218,15 @@ wisp_status scene_read_want( scene_reader* r, const scene_node* node, void* base
 wisp_scene_strands scene_default_strands( wisp_vec3 gravity )
 {
     wisp_scene_strands strands = {
-        .recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 ),
+        .generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 ),
         .scatter = { .around = -1, .count = 1, .seed = 1 },
         .curves = wisp_default_curves_def(),
         .curves_of = -1,
         .scale = 1.0f,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .frozen_hair = wisp_default_frozen_hair_def(),
-        .climate = wisp_default_climate_def(),
-        .look = wisp_default_strand_look_def(),
+        .environment = wisp_default_environment_def(),
+        .appearance = wisp_default_strand_appearance_def(),
         .dynamics = wisp_default_strand_dynamics_def(),
         .grid = wisp_default_strand_grid_def(),
         .collision = wisp_default_collision_def(),

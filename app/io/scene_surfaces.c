@@ -16,7 +16,7 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, const w
 {
     int vertex = 0;
     wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
-    int64_t count = scene_recipe_vertices( &surface->mesh.recipe );
+    int64_t count = scene_generator_vertices( &surface->mesh.generator );
     if ( !status && surface->mesh.is_made && vertex >= count )
     {
         return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
@@ -82,7 +82,7 @@ wisp_status scene_read_pin_nearest( scene_reader* r, const scene_node* node, voi
 static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene_box* box )
 {
     wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
-    if ( !status && ( box->low.x > box->high.x || box->low.y > box->high.y || box->low.z > box->high.z ) )
+    if ( !status && ( box->lower.x > box->upper.x || box->lower.y > box->upper.y || box->lower.z > box->upper.z ) )
     {
         return scene_refuse_node( r, node, "got an empty box, expected 'min' below 'max'" );
     }
@@ -161,19 +161,19 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     return status;
 }
 
-static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_fill* fill,
+static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_fill* gas_ratio,
                               const wisp_scene_fill* before )
 {
     static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
-    static const scene_field share = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
+    static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
     wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
     const scene_node* first = scene_first( r->tree, node );
-    status = status ? status : scene_read_number( r, first, &time, &fill->time );
-    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &share, &fill->fill );
-    if ( !status && before && !( fill->time > before->time ) )
+    status = status ? status : scene_read_number( r, first, &time, &gas_ratio->time );
+    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &fraction, &gas_ratio->gas_ratio );
+    if ( !status && before && !( gas_ratio->time > before->time ) )
     {
-        return scene_refuse_node( r, first, "got time %g, expected more than the time before, %g", (double)fill->time,
-                                  (double)before->time );
+        return scene_refuse_node( r, first, "got time %g, expected more than the time before, %g",
+                                  (double)gas_ratio->time, (double)before->time );
     }
     return status;
 }
@@ -239,11 +239,11 @@ const scene_choice SCENE_SURFACE_WORDS[] = {
     { NULL, NULL },
 };
 
-wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_surface* s = at;
-    bool* const wants[] = { &s->want_points,  &s->want_normals, &s->want_strain,  &s->want_speed,
-                            &s->want_quality, &s->want_figures, &s->want_contacts };
+    bool* const requests[] = { &s->request_points,       &s->request_normals, &s->request_strain,  &s->request_speed,
+                               &s->request_motion_stats, &s->request_stats,   &s->request_contacts };
     wisp_status status = scene_expect_list( r, node, "a list of words" );
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
@@ -251,21 +251,21 @@ wisp_status scene_read_surface_want( scene_reader* r, const scene_node* node, vo
         size_t outside = scene_enter_index( r, i++ );
         int word = 0;
         status = scene_read_choice( r, item, SCENE_SURFACE_WORDS, &word );
-        if ( !status && *wants[word] )
+        if ( !status && *requests[word] )
         {
             return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_SURFACE_WORDS[word].word );
         }
-        if ( !status && wants[word] == &s->want_figures && !s->has_balloon && !s->has_implicit )
+        if ( !status && requests[word] == &s->request_stats && !s->has_balloon && !s->has_implicit )
         {
             return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
         }
-        if ( !status && wants[word] == &s->want_contacts && !s->has_collision )
+        if ( !status && requests[word] == &s->request_contacts && !s->has_collision )
         {
             return scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" );
         }
         if ( !status )
         {
-            *wants[word] = true;
+            *requests[word] = true;
             scene_leave( r, outside );
         }
     }
@@ -337,18 +337,18 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
     {
         return scene_refuse_node( r, node, "balloon.outlet_radius needs balloon.outlet_nearest" );
     }
-    if ( b->fill < b->least_fill )
+    if ( b->gas_ratio < b->min_gas_ratio )
     {
         return scene_refuse_node( r, node, "got balloon.gas_ratio %g, expected at least balloon.min_gas_ratio, %g",
-                                  (double)b->fill, (double)b->least_fill );
+                                  (double)b->gas_ratio, (double)b->min_gas_ratio );
     }
     for ( int i = 0; i < s->fill_path_count; ++i )
     {
-        if ( s->fill_path[i].fill < b->least_fill )
+        if ( s->fill_path[i].gas_ratio < b->min_gas_ratio )
         {
             return scene_refuse_node(
                 r, node, "got %g in balloon.gas_ratio_keyframes[%d], expected at least balloon.min_gas_ratio, %g",
-                (double)s->fill_path[i].fill, i, (double)b->least_fill );
+                (double)s->fill_path[i].gas_ratio, i, (double)b->min_gas_ratio );
         }
     }
     return WISP_OK;
@@ -357,7 +357,7 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
 // What is refused of a plane is not what an instance shares: that is known once its source is.
 static wisp_status check_quad_links( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
 {
-    return mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR
+    return mesh->is_made && mesh->generator.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
                : scene_refuse_node( r, node, "implicit.links 'quad' needs 'generate: { shape: plane }'" );
 }
@@ -374,7 +374,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, node, "got both 'strain_limit' and 'implicit', expected one of them" );
     }
-    if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
+    if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
         return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );
     }
@@ -420,7 +420,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
 {
     const wisp_surface_def def = wisp_default_surface_def();
     return ( wisp_scene_surface ){
-        .mesh = { .recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
+        .mesh = { .generator = wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ), .scale = 1.0f },
         .instance_of = -1,
         .pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } },
         .area_density = def.area_density,
@@ -431,7 +431,7 @@ wisp_scene_surface scene_default_surface( wisp_vec3 gravity )
         .balloon = wisp_default_balloon_def(),
         .implicit = wisp_default_implicit_cloth_def(),
         .finest_level = wisp_default_fabric_def().finest_level,
-        .sweep = wisp_default_fabric_def().sweep,
+        .solve_order = wisp_default_fabric_def().solve_order,
         .collision = wisp_default_collision_def(),
         .contact = wisp_default_contact_def(),
         .boundary = wisp_default_boundary_def(),
@@ -507,7 +507,7 @@ static wisp_status count_vertices( scene_reader* r, const scene_node* node )
     {
         const wisp_scene_surface* surface = &r->scene->surfaces[i];
         const wisp_scene_mesh* mesh = &r->scene->surfaces[surface->instance_of >= 0 ? surface->instance_of : i].mesh;
-        sum += mesh->is_made ? scene_recipe_vertices( &mesh->recipe ) : 0;
+        sum += mesh->is_made ? scene_generator_vertices( &mesh->generator ) : 0;
     }
     return sum <= WISP_SCENE_MAX_VERTICES
                ? WISP_OK

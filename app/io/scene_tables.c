@@ -7,9 +7,9 @@
 
 // ---- generate ----
 
-#define AT( member ) offsetof( wisp_groom_recipe, member )
+#define AT( member ) offsetof( wisp_groom_generator, member )
 #define SMALLEST 1e-6
-#define FARTHEST ( (double)WISP_GROOM_FARTHEST )
+#define FARTHEST ( (double)WISP_GROOM_MAX_COORDINATE )
 
 static const scene_choice SHAPES[] = {
     { "straight", "a straight line" }, { "wavy", "waves in a plane" }, { "curly", "a helix" }, { NULL, NULL }
@@ -42,7 +42,7 @@ static const scene_field MAKE_FIELDS[] = {
 };
 #undef AT
 
-const scene_block SCENE_MAKE_BLOCK = { MAKE_FIELDS, WISP_COUNT( MAKE_FIELDS ) };
+const scene_block SCENE_GENERATE_BLOCK = { MAKE_FIELDS, WISP_COUNT( MAKE_FIELDS ) };
 
 // ---- frozen_hair ----
 
@@ -108,7 +108,7 @@ static const scene_field CLUMP_FIELDS[] = {
       .help = "How a change of the distance between two vertices brakes their attraction." },
     { "gap_reference", SCENE_EITHER, .at = HAIR( gap_by_iteration ), .choices = GAP_REFERENCES,
       .help = "Which distances changes are measured from." },
-    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( guard ),
+    { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( min_distance_clamp ),
       .help = "Limits moves so that two vertices stay at least `min_distance` apart in an iteration." },
     { "min_distance", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Smallest distance between two vertices.", .initial = "0.02 of the radius" },
@@ -145,18 +145,18 @@ static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( F
 
 // ---- environment and appearance ----
 
-#define CLIMATE( member ) offsetof( wisp_scene_strands, climate.member )
-#define LOOK( member ) offsetof( wisp_scene_strands, look.member )
+#define ENVIRONMENT( member ) offsetof( wisp_scene_strands, environment.member )
+#define LOOK( member ) offsetof( wisp_scene_strands, appearance.member )
 #define TEMPERATURE RANGE( -273.15, 1000 )
 
-static const scene_field CLIMATE_FIELDS[] = {
-    { "temperature_celsius", SCENE_NUMBER, .at = CLIMATE( temperature ), .range = TEMPERATURE, .unit = CELSIUS,
+static const scene_field ENVIRONMENT_FIELDS[] = {
+    { "temperature_celsius", SCENE_NUMBER, .at = ENVIRONMENT( temperature ), .range = TEMPERATURE, .unit = CELSIUS,
       .help = "Temperature of the air." },
-    { "wetness", SCENE_NUMBER, .at = CLIMATE( wetness ), .range = UNIT_RANGE,
+    { "wetness", SCENE_NUMBER, .at = ENVIRONMENT( wetness ), .range = UNIT_RANGE,
       .help = "Wetness of the hair, from 0 (dry) to 1." },
-    { "freezing_celsius", SCENE_NUMBER, .at = CLIMATE( freezing ), .range = TEMPERATURE, .unit = CELSIUS,
+    { "freezing_celsius", SCENE_NUMBER, .at = ENVIRONMENT( freezing ), .range = TEMPERATURE, .unit = CELSIUS,
       .help = "Temperature where ice begins to form." },
-    { "span", SCENE_NUMBER, .at = CLIMATE( span ), .range = RANGE( 1e-3, 1000 ), .unit = KELVIN,
+    { "span", SCENE_NUMBER, .at = ENVIRONMENT( span ), .range = RANGE( 1e-3, 1000 ), .unit = KELVIN,
       .help = "Kelvin below freezing at which all water is ice." },
     { "curve", SCENE_CUSTOM, .read = scene_read_curve,
       .help = "Control points of the stiffness as a function of ice; ice rises from 0 to 1, stiffness rises or falls "
@@ -164,7 +164,7 @@ static const scene_field CLIMATE_FIELDS[] = {
       .form = "list of 2 to 8 pairs [ice, stiffness], ice in 0 .. 1, stiffness in 0.001 .. 1e12",
       .initial = "[[0, 1], [1, 20]]" },
 };
-static const scene_block CLIMATE_BLOCK = { CLIMATE_FIELDS, WISP_COUNT( CLIMATE_FIELDS ) };
+static const scene_block ENVIRONMENT_BLOCK = { ENVIRONMENT_FIELDS, WISP_COUNT( ENVIRONMENT_FIELDS ) };
 
 static const scene_field LOOK_FIELDS[] = {
     { "root_width", SCENE_NUMBER, .at = LOOK( root_width ), .range = UNIT_RANGE, .unit = METRES,
@@ -199,7 +199,7 @@ static const scene_field STRANDS_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( file ), .read = scene_read_file,
       .help = "Groom to read (`.hair`, `.tfx`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
-    { "generate", SCENE_CUSTOM, .read = scene_read_make, .help = "Generates the strands instead of reading them.",
+    { "generate", SCENE_CUSTOM, .read = scene_read_generate, .help = "Generates the strands instead of reading them.",
       .form = "block" },
     { "scatter", SCENE_BLOCK, .at = AT( is_scattered ), .block = &SCENE_SCATTER_BLOCK,
       .help = "Places strands around those of another entry." },
@@ -224,11 +224,11 @@ static const scene_field STRANDS_FIELDS[] = {
       .help = "Makes the strands follow simulated ones; not with `dynamics`." },
     { "frozen_hair", SCENE_BLOCK, .at = AT( has_frozen_hair ), .block = &FROZEN_HAIR_BLOCK,
       .help = "Frozen shape; not with `dynamics`." },
-    { "environment", SCENE_BLOCK, .at = AT( has_climate ), .block = &CLIMATE_BLOCK,
+    { "environment", SCENE_BLOCK, .at = AT( has_environment ), .block = &ENVIRONMENT_BLOCK,
       .help = "Derives the stiffness of all strands from temperature and wetness." },
-    { "appearance", SCENE_BLOCK, .at = AT( has_look ), .block = &LOOK_BLOCK,
+    { "appearance", SCENE_BLOCK, .at = AT( has_appearance ), .block = &LOOK_BLOCK,
       .help = "Width and colour from root to tip." },
-    { "compute", SCENE_CUSTOM, .read = scene_read_want, .choices = SCENE_STRANDS_WORDS,
+    { "compute", SCENE_CUSTOM, .read = scene_read_request, .choices = SCENE_STRANDS_WORDS,
       .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "none; `points` if an output writes the strands" },
     { "show", SCENE_SWITCH, .at = AT( is_shown ), .given = AT( has_show ),
@@ -271,7 +271,7 @@ const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELD
 static const scene_field SCENE_FIELDS[] = {
     { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version, .help = "Version of the format.",
       .form = "1" },
-    { "step_seconds", SCENE_NUMBER, .at = AT( step_seconds ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
+    { "dt", SCENE_NUMBER, .at = AT( dt ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
       .help = "Length of a step; the default is 1/60." },
     { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
     { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },

@@ -70,16 +70,16 @@ wisp_status scene_refuse( const scene_source* source, int line, int column, cons
     vsnprintf( message, sizeof message, format, arguments );
     va_end( arguments );
 
-    char sentence[sizeof( (wisp_error*)0 )->sentence];
-    snprintf( sentence, sizeof sentence, "%s%s: %s%s%s", name, place, path, path[0] ? ": " : "", message );
-    for ( char* c = sentence; *c; ++c )
+    char whole_message[sizeof( (wisp_error*)0 )->message];
+    snprintf( whole_message, sizeof whole_message, "%s%s: %s%s%s", name, place, path, path[0] ? ": " : "", message );
+    for ( char* c = whole_message; *c; ++c )
     {
         if ( (unsigned char)*c < 0x20u || *c == 0x7f )
         {
             *c = '?';
         }
     }
-    return wisp_fail( source->error, WISP_BAD_INPUT, "%s", sentence );
+    return wisp_fail( source->error, WISP_BAD_INPUT, "%s", whole_message );
 }
 
 static wisp_status out_of_memory( const scene_source* source )
@@ -178,9 +178,9 @@ static char letter_at( builder* b, const yaml_mark_t* mark )
     return b->cursor_byte < b->source->size ? b->source->text[b->cursor_byte] : 0;
 }
 
-static wisp_status refuse_mark( const builder* b, const yaml_mark_t* mark, const char* sentence )
+static wisp_status refuse_mark( const builder* b, const yaml_mark_t* mark, const char* whole_message )
 {
-    return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "%s", sentence );
+    return scene_refuse( b->source, (int)mark->line + 1, (int)mark->column + 1, "", "%s", whole_message );
 }
 
 static wisp_status refuse_syntax( builder* b )
@@ -274,7 +274,7 @@ static wisp_status add_node( builder* b, scene_kind kind, const yaml_mark_t* mar
     return WISP_OK;
 }
 
-static bool wants_key( const builder* b )
+static bool requests_key( const builder* b )
 {
     return b->depth > 0 && b->tree->nodes[b->open[b->depth - 1]].kind == SCENE_MAP && !b->has_key;
 }
@@ -301,7 +301,7 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
     {
         return status;
     }
-    if ( wants_key( b ) )
+    if ( requests_key( b ) )
     {
         b->has_key = true;
         b->key = text;
@@ -321,7 +321,7 @@ static wisp_status take_scalar( builder* b, const yaml_event_t* event )
 
 static wisp_status open_container( builder* b, scene_kind kind, const yaml_mark_t* mark )
 {
-    if ( wants_key( b ) )
+    if ( requests_key( b ) )
     {
         return refuse_mark( b, mark, "got a list or mapping, expected a key" );
     }

@@ -72,12 +72,12 @@ static inline const scene_node* scene_next( const scene_tree* tree, const scene_
     return node->next < 0 ? NULL : &tree->nodes[node->next];
 }
 
-/// Refuse with `name:line:column: path: sentence`; line 0 leaves out the place, an empty path itself.
-/// Control characters that came from the file do not reach the sentence.
+/// Refuse with `name:line:column: path: message`; line 0 leaves out the place, an empty path itself.
+/// Control characters that came from the file do not reach the message.
 wisp_status scene_refuse( const scene_source* source, int line, int column, const char* path, const char* format,
                           ... ) __attribute__( ( format( printf, 5, 6 ) ) );
 
-/// Text from the file as a sentence may show it: cut to a readable length between characters.
+/// Text from the file as a message may show it: cut to a readable length between characters.
 typedef struct scene_quote
 {
     char text[48];

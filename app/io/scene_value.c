@@ -123,29 +123,29 @@ static bool is_unit( const char* text, size_t number )
     return true;
 }
 
-wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* wanted )
+wisp_status scene_refuse_kind( const scene_reader* r, const scene_node* node, const char* requested )
 {
     if ( node->kind != SCENE_SCALAR )
     {
         return scene_refuse_node( r, node, "got a %s, expected %s", node->kind == SCENE_LIST ? "list" : "mapping",
-                                  wanted );
+                                  requested );
     }
     const char* text = scene_text_of( r->tree, node );
     if ( text[0] == 0 || ( node->plain && is_nothing( text ) ) )
     {
-        return scene_refuse_node( r, node, "got nothing, expected %s", wanted );
+        return scene_refuse_node( r, node, "got nothing, expected %s", requested );
     }
     return scene_refuse_node( r, node, "got %s'%s', expected %s", node->plain ? "" : "the text ",
-                              scene_shorten( text ).text, wanted );
+                              scene_shorten( text ).text, requested );
 }
 
-// A text that is a number, whole or not. On refusal the sentence guesses what was meant.
-static wisp_status expect_number( scene_reader* r, const scene_node* node, const char* unit, const char* wanted,
+// A text that is a number, whole or not. On refusal the message guesses what was meant.
+static wisp_status expect_number( scene_reader* r, const scene_node* node, const char* unit, const char* requested,
                                   bool* whole )
 {
     if ( node->kind != SCENE_SCALAR )
     {
-        return scene_refuse_kind( r, node, wanted );
+        return scene_refuse_kind( r, node, requested );
     }
     const char* text = scene_text_of( r->tree, node );
     size_t length = strlen( text );
@@ -157,12 +157,12 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
     }
     if ( prefix == 0 )
     {
-        return scene_refuse_kind( r, node, wanted );
+        return scene_refuse_kind( r, node, requested );
     }
     if ( prefix == length && !node->plain )
     {
         return scene_refuse_node( r, node, "got the text '%s', expected %s; write it without quotes", quote.text,
-                                  wanted );
+                                  requested );
     }
     if ( prefix == length && has_leading_zero( text ) )
     {
@@ -183,13 +183,13 @@ static wisp_status expect_number( scene_reader* r, const scene_node* node, const
                                   unit ? "in " : "without a unit", unit ? unit : "",
                                   unit ? " without its unit" : "" );
     }
-    return scene_refuse_kind( r, node, wanted );
+    return scene_refuse_kind( r, node, requested );
 }
 
 static wisp_status refuse_range( const scene_reader* r, const scene_node* node, const scene_range* range )
 {
     return scene_refuse_node( r, node, "got %s, expected a value in [%.9g, %.9g]",
-                              scene_shorten( scene_text_of( r->tree, node ) ).text, range->low, range->high );
+                              scene_shorten( scene_text_of( r->tree, node ) ).text, range->lower, range->upper );
 }
 
 wisp_status scene_read_number( scene_reader* r, const scene_node* node, const scene_field* field, float* out )
@@ -203,7 +203,7 @@ wisp_status scene_read_number( scene_reader* r, const scene_node* node, const sc
     // The range is checked as the module will see the number: after rounding. 1e999 becomes infinite here and is out
     // of every range.
     float value = strtof( scene_text_of( r->tree, node ), NULL );
-    if ( !( value >= (float)field->range.low && value <= (float)field->range.high ) )
+    if ( !( value >= (float)field->range.lower && value <= (float)field->range.upper ) )
     {
         return refuse_range( r, node, &field->range );
     }
@@ -225,7 +225,7 @@ wisp_status scene_read_whole( scene_reader* r, const scene_node* node, const sce
     }
     // strtoll stops at the ends of its range, and every field's range is narrower.
     long long value = strtoll( scene_text_of( r->tree, node ), NULL, 10 );
-    if ( (double)value < field->range.low || (double)value > field->range.high )
+    if ( (double)value < field->range.lower || (double)value > field->range.upper )
     {
         return refuse_range( r, node, &field->range );
     }
@@ -299,14 +299,14 @@ wisp_status scene_read_choice( scene_reader* r, const scene_node* node, const sc
                               near ? "; did you mean '" : "", near ? near : "", near ? "'?" : "" );
 }
 
-wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* wanted )
+wisp_status scene_expect_pair( scene_reader* r, const scene_node* node, const char* requested )
 {
     if ( node->kind != SCENE_LIST )
     {
-        return scene_refuse_kind( r, node, wanted );
+        return scene_refuse_kind( r, node, requested );
     }
     return node->count == 2 ? WISP_OK
-                            : scene_refuse_node( r, node, "got a list of %d, expected %s", node->count, wanted );
+                            : scene_refuse_node( r, node, "got a list of %d, expected %s", node->count, requested );
 }
 
 wisp_status scene_read_text( scene_reader* r, const scene_node* node, const char** out )

@@ -14,9 +14,9 @@ enum
 
 static void grow( render_bounds* bounds, wisp_vec3 p, float radius )
 {
-    wisp_vec3 low = { p.x - radius, p.y - radius, p.z - radius };
-    wisp_vec3 high = { p.x + radius, p.y + radius, p.z + radius };
-    *bounds = render_bounds_union( *bounds, ( render_bounds ){ low, high, true } );
+    wisp_vec3 lower = { p.x - radius, p.y - radius, p.z - radius };
+    wisp_vec3 upper = { p.x + radius, p.y + radius, p.z + radius };
+    *bounds = render_bounds_union( *bounds, ( render_bounds ){ lower, upper, true } );
 }
 
 render_bounds render_bounds_union( render_bounds a, render_bounds b )
@@ -26,8 +26,8 @@ render_bounds render_bounds_union( render_bounds a, render_bounds b )
         return a.is_filled ? a : b;
     }
     return ( render_bounds ){
-        .low = { fminf( a.low.x, b.low.x ), fminf( a.low.y, b.low.y ), fminf( a.low.z, b.low.z ) },
-        .high = { fmaxf( a.high.x, b.high.x ), fmaxf( a.high.y, b.high.y ), fmaxf( a.high.z, b.high.z ) },
+        .lower = { fminf( a.lower.x, b.lower.x ), fminf( a.lower.y, b.lower.y ), fminf( a.lower.z, b.lower.z ) },
+        .upper = { fmaxf( a.upper.x, b.upper.x ), fmaxf( a.upper.y, b.upper.y ), fmaxf( a.upper.z, b.upper.z ) },
         .is_filled = true,
     };
 }
@@ -94,8 +94,8 @@ render_view render_default_view( void )
 
 static wisp_status check_view( const render_bounds* bounds, const render_view* view, float aspect, wisp_error* error )
 {
-    const float corners[] = { bounds->low.x,  bounds->low.y,  bounds->low.z,
-                              bounds->high.x, bounds->high.y, bounds->high.z };
+    const float corners[] = { bounds->lower.x, bounds->lower.y, bounds->lower.z,
+                              bounds->upper.x, bounds->upper.y, bounds->upper.z };
     for ( int k = 0; k < 6 && bounds->is_filled; ++k )
     {
         if ( !( fabsf( corners[k] ) <= 2.0f * RENDER_FARTHEST ) )
@@ -143,7 +143,7 @@ static view_frame frame_of( const render_view* view )
 // What must be in the picture, around the middle of the box: its corners, or two circles where it will turn.
 static int outline( const render_bounds* box, bool is_turntable, wisp_vec3* points )
 {
-    wisp_vec3 half = v3_scale( v3_sub( box->high, box->low ), 0.5f );
+    wisp_vec3 half = v3_scale( v3_sub( box->upper, box->lower ), 0.5f );
     if ( !is_turntable )
     {
         for ( int k = 0; k < 8; ++k )
@@ -204,7 +204,7 @@ wisp_status render_frame_camera( const render_bounds* bounds, const render_view*
 
     // A single point has no size; the eye keeps away from it all the same.
     float distance = fmaxf( fmaxf( across.distance, along.distance ), 1e-3f );
-    wisp_vec3 middle = v3_scale( v3_add( box.low, box.high ), 0.5f );
+    wisp_vec3 middle = v3_scale( v3_add( box.lower, box.upper ), 0.5f );
     wisp_vec3 target = v3_mul_add( v3_mul_add( middle, across.centre, frame.right ), along.centre, frame.up );
     *camera = ( render_camera ){
         .eye = v3_mul_add( target, distance, frame.back ),

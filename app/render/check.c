@@ -6,11 +6,11 @@
 
 enum
 {
-    NAME_SHOWN = 80, // characters of a body's name that a sentence shows
+    NAME_SHOWN = 80, // characters of a body's name that a message shows
     BODIES_MAX = 1 << 20,
 };
 
-// How sentences call a body: mesh "flag", or mesh 3.
+// How messages call a body: mesh "flag", or mesh 3.
 typedef struct body_name
 {
     char text[NAME_SHOWN + 24];
@@ -308,7 +308,7 @@ wisp_status check_options( const render_options* options, wisp_error* error )
         { "the number of threads", options->threads, 1, WISP_MAX_WORKERS },
         { "exposure", (double)options->exposure, 1e-3, 1e3 },
         { "the tone", (double)(int)options->tone, RENDER_TONE_FILMIC, RENDER_TONE_SRGB },
-        { "the least width of curves", (double)options->least_curve_pixels, 0, 8 },
+        { "the least width of curves", (double)options->min_curve_pixels, 0, 8 },
     };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( ranges ) && status == WISP_OK; ++i )

@@ -6,7 +6,7 @@
 /// Points farther from the origin than this lose their shape in single precision.
 #define RENDER_FARTHEST 1e6f
 
-/// @return WISP_BAD_INPUT, and one sentence that names body and element
+/// @return WISP_BAD_INPUT, and one message that names body and element
 wisp_status check_scene( const render_scene* scene, wisp_error* error );
 
 wisp_status check_camera( const render_camera* camera, wisp_error* error );

@@ -45,23 +45,23 @@ static lch diverging( float t )
     return ( lch ){ 0.93f - 0.45f * far, 0.155f * far, side < 0.0f ? 4.50f : 0.46f };
 }
 
-wisp_vec3 colour_map_at( colour_map map, float share )
+wisp_vec3 colour_map_at( colour_map map, float fraction )
 {
-    if ( isnan( share ) )
+    if ( isnan( fraction ) )
     {
         return ( wisp_vec3 ){ 0.18f, 0.18f, 0.18f };
     }
-    float t = fminf( 1.0f, fmaxf( 0.0f, share ) );
+    float t = fminf( 1.0f, fmaxf( 0.0f, fraction ) );
     return cut( linear_of( map == COLOUR_MAP_DIVERGING ? diverging( t ) : rising( t ) ) );
 }
 
-void colour_map_apply( colour_map map, const float* values, int count, float low, float high, wisp_vec3* colours )
+void colour_map_apply( colour_map map, const float* values, int count, float lower, float upper, wisp_vec3* colours )
 {
     for ( int i = 0; i < count; ++i )
     {
         // In double precision the range of two floats cannot overflow.
-        double range = (double)high - (double)low;
-        double share = range != 0.0 ? ( (double)values[i] - (double)low ) / range : 0.5;
-        colours[i] = colour_map_at( map, isnan( values[i] ) ? values[i] : (float)share );
+        double range = (double)upper - (double)lower;
+        double fraction = range != 0.0 ? ( (double)values[i] - (double)lower ) / range : 0.5;
+        colours[i] = colour_map_at( map, isnan( values[i] ) ? values[i] : (float)fraction );
     }
 }

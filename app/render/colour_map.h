@@ -12,9 +12,9 @@ typedef enum colour_map
 
 /// @param share in [0, 1]; outside it is cut. NaN is a mid grey, which neither map has.
 /// @return linear RGB in [0, 1]
-wisp_vec3 colour_map_at( colour_map map, float share );
+wisp_vec3 colour_map_at( colour_map map, float fraction );
 
 /// Colours of many values. Where low and high are equal, all are in the middle.
 /// @param low, high the values at the ends of the map
 /// @param colours [count] linear RGB
-void colour_map_apply( colour_map map, const float* values, int count, float low, float high, wisp_vec3* colours );
+void colour_map_apply( colour_map map, const float* values, int count, float lower, float upper, wisp_vec3* colours );

@@ -64,6 +64,6 @@ render_options render_default_options( void )
         .seed = 1,
         .exposure = 1.0f,
         .tone = RENDER_TONE_FILMIC,
-        .least_curve_pixels = 0.7f,
+        .min_curve_pixels = 0.7f,
     };
 }

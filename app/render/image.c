@@ -49,15 +49,15 @@ void image_fill( image* picture, int x, int y, int width, int height, image_colo
 {
     int64_t right = (int64_t)x + width, bottom = (int64_t)y + height;
     int left = x > 0 ? x : 0, top = y > 0 ? y : 0;
-    float share = fminf( 1.0f, fmaxf( 0.0f, opacity ) );
+    float fraction = fminf( 1.0f, fmaxf( 0.0f, opacity ) );
     for ( int row = top; row < bottom && row < picture->height; ++row )
     {
         for ( int column = left; column < right && column < picture->width; ++column )
         {
             uint8_t* p = picture->rgb + 3 * ( (size_t)row * (size_t)picture->width + (size_t)column );
-            p[0] = mixed( p[0], colour.r, share );
-            p[1] = mixed( p[1], colour.g, share );
-            p[2] = mixed( p[2], colour.b, share );
+            p[0] = mixed( p[0], colour.r, fraction );
+            p[1] = mixed( p[1], colour.g, fraction );
+            p[2] = mixed( p[2], colour.b, fraction );
         }
     }
 }

@@ -59,4 +59,4 @@ void image_fill( image* picture, int x, int y, int width, int height, image_colo
 
 /// A bar with the colours of a map, its ends in numbers and a title above it, in the lower left corner.
 /// @param title such as "strain", or null
-void image_legend( image* picture, colour_map map, double low, double high, const char* title );
+void image_legend( image* picture, colour_map map, double lower, double upper, const char* title );

@@ -24,17 +24,17 @@ static number_text text_of( double value )
     return out;
 }
 
-static image_colour colour_at( colour_map map, float share )
+static image_colour colour_at( colour_map map, float fraction )
 {
-    wisp_vec3 c = colour_map_at( map, share );
+    wisp_vec3 c = colour_map_at( map, fraction );
     return ( image_colour ){ image_byte_of_linear( c.x ), image_byte_of_linear( c.y ), image_byte_of_linear( c.z ) };
 }
 
-void image_legend( image* picture, colour_map map, double low, double high, const char* title )
+void image_legend( image* picture, colour_map map, double lower, double upper, const char* title )
 {
     int scale = image_text_scale( picture );
     int pad = 4 * scale, line = 8 * scale, thick = 6 * scale;
-    number_text left = text_of( low ), right = text_of( high );
+    number_text left = text_of( lower ), right = text_of( upper );
     int numbers = image_text_width( left.text, scale ) + image_text_width( right.text, scale ) + 6 * scale;
     int heading = title != NULL ? image_text_width( title, scale ) : 0;
     int width = picture->width / 4;
@@ -52,8 +52,8 @@ void image_legend( image* picture, colour_map map, double low, double high, cons
     }
     for ( int k = 0; k < width; ++k )
     {
-        float share = width > 1 ? (float)k / (float)( width - 1 ) : 0.5f;
-        image_fill( picture, x + k, y, 1, thick, colour_at( map, share ), 1.0f );
+        float fraction = width > 1 ? (float)k / (float)( width - 1 ) : 0.5f;
+        image_fill( picture, x + k, y, 1, thick, colour_at( map, fraction ), 1.0f );
     }
     y += thick + 2 * scale;
     image_text( picture, x, y, scale, INK, left.text );

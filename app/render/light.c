@@ -98,14 +98,14 @@ static wisp_vec3 sky( wisp_vec3 direction )
 }
 
 // A soft box: a rounded rectangle around an axis, with soft edges. Sides are tangents of half angles.
-static float soft_box( wisp_vec3 direction, wisp_vec3 axis, wisp_vec3 x, wisp_vec3 y, float wide, float high )
+static float soft_box( wisp_vec3 direction, wisp_vec3 axis, wisp_vec3 x, wisp_vec3 y, float wide, float upper )
 {
     float front = v3_dot( direction, axis );
     if ( front <= 0.05f )
     {
         return 0.0f;
     }
-    float a = v3_dot( direction, x ) / ( front * wide ), b = v3_dot( direction, y ) / ( front * high );
+    float a = v3_dot( direction, x ) / ( front * wide ), b = v3_dot( direction, y ) / ( front * upper );
     float power = a * a * a * a + b * b * b * b;
     return 1.0f - smooth_step( 0.75f, 1.25f, power );
 }

@@ -58,8 +58,8 @@ static lens make_lens( const render_camera* camera, const render_options* option
 // By the height in the picture and not by direction: so the horizon of a ground that fades has nothing to meet.
 static wisp_vec3 background_at( const picture* p, float y )
 {
-    float share = y / (float)p->options->height;
-    return rgb_mix( p->scene->background_top, p->scene->background_bottom, smooth_step( 0.0f, 0.85f, share ) );
+    float fraction = y / (float)p->options->height;
+    return rgb_mix( p->scene->background_top, p->scene->background_bottom, smooth_step( 0.0f, 0.85f, fraction ) );
 }
 
 static float ground_hit( const stage* s, const trace_ray* ray )
@@ -187,8 +187,8 @@ wisp_status render_picture( const render_scene* scene, const render_camera* came
     }
     if ( status == WISP_OK )
     {
-        float share = pixel_size( camera, options->height );
-        status = stage_build( &p.stage, scene, camera, options, share, error );
+        float fraction = pixel_size( camera, options->height );
+        status = stage_build( &p.stage, scene, camera, options, fraction, error );
     }
     if ( status != WISP_OK )
     {

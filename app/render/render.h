@@ -20,7 +20,7 @@ typedef enum render_material
 /// Triangles. Fill from render_default_mesh().
 typedef struct render_mesh
 {
-    const char* name;         ///< for sentences; null: the number of the mesh
+    const char* name;         ///< for messages; null: the number of the mesh
     const wisp_vec3* points;  ///< [vertex_count], finite
     const int32_t* triangles; ///< [triangle_count][3] indices into points
     const wisp_vec3* colours; ///< [vertex_count], or null: the one colour below
@@ -34,7 +34,7 @@ typedef struct render_mesh
 /// Strands as round curves. Fill from render_default_curves().
 typedef struct render_curves
 {
-    const char* name;         ///< for sentences; null: the number of the curves
+    const char* name;         ///< for messages; null: the number of the curves
     const wisp_vec3* points;  ///< [offsets[strand_count]], finite
     const int32_t* offsets;   ///< [strand_count + 1] from 0, never falling; a strand of one point is not drawn
     const float* radii;       ///< [offsets[strand_count]] m, or null: the one radius below
@@ -47,7 +47,7 @@ typedef struct render_curves
 /// Points as matte balls. Fill from render_default_points().
 typedef struct render_points
 {
-    const char* name;         ///< for sentences; null: the number of the points
+    const char* name;         ///< for messages; null: the number of the points
     const wisp_vec3* points;  ///< [count], finite
     const wisp_vec3* colours; ///< [count], or null: the one colour below
     int count;                ///<
@@ -83,7 +83,7 @@ wisp_vec3 render_palette( int body );
 /// An axis-aligned box. Zero-initialised is empty.
 typedef struct render_bounds
 {
-    wisp_vec3 low, high;
+    wisp_vec3 lower, upper;
     bool is_filled;
 } render_bounds;
 
@@ -128,7 +128,7 @@ typedef enum render_tone
 } render_tone;
 
 /// @param share of the picture that is done, in [0, 1]; never called by two threads at once
-typedef void render_progress_fn( void* user, double share );
+typedef void render_progress_fn( void* user, double fraction );
 
 #define RENDER_MAX_SIDE 16384
 #define RENDER_MAX_SAMPLES 4096
@@ -136,14 +136,14 @@ typedef void render_progress_fn( void* user, double share );
 /// Fill from render_default_options().
 typedef struct render_options
 {
-    int width, height;        ///< pixels, in [1, RENDER_MAX_SIDE], default 640 x 480
-    int samples;              ///< a pixel, in [1, RENDER_MAX_SAMPLES], best a power of two, default 16
-    int threads;              ///< in [1, WISP_MAX_WORKERS], default 1; unused with parallel_for
-    uint64_t seed;            ///< of the noise, default 1
-    float exposure;           ///< brightness, > 0, default 1
-    render_tone tone;         ///<
-    float least_curve_pixels; ///< strands are drawn at least so wide, in [0, 8], default 0.7
-    wisp_vec3 light;          ///< towards the key light in the world; zero (default): it goes with the camera
+    int width, height;      ///< pixels, in [1, RENDER_MAX_SIDE], default 640 x 480
+    int samples;            ///< a pixel, in [1, RENDER_MAX_SAMPLES], best a power of two, default 16
+    int threads;            ///< in [1, WISP_MAX_WORKERS], default 1; unused with parallel_for
+    uint64_t seed;          ///< of the noise, default 1
+    float exposure;         ///< brightness, > 0, default 1
+    render_tone tone;       ///<
+    float min_curve_pixels; ///< strands are drawn at least so wide, in [0, 8], default 0.7
+    wisp_vec3 light;        ///< towards the key light in the world; zero (default): it goes with the camera
     wisp_parallel_for_fn* parallel_for; ///< the host's own loop instead of threads of ours, or null
     void* parallel_user;                ///< for parallel_for
     render_progress_fn* progress;       ///< or null
@@ -154,7 +154,7 @@ render_options render_default_options( void );
 
 /// Render. An infinite or missing number in the scene is refused before anything is built.
 /// @param out zero or an image to be replaced; as it was on failure. Release with image_release().
-/// @return WISP_BAD_INPUT an element is wrong (the sentence names body and vertex, triangle or strand), or an option or
+/// @return WISP_BAD_INPUT an element is wrong (the message names body and vertex, triangle or strand), or an option or
 ///         the camera; WISP_NO_MEMORY; WISP_CONFLICT the ray tracer refused, with its reason
 wisp_status render_picture( const render_scene* scene, const render_camera* camera, const render_options* options,
                             image* out, wisp_error* error );

@@ -14,9 +14,9 @@ static inline wisp_vec3 rgb_grey( float level )
 }
 
 /// a at share 0, b at share 1.
-static inline wisp_vec3 rgb_mix( wisp_vec3 a, wisp_vec3 b, float share )
+static inline wisp_vec3 rgb_mix( wisp_vec3 a, wisp_vec3 b, float fraction )
 {
-    return v3_mul_add( v3_scale( a, 1.0f - share ), share, b );
+    return v3_mul_add( v3_scale( a, 1.0f - fraction ), fraction, b );
 }
 
 static inline float rgb_largest( wisp_vec3 a )
@@ -30,8 +30,8 @@ static inline float clamp01( float value )
 }
 
 /// 0 below low, 1 above high, smooth between.
-static inline float smooth_step( float low, float high, float value )
+static inline float smooth_step( float lower, float upper, float value )
 {
-    float t = clamp01( ( value - low ) / ( high - low ) );
+    float t = clamp01( ( value - lower ) / ( upper - lower ) );
     return t * t * ( 3.0f - 2.0f * t );
 }

@@ -185,7 +185,7 @@ static float checker( const stage* s, wisp_vec3 place )
 }
 
 // The share of all light that reaches a place of the ground.
-static wisp_vec3 ground_share( const stage* s, wisp_vec3 place, shade_sample sample )
+static wisp_vec3 ground_fraction( const stage* s, wisp_vec3 place, shade_sample sample )
 {
     wisp_vec3 up = { 0.0f, 1.0f, 0.0f }, start = v3_mul_add( place, s->lift, up );
     wisp_vec3 towards = light_key_direction( s, sample );
@@ -210,12 +210,12 @@ wisp_vec3 shade_ground( const stage* s, const trace_ray* ray, float distance, wi
     place.y = s->ground.height;
     wisp_vec3 aside = v3_sub( place, s->middle );
     aside.y = 0.0f;
-    float share = v3_length( aside ) / s->ground.visible;
-    float shown = 1.0f - smooth_step( 0.25f, 1.0f, share );
+    float fraction = v3_length( aside ) / s->ground.visible;
+    float shown = 1.0f - smooth_step( 0.25f, 1.0f, fraction );
     if ( shown <= 0.0f )
     {
         return background;
     }
-    wisp_vec3 lit = v3_scale( ground_share( s, place, sample ), checker( s, place ) );
+    wisp_vec3 lit = v3_scale( ground_fraction( s, place, sample ), checker( s, place ) );
     return rgb_mix( background, rgb_mul( background, lit ), shown );
 }

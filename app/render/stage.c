@@ -105,8 +105,8 @@ static float round_length( float limit )
 static void set_lengths( stage* out, const render_scene* scene, const render_bounds* bounds )
 {
     wisp_vec3 none = { 0.0f, scene->has_ground ? scene->ground_height : 0.0f, 0.0f };
-    out->middle = bounds->is_filled ? v3_scale( v3_add( bounds->low, bounds->high ), 0.5f ) : none;
-    out->size = bounds->is_filled ? 0.5f * v3_length( v3_sub( bounds->high, bounds->low ) ) : 1.0f;
+    out->middle = bounds->is_filled ? v3_scale( v3_add( bounds->lower, bounds->upper ), 0.5f ) : none;
+    out->size = bounds->is_filled ? 0.5f * v3_length( v3_sub( bounds->upper, bounds->lower ) ) : 1.0f;
     out->size = fmaxf( out->size, 1e-4f );
 
     // Far from the origin the step of the numbers is what a ray must clear, near it a share of the bodies' size.
@@ -131,10 +131,10 @@ static bool lets_light_through( const render_scene* scene )
 }
 
 wisp_status stage_build( stage* out, const render_scene* scene, const render_camera* camera,
-                         const render_options* options, float pixel_share, wisp_error* error )
+                         const render_options* options, float pixel_fraction, wisp_error* error )
 {
     *out = ( stage ){ .scene = scene, .has_translucent = lets_light_through( scene ) };
-    out->widening = ( trace_widening ){ camera->eye, 0.5f * options->least_curve_pixels * pixel_share };
+    out->widening = ( trace_widening ){ camera->eye, 0.5f * options->min_curve_pixels * pixel_fraction };
     render_bounds bounds;
     wisp_status status = render_scene_bounds( scene, &bounds, error );
     if ( status == WISP_OK )
@@ -192,20 +192,20 @@ static wisp_vec3 point_colour( const stage* s, const trace_hit* hit )
 // strand is not known, but its root's neighbours are: a hash of the vertex would make every segment another colour.
 static int strand_of( const render_curves* curves, int vertex )
 {
-    int low = 0, high = curves->strand_count - 1;
-    while ( low < high )
+    int lower = 0, upper = curves->strand_count - 1;
+    while ( lower < upper )
     {
-        int half = low + ( high - low ) / 2;
+        int half = lower + ( upper - lower ) / 2;
         if ( curves->offsets[half + 1] > vertex )
         {
-            high = half;
+            upper = half;
         }
         else
         {
-            low = half + 1;
+            lower = half + 1;
         }
     }
-    return low;
+    return lower;
 }
 
 static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit )
@@ -216,8 +216,8 @@ static wisp_vec3 curve_colour( const render_curves* curves, const trace_hit* hit
         return rgb_mix( curves->colours[v], curves->colours[v + 1], hit->u );
     }
     wisp_random_key key = wisp_random_make_key( 0, 0, 0 );
-    float share = wisp_random_unit_float( key, (uint32_t)strand_of( curves, v ), 0, 0 );
-    return v3_scale( curves->colour, 0.72f + 0.56f * share );
+    float fraction = wisp_random_unit_float( key, (uint32_t)strand_of( curves, v ), 0, 0 );
+    return v3_scale( curves->colour, 0.72f + 0.56f * fraction );
 }
 
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit )

@@ -53,9 +53,9 @@ typedef struct surface
 } surface;
 
 /// @param scene checked
-/// @param pixel_share what a pixel spans at a metre from the eye
+/// @param pixel_fraction what a pixel spans at a metre from the eye
 wisp_status stage_build( stage* out, const render_scene* scene, const render_camera* camera,
-                         const render_options* options, float pixel_share, wisp_error* error );
+                         const render_options* options, float pixel_fraction, wisp_error* error );
 
 /// A stage that is zero, or that failed to be built, is allowed.
 void stage_release( stage* s );

@@ -3,17 +3,17 @@
 #include <pthread.h>
 #include <stdatomic.h>
 
-typedef struct crew
+typedef struct thread_team
 {
     _Atomic int next; // block that nobody has taken yet
     int block_count;
     wisp_block_fn* run;
     void* context;
-} crew;
+} thread_team;
 
 typedef struct member
 {
-    crew* crew;
+    thread_team* thread_team;
     int worker;
     pthread_t thread;
 } member;
@@ -21,7 +21,7 @@ typedef struct member
 static void* work( void* context )
 {
     const member* self = context;
-    crew* c = self->crew;
+    thread_team* c = self->thread_team;
     for ( int block = atomic_fetch_add( &c->next, 1 ); block < c->block_count;
           block = atomic_fetch_add( &c->next, 1 ) )
     {
@@ -32,14 +32,14 @@ static void* work( void* context )
 
 void threads_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context )
 {
-    const int* wanted = user;
-    crew c = { .block_count = block_count, .run = run, .context = context };
+    const int* requested = user;
+    thread_team c = { .block_count = block_count, .run = run, .context = context };
     member members[WISP_MAX_WORKERS];
-    members[0] = ( member ){ .crew = &c };
+    members[0] = ( member ){ .thread_team = &c };
     int started = 1;
-    for ( ; started < *wanted && started < block_count; ++started )
+    for ( ; started < *requested && started < block_count; ++started )
     {
-        members[started] = ( member ){ .crew = &c, .worker = started };
+        members[started] = ( member ){ .thread_team = &c, .worker = started };
         if ( pthread_create( &members[started].thread, NULL, work, &members[started] ) != 0 )
         {
             break;

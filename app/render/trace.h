@@ -27,7 +27,7 @@ typedef struct trace_hit
 typedef struct trace_widening
 {
     wisp_vec3 eye;
-    float radius_share; ///< least radius a metre of distance from the eye
+    float radius_fraction; ///< least radius a metre of distance from the eye
 } trace_widening;
 
 /// The radius that a strand's vertex is drawn with.

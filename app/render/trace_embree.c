@@ -107,7 +107,7 @@ float trace_radius( const trace_widening* widening, const render_curves* curves,
 {
     float radius = curves->radii != NULL ? curves->radii[vertex] : curves->radius;
     float distance = v3_length( v3_sub( curves->points[vertex], widening->eye ) );
-    return fmaxf( radius, widening->radius_share * distance );
+    return fmaxf( radius, widening->radius_fraction * distance );
 }
 
 typedef struct curve_buffers

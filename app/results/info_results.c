@@ -196,7 +196,7 @@ static const char* time_text( json_t* value, char* text, size_t size )
 
 static void print_row( json_t* row, FILE* out )
 {
-    char median[32], low[32], high[32];
+    char median[32], lower[32], upper[32];
     json_t* hash = json_object_get( row, "hash" );
     fprintf( out, "  %s/%s", json_string_value( json_object_get( row, "case" ) ),
              json_string_value( json_object_get( row, "variant" ) ) );
@@ -209,8 +209,8 @@ static void print_row( json_t* row, FILE* out )
     fprintf( out, ", %lld workers: %s ms (p10 %s, p90 %s), %lld steps, hash %s\n",
              (long long)json_integer_value( json_object_get( row, "workers" ) ),
              time_text( json_object_get( row, "ms_median" ), median, sizeof( median ) ),
-             time_text( json_object_get( row, "ms_p10" ), low, sizeof( low ) ),
-             time_text( json_object_get( row, "ms_p90" ), high, sizeof( high ) ),
+             time_text( json_object_get( row, "ms_p10" ), lower, sizeof( lower ) ),
+             time_text( json_object_get( row, "ms_p90" ), upper, sizeof( upper ) ),
              (long long)json_integer_value( json_object_get( row, "steps" ) ),
              json_is_string( hash ) ? json_string_value( hash ) : "-" );
 }

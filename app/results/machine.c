@@ -35,7 +35,7 @@ static bool read_value( const char* path, const char* key, char mark, char* out,
     return found;
 }
 
-static void describe_system( machine_facts* facts )
+static void describe_system( machine_info* info )
 {
     char distribution[64] = "";
     read_value( "/etc/os-release", "PRETTY_NAME", '=', distribution, sizeof( distribution ) );
@@ -43,15 +43,15 @@ static void describe_system( machine_facts* facts )
     struct utsname name;
     if ( uname( &name ) == 0 )
     {
-        snprintf( facts->os, sizeof( facts->os ), "%s%s%.32s %.64s", distribution, *distribution ? ", " : "",
+        snprintf( info->os, sizeof( info->os ), "%s%s%.32s %.64s", distribution, *distribution ? ", " : "",
                   name.sysname, name.release );
-        snprintf( facts->host, sizeof( facts->host ), "%.64s", name.nodename );
+        snprintf( info->host, sizeof( info->host ), "%.64s", name.nodename );
     }
 }
 
-machine_facts machine_describe( const char* isa )
+machine_info machine_describe( const char* isa )
 {
-    machine_facts facts = {
+    machine_info info = {
         .cpu = "unknown",
         .os = "unknown",
         .host = "unknown",
@@ -61,18 +61,18 @@ machine_facts machine_describe( const char* isa )
         .flags = WISP_BUILD_FLAGS,
         .build_type = WISP_BUILD_TYPE,
     };
-    snprintf( facts.isa, sizeof( facts.isa ), "%s", isa );
-    describe_system( &facts );
-    read_value( "/proc/cpuinfo", "model name", ':', facts.cpu, sizeof( facts.cpu ) );
+    snprintf( info.isa, sizeof( info.isa ), "%s", isa );
+    describe_system( &info );
+    read_value( "/proc/cpuinfo", "model name", ':', info.cpu, sizeof( info.cpu ) );
 
     char mhz[32];
     if ( read_value( "/proc/cpuinfo", "cpu MHz", ':', mhz, sizeof( mhz ) ) )
     {
-        facts.mhz = strtod( mhz, NULL );
+        info.mhz = strtod( mhz, NULL );
     }
     long cores = sysconf( _SC_NPROCESSORS_ONLN );
     long pages = sysconf( _SC_PHYS_PAGES ), page_size = sysconf( _SC_PAGE_SIZE );
-    facts.cores = cores > 0 ? (int)cores : 0;
-    facts.memory_bytes = pages > 0 && page_size > 0 ? (double)pages * (double)page_size : 0.0;
-    return facts;
+    info.cores = cores > 0 ? (int)cores : 0;
+    info.memory_bytes = pages > 0 && page_size > 0 ? (double)pages * (double)page_size : 0.0;
+    return info;
 }

@@ -1,7 +1,7 @@
 /// What a time was measured on: without it, a time means nothing.
 #pragma once
 
-typedef struct machine_facts
+typedef struct machine_info
 {
     char cpu[128]; ///< model name as the kernel states it
     char os[192];  ///< distribution and kernel
@@ -16,8 +16,8 @@ typedef struct machine_facts
     const char* compiler;   ///< name and version
     const char* flags;      ///< that decide about speed and rounding
     const char* build_type; ///< meson's
-} machine_facts;
+} machine_info;
 
 /// Read the facts from the running system. What it does not tell is "unknown" or 0.
 /// @param isa instruction set in use, as wisp_world_isa() names it
-machine_facts machine_describe( const char* isa );
+machine_info machine_describe( const char* isa );

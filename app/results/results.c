@@ -12,15 +12,15 @@ static bool reserve( results* all, void** items, int count, int* capacity, size_
     {
         return true;
     }
-    int wanted = *capacity > 0 ? 2 * *capacity : 8;
-    void* grown = realloc( *items, (size_t)wanted * item_size );
+    int requested = *capacity > 0 ? 2 * *capacity : 8;
+    void* grown = realloc( *items, (size_t)requested * item_size );
     if ( !grown )
     {
         all->incomplete = true;
         return false;
     }
     *items = grown;
-    *capacity = wanted;
+    *capacity = requested;
     return true;
 }
 
@@ -234,12 +234,12 @@ void results_add_failure( results* all, const char* format, ... )
     all->failed = true;
 }
 
-void results_add_claim( results* all, bool is_met, const char* claim, double measured, const char* unit )
+void results_add_claim( results* all, bool meets_target, const char* claim, double measured, const char* unit )
 {
     all->claim_count += 1;
-    all->claims_met += is_met ? 1 : 0;
+    all->claims_met += meets_target ? 1 : 0;
     results_add_note( all, "Claim: %s. Measured %.3g%s: %s.", claim, measured, unit,
-                      is_met ? "met" : "claim not met on this machine" );
+                      meets_target ? "met" : "claim not met on this machine" );
 }
 
 void results_free( results* all )

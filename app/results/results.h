@@ -72,7 +72,7 @@ typedef struct results_chart
     /// Horizontal bars instead: a line for each x = 0, 1, 2, .. of the first series, named by its points' labels, with a
     /// bar of length y from 0 for every series that has a point there (from the axis' low end if y_log).
     bool is_bars;
-    char caption[400]; ///< a sentence or two below it; empty: none
+    char caption[400]; ///< a message or two below it; empty: none
     results_series* series;
     int series_count, series_capacity;
 } results_chart;
@@ -89,7 +89,7 @@ typedef struct results
 {
     char headlines[RESULTS_MAX_HEADLINES][200]; ///< the result of each case in a line
     int headline_count;
-    machine_facts machine;
+    machine_info machine;
     results_row* rows;
     int row_count, row_capacity;
     results_table* tables;
@@ -98,7 +98,7 @@ typedef struct results
     int chart_count, chart_capacity;
     results_picture* pictures;
     int picture_count, picture_capacity;
-    char** notes; ///< sentences below the tables
+    char** notes; ///< messages below the tables
     int note_count, note_capacity;
     bool is_result_first; ///< text and Markdown end with machine and build instead of beginning with them
     int claim_count, claims_met;
@@ -140,7 +140,7 @@ void results_add_note( results* all, const char* format, ... ) __attribute__( ( 
 void results_add_failure( results* all, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 
 /// A note about a claim of speed: met, or not met on this machine. Speed is not correctness, so it never fails the run.
-void results_add_claim( results* all, bool is_met, const char* claim, double measured, const char* unit );
+void results_add_claim( results* all, bool meets_target, const char* claim, double measured, const char* unit );
 
 void results_free( results* all );
 

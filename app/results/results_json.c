@@ -75,7 +75,7 @@ static json_t* row_object( const results_row* row )
     return object;
 }
 
-static json_t* machine_object( const machine_facts* machine )
+static json_t* machine_object( const machine_info* machine )
 {
     json_t* object = json_object();
     json_object_set_new( object, "cpu", text( machine->cpu ) );
@@ -86,7 +86,7 @@ static json_t* machine_object( const machine_facts* machine )
     return object;
 }
 
-static json_t* build_object( const machine_facts* machine )
+static json_t* build_object( const machine_info* machine )
 {
     json_t* object = json_object();
     json_object_set_new( object, "version", text( machine->version ) );
@@ -158,7 +158,7 @@ static json_t* context_object( const results* all )
     {
         strftime( date, sizeof( date ), "%Y-%m-%dT%H:%M:%S+00:00", &utc );
     }
-    const machine_facts* machine = &all->machine;
+    const machine_info* machine = &all->machine;
     json_t* object = json_object();
     json_object_set_new( object, "date", json_string( date ) );
     json_object_set_new( object, "host_name", text( machine->host ) );

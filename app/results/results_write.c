@@ -13,7 +13,7 @@ const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdo
 
 static void write_machine( const results* all, FILE* stream, const char* line_end )
 {
-    const machine_facts* machine = &all->machine;
+    const machine_info* machine = &all->machine;
     fprintf( stream, "machine: %s, %d cores, %.1f GB, kernels for %s%s\n", machine->cpu, machine->cores,
              machine->memory_bytes / 1e9, machine->isa, line_end );
     fprintf( stream, "system: %s%s\n", machine->os, line_end );
@@ -312,5 +312,5 @@ wisp_status results_write_file( const results* all, results_format format, const
     {
         return wisp_fail( error, status, "%s: the results could not be written: %s", path, strerror( number ) );
     }
-    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.sentence );
+    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.message );
 }

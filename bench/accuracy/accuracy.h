@@ -7,21 +7,21 @@
 #define ACCURACY_MEASURES_MAX 8
 #define ACCURACY_WORKERS_MAX 2
 
-/// What can be turned, and what to call it. A scene has settings of any number of methods and knobs.
+/// What can be turned, and what to call it. A scene has settings of any number of methods and parameters.
 typedef struct accuracy_setting
 {
     char name[64];   ///< as the table has it: "xpbd, 10 substeps, tethers"; no two of a scene are the same
     char series[48]; ///< settings that differ in `knob` alone; empty: of no series
     char method[48]; ///< settings that are one candidate at equal error and at equal time; empty: its series, or name
-    char knob_name[32]; ///< of a series: what goes to 0, with its unit: "substep, s", "spacing, m"
-    double knob;        ///< its value, above 0; the observed order is the slope of log error over log knob
-    double order;       ///< the order that theory promises; NaN: none is promised
+    char parameter_name[32]; ///< of a series: what goes to 0, with its unit: "substep, s", "spacing, m"
+    double parameter;        ///< its value, above 0; the observed order is the slope of log error over log parameter
+    double order;            ///< the order that theory promises; NaN: none is promised
 } accuracy_setting;
 
 /// What one run of a setting showed. The driver makes it with NaN everywhere.
 typedef struct accuracy_run
 {
-    double error;                           ///< against the scene's truth, in the scene's unit; NaN if it was halted
+    double error; ///< against the scene's reference, in the scene's unit; NaN if it was halted
     double measures[ACCURACY_MEASURES_MAX]; ///< what the scene looks at besides, in its order
     uint64_t hash; ///< of the state at the end: the same for every worker count, looked at or not
     int halted_at; ///< step; 0: never
@@ -32,13 +32,13 @@ typedef struct accuracy_run
 /// Keep the time of a step. @return WISP_NO_MEMORY
 wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 
-/// A scene with its truth and its settings. Made by an accuracy_scene_fn, which also makes or reads the truth.
+/// A scene with its reference and its settings. Made by an accuracy_scene_fn, which also makes or reads the reference.
 typedef struct accuracy_scene
 {
-    char truth[200];     ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
-    double doubt;        ///< of the truth, in the unit of `error`: what is nearer has not been measured; 0: none
-    const char* note;    ///< what a reader of the tables should know, whole sentences; static; null: nothing
-    char error_name[48]; ///< "distance to the truth"
+    char reference[200]; ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
+    double doubt;        ///< of the reference, in the unit of `error`: what is nearer has not been measured; 0: none
+    const char* note;    ///< what a reader of the tables should know, whole messages; static; null: nothing
+    char error_name[48]; ///< "distance to the reference"
     char error_unit[16]; ///< "mm", "%": of `error` as it is printed
     char ms_name[32];    ///< what a time is of, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
@@ -55,7 +55,7 @@ typedef struct accuracy_scene
     void ( *destroy )( void* context ); ///< null: nothing to do
 } accuracy_scene;
 
-/// @param seconds about how long all runs of the scene may take, its truth included
+/// @param seconds about how long all runs of the scene may take, its reference included
 typedef wisp_status accuracy_scene_fn( const bench_options* options, double seconds, accuracy_scene* out,
                                        wisp_error* error );
 

@@ -23,7 +23,7 @@ static const accuracy_entry all_entries[] = {
 #define SCENE_SECONDS 24.0
 // A quick run shares the time of the case, less what dear scenes take beyond their share because everything runs once; a scene
 // that is chosen alone needs no more than the second number.
-#define QUICK_SHARE 0.75
+#define QUICK_FRACTION 0.75
 #define SCENE_SECONDS_QUICK 7.0
 
 const accuracy_entry* accuracy_entries( int* count )
@@ -93,7 +93,7 @@ static void free_report( accuracy_report* report )
     }
     free( report->on_front );
     free( report->error );
-    free( report->least_ms );
+    free( report->min_ms );
 }
 
 // The columns that are compared, and their front.
@@ -101,9 +101,9 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 {
     const int count = report->scene->setting_count;
     report->error = calloc( (size_t)count, sizeof( double ) );
-    report->least_ms = calloc( (size_t)count, sizeof( double ) );
+    report->min_ms = calloc( (size_t)count, sizeof( double ) );
     report->on_front = calloc( (size_t)count, sizeof( bool ) );
-    bool has_room = report->error && report->least_ms && report->on_front;
+    bool has_room = report->error && report->min_ms && report->on_front;
     for ( int w = 0; w < report->worker_count; ++w )
     {
         report->ms[w] = calloc( (size_t)count, sizeof( double ) );
@@ -115,17 +115,17 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
     }
     for ( int i = 0; i < count; ++i )
     {
-        report->error[i] = report->figures[i].seen.error;
-        report->least_ms[i] = NAN;
+        report->error[i] = report->stats[i].seen.error;
+        report->min_ms[i] = NAN;
         for ( int w = 0; w < report->worker_count; ++w )
         {
-            report->ms[w][i] = report->figures[i].ms[w].median;
-            report->least_ms[i] = fmin( report->least_ms[i], report->ms[w][i] );
+            report->ms[w][i] = report->stats[i].ms[w].median;
+            report->min_ms[i] = fmin( report->min_ms[i], report->ms[w][i] );
         }
     }
     if ( !report->scene->has_no_rivals )
     {
-        accuracy_front( report->error, report->least_ms, count, report->on_front );
+        accuracy_front( report->error, report->min_ms, count, report->on_front );
     }
     return WISP_OK;
 }
@@ -145,29 +145,29 @@ static void write_report( const accuracy_report* report, results* out )
 }
 
 static wisp_status run_scene( accuracy_report* report, double seconds, const bench_options* options,
-                              const double share[2], results* out, wisp_error* error )
+                              const double fraction[2], results* out, wisp_error* error )
 {
     const int count = report->scene->setting_count;
-    accuracy_figures* figures = calloc( (size_t)count, sizeof( accuracy_figures ) );
-    if ( !figures )
+    accuracy_stats* stats = calloc( (size_t)count, sizeof( accuracy_stats ) );
+    if ( !stats )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the figures of %d settings", count );
     }
-    report->figures = figures;
-    wisp_status status = accuracy_run_settings( report, seconds, options, share, figures, out, error );
+    report->stats = stats;
+    wisp_status status = accuracy_run_settings( report, seconds, options, fraction, stats, out, error );
     status = status == WISP_OK ? fill_report( report, error ) : status;
     if ( status == WISP_OK )
     {
         write_report( report, out );
     }
     free_report( report );
-    free( figures );
+    free( stats );
     return status;
 }
 
 // Which settings there are, before any of them runs.
 static wisp_status choose_and_run( accuracy_report* report, accuracy_scene* scene, double seconds,
-                                   const bench_options* options, const double share[2], results* out,
+                                   const bench_options* options, const double fraction[2], results* out,
                                    wisp_error* error )
 {
     const int all = scene->setting_count;
@@ -186,20 +186,20 @@ static wisp_status choose_and_run( accuracy_report* report, accuracy_scene* scen
     }
     report->numbers = numbers;
     report->left_out = all - scene->setting_count;
-    const wisp_status status = run_scene( report, seconds, options, share, out, error );
+    const wisp_status status = run_scene( report, seconds, options, fraction, out, error );
     free( numbers );
     return status;
 }
 
 static wisp_status make_and_run( const accuracy_entry* entry, double seconds, const bench_options* options,
-                                 const double share[2], results* out, wisp_error* error )
+                                 const double fraction[2], results* out, wisp_error* error )
 {
     accuracy_scene scene = { .setting_count = 0 };
     accuracy_report report = { .entry = entry, .scene = &scene, .workers = { 1, options->workers } };
     report.worker_count = options->workers > 1 ? 2 : 1;
     char what[100];
-    snprintf( what, sizeof( what ), "%s: the truth", entry->name );
-    bench_progress( options, share[0], what );
+    snprintf( what, sizeof( what ), "%s: the reference", entry->name );
+    bench_progress( options, fraction[0], what );
     const double begin = wisp_clock_seconds();
     wisp_status status = entry->make( options, seconds, &scene, error );
     if ( status != WISP_OK )
@@ -208,7 +208,7 @@ static wisp_status make_and_run( const accuracy_entry* entry, double seconds, co
     }
     WISP_ASSERT( scene.setting_count > 0 && scene.measure_count <= ACCURACY_MEASURES_MAX );
     const double left = seconds - ( wisp_clock_seconds() - begin );
-    status = choose_and_run( &report, &scene, left, options, share, out, error );
+    status = choose_and_run( &report, &scene, left, options, fraction, out, error );
     if ( scene.destroy )
     {
         scene.destroy( scene.context );
@@ -223,8 +223,8 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        const double share[2] = { (double)i / count, 1.0 / count };
-        status = make_and_run( &entries[i], seconds, options, share, out, error );
+        const double fraction[2] = { (double)i / count, 1.0 / count };
+        status = make_and_run( &entries[i], seconds, options, fraction, out, error );
     }
     return status;
 }
@@ -241,9 +241,9 @@ wisp_status accuracy_bench( const bench_options* options, results* out, wisp_err
             chosen[chosen_count++] = entries[i];
         }
     }
-    const double share = bench_seconds( options ) / ( chosen_count > 0 ? chosen_count : 1 );
-    const double each = options->seconds > 0.0 ? share
-                        : options->quick       ? fmin( QUICK_SHARE * share, SCENE_SECONDS_QUICK )
+    const double fraction = bench_seconds( options ) / ( chosen_count > 0 ? chosen_count : 1 );
+    const double each = options->seconds > 0.0 ? fraction
+                        : options->quick       ? fmin( QUICK_FRACTION * fraction, SCENE_SECONDS_QUICK )
                                                : SCENE_SECONDS;
     return accuracy_bench_run( chosen, chosen_count, each, options, out, error );
 }

@@ -28,7 +28,7 @@ static void make_logarithmic( results* out, int chart, const char* caption )
 static void add_times_of( const accuracy_report* report, const char* series_name, int chart, int series,
                           results* out )
 {
-    const double* ms = report->least_ms;
+    const double* ms = report->min_ms;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         if ( strcmp( report->scene->settings[i].series, series_name ) == 0 )
@@ -57,7 +57,7 @@ static void add_time_chart( const accuracy_report* report, results* out )
     snprintf( x_label, sizeof( x_label ), "ms a %s", accuracy_ms_name( scene ) );
     const int chart = results_add_chart( out, title, x_label, error );
     make_logarithmic( out, chart,
-                      "Nearer to the truth is lower, faster is further left; each by its faster worker count. "
+                      "Nearer to the reference is lower, faster is further left; each by its faster worker count. "
                       "Marked: the Pareto front, no "
                       "other setting is as near and as fast and better in one of the two." );
     for ( int i = 0; i < scene->setting_count; ++i )
@@ -76,16 +76,17 @@ static void add_time_chart( const accuracy_report* report, results* out )
 
 // ---- error against what goes to 0 ----
 
-// The next point of a series below a knob: lines are drawn from coarse to fine. -1: there is none
+// The next point of a series below a parameter: lines are drawn from coarse to fine. -1: there is none
 static int next_finer( const accuracy_scene* scene, const char* series, int before )
 {
     int next = -1;
-    const double knob = before < 0 ? INFINITY : scene->settings[before].knob;
+    const double parameter = before < 0 ? INFINITY : scene->settings[before].parameter;
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         const accuracy_setting* s = &scene->settings[i];
-        const bool follows = s->knob < knob || ( s->knob == knob && i > before );
-        if ( strcmp( s->series, series ) == 0 && follows && ( next < 0 || s->knob > scene->settings[next].knob ) )
+        const bool follows = s->parameter < parameter || ( s->parameter == parameter && i > before );
+        if ( strcmp( s->series, series ) == 0 && follows &&
+             ( next < 0 || s->parameter > scene->settings[next].parameter ) )
         {
             next = i;
         }
@@ -93,39 +94,39 @@ static int next_finer( const accuracy_scene* scene, const char* series, int befo
     return next;
 }
 
-static bool begins_knob( const accuracy_scene* scene, int setting )
+static bool begins_parameter( const accuracy_scene* scene, int setting )
 {
     bool begins = accuracy_begins_series( scene, setting );
     for ( int i = 0; i < setting && begins; ++i )
     {
         begins = !scene->settings[i].series[0] ||
-                 strcmp( scene->settings[i].knob_name, scene->settings[setting].knob_name ) != 0;
+                 strcmp( scene->settings[i].parameter_name, scene->settings[setting].parameter_name ) != 0;
     }
     return begins;
 }
 
-// Series of other knobs have an axis of their own.
-static void add_knob_chart( const accuracy_report* report, const char* knob_name, results* out )
+// Series of other parameters have an axis of their own.
+static void add_parameter_chart( const accuracy_report* report, const char* parameter_name, results* out )
 {
     const accuracy_scene* scene = report->scene;
     char title[160], error[80];
     accuracy_error_label( scene, error, sizeof( error ) );
-    snprintf( title, sizeof( title ), "Accuracy `%s`: error against %s", report->entry->name, knob_name );
-    const int chart = results_add_chart( out, title, knob_name, error );
+    snprintf( title, sizeof( title ), "Accuracy `%s`: error against %s", report->entry->name, parameter_name );
+    const int chart = results_add_chart( out, title, parameter_name, error );
     make_logarithmic( out, chart,
-                      "A line of slope 1 is of first order: half the knob is half the error. Where a line "
-                      "turns flat, something else than this knob is left. Marked: the Pareto front." );
+                      "A line of slope 1 is of first order: half the parameter is half the error. Where a line "
+                      "turns flat, something else than this parameter is left. Marked: the Pareto front." );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         const accuracy_setting* first = &scene->settings[i];
-        if ( !accuracy_begins_series( scene, i ) || strcmp( first->knob_name, knob_name ) != 0 )
+        if ( !accuracy_begins_series( scene, i ) || strcmp( first->parameter_name, parameter_name ) != 0 )
         {
             continue;
         }
         const int series = results_add_series( out, chart, first->series, true );
         for ( int k = next_finer( scene, first->series, -1 ); k >= 0; k = next_finer( scene, first->series, k ) )
         {
-            add_point( report, k, scene->settings[k].knob, chart, series, out );
+            add_point( report, k, scene->settings[k].parameter, chart, series, out );
         }
     }
 }
@@ -138,9 +139,9 @@ void accuracy_add_charts( const accuracy_report* report, results* out )
     }
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        if ( begins_knob( report->scene, i ) )
+        if ( begins_parameter( report->scene, i ) )
         {
-            add_knob_chart( report, report->scene->settings[i].knob_name, out );
+            add_parameter_chart( report, report->scene->settings[i].parameter_name, out );
         }
     }
 }

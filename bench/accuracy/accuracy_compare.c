@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-// Below this slope an error is said to have stopped falling: half the knob takes away less than an eighth of it.
+// Below this slope an error is said to have stopped falling: half the parameter takes away less than an eighth of it.
 #define FLOOR_SLOPE 0.2
 
 // Points of one series; more are never in one.
@@ -27,20 +27,20 @@ void accuracy_front( const double* error, const double* ms, int count, bool* on_
 
 typedef struct series_points
 {
-    double knob[SERIES_POINTS_MAX], error[SERIES_POINTS_MAX];
+    double parameter[SERIES_POINTS_MAX], error[SERIES_POINTS_MAX];
     int count;
 } series_points;
 
 // The coarse end first.
-static void insert_point( series_points* all, double knob, double error )
+static void insert_point( series_points* all, double parameter, double error )
 {
     int place = all->count++;
-    for ( ; place > 0 && all->knob[place - 1] < knob; --place )
+    for ( ; place > 0 && all->parameter[place - 1] < parameter; --place )
     {
-        all->knob[place] = all->knob[place - 1];
+        all->parameter[place] = all->parameter[place - 1];
         all->error[place] = all->error[place - 1];
     }
-    all->knob[place] = knob;
+    all->parameter[place] = parameter;
     all->error[place] = error;
 }
 
@@ -52,17 +52,17 @@ static bool still_falls( const series_points* all, int point )
     {
         least = fmin( least, all->error[i] );
     }
-    return all->error[point] < least * pow( all->knob[point] / all->knob[point - 1], FLOOR_SLOPE );
+    return all->error[point] < least * pow( all->parameter[point] / all->parameter[point - 1], FLOOR_SLOPE );
 }
 
-accuracy_order accuracy_observed_order( const double* knob, const double* error, int count )
+accuracy_order accuracy_observed_order( const double* parameter, const double* error, int count )
 {
     series_points all = { .count = 0 };
     for ( int i = 0; i < count && all.count < SERIES_POINTS_MAX; ++i )
     {
-        if ( isfinite( error[i] ) && error[i] > 0.0 && isfinite( knob[i] ) && knob[i] > 0.0 )
+        if ( isfinite( error[i] ) && error[i] > 0.0 && isfinite( parameter[i] ) && parameter[i] > 0.0 )
         {
-            insert_point( &all, knob[i], error[i] );
+            insert_point( &all, parameter[i], error[i] );
         }
     }
     accuracy_order order = { .used = all.count, .count = all.count };
@@ -73,10 +73,10 @@ accuracy_order accuracy_observed_order( const double* knob, const double* error,
 
     for ( int i = 0; i < order.used; ++i )
     {
-        all.knob[i] = log( all.knob[i] );
+        all.parameter[i] = log( all.parameter[i] );
         all.error[i] = log( all.error[i] );
     }
-    order.slope = stats_fit_line( all.knob, all.error, order.used ).slope;
+    order.slope = stats_fit_line( all.parameter, all.error, order.used ).slope;
     return order;
 }
 
@@ -121,8 +121,8 @@ int accuracy_levels( const double* values, int count, double* levels )
     const int found = last - first + 1, kept = found < ACCURACY_LEVELS_MAX ? found : ACCURACY_LEVELS_MAX;
     for ( int i = 0; i < kept; ++i )
     {
-        const double share = kept > 1 ? (double)i / ( kept - 1 ) : 0.0;
-        levels[i] = round_number( first + (int)lround( share * ( found - 1 ) ) );
+        const double fraction = kept > 1 ? (double)i / ( kept - 1 ) : 0.0;
+        levels[i] = round_number( first + (int)lround( fraction * ( found - 1 ) ) );
     }
     return kept;
 }

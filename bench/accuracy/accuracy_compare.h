@@ -10,19 +10,19 @@
 /// @param on_front [count] receives
 void accuracy_front( const double* error, const double* ms, int count, bool* on_front );
 
-/// How an error falls with its knob.
+/// How an error falls with its parameter.
 typedef struct accuracy_order
 {
-    double slope; ///< of log error over log knob by least squares; NaN with fewer than two points
+    double slope; ///< of log error over log parameter by least squares; NaN with fewer than two points
     int used;     ///< points behind it
     int count;    ///< points that have an error above 0
 } accuracy_order;
 
-/// The observed order of a series. Where a smaller knob no longer brings a smaller error, something else is left: rounding,
-/// the model, the truth itself. Such points at the fine end, whose error falls more slowly than knob^0.2 below the least
+/// The observed order of a series. Where a smaller parameter no longer brings a smaller error, something else is left: rounding,
+/// the model, the reference itself. Such points at the fine end, whose error falls more slowly than parameter^0.2 below the least
 /// of all coarser points, are left out.
-/// @param knob, error [count], in any order; NaN and 0 are left out
-accuracy_order accuracy_observed_order( const double* knob, const double* error, int count );
+/// @param parameter, error [count], in any order; NaN and 0 are left out
+accuracy_order accuracy_observed_order( const double* parameter, const double* error, int count );
 
 /// Round numbers (1, 2 or 5 times a power of ten) from the first that is not below the least of the finite values above 0 to the
 /// first that is not below the greatest, rising, evenly picked if there are many.

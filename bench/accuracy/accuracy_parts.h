@@ -6,11 +6,11 @@
 #include "stats.h"
 
 /// What a setting showed.
-typedef struct accuracy_figures
+typedef struct accuracy_stats
 {
     accuracy_run seen;                      ///< the looked-at run, whose times are not used
     stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that nobody looked at; NaN if it was halted
-} accuracy_figures;
+} accuracy_stats;
 
 /// A scene with all that was seen of it.
 typedef struct accuracy_report
@@ -19,13 +19,13 @@ typedef struct accuracy_report
     const accuracy_scene* scene;
     const int* numbers; ///< [setting_count] by which run() knows the settings: a quick run has not all of them
     int left_out;       ///< settings that it has not
-    const accuracy_figures* figures; ///< [setting_count]
+    const accuracy_stats* stats; ///< [setting_count]
     int workers[ACCURACY_WORKERS_MAX], worker_count;
-    // by setting, of `figures`: the columns that are compared
+    // by setting, of `stats`: the columns that are compared
     double* error; ///< NaN: halted
     double* ms[ACCURACY_WORKERS_MAX];
-    double* least_ms; ///< of its worker counts the faster one: who has two cores may leave one idle
-    bool* on_front;   ///< of error and least_ms
+    double* min_ms; ///< of its worker counts the faster one: who has two cores may leave one idle
+    bool* on_front; ///< of error and min_ms
 } accuracy_report;
 
 /// Keep what a quick run has: settings of no series, of each series the coarsest and the one in the middle, of the first series
@@ -38,10 +38,9 @@ void accuracy_thin( accuracy_scene* scene, int* numbers );
 /// @param share of the case's progress, where the scene begins and how much it is
 /// @param figures [setting_count] receives
 wisp_status accuracy_run_settings( const accuracy_report* report, double seconds, const bench_options* options,
-                                   const double share[2], accuracy_figures* figures, results* out,
-                                   wisp_error* error );
+                                   const double fraction[2], accuracy_stats* stats, results* out, wisp_error* error );
 
-/// Who is nearer to the truth than who, by time: the front, at equal error, at equal time, how fast errors fall.
+/// Who is nearer to the reference than who, by time: the front, at equal error, at equal time, how fast errors fall.
 void accuracy_add_table( const accuracy_report* report, results* out );
 void accuracy_add_rows( const accuracy_report* report, results* out );
 void accuracy_add_equal_error( const accuracy_report* report, results* out );
@@ -54,7 +53,7 @@ void accuracy_add_charts( const accuracy_report* report, results* out );
 
 /// What a time is of: "step", "frame of 1/60 s".
 const char* accuracy_ms_name( const accuracy_scene* scene );
-/// "distance to the truth, mm"
+/// "distance to the reference, mm"
 void accuracy_error_label( const accuracy_scene* scene, char* text, int size );
 /// "2 workers"
 void accuracy_workers_label( int workers, char* text, int size );

@@ -11,21 +11,21 @@ enum
 };
 
 /// The times of a setting with a worker count.
-typedef struct timed_entrant
+typedef struct timed_implementation
 {
     double* samples;
     int count, capacity;
     double spent, cost; // s: of all runs, of the last one
-} timed_entrant;
+} timed_implementation;
 
 typedef struct contest
 {
     const accuracy_report* report;
     const bench_options* options;
-    accuracy_figures* figures;
-    timed_entrant* entrants; // [setting_count][worker_count]
-    double begin, end;       // s on the clock
-    double share[2];
+    accuracy_stats* stats;
+    timed_implementation* implementations; // [setting_count][worker_count]
+    double begin, end;                     // s on the clock
+    double fraction[2];
     results* out;
 } contest;
 
@@ -54,7 +54,7 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms )
 }
 
 // The first step of a run makes the plan and fills the caches. It counts only if there is no other.
-static wisp_status keep_run( const accuracy_run* run, timed_entrant* to, wisp_error* error )
+static wisp_status keep_run( const accuracy_run* run, timed_implementation* to, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int i = run->ms_count > 1 ? 1 : 0; i < run->ms_count && status == WISP_OK; ++i )
@@ -92,13 +92,13 @@ static void show_progress( const contest* c, int setting, bool is_looked_at )
     const double part = looked + ( is_looked_at ? 1.0 : 2.0 ) / 3.0 * setting / scene->setting_count;
     const double time = ( wisp_clock_seconds() - c->begin ) / fmax( c->end - c->begin, 1e-9 );
     const double done = fmin( fmax( part, time ), 1.0 );
-    bench_progress( c->options, c->share[0] + c->share[1] * done, what );
+    bench_progress( c->options, c->fraction[0] + c->fraction[1] * done, what );
 }
 
 static wisp_status look( contest* c, int setting, wisp_error* error )
 {
     const accuracy_scene* scene = c->report->scene;
-    accuracy_run* seen = &c->figures[setting].seen;
+    accuracy_run* seen = &c->stats[setting].seen;
     show_progress( c, setting, true );
     *seen = empty_run();
     wisp_status status = scene->run( scene->context, c->report->numbers[setting], 1, true, seen, error );
@@ -111,7 +111,7 @@ static wisp_status look( contest* c, int setting, wisp_error* error )
 static void check( const contest* c, int setting, int workers, const accuracy_run* run )
 {
     const char *scene = c->report->entry->name, *name = c->report->scene->settings[setting].name;
-    const accuracy_run* seen = &c->figures[setting].seen;
+    const accuracy_run* seen = &c->stats[setting].seen;
     const char* word = bench_workers_word( workers );
     if ( run->halted_at != seen->halted_at )
     {
@@ -134,16 +134,16 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
 {
     const accuracy_scene* scene = c->report->scene;
     const int workers = c->report->workers[worker];
-    timed_entrant* entrant = &c->entrants[setting * c->report->worker_count + worker];
+    timed_implementation* implementation = &c->implementations[setting * c->report->worker_count + worker];
     accuracy_run run = empty_run();
     const double begin = wisp_clock_seconds();
     wisp_status status = scene->run( scene->context, c->report->numbers[setting], workers, false, &run, error );
-    entrant->cost = wisp_clock_seconds() - begin;
-    entrant->spent += entrant->cost;
+    implementation->cost = wisp_clock_seconds() - begin;
+    implementation->spent += implementation->cost;
     if ( status == WISP_OK )
     {
         check( c, setting, workers, &run );
-        status = keep_run( &run, entrant, error );
+        status = keep_run( &run, implementation, error );
     }
     forget_times( &run );
     return status;
@@ -152,14 +152,15 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
 // ---- rounds ----
 
 // Whoever has its share of the time behind it sits out, so that the cheap ones do not wait for the dear ones.
-static bool has_turn( const contest* c, int setting, int worker, int round, double share )
+static bool has_turn( const contest* c, int setting, int worker, int round, double fraction )
 {
-    const timed_entrant* entrant = &c->entrants[setting * c->report->worker_count + worker];
-    const bool is_halted = c->figures[setting].seen.halted_at > 0;
-    return round == 0 || ( !is_halted && entrant->count < SAMPLES_ENOUGH && entrant->spent + entrant->cost <= share );
+    const timed_implementation* implementation = &c->implementations[setting * c->report->worker_count + worker];
+    const bool is_halted = c->stats[setting].seen.halted_at > 0;
+    return round == 0 || ( !is_halted && implementation->count < SAMPLES_ENOUGH &&
+                           implementation->spent + implementation->cost <= fraction );
 }
 
-static wisp_status run_round( contest* c, int round, double share, bool* has_run, wisp_error* error )
+static wisp_status run_round( contest* c, int round, double fraction, bool* has_run, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     *has_run = false;
@@ -167,7 +168,7 @@ static wisp_status run_round( contest* c, int round, double share, bool* has_run
     {
         for ( int w = 0; w < c->report->worker_count && status == WISP_OK; ++w )
         {
-            if ( has_turn( c, i, w, round, share ) && ( round == 0 || wisp_clock_seconds() < c->end ) )
+            if ( has_turn( c, i, w, round, fraction ) && ( round == 0 || wisp_clock_seconds() < c->end ) )
             {
                 show_progress( c, i, false );
                 status = take_turn( c, i, w, error );
@@ -187,11 +188,11 @@ static wisp_status run_all( contest* c, wisp_error* error )
         status = look( c, i, error );
     }
     const double left = fmax( c->end - wisp_clock_seconds(), 0.0 );
-    const double share = left / ( settings * c->report->worker_count );
+    const double fraction = left / ( settings * c->report->worker_count );
     bool has_run = true;
     for ( int round = 0; round < ROUNDS_MAX && has_run && status == WISP_OK; ++round )
     {
-        status = run_round( c, round, share, &has_run, error );
+        status = run_round( c, round, fraction, &has_run, error );
     }
     return status;
 }
@@ -203,33 +204,35 @@ static void conclude( contest* c )
     {
         for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
         {
-            const bool counts = w < worker_count && c->figures[i].seen.halted_at == 0;
-            timed_entrant* entrant = counts ? &c->entrants[i * worker_count + w] : NULL;
-            c->figures[i].ms[w] = stats_summarise( counts ? entrant->samples : NULL, counts ? entrant->count : 0 );
+            const bool counts = w < worker_count && c->stats[i].seen.halted_at == 0;
+            timed_implementation* implementation = counts ? &c->implementations[i * worker_count + w] : NULL;
+            c->stats[i].ms[w] =
+                stats_summarise( counts ? implementation->samples : NULL, counts ? implementation->count : 0 );
         }
     }
 }
 
 wisp_status accuracy_run_settings( const accuracy_report* report, double seconds, const bench_options* options,
-                                   const double share[2], accuracy_figures* figures, results* out, wisp_error* error )
+                                   const double fraction[2], accuracy_stats* stats, results* out, wisp_error* error )
 {
     const int count = report->scene->setting_count * report->worker_count;
-    contest c = { .report = report, .options = options, .figures = figures, .out = out };
+    contest c = { .report = report, .options = options, .stats = stats, .out = out };
     c.begin = wisp_clock_seconds();
     c.end = c.begin + seconds;
-    c.share[0] = share[0];
-    c.share[1] = share[1];
-    c.entrants = calloc( (size_t)count, sizeof( timed_entrant ) );
-    wisp_status status = c.entrants ? run_all( &c, error )
-                                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d runs", count );
+    c.fraction[0] = fraction[0];
+    c.fraction[1] = fraction[1];
+    c.implementations = calloc( (size_t)count, sizeof( timed_implementation ) );
+    wisp_status status = c.implementations
+                             ? run_all( &c, error )
+                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of %d runs", count );
     if ( status == WISP_OK )
     {
         conclude( &c );
     }
-    for ( int i = 0; c.entrants && i < count; ++i )
+    for ( int i = 0; c.implementations && i < count; ++i )
     {
-        free( c.entrants[i].samples );
+        free( c.implementations[i].samples );
     }
-    free( c.entrants );
+    free( c.implementations );
     return status;
 }

@@ -122,7 +122,7 @@ static void add_level( const summary* s, double level, double tighter, int table
 static void add_summary( const accuracy_report* report, bool is_by_error, results* out )
 {
     const int count = report->scene->setting_count;
-    const double *error = report->error, *ms = report->least_ms;
+    const double *error = report->error, *ms = report->min_ms;
     summary s = { .report = report,
                   .cost = is_by_error ? ms : error,
                   .limited = is_by_error ? error : ms,
@@ -161,26 +161,26 @@ void accuracy_add_equal_time( const accuracy_report* report, results* out )
 
 // ---- orders ----
 
-static accuracy_order order_of( const accuracy_report* report, const char* series, double* knob, double* error )
+static accuracy_order order_of( const accuracy_report* report, const char* series, double* parameter, double* error )
 {
     int count = 0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
         if ( strcmp( report->scene->settings[i].series, series ) == 0 )
         {
-            knob[count] = report->scene->settings[i].knob;
-            // what is nearer than the truth's doubt is at a floor of its own
+            parameter[count] = report->scene->settings[i].parameter;
+            // what is nearer than the reference's doubt is at a floor of its own
             error[count++] = report->error[i] > report->scene->doubt ? report->error[i] : NAN;
         }
     }
-    return accuracy_observed_order( knob, error, count );
+    return accuracy_observed_order( parameter, error, count );
 }
 
 static void add_order( const accuracy_setting* first, const accuracy_order* order, int table, results* out )
 {
     cells row = { .count = 0 };
     cells_put( &row, "%s", first->series );
-    cells_put( &row, "%s", first->knob_name );
+    cells_put( &row, "%s", first->parameter_name );
     cells_put_number( &row, order->slope, 2 );
     accuracy_put_digits( &row, first->order, 2 );
     cells_put( &row, "%d of %d", order->used, order->count );
@@ -196,29 +196,30 @@ static int begin_orders( const accuracy_report* report, results* out )
     cells_put( &row, "promised" );
     cells_put( &row, "points used" );
     char title[160];
-    snprintf( title, sizeof( title ),
-              "Accuracy `%s`, observed order: error ~ knob^order, without points where the error no longer falls",
-              report->entry->name );
+    snprintf(
+        title, sizeof( title ),
+        "Accuracy `%s`, observed order: error ~ parameter^order, without points where the error no longer falls",
+        report->entry->name );
     return cells_begin_table( &row, title, out );
 }
 
 void accuracy_add_orders( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;
-    double* knob = calloc( (size_t)scene->setting_count, sizeof( double ) );
+    double* parameter = calloc( (size_t)scene->setting_count, sizeof( double ) );
     double* error = calloc( (size_t)scene->setting_count, sizeof( double ) );
     int table = -1;
-    out->incomplete = out->incomplete || !knob || !error;
-    for ( int i = 0; knob && error && i < scene->setting_count; ++i )
+    out->incomplete = out->incomplete || !parameter || !error;
+    for ( int i = 0; parameter && error && i < scene->setting_count; ++i )
     {
         if ( accuracy_begins_series( scene, i ) )
         {
             table = table < 0 ? begin_orders( report, out ) : table;
-            const accuracy_order order = order_of( report, scene->settings[i].series, knob, error );
+            const accuracy_order order = order_of( report, scene->settings[i].series, parameter, error );
             add_order( &scene->settings[i], &order, table, out );
         }
     }
-    free( knob );
+    free( parameter );
     free( error );
 }
 
@@ -242,7 +243,7 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     results_add_note( out,
                       "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
                       "`timed` says. What was halted left its bounds and has neither error nor times.",
-                      report->entry->name, error, scene->truth );
+                      report->entry->name, error, scene->reference );
     if ( !scene->has_no_rivals )
     {
         results_add_note( out,
@@ -253,10 +254,11 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     }
     if ( scene->doubt > 0.0 )
     {
-        results_add_note( out,
-                          "Accuracy `%s`: the truth has a doubt of %.3g %s; what is nearer than that has not been "
-                          "measured, and is left out of observed orders.",
-                          report->entry->name, scene->doubt, scene->error_unit );
+        results_add_note(
+            out,
+            "Accuracy `%s`: the reference has a doubt of %.3g %s; what is nearer than that has not been "
+            "measured, and is left out of observed orders.",
+            report->entry->name, scene->doubt, scene->error_unit );
     }
     if ( report->left_out > 0 )
     {

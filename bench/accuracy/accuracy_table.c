@@ -35,7 +35,7 @@ static int begin_table( const accuracy_report* report, results* out )
     return cells_begin_table( &row, title, out );
 }
 
-static void put_times( const accuracy_report* report, const accuracy_figures* f, cells* row )
+static void put_times( const accuracy_report* report, const accuracy_stats* f, cells* row )
 {
     for ( int w = 0; w < report->worker_count; ++w )
     {
@@ -51,7 +51,7 @@ static void put_times( const accuracy_report* report, const accuracy_figures* f,
 }
 
 // The steps behind the times, of the worker count that has fewer.
-static int timed_steps( const accuracy_report* report, const accuracy_figures* f )
+static int timed_steps( const accuracy_report* report, const accuracy_stats* f )
 {
     const int first = f->ms[0].count, last = f->ms[report->worker_count - 1].count;
     return first < last ? first : last;
@@ -59,7 +59,7 @@ static int timed_steps( const accuracy_report* report, const accuracy_figures* f
 
 static void add_line( const accuracy_report* report, int setting, int table, results* out )
 {
-    const accuracy_figures* f = &report->figures[setting];
+    const accuracy_stats* f = &report->stats[setting];
     cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
     put_times( report, f, &row );
@@ -88,7 +88,7 @@ void accuracy_add_table( const accuracy_report* report, results* out )
 
 // ---- for machines ----
 
-// "distance to the truth, mm" is the value "distance_to_the_truth_mm".
+// "distance to the reference, mm" is the value "distance_to_the_reference_mm".
 static void value_name( const char* label, char* name, int size )
 {
     int length = 0;
@@ -125,7 +125,7 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
 {
     const accuracy_scene* scene = report->scene;
     const accuracy_setting* what = &scene->settings[setting];
-    const accuracy_figures* f = &report->figures[setting];
+    const accuracy_stats* f = &report->stats[setting];
     char text[80];
     snprintf( text, sizeof( text ), "accuracy.%s", report->entry->name );
     results_row* row = results_add_row( out, text, what->name );
@@ -135,14 +135,14 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     }
     if ( what->series[0] )
     {
-        put_finite( &row->size, what->knob_name, what->knob );
+        put_finite( &row->size, what->parameter_name, what->parameter );
     }
     row->workers = report->workers[worker];
     row->ms_median = f->ms[worker].median;
     row->ms_p10 = f->ms[worker].p10;
     row->ms_p90 = f->ms[worker].p90;
     row->steps = f->ms[worker].count;
-    snprintf( row->error_reference, sizeof( row->error_reference ), "%s", scene->truth );
+    snprintf( row->error_reference, sizeof( row->error_reference ), "%s", scene->reference );
     accuracy_error_label( scene, text, sizeof( text ) );
     put_finite( &row->error, text, f->seen.error );
     for ( int i = 0; i < scene->measure_count; ++i )

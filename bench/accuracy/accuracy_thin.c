@@ -13,7 +13,7 @@ static int rank_of( const accuracy_scene* scene, int setting, int* series_count 
     {
         if ( strcmp( scene->settings[i].series, mine->series ) == 0 )
         {
-            rank += scene->settings[i].knob > mine->knob ? 1 : 0;
+            rank += scene->settings[i].parameter > mine->parameter ? 1 : 0;
             ++*series_count;
         }
     }

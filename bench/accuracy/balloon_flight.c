@@ -1,6 +1,6 @@
 // A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the stored flight
-// of the oracle, which is the same equations in double precision. The engine itself is no truth there: what gravity adds to a place
-// within such a substep is below the rounding of a float. Every flight begins with the same shape, which is stored with the truth:
+// of the oracle, which is the same equations in double precision. The engine itself is no reference there: what gravity adds to a place
+// within such a substep is below the rounding of a float. Every flight begins with the same shape, which is stored with the reference:
 // that of a balloon at rest which has been filled at small substeps. What begins out of balance rings, and nothing but the length
 // of the substeps decides how long.
 #include "balloon_flight_run.h"
@@ -19,7 +19,7 @@ enum
 typedef struct flight_scene
 {
     flight_body body;
-    flight_path truth;
+    flight_path reference;
     balloon_setting settings[SETTINGS_MAX];
 } flight_scene;
 
@@ -92,30 +92,30 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
         flight_fly( &scene->body, scene->settings[index], workers, out, is_looked_at ? &path : NULL, error );
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {
-        flight_judge( &path, &scene->truth, out );
+        flight_judge( &path, &scene->reference, out );
     }
     return status;
 }
 
-// ---- the truth ----
+// ---- the reference ----
 
-static wisp_status read_truth( flight_scene* own, accuracy_scene* out, wisp_error* error )
+static wisp_status read_reference( flight_scene* own, accuracy_scene* out, wisp_error* error )
 {
-    const accuracy_truth wanted = flight_truth( &own->body );
-    accuracy_truth truth;
-    const wisp_status status = accuracy_truth_read( accuracy_truth_folder(), &wanted, &truth, error );
+    const accuracy_reference requested = flight_reference( &own->body );
+    accuracy_reference reference;
+    const wisp_status status = accuracy_reference_read( accuracy_reference_folder(), &requested, &reference, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    accuracy_describe_truth( &truth, 1e3, out );
-    own->truth = flight_take_path( truth.numbers );
+    accuracy_describe_reference( &reference, 1e3, out );
+    own->reference = flight_take_path( reference.numbers );
     for ( int i = 0; i < own->body.mesh.vertex_count; ++i )
     {
-        const double* p = truth.numbers + FLIGHT_NUMBERS + 3 * i;
+        const double* p = reference.numbers + FLIGHT_NUMBERS + 3 * i;
         own->body.full[i] = ( wisp_vec3 ){ (float)p[0], (float)p[1], (float)p[2] };
     }
-    accuracy_truth_free( &truth );
+    accuracy_reference_free( &reference );
     return WISP_OK;
 }
 
@@ -154,7 +154,7 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
     }
     flight_scene* scene = out->context;
     status = status == WISP_OK ? flight_make_body( FLIGHT_LEVEL, &scene->body, error ) : status;
-    status = status == WISP_OK ? read_truth( scene, out, error ) : status;
+    status = status == WISP_OK ? read_reference( scene, out, error ) : status;
     if ( status != WISP_OK )
     {
         if ( out->context )

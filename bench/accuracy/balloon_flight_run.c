@@ -54,33 +54,33 @@ static int nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
 wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.fill = FLIGHT_FILL;
+    setting.def.gas_ratio = FLIGHT_FILL;
     setting.damping = FILL_DAMPING;
     setting.substeps = substeps;
     setting.iterations = 1;
     setting.seconds = ACCURACY_FRAME;
-    surface_entrant entrant = { 0 };
+    surface_implementation implementation = { 0 };
     const wisp_vec3* points = NULL;
-    wisp_status status = balloon_entrant_create( body->fabric, &setting, &entrant, error );
+    wisp_status status = balloon_implementation_create( body->fabric, &setting, &implementation, error );
     for ( int s = 0; s < FILL_STEPS && status == WISP_OK; ++s )
     {
-        status = surface_entrant_step( &entrant, error );
+        status = surface_implementation_step( &implementation, error );
     }
-    status = status == WISP_OK ? surface_entrant_points( &entrant, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &implementation, &points, error ) : status;
     if ( status == WISP_OK )
     {
         memcpy( body->full, points, (size_t)body->mesh.vertex_count * sizeof( wisp_vec3 ) );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
 static wisp_status make_pear( int level, wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PEAR );
-    recipe.radius = BALLOON_RADIUS;
-    recipe.level = level;
-    return wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );
+    generator.radius = BALLOON_RADIUS;
+    generator.level = level;
+    return wisp_mesh_generate( &generator, out, error );
 }
 
 // Beside the centre, at a vertex of the coarsest mesh.
@@ -125,7 +125,7 @@ void flight_free_body( flight_body* body )
 balloon_setting flight_setting( int substeps, int iterations )
 {
     balloon_setting setting = balloon_default_setting();
-    setting.def.fill = FLIGHT_FILL;
+    setting.def.gas_ratio = FLIGHT_FILL;
     setting.def.outlet_count = 1;
     setting.def.outlet_area = OUTLET_AREA;
     setting.def.outlet_open = true;
@@ -137,7 +137,7 @@ balloon_setting flight_setting( int substeps, int iterations )
 
 // Forces are those of the last substep of each step, here summed by trapezia from step to step; the first step has its own
 // alone. What is missing is that sum's error, and whatever the solver gives or takes.
-static void close_momentum( const wisp_quality* seen, const wisp_balloon_figures* forces, double before[3],
+static void close_momentum( const wisp_motion_stats* seen, const wisp_balloon_stats* forces, double before[3],
                             double sum[3], int step, flight_path* path )
 {
     double missing[3], now[3];
@@ -152,13 +152,13 @@ static void close_momentum( const wisp_quality* seen, const wisp_balloon_figures
     path->impulse = fmax( path->impulse, length( seen->momentum ) );
 }
 
-static wisp_status look( surface_entrant* entrant, int step, double before[3], double sum[3], flight_path* path,
-                         wisp_error* error )
+static wisp_status look( surface_implementation* implementation, int step, double before[3], double sum[3],
+                         flight_path* path, wisp_error* error )
 {
-    wisp_quality seen = { 0 };
-    wisp_balloon_figures forces = { 0 };
-    wisp_status status = accuracy_read_quality( entrant, &seen, error );
-    status = status == WISP_OK ? balloon_entrant_read( entrant, &forces, error ) : status;
+    wisp_motion_stats seen = { 0 };
+    wisp_balloon_stats forces = { 0 };
+    wisp_status status = accuracy_read_motion_stats( implementation, &seen, error );
+    status = status == WISP_OK ? balloon_implementation_read( implementation, &forces, error ) : status;
     if ( status == WISP_OK )
     {
         memcpy( path->centre[step], seen.centre, sizeof( seen.centre ) );
@@ -176,69 +176,69 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
     setting.points = body->full;
     setting.def.outlet[0] = body->outlet;
     setting.workers = workers;
-    surface_entrant entrant = { 0 };
-    wisp_status status = balloon_entrant_create( body->fabric, &setting, &entrant, error );
+    surface_implementation implementation = { 0 };
+    wisp_status status = balloon_implementation_create( body->fabric, &setting, &implementation, error );
     if ( status == WISP_OK )
     {
-        status = wisp_want_balloon_figures( entrant.world, entrant.entity, path != NULL );
-        status = status == WISP_OK ? accuracy_want_quality( &entrant, path != NULL, error )
-                                   : bench_world_fail( entrant.world, status, error );
+        status = wisp_request_balloon_stats( implementation.world, implementation.entity, path != NULL );
+        status = status == WISP_OK ? accuracy_request_motion_stats( &implementation, path != NULL, error )
+                                   : bench_world_fail( implementation.world, status, error );
     }
     double before[3] = { 0.0 }, sum[3] = { 0.0 };
-    for ( int step = 1; step <= FLIGHT_STEPS && entrant.halted_at == 0 && status == WISP_OK; ++step )
+    for ( int step = 1; step <= FLIGHT_STEPS && implementation.halted_at == 0 && status == WISP_OK; ++step )
     {
-        status = accuracy_step_surface( &entrant, 1, out, error );
+        status = accuracy_step_surface( &implementation, 1, out, error );
         if ( status == WISP_OK && path )
         {
-            status = look( &entrant, step, before, sum, path, error );
+            status = look( &implementation, step, before, sum, path, error );
         }
     }
-    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
-    surface_entrant_destroy( &entrant );
+    status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
-// ---- the truth ----
+// ---- the reference ----
 
-static accuracy_truth truth_of( const char* scene, const flight_body* body, int number_count )
+static accuracy_reference reference_of( const char* scene, const flight_body* body, int number_count )
 {
     const balloon_setting setting = flight_setting( 1, 1 );
-    accuracy_truth truth = { .number_count = number_count };
-    snprintf( truth.scene, sizeof( truth.scene ), "%s", scene );
-    accuracy_truth_put( &truth, "vertices", body->mesh.vertex_count );
-    accuracy_truth_put( &truth, "outlet at vertex", body->outlet );
-    accuracy_truth_put( &truth, "outlet, m2", (double)setting.def.outlet_area );
-    accuracy_truth_put( &truth, "area density, kg/m2", (double)setting.area_density );
-    accuracy_truth_put( &truth, "fill", (double)setting.def.fill );
-    accuracy_truth_put( &truth, "stiffness of edges, N/m", (double)setting.def.edge_stiffness );
-    accuracy_truth_put( &truth, "stiffness across edges, N/m", (double)setting.def.cross_stiffness );
-    accuracy_truth_put( &truth, "atmosphere, Pa", (double)setting.def.atmospheric_pressure );
-    accuracy_truth_put( &truth, "drag", (double)setting.def.drag_coefficient );
-    accuracy_truth_put( &truth, "gravity, m/s2", -(double)setting.gravity.y );
-    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)ACCURACY_FRAME );
-    accuracy_truth_put( &truth, "steps", FLIGHT_STEPS );
-    accuracy_truth_put_start( &truth, body->mesh.points, body->mesh.vertex_count );
-    return truth;
+    accuracy_reference reference = { .number_count = number_count };
+    snprintf( reference.scene, sizeof( reference.scene ), "%s", scene );
+    accuracy_reference_put( &reference, "vertices", body->mesh.vertex_count );
+    accuracy_reference_put( &reference, "outlet at vertex", body->outlet );
+    accuracy_reference_put( &reference, "outlet, m2", (double)setting.def.outlet_area );
+    accuracy_reference_put( &reference, "area density, kg/m2", (double)setting.area_density );
+    accuracy_reference_put( &reference, "fill", (double)setting.def.gas_ratio );
+    accuracy_reference_put( &reference, "stiffness of edges, N/m", (double)setting.def.edge_stiffness );
+    accuracy_reference_put( &reference, "stiffness across edges, N/m", (double)setting.def.bend_link_stiffness );
+    accuracy_reference_put( &reference, "atmosphere, Pa", (double)setting.def.atmospheric_pressure );
+    accuracy_reference_put( &reference, "drag", (double)setting.def.drag_coefficient );
+    accuracy_reference_put( &reference, "gravity, m/s2", -(double)setting.gravity.y );
+    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)ACCURACY_FRAME );
+    accuracy_reference_put( &reference, "steps", FLIGHT_STEPS );
+    accuracy_reference_put_start( &reference, body->mesh.points, body->mesh.vertex_count );
+    return reference;
 }
 
-accuracy_truth flight_truth( const flight_body* body )
+accuracy_reference flight_reference( const flight_body* body )
 {
-    return truth_of( "balloon_flight", body, FLIGHT_NUMBERS + 3 * body->mesh.vertex_count );
+    return reference_of( "balloon_flight", body, FLIGHT_NUMBERS + 3 * body->mesh.vertex_count );
 }
 
 const int flight_paces[FLIGHT_PACES] = { 10, 40 };
 
-accuracy_truth flight_meshes_truth( const flight_body* finest )
+accuracy_reference flight_meshes_reference( const flight_body* finest )
 {
-    accuracy_truth truth = truth_of( "balloon_meshes", finest, FLIGHT_PACES * FLIGHT_NUMBERS );
-    accuracy_truth_put( &truth, "substeps that fill it", FLIGHT_MESHES_FILL );
+    accuracy_reference reference = reference_of( "balloon_meshes", finest, FLIGHT_PACES * FLIGHT_NUMBERS );
+    accuracy_reference_put( &reference, "substeps that fill it", FLIGHT_MESHES_FILL );
     for ( int pace = 0; pace < FLIGHT_PACES; ++pace )
     {
         char name[40];
         snprintf( name, sizeof( name ), "substeps of flight %d", pace + 1 );
-        accuracy_truth_put( &truth, name, flight_paces[pace] );
+        accuracy_reference_put( &reference, name, flight_paces[pace] );
     }
-    return truth;
+    return reference;
 }
 
 void flight_put_path( const flight_path* path, double* numbers )
@@ -261,12 +261,12 @@ flight_path flight_take_path( const double* numbers )
     return path;
 }
 
-void flight_judge( const flight_path* path, const flight_path* truth, accuracy_run* out )
+void flight_judge( const flight_path* path, const flight_path* reference, accuracy_run* out )
 {
-    out->error = 1e3 * flight_distance( path, truth );
+    out->error = 1e3 * flight_distance( path, reference );
     out->measures[0] = path->speed;
-    out->measures[1] = 100.0 * ( path->speed / truth->speed - 1.0 );
+    out->measures[1] = 100.0 * ( path->speed / reference->speed - 1.0 );
     out->measures[2] = path->spin;
-    out->measures[3] = 100.0 * ( path->volume / truth->volume - 1.0 );
+    out->measures[3] = 100.0 * ( path->volume / reference->volume - 1.0 );
     out->measures[4] = 100.0 * path->impulse_missing / path->impulse;
 }

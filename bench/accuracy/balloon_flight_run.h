@@ -3,7 +3,7 @@
 #pragma once
 
 #include "accuracy_surface.h"
-#include "accuracy_truth.h"
+#include "accuracy_reference.h"
 
 #include "balloon_scene.h"
 
@@ -44,13 +44,13 @@ balloon_setting flight_setting( int substeps, int iterations );
 wisp_status flight_fly( const flight_body* body, balloon_setting setting, int workers, accuracy_run* out,
                         flight_path* path, wisp_error* error );
 
-// ---- the truth ----
+// ---- the reference ----
 
 enum
 {
     FLIGHT_LEVEL = 1,           // 42 vertices: of the scene `balloon_flight`
     FLIGHT_FILL_SUBSTEPS = 640, // with which that is filled
-    FLIGHT_MESHES_LEVEL = 4,    // 2562 vertices: the truth of `balloon_meshes`
+    FLIGHT_MESHES_LEVEL = 4,    // 2562 vertices: the reference of `balloon_meshes`
     FLIGHT_MESHES_FILL = 10,    // substeps with which all of those are filled
     FLIGHT_PACES = 2,           // of `balloon_meshes`
     FLIGHT_NUMBERS = 3 * FLIGHT_STEPS + 3,
@@ -59,18 +59,18 @@ enum
 /// Substeps of a flight of `balloon_meshes`.
 extern const int flight_paces[FLIGHT_PACES];
 
-// Scene, facts and size of a truth. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the end speed, spin
+// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the end speed, spin
 // and volume.
 
 /// Of `balloon_flight`: a flight, and [vertices][3] m behind it, where flights begin.
-accuracy_truth flight_truth( const flight_body* body );
+accuracy_reference flight_reference( const flight_body* body );
 /// Of `balloon_meshes`: a flight for each pace. @param finest the body of FLIGHT_MESHES_LEVEL
-accuracy_truth flight_meshes_truth( const flight_body* finest );
+accuracy_reference flight_meshes_reference( const flight_body* finest );
 void flight_put_path( const flight_path* path, double* numbers );
 flight_path flight_take_path( const double* numbers );
 
-/// Put the distance to the truth, in mm, and the measures below into a run that was looked at.
-void flight_judge( const flight_path* path, const flight_path* truth, accuracy_run* out );
+/// Put the distance to the reference, in mm, and the measures below into a run that was looked at.
+void flight_judge( const flight_path* path, const flight_path* reference, accuracy_run* out );
 #define FLIGHT_MEASURES                                                                                              \
     {                                                                                                                \
         "speed m/s", "speed error %", "spin rad/s", "volume error %", "momentum not closed %"                        \

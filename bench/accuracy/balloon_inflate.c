@@ -1,9 +1,9 @@
-// A sphere that is filled with gas, against the closed form of its mesh (balloon_truth.h). Its gas is that of the constraint, of
+// A sphere that is filled with gas, against the closed form of its mesh (balloon_reference.h). Its gas is that of the constraint, of
 // compliance V_0 / P_atm, so that how the solver converges is not hidden by p V = n R T, which is a measure of its own.
 #include "accuracy_surface.h"
 
 #include "balloon_bench.h"
-#include "balloon_truth.h"
+#include "balloon_reference.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -51,7 +51,7 @@ static const char* const reading_names[] = { "virial", "multiplier", "gas law" }
 static balloon_setting usual_setting( void )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.fill = FILL;
+    setting.def.gas_ratio = FILL;
     setting.area_density = DENSITY;
     setting.damping = DAMPING;
     setting.seconds = ACCURACY_FRAME;
@@ -89,13 +89,13 @@ static wisp_status make_sphere( int level, inflated_sphere* out, wisp_error* err
 // ---- settings ----
 
 // The list of settings of the scene and what they mean grow together.
-static void add( accuracy_scene* scene, inflate_setting what, const char* series, const char* knob_name, double knob,
-                 double order, const char* name )
+static void add( accuracy_scene* scene, inflate_setting what, const char* series, const char* parameter_name,
+                 double parameter, double order, const char* name )
 {
     inflate_scene* own = scene->context;
     own->settings[scene->setting_count] = what;
     accuracy_setting* setting = accuracy_put_setting( scene, "%s", name );
-    accuracy_join_series( setting, series, knob_name, knob, order );
+    accuracy_join_series( setting, series, parameter_name, parameter, order );
     snprintf( setting->method, sizeof( setting->method ), "%s skin, %s volume, %s", solver_names[what.skin],
               solver_names[what.volume], reading_names[what.reading] );
 }
@@ -107,7 +107,7 @@ static inflate_setting usual_inflation( int substeps, int iterations )
 }
 
 // Links and gas answer with their compliance up to a share h^2 k / m of it that an iteration leaves: second order, where
-// that is a small share, so coarser substeps are of no series. The reading by the gas law passes the truth on its way to where p V = n R T and the compliance differ, p / P_atm: no order.
+// that is a small share, so coarser substeps are of no series. The reading by the gas law passes the reference on its way to where p V = n R T and the compliance differ, p / P_atm: no order.
 static void add_substeps( accuracy_scene* scene, bool quick )
 {
     static const int substeps[] = { 10, 25, 50, 100, 200, 400, 800 };
@@ -181,11 +181,11 @@ static void add_forms( accuracy_scene* scene )
 
 // ---- a run ----
 
-static wisp_status look( surface_entrant* entrant, const balloon_setting* setting, const inflated_sphere* sphere,
-                         accuracy_run* out, wisp_error* error )
+static wisp_status look( surface_implementation* implementation, const balloon_setting* setting,
+                         const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
 {
     balloon_readings read = { { 0 }, 0, 0 };
-    wisp_status status = balloon_read_all( entrant, setting, &read, error );
+    wisp_status status = balloon_read_all( implementation, setting, &read, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -217,21 +217,21 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
     setting.substeps = what->substeps;
     setting.iterations = what->iterations;
     setting.workers = workers;
-    surface_entrant entrant = { 0 };
-    wisp_status status = balloon_entrant_create( sphere->fabric, &setting, &entrant, error );
+    surface_implementation implementation = { 0 };
+    wisp_status status = balloon_implementation_create( sphere->fabric, &setting, &implementation, error );
     if ( status == WISP_OK )
     {
         // Figures cost passes of their own: none while times are taken.
-        status = wisp_want_balloon_figures( entrant.world, entrant.entity, false );
-        status = status == WISP_OK ? accuracy_step_surface( &entrant, SETTLE_STEPS, out, error )
-                                   : bench_world_fail( entrant.world, status, error );
-        status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
+        status = wisp_request_balloon_stats( implementation.world, implementation.entity, false );
+        status = status == WISP_OK ? accuracy_step_surface( &implementation, SETTLE_STEPS, out, error )
+                                   : bench_world_fail( implementation.world, status, error );
+        status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;
     }
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {
-        status = look( &entrant, &setting, sphere, out, error );
+        status = look( &implementation, &setting, sphere, out, error );
     }
-    surface_entrant_destroy( &entrant );
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
@@ -252,7 +252,7 @@ wisp_status accuracy_balloon_inflate( const bench_options* options, double secon
                                       wisp_error* error )
 {
     *out = ( accuracy_scene ){
-        .truth = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
+        .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
         .note =
             "gas has p V = n R T and the constraint the compliance V_0 / P_atm, so that the reading by the gas law "
             "ends "

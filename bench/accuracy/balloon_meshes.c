@@ -1,6 +1,6 @@
 // The flight of `balloon_flight` on finer meshes, against the stored flight of a still finer one at the same substeps. No order is
 // promised: a finer mesh is stiffer than the same substeps can follow, so that two errors fall against each other. More substeps are
-// no truth there: they no longer damp a fine skin, and how it rings moves the path by a centimetre.
+// no reference there: they no longer damp a fine skin, and how it rings moves the path by a centimetre.
 #include "balloon_flight_run.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ enum
 typedef struct mesh_scene
 {
     flight_body bodies[LEVELS];
-    flight_path truth[FLIGHT_PACES];
+    flight_path reference[FLIGHT_PACES];
 } mesh_scene;
 
 static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
@@ -28,7 +28,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
                                      is_looked_at ? &path : NULL, error );
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {
-        flight_judge( &path, &scene->truth[pace], out );
+        flight_judge( &path, &scene->reference[pace], out );
     }
     return status;
 }
@@ -51,26 +51,26 @@ static void add_settings( accuracy_scene* out )
     }
 }
 
-// What the mesh of the truth begins with is a fact of it; nothing flies on it here.
-static wisp_status read_truth( mesh_scene* scene, accuracy_scene* out, wisp_error* error )
+// What the mesh of the reference begins with is a fact of it; nothing flies on it here.
+static wisp_status read_reference( mesh_scene* scene, accuracy_scene* out, wisp_error* error )
 {
     flight_body finest = { .fabric = NULL };
-    accuracy_truth truth = { .numbers = NULL };
+    accuracy_reference reference = { .numbers = NULL };
     wisp_status status = flight_make_body( FLIGHT_MESHES_LEVEL, &finest, error );
     if ( status == WISP_OK )
     {
-        const accuracy_truth wanted = flight_meshes_truth( &finest );
-        status = accuracy_truth_read( accuracy_truth_folder(), &wanted, &truth, error );
+        const accuracy_reference requested = flight_meshes_reference( &finest );
+        status = accuracy_reference_read( accuracy_reference_folder(), &requested, &reference, error );
     }
     if ( status == WISP_OK )
     {
-        accuracy_describe_truth( &truth, 1e3, out );
+        accuracy_describe_reference( &reference, 1e3, out );
         for ( int pace = 0; pace < FLIGHT_PACES; ++pace )
         {
-            scene->truth[pace] = flight_take_path( truth.numbers + pace * FLIGHT_NUMBERS );
+            scene->reference[pace] = flight_take_path( reference.numbers + pace * FLIGHT_NUMBERS );
         }
     }
-    accuracy_truth_free( &truth );
+    accuracy_reference_free( &reference );
     flight_free_body( &finest );
     return status;
 }
@@ -113,7 +113,7 @@ wisp_status accuracy_balloon_meshes( const bench_options* options, double second
         status = flight_make_body( FIRST_LEVEL + level, body, error );
         status = status == WISP_OK ? flight_fill_body( body, FLIGHT_MESHES_FILL, error ) : status;
     }
-    status = status == WISP_OK ? read_truth( scene, out, error ) : status;
+    status = status == WISP_OK ? read_reference( scene, out, error ) : status;
     if ( status != WISP_OK )
     {
         if ( scene )

@@ -26,7 +26,7 @@ enum
 {
     OVERLAP_LAST,
     MISSED,
-    CROSSINGS,
+    INTERSECTIONS,
     CONTACTS,
     MEASURES,
 };
@@ -35,19 +35,19 @@ enum
 static wisp_status look( const presses* all, contact_world* world, accuracy_run* out, wisp_error* error )
 {
     contact_overlap overlap = { 0 };
-    wisp_contact_figures figures = { 0 };
+    wisp_contact_stats stats = { 0 };
     wisp_status status = contact_find_overlap( world, &overlap, error );
     if ( status == WISP_OK )
     {
-        status = wisp_read_contact_figures( world->world, &figures );
+        status = wisp_read_contact_stats( world->world, &stats );
         status = status == WISP_OK ? WISP_OK : bench_world_fail( world->world, status, error );
     }
     const double vertices = 2.0 * all->scene.mesh.vertex_count;
     out->measures[OVERLAP_LAST] = 1e3 * fmax( overlap.overlap, 0.0 );
     out->error = fmax( out->error, out->measures[OVERLAP_LAST] ); // NaN before the first look
     out->measures[MISSED] = fmax( out->measures[MISSED], 100.0 * overlap.missed / vertices );
-    out->measures[CROSSINGS] = fmax( out->measures[CROSSINGS], figures.crossings );
-    out->measures[CONTACTS] = figures.contacts;
+    out->measures[INTERSECTIONS] = fmax( out->measures[INTERSECTIONS], stats.intersections );
+    out->measures[CONTACTS] = stats.contacts;
     return status;
 }
 
@@ -57,7 +57,7 @@ static wisp_status run_press( void* context, int setting, int workers, bool is_l
                               wisp_error* error )
 {
     const presses* all = context;
-    const contact_setting chosen = { .way = all->ways[setting], .workers = workers, .wants_figures = is_looked_at };
+    const contact_setting chosen = { .way = all->ways[setting], .workers = workers, .requests_stats = is_looked_at };
     contact_world world = { 0 };
     wisp_status status = contact_enter_pair( &all->scene, &chosen, &world, error );
     for ( int s = 1; s <= PRESS_STEPS && status == WISP_OK; ++s )
@@ -95,7 +95,7 @@ static void put_spacings( accuracy_scene* scene )
     for ( int i = 0; i < WISP_COUNT( ways ); ++i )
     {
         contact_way way = ways[i];
-        way.features = WISP_CONTACT_SAMPLES;
+        way.primitives = WISP_CONTACT_PARTICLES;
         way.margin = 2.0f;
         accuracy_join_series( put_way( scene, way ), "particles", "spacing, m",
                               (double)( way.spacing * all->scene.thickness ), NAN );
@@ -115,12 +115,12 @@ wisp_status accuracy_boundary_contact( const bench_options* options, double seco
     (void)options;
     presses* all = calloc( 1, sizeof( presses ) );
     *out = ( accuracy_scene ){
-        .truth =
+        .reference =
             "nothing comes nearer to the other surface than the thickness; vertices against triangles, by signed "
             "distances that contact has no part in",
         .error_name = "overlap at most",
         .error_unit = "mm",
-        .measure_names = { "at the end mm", "missed vertices %", "crossings at most", "contacts" },
+        .measure_names = { "at the end mm", "missed vertices %", "intersections at most", "contacts" },
         .measure_count = MEASURES,
         .context = all,
         .run = run_press,
@@ -137,7 +137,7 @@ wisp_status accuracy_boundary_contact( const bench_options* options, double seco
         return accuracy_abandon( out, status );
     }
     const contact_way none = { .name = "nothing", .is_off = true, .margin = 2.0f };
-    const contact_way unguarded = { .name = "exact, no guard", .margin = 2.0f, .no_guard = true };
+    const contact_way unguarded = { .name = "exact, no guard", .margin = 2.0f, .no_displacement_limit = true };
     put_way( out, none );
     put_spacings( out );
     put_way( out, unguarded );

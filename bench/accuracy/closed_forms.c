@@ -1,4 +1,4 @@
-// The list of closed forms and its scene. A form with several values is a series whose knob is the substep or the edge of a mesh.
+// The list of closed forms and its scene. A form with several values is a series whose parameter is the substep or the edge of a mesh.
 #include "closed_forms.h"
 
 #include <math.h>
@@ -6,27 +6,27 @@
 
 enum
 {
-    KNOBS_MAX = 6,
+    PARAMETERS_MAX = 6,
     SETTINGS_MAX = 128,
 };
 
-#define LEAST_ERROR 1e-9
+#define MIN_ERROR 1e-9
 
-typedef enum closed_knob
+typedef enum closed_parameter
 {
-    SUBSTEPS,   // the knob is the length of a substep
+    SUBSTEPS,   // the parameter is the length of a substep
     ITERATIONS, // of 10 substeps
     CELLS,      // of a clamped strip
     LEVEL,      // of an icosphere
-} closed_knob;
+} closed_parameter;
 
 typedef struct closed_form
 {
     const char* name; // with the unit of what is measured
     closed_fn* run;
     double first, second;
-    closed_knob knob;
-    int values[KNOBS_MAX];
+    closed_parameter parameter;
+    int values[PARAMETERS_MAX];
     int value_count;
     double order;
 } closed_form;
@@ -73,7 +73,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
     const closed_setting* what = (const closed_setting*)context + index;
     closed_run run = { .first = what->form->first,
                        .second = what->form->second,
-                       .knob = what->value,
+                       .parameter = what->value,
                        .workers = workers,
                        .is_looked_at = is_looked_at,
                        .out = out,
@@ -83,10 +83,11 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {
         // what is nearer than a float can tell is met
-        const double wrong = fabs( ( run.measured - run.truth ) / ( run.scale != 0.0 ? run.scale : run.truth ) );
-        out->error = wrong < LEAST_ERROR ? 0.0 : 100.0 * wrong;
+        const double wrong =
+            fabs( ( run.measured - run.reference ) / ( run.scale != 0.0 ? run.scale : run.reference ) );
+        out->error = wrong < MIN_ERROR ? 0.0 : 100.0 * wrong;
         out->measures[0] = run.measured;
-        out->measures[1] = run.truth;
+        out->measures[1] = run.reference;
         out->measures[2] = 100.0 * run.strain;
         out->measures[3] = 100.0 * run.momentum_error;
     }
@@ -95,9 +96,9 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
 
 // ---- settings ----
 
-static double knob_of( closed_knob knob, int value )
+static double parameter_of( closed_parameter parameter, int value )
 {
-    switch ( knob )
+    switch ( parameter )
     {
         case SUBSTEPS:
             return (double)ACCURACY_FRAME / value;
@@ -116,9 +117,9 @@ static void add( accuracy_scene* scene, const closed_form* form, int value )
     closed_setting* settings = scene->context;
     settings[scene->setting_count] = ( closed_setting ){ form, value };
     static const char* const units[] = { "substeps", "iterations", "cells", "level" };
-    accuracy_setting* setting = accuracy_put_setting( scene, "%s, %s %d", form->name, units[form->knob], value );
-    accuracy_join_series( setting, form->value_count > 1 ? form->name : "", names[form->knob],
-                          knob_of( form->knob, value ), form->order );
+    accuracy_setting* setting = accuracy_put_setting( scene, "%s, %s %d", form->name, units[form->parameter], value );
+    accuracy_join_series( setting, form->value_count > 1 ? form->name : "", names[form->parameter],
+                          parameter_of( form->parameter, value ), form->order );
 }
 
 wisp_status accuracy_closed_forms( const bench_options* options, double seconds, accuracy_scene* out,
@@ -127,7 +128,7 @@ wisp_status accuracy_closed_forms( const bench_options* options, double seconds,
     (void)options;
     (void)seconds; // small bodies: a few seconds for all
     *out = ( accuracy_scene ){
-        .truth = "the closed form of its series",
+        .reference = "the closed form of its series",
         .note = "every series is an experiment of its own. On one iteration a substep what hangs at rest is softer "
                 "than its "
                 "compliance by h^2 k / m; what converges to something else than its closed form is the sphere, whose "

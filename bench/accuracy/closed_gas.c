@@ -1,7 +1,7 @@
 // Closed forms of balloons: lift, the pressure of a sphere, gas that leaves.
 #include "closed_forms.h"
 
-#include "balloon_truth.h"
+#include "balloon_reference.h"
 
 #include "oracle/balloon_oracle.h"
 
@@ -20,7 +20,7 @@ typedef struct sphere_run
 {
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    surface_entrant entrant;
+    surface_implementation implementation;
     wisp_vec3* points; // where it begins
     int32_t* pins;     // all vertices
 } sphere_run;
@@ -53,26 +53,27 @@ static wisp_status stretch_sphere( sphere_run* sphere, double s, wisp_error* err
 }
 
 static wisp_status fly_sphere( closed_run* run, balloon_setting setting, int steps, sphere_run* sphere,
-                               wisp_balloon_figures* seen, wisp_error* error )
+                               wisp_balloon_stats* seen, wisp_error* error )
 {
     setting.points = sphere->points;
     setting.workers = run->workers;
     setting.seconds = ACCURACY_FRAME;
-    surface_entrant* entrant = &sphere->entrant;
-    wisp_status status = balloon_entrant_create( sphere->fabric, &setting, entrant, error );
+    surface_implementation* implementation = &sphere->implementation;
+    wisp_status status = balloon_implementation_create( sphere->fabric, &setting, implementation, error );
     if ( status == WISP_OK && !run->is_looked_at )
     {
-        status = wisp_want_balloon_figures( entrant->world, entrant->entity, false );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+        status = wisp_request_balloon_stats( implementation->world, implementation->entity, false );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
     }
-    status = status == WISP_OK ? accuracy_step_surface( entrant, steps, run->out, error ) : status;
-    status = status == WISP_OK ? accuracy_end_surface( entrant, run->out, error ) : status;
-    return status == WISP_OK && run->is_looked_at ? balloon_entrant_read( entrant, seen, error ) : status;
+    status = status == WISP_OK ? accuracy_step_surface( implementation, steps, run->out, error ) : status;
+    status = status == WISP_OK ? accuracy_end_surface( implementation, run->out, error ) : status;
+    return status == WISP_OK && run->is_looked_at ? balloon_implementation_read( implementation, seen, error )
+                                                  : status;
 }
 
 static void leave( sphere_run* sphere )
 {
-    surface_entrant_destroy( &sphere->entrant );
+    surface_implementation_destroy( &sphere->implementation );
     wisp_fabric_release( sphere->fabric );
     wisp_mesh_release( &sphere->mesh );
     free( sphere->points );
@@ -89,11 +90,11 @@ wisp_status closed_lift( closed_run* run, wisp_error* error )
     setting.def.air_molar_mass = (float)( air * molar );
     setting.def.gas_molar_mass = (float)( helium * molar );
     sphere_run sphere = { .fabric = NULL };
-    wisp_balloon_figures seen = { 0 };
-    wisp_status status = make_sphere( run->knob, radius, &sphere, error );
+    wisp_balloon_stats seen = { 0 };
+    wisp_status status = make_sphere( run->parameter, radius, &sphere, error );
     status = status == WISP_OK ? fly_sphere( run, setting, 2, &sphere, &seen, error ) : status;
     run->measured = seen.buoyancy[1];
-    run->truth = ( air - helium ) * 4.0 / 3.0 * PI * radius * radius * radius * CLOSED_GRAVITY;
+    run->reference = ( air - helium ) * 4.0 / 3.0 * PI * radius * radius * radius * CLOSED_GRAVITY;
     leave( &sphere );
     return status;
 }
@@ -106,16 +107,16 @@ wisp_status closed_sphere( closed_run* run, wisp_error* error )
     const double e = run->first;
     balloon_setting setting = balloon_setting_in_vacuum();
     sphere_run sphere = { .fabric = NULL };
-    wisp_balloon_figures seen = { 0 };
-    wisp_status status = make_sphere( run->knob, (double)BALLOON_RADIUS, &sphere, error );
+    wisp_balloon_stats seen = { 0 };
+    wisp_status status = make_sphere( run->parameter, (double)BALLOON_RADIUS, &sphere, error );
     status = status == WISP_OK ? stretch_sphere( &sphere, 1.0 + e, error ) : status;
     setting.pins = sphere.pins;
     setting.pin_count = sphere.mesh.vertex_count;
     status = status == WISP_OK ? fly_sphere( run, setting, 2, &sphere, &seen, error ) : status;
-    const double stiffness = (double)setting.def.edge_stiffness + 3.0 * (double)setting.def.cross_stiffness;
+    const double stiffness = (double)setting.def.edge_stiffness + 3.0 * (double)setting.def.bend_link_stiffness;
     const double tension = sqrt( 3.0 ) * stiffness * e / ( 1.0 + e );
     run->measured = seen.pressure;
-    run->truth = 2.0 * tension / ( (double)BALLOON_RADIUS * ( 1.0 + e ) );
+    run->reference = 2.0 * tension / ( (double)BALLOON_RADIUS * ( 1.0 + e ) );
     leave( &sphere );
     return status;
 }
@@ -125,16 +126,16 @@ wisp_status closed_sphere( closed_run* run, wisp_error* error )
 wisp_status closed_emptying( closed_run* run, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();
-    setting.def.fill = 1.2f;
+    setting.def.gas_ratio = 1.2f;
     setting.def.outlet_count = 1;
     setting.def.outlet_area = 1e-5f;
     setting.def.outlet_open = true;
     setting.def.spin = WISP_BALLOON_SPIN_NONE;
     setting.damping = 5.0f;
-    setting.substeps = run->knob;
+    setting.substeps = run->parameter;
     setting.iterations = 1;
     sphere_run sphere = { .fabric = NULL };
-    wisp_balloon_figures seen = { 0 };
+    wisp_balloon_stats seen = { 0 };
     wisp_status status = make_sphere( 0, (double)BALLOON_RADIUS, &sphere, error );
     if ( status == WISP_OK )
     {
@@ -142,9 +143,9 @@ wisp_status closed_emptying( closed_run* run, wisp_error* error )
         status = stretch_sphere( &sphere, begin.scale, error );
         const int steps = (int)lrint( run->first / (double)ACCURACY_FRAME );
         status = status == WISP_OK ? fly_sphere( run, setting, steps, &sphere, &seen, error ) : status;
-        run->measured = (double)setting.def.fill * seen.rest_volume - seen.target_volume;
-        run->truth = begin.volume *
-                     ( (double)setting.def.fill - balloon_fill_after( sphere.fabric, &setting.def, run->first ) );
+        run->measured = (double)setting.def.gas_ratio * seen.rest_volume - seen.target_volume;
+        run->reference = begin.volume * ( (double)setting.def.gas_ratio -
+                                          balloon_fill_after( sphere.fabric, &setting.def, run->first ) );
     }
     leave( &sphere );
     return status;

@@ -37,8 +37,9 @@ static wisp_cloth_def inextensible( void )
 
 static wisp_status throw_body( closed_body* body, wisp_vec3 linear, wisp_vec3 angular, wisp_error* error )
 {
-    wisp_status status = wisp_set_velocity( body->entrant.world, body->entrant.entity, linear, angular );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( body->entrant.world, status, error );
+    wisp_status status =
+        wisp_set_velocity( body->implementation.world, body->implementation.entity, linear, angular );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( body->implementation.world, status, error );
 }
 
 // z = v t - g t^2 / 2 at every vertex, so that no link has anything to do.
@@ -48,9 +49,9 @@ wisp_status closed_fall( closed_run* run, wisp_error* error )
     const wisp_vec3 thrown = { 0.5f, 1.0f, 0.0f };
     const double t = run->first;
     closed_body body = { .fabric = NULL };
-    wisp_quality seen = { 0 };
+    wisp_motion_stats seen = { 0 };
     wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
-    status = status == WISP_OK ? closed_enter( run, closed_recipe( run ), &cloth, &body, error ) : status;
+    status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? throw_body( &body, thrown, ( wisp_vec3 ){ 0, 0, 0 }, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( t ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
@@ -59,7 +60,7 @@ wisp_status closed_fall( closed_run* run, wisp_error* error )
         const double lost[3] = { seen.momentum[0] - seen.mass * (double)thrown.x,
                                  seen.momentum[1] - seen.mass * speed, seen.momentum[2] };
         run->measured = -seen.centre[1];
-        run->truth = -( (double)thrown.y * t - 0.5 * CLOSED_GRAVITY * t * t );
+        run->reference = -( (double)thrown.y * t - 0.5 * CLOSED_GRAVITY * t * t );
         run->momentum_error = length( lost ) / ( seen.mass * hypot( (double)thrown.x, speed ) );
     }
     closed_leave( &body );
@@ -72,11 +73,11 @@ wisp_status closed_spin( closed_run* run, wisp_error* error )
     const wisp_cloth_def cloth = inextensible();
     const wisp_vec3 thrown = { 0.5f, 0.0f, 0.0f }, turned = { 0.0f, 6.0f, 0.0f };
     closed_body body = { .fabric = NULL };
-    wisp_quality seen = { 0 };
+    wisp_motion_stats seen = { 0 };
     wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
-    surface_recipe recipe = closed_recipe( run );
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    surface_generator generator = closed_generator( run );
+    generator.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+    status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? throw_body( &body, thrown, turned, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
@@ -85,7 +86,7 @@ wisp_status closed_spin( closed_run* run, wisp_error* error )
         for ( int i = 0; i < f->vertex_count; ++i )
         {
             const double x = (double)f->rest[i].x, z = (double)f->rest[i].z;
-            run->truth += DENSITY * (double)f->area[i] * (double)turned.y * ( x * x + z * z );
+            run->reference += DENSITY * (double)f->area[i] * (double)turned.y * ( x * x + z * z );
         }
         const double lost[3] = { seen.momentum[0] - seen.mass * (double)thrown.x, seen.momentum[1],
                                  seen.momentum[2] };
@@ -103,16 +104,16 @@ wisp_status closed_plate( closed_run* run, wisp_error* error )
     cloth.air_density = 1.225f;
     cloth.drag = 1.28f;
     closed_body body = { .fabric = NULL };
-    wisp_quality seen = { 0 };
+    wisp_motion_stats seen = { 0 };
     wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
-    status = status == WISP_OK ? closed_enter( run, closed_recipe( run ), &cloth, &body, error ) : status;
+    status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
     {
         const double terminal =
             sqrt( 2.0 * DENSITY * CLOSED_GRAVITY / ( (double)cloth.air_density * (double)cloth.drag ) );
         run->measured = length( seen.momentum ) / seen.mass;
-        run->truth = terminal * tanh( CLOSED_GRAVITY * run->first / terminal );
+        run->reference = terminal * tanh( CLOSED_GRAVITY * run->first / terminal );
     }
     closed_leave( &body );
     return status;
@@ -131,9 +132,10 @@ static wisp_status lay_down( closed_body* body, double mu, wisp_error* error )
     wisp_collision_def meets = wisp_default_collision_def();
     meets.thickness = THICKNESS;
     wisp_entity plane;
-    wisp_status status = wisp_add_collider( body->entrant.world, &ground, &plane );
-    status = status == WISP_OK ? wisp_set_collision( body->entrant.world, body->entrant.entity, &meets ) : status;
-    return status == WISP_OK ? WISP_OK : bench_world_fail( body->entrant.world, status, error );
+    wisp_status status = wisp_add_collider( body->implementation.world, &ground, &plane );
+    status = status == WISP_OK ? wisp_set_collision( body->implementation.world, body->implementation.entity, &meets )
+                               : status;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( body->implementation.world, status, error );
 }
 
 // The plane stays level and gravity is turned instead. The cloth begins where it touches, so that it does not fall first.
@@ -144,23 +146,23 @@ wisp_status closed_slide( closed_run* run, wisp_error* error )
     const double along = CLOSED_GRAVITY * sin( angle ), across = CLOSED_GRAVITY * cos( angle );
     const double path = 0.5 * SLIDE_SECONDS * SLIDE_SECONDS;
     closed_body body = { .fabric = NULL };
-    wisp_quality seen = { 0 };
+    wisp_motion_stats seen = { 0 };
     wisp_status status = closed_make_plane( SIDE / 2, SIDE / 2, SPACING, &body, error );
     for ( int i = 0; i < body.mesh.vertex_count; ++i )
     {
         body.mesh.points[i].y = THICKNESS;
     }
-    surface_recipe recipe = closed_recipe( run );
-    recipe.gravity = ( wisp_vec3 ){ (float)along, (float)-across, 0.0f };
-    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    surface_generator generator = closed_generator( run );
+    generator.gravity = ( wisp_vec3 ){ (float)along, (float)-across, 0.0f };
+    status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? lay_down( &body, mu, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( SLIDE_SECONDS ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
     {
         // what sticks has no way of its own to be a share of: that of the same incline without friction
         run->measured = seen.centre[0];
-        run->truth = fmax( 0.0, along - mu * across ) * path;
-        run->scale = run->truth > 0.0 ? run->truth : along * path;
+        run->reference = fmax( 0.0, along - mu * across ) * path;
+        run->scale = run->reference > 0.0 ? run->reference : along * path;
     }
     closed_leave( &body );
     return status;

@@ -24,31 +24,31 @@ wisp_status closed_bar( closed_run* run, wisp_error* error )
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     cloth.weft_compliance = (float)( 1.0 / BAR_STIFFNESS );
     cloth.shear_compliance = SOFT;
-    surface_recipe recipe = closed_recipe( run );
+    surface_generator generator = closed_generator( run );
     if ( run->second > 0.0 )
     {
-        recipe.substeps = (int)run->second;
-        recipe.iterations = run->knob;
+        generator.substeps = (int)run->second;
+        generator.iterations = run->parameter;
     }
-    recipe.vertex_mass = (float)BAR_MASS;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, (float)CLOSED_GRAVITY };
-    recipe.pins = pins;
-    recipe.pin_count = 2;
+    generator.vertex_mass = (float)BAR_MASS;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, (float)CLOSED_GRAVITY };
+    generator.pins = pins;
+    generator.pin_count = 2;
     // critical for the slowest mode, a quarter wave
-    recipe.damping = (float)( 2.0 * 1.5707963267948966 / cells * sqrt( BAR_STIFFNESS / BAR_MASS ) );
+    generator.damping = (float)( 2.0 * 1.5707963267948966 / cells * sqrt( BAR_STIFFNESS / BAR_MASS ) );
     closed_body body = { .fabric = NULL };
     const wisp_vec3* points = NULL;
     wisp_status status = closed_make_plane( 2, cells + 1, BAR_SPACING, &body, error );
-    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, 40, NULL, error ) : status;
-    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &body.implementation, &points, error ) : status;
     if ( status == WISP_OK )
     {
         const wisp_vec3* rest = body.mesh.points;
         const int left = 2 * cells, right = left + 1;
         run->measured =
             0.5 * ( (double)points[left].z - (double)rest[left].z + (double)points[right].z - (double)rest[right].z );
-        run->truth = weight / BAR_STIFFNESS * 0.5 * cells * ( cells + 1 );
+        run->reference = weight / BAR_STIFFNESS * 0.5 * cells * ( cells + 1 );
     }
     closed_leave( &body );
     return status;
@@ -77,11 +77,11 @@ static double chain_span( int n, double h, double* sag )
 // The more it is pulled, the wider it is.
 static double chain_sag( int n, double span )
 {
-    double low = 0.0, high = 1e3 * n, sag = 0.0;
+    double lower = 0.0, upper = 1e3 * n, sag = 0.0;
     for ( int i = 0; i < 100; ++i )
     {
-        const double h = 0.5 * ( low + high );
-        *( chain_span( n, h, &sag ) < span ? &low : &high ) = h;
+        const double h = 0.5 * ( lower + upper );
+        *( chain_span( n, h, &sag ) < span ? &lower : &upper ) = h;
     }
     return sag;
 }
@@ -115,20 +115,20 @@ wisp_status closed_catenary( closed_run* run, wisp_error* error )
     if ( status == WISP_OK )
     {
         lay_strip( &body.mesh, cells, start );
-        surface_recipe recipe = closed_recipe( run );
-        recipe.points = start;
-        recipe.pins = pins;
-        recipe.pin_count = WISP_COUNT( pins );
-        recipe.damping = 12.0f;
-        status = closed_enter( run, recipe, &cloth, &body, error );
+        surface_generator generator = closed_generator( run );
+        generator.points = start;
+        generator.pins = pins;
+        generator.pin_count = WISP_COUNT( pins );
+        generator.damping = 12.0f;
+        status = closed_enter( run, generator, &cloth, &body, error );
     }
     status = status == WISP_OK ? closed_advance( run, &body, 150, NULL, error ) : status;
-    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &body.implementation, &points, error ) : status;
     for ( int v = 0; v <= cells && status == WISP_OK; ++v )
     {
         run->measured = fmax( run->measured, -(double)points[v].y );
     }
-    run->truth = chain_sag( cells, CATENARY_SPAN );
+    run->reference = chain_sag( cells, CATENARY_SPAN );
     free( start );
     closed_leave( &body );
     return status;
@@ -179,29 +179,29 @@ static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
 wisp_status closed_elastica( closed_run* run, wisp_error* error )
 {
     const double load = run->first, slowest = 3.516 * sqrt( CLOSED_GRAVITY / ( load * STRIP_LENGTH ) );
-    const int columns = run->knob + 2;
+    const int columns = run->parameter + 2;
     const int32_t pins[] = { 0, 1, columns };
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     cloth.bend_rigidity = (float)( 9.0 / 8.0 * STRIP_DENSITY * CLOSED_GRAVITY * pow( STRIP_LENGTH, 3.0 ) / load );
-    surface_recipe recipe = closed_recipe( run );
-    recipe.substeps = STRIP_SUBSTEPS;
-    recipe.iterations = STRIP_ITERATIONS;
-    recipe.pins = pins;
-    recipe.pin_count = WISP_COUNT( pins );
-    recipe.damping = (float)( 2.0 * slowest ); // critical; it has 20 of its times to settle
+    surface_generator generator = closed_generator( run );
+    generator.substeps = STRIP_SUBSTEPS;
+    generator.iterations = STRIP_ITERATIONS;
+    generator.pins = pins;
+    generator.pin_count = WISP_COUNT( pins );
+    generator.damping = (float)( 2.0 * slowest ); // critical; it has 20 of its times to settle
     closed_body body = { .fabric = NULL };
     const wisp_vec3* points = NULL;
-    wisp_status status = make_strip( run->knob, &body, error );
-    status = status == WISP_OK ? closed_enter( run, recipe, &cloth, &body, error ) : status;
+    wisp_status status = make_strip( run->parameter, &body, error );
+    status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK
                  ? closed_advance( run, &body, (int)( 20.0 / slowest / (double)ACCURACY_FRAME ), NULL, error )
                  : status;
-    status = status == WISP_OK ? surface_entrant_points( &body.entrant, &points, error ) : status;
+    status = status == WISP_OK ? surface_implementation_points( &body.implementation, &points, error ) : status;
     if ( status == WISP_OK )
     {
         run->measured = -0.5 * ( (double)points[columns - 1].y + (double)points[2 * columns - 1].y ) / STRIP_LENGTH;
-        run->truth = run->second;
+        run->reference = run->second;
     }
     closed_leave( &body );
     return status;

@@ -1,4 +1,4 @@
-// The comparison's cloth falls onto a ball: its scene, its truth in double precision and its ways to solve it, by the parts of
+// The comparison's cloth falls onto a ball: its scene, its reference in double precision and its ways to solve it, by the parts of
 // `cloth --compare`.
 #include "accuracy_surface.h"
 
@@ -11,7 +11,7 @@
 typedef struct ball_scene
 {
     compare_scene scene;
-    compare_truth truth;
+    compare_reference reference;
     compare_plan plan; // whose variants are the settings
     wisp_fabric* fabric;
     wisp_vec3* start;
@@ -36,7 +36,7 @@ static void free_look( ball_look* look )
 
 static wisp_status make_look( const ball_scene* own, ball_look* out, wisp_error* error )
 {
-    const size_t n = (size_t)own->truth.vertex_count;
+    const size_t n = (size_t)own->reference.vertex_count;
     *out = ( ball_look ){ .points = calloc( n, 3 * sizeof( double ) ),
                           .velocities = calloc( n, 3 * sizeof( double ) ),
                           .read = calloc( n, sizeof( wisp_vec3 ) ) };
@@ -55,91 +55,94 @@ static void widen( const wisp_vec3* from, int count, double* to )
     }
 }
 
-static wisp_status look_at_path( const ball_scene* own, int number, surface_entrant* entrant, ball_look* look,
-                                 wisp_error* error )
+static wisp_status look_at_path( const ball_scene* own, int number, surface_implementation* implementation,
+                                 ball_look* look, wisp_error* error )
 {
     const wisp_vec3* points;
-    const int count = own->truth.vertex_count;
-    const wisp_status status = surface_entrant_points( entrant, &points, error );
+    const int count = own->reference.vertex_count;
+    const wisp_status status = surface_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     widen( points, count, look->points );
-    const float* truth = own->truth.points + (size_t)number * 3 * (size_t)count;
+    const float* reference = own->reference.points + (size_t)number * 3 * (size_t)count;
     for ( int i = 0; i < 3 * count; ++i )
     {
-        const double off = look->points[i] - (double)truth[i];
+        const double off = look->points[i] - (double)reference[i];
         look->sum += off * off / count;
     }
     return WISP_OK;
 }
 
-static void measure( const ball_scene* own, surface_entrant* entrant, ball_look* look, accuracy_run* out )
+static void measure( const ball_scene* own, surface_implementation* implementation, ball_look* look,
+                     accuracy_run* out )
 {
-    surface_entrant_velocities( entrant, look->read );
-    widen( look->read, own->truth.vertex_count, look->velocities );
+    surface_implementation_velocities( implementation, look->read );
+    widen( look->read, own->reference.vertex_count, look->velocities );
     const compare_look seen = compare_look_at( &own->scene, look->points, look->velocities );
-    const compare_look* truth = &own->truth.looks[own->scene.physics.look_count - 1].look;
+    const compare_look* reference = &own->reference.looks[own->scene.physics.look_count - 1].look;
     out->error = 1e3 * sqrt( look->sum / ( own->scene.physics.look_count - 1 ) );
-    out->measures[0] = 1e3 * ( seen.hem - truth->hem );
+    out->measures[0] = 1e3 * ( seen.hem - reference->hem );
     out->measures[1] = 1e2 * seen.strain;
-    out->measures[2] = 1e3 * ( seen.energy - truth->energy );
+    out->measures[2] = 1e3 * ( seen.energy - reference->energy );
 }
 
 // ---- a run ----
 
 // Times are of a frame, whatever the length of a step, and only of the steps that the cloth is on the ball.
-static wisp_status go_on( surface_entrant* entrant, bool is_timed, accuracy_run* out, wisp_error* error )
+static wisp_status go_on( surface_implementation* implementation, bool is_timed, accuracy_run* out,
+                          wisp_error* error )
 {
-    const double seconds = (double)entrant->recipe.seconds;
+    const double seconds = (double)implementation->generator.seconds;
     const int steps = (int)lround( (double)COMPARE_LOOK_SECONDS / seconds );
     wisp_status status = WISP_OK;
     for ( int k = 0; k < steps && status == WISP_OK; ++k )
     {
-        status = is_timed ? accuracy_time_surface( entrant, (double)COMPARE_FRAME / seconds, out, error )
-                          : surface_entrant_step( entrant, error );
+        status = is_timed ? accuracy_time_surface( implementation, (double)COMPARE_FRAME / seconds, out, error )
+                          : surface_implementation_step( implementation, error );
     }
     return status;
 }
 
-static wisp_status fall( const ball_scene* own, surface_entrant* entrant, bool is_looked_at, accuracy_run* out,
-                         wisp_error* error )
+static wisp_status fall( const ball_scene* own, surface_implementation* implementation, bool is_looked_at,
+                         accuracy_run* out, wisp_error* error )
 {
     const compare_physics* physics = &own->scene.physics;
     ball_look look = { .sum = 0.0 };
     wisp_status status = is_looked_at ? make_look( own, &look, error ) : WISP_OK;
     for ( int number = 1; number < physics->look_count && status == WISP_OK; ++number )
     {
-        status = go_on( entrant, number > physics->timed_look, out, error );
-        status = status == WISP_OK && is_looked_at ? look_at_path( own, number, entrant, &look, error ) : status;
+        status = go_on( implementation, number > physics->timed_look, out, error );
+        status =
+            status == WISP_OK && is_looked_at ? look_at_path( own, number, implementation, &look, error ) : status;
     }
     if ( status == WISP_OK && is_looked_at )
     {
-        measure( own, entrant, &look, out );
+        measure( own, implementation, &look, out );
     }
     free_look( &look );
-    return status == WISP_OK ? accuracy_end_surface( entrant, out, error ) : status;
+    return status == WISP_OK ? accuracy_end_surface( implementation, out, error ) : status;
 }
 
 static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                         wisp_error* error )
 {
     const ball_scene* own = context;
-    surface_entrant entrant;
-    wisp_status status =
-        compare_enter( &own->scene, own->fabric, &own->plan.variants[setting], own->start, workers, &entrant, error );
+    surface_implementation implementation;
+    wisp_status status = compare_enter( &own->scene, own->fabric, &own->plan.variants[setting], own->start, workers,
+                                        &implementation, error );
     if ( status == WISP_OK )
     {
-        status = fall( own, &entrant, is_looked_at, out, error );
-        surface_entrant_destroy( &entrant );
+        status = fall( own, &implementation, is_looked_at, out, error );
+        surface_implementation_destroy( &implementation );
     }
     return status;
 }
 
 // ---- settings ----
 
-// A variant belongs to the series of its name without what the knob is.
+// A variant belongs to the series of its name without what the parameter is.
 static void add_setting( accuracy_scene* scene, const compare_variant* variant )
 {
     accuracy_setting* setting = accuracy_put_setting( scene, "%s", variant->name );
@@ -171,7 +174,7 @@ static void destroy( void* context )
 {
     ball_scene* own = context;
     wisp_fabric_release( own->fabric );
-    compare_truth_free( &own->truth );
+    compare_reference_free( &own->reference );
     compare_scene_free( &own->scene );
     free( own->start );
     free( own );
@@ -179,7 +182,7 @@ static void destroy( void* context )
 
 static wisp_status take_start( ball_scene* own, wisp_error* error )
 {
-    const int count = own->truth.vertex_count;
+    const int count = own->reference.vertex_count;
     own->start = calloc( (size_t)count, sizeof( wisp_vec3 ) );
     if ( !own->start )
     {
@@ -187,7 +190,7 @@ static wisp_status take_start( ball_scene* own, wisp_error* error )
     }
     for ( int i = 0; i < count; ++i )
     {
-        const float* p = own->truth.points + 3 * (size_t)i;
+        const float* p = own->reference.points + 3 * (size_t)i;
         own->start[i] = ( wisp_vec3 ){ p[0], p[1], p[2] };
     }
     return WISP_OK;
@@ -196,10 +199,10 @@ static wisp_status take_start( ball_scene* own, wisp_error* error )
 static wisp_status fill( ball_scene* own, wisp_error* error )
 {
     char path[1024];
-    snprintf( path, sizeof( path ), "%s/%s.truth", own->plan.folder, compare_physics_of( COMPARE_DRAPE ).name );
+    snprintf( path, sizeof( path ), "%s/%s.reference", own->plan.folder, compare_physics_of( COMPARE_DRAPE ).name );
     wisp_status status = compare_scene_make( COMPARE_DRAPE, TRIANGLE_VERTICES, &own->scene, error );
-    status = status == WISP_OK ? compare_truth_read( path, &own->truth, error ) : status;
-    status = status == WISP_OK ? compare_truth_check( &own->truth, &own->scene, path, error ) : status;
+    status = status == WISP_OK ? compare_reference_read( path, &own->reference, error ) : status;
+    status = status == WISP_OK ? compare_reference_check( &own->reference, &own->scene, path, error ) : status;
     status = status == WISP_OK ? compare_cook( &own->scene, &own->fabric, error ) : status;
     return status == WISP_OK ? take_start( own, error ) : status;
 }
@@ -210,12 +213,12 @@ static void describe( const ball_scene* own, accuracy_scene* out )
     const int looks = own->scene.physics.look_count;
     for ( int k = 1; k < looks; ++k )
     {
-        square += own->truth.looks[k].doubt * own->truth.looks[k].doubt / ( looks - 1 );
+        square += own->reference.looks[k].doubt * own->reference.looks[k].doubt / ( looks - 1 );
     }
     out->doubt = 1e3 * sqrt( square );
-    snprintf( out->truth, sizeof( out->truth ),
+    snprintf( out->reference, sizeof( out->reference ),
               "%s in double precision, %g steps a second, each by Newton's method, at %d looks from %.2f to %.2f s",
-              own->truth.order > 1.5 ? "BDF2" : "implicit Euler", own->truth.rate, looks - 1,
+              own->reference.order > 1.5 ? "BDF2" : "implicit Euler", own->reference.rate, looks - 1,
               (double)COMPARE_LOOK_SECONDS, (double)COMPARE_LOOK_SECONDS * ( looks - 1 ) );
 }
 
@@ -224,16 +227,17 @@ wisp_status accuracy_cloth_on_ball( const bench_options* options, double seconds
 {
     (void)seconds;
     *out = ( accuracy_scene ){
-        .note = "the truth is of the implicit model. Edges of xpbd and pbd resist compression as they do stretching, "
-                "so what "
-                "those converge to is another cloth. They are named with their substeps of one pass in a frame; pbd "
-                "has no "
-                "stiffness in SI units. Implicit steps are named with their rate, integrator, tolerance and linear "
-                "solves a step.",
-        .error_name = "RMS distance to the truth",
+        .note =
+            "the reference is of the implicit model. Edges of xpbd and pbd resist compression as they do stretching, "
+            "so what "
+            "those converge to is another cloth. They are named with their substeps of one pass in a frame; pbd "
+            "has no "
+            "stiffness in SI units. Implicit steps are named with their rate, integrator, tolerance and linear "
+            "solves a step.",
+        .error_name = "RMS distance to the reference",
         .error_unit = "mm",
         .ms_name = "frame of 1/60 s",
-        .measure_names = { "hem above the truth's, mm", "strain, %", "energy above the truth's, mJ" },
+        .measure_names = { "hem above the reference's, mm", "strain, %", "energy above the reference's, mJ" },
         .measure_count = 3,
         .settings = calloc( COMPARE_VARIANTS_MAX, sizeof( accuracy_setting ) ),
         .context = calloc( 1, sizeof( ball_scene ) ),

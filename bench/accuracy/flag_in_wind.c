@@ -11,7 +11,7 @@
 
 enum
 {
-    SUBSTEPS_MOST = 20,
+    MAX_SUBSTEPS = 20,
     SETTINGS_MAX = 32,
 };
 
@@ -23,16 +23,16 @@ typedef struct flag_way
 } flag_way;
 
 /// What a run is compared by.
-typedef struct flag_figures
+typedef struct flag_stats
 {
     double squares;                            // m^2, of the distances of all looks
     double kinetic, stretch_mean, stretch_max; // averages
-} flag_figures;
+} flag_stats;
 
 typedef struct flag_scene
 {
     flag_body body;
-    accuracy_truth truth;
+    accuracy_reference reference;
     flag_way ways[SETTINGS_MAX];
     int way_count;
 } flag_scene;
@@ -42,12 +42,12 @@ typedef struct flag_scene
 // Upright, its mast at x = 0, the rows one below another.
 wisp_status flag_make( flag_body* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = FLAG_COLUMNS;
-    recipe.rows = FLAG_ROWS;
-    recipe.spacing = SPACING;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = FLAG_COLUMNS;
+    generator.rows = FLAG_ROWS;
+    generator.spacing = SPACING;
     *out = ( flag_body ){ .fabric = NULL };
-    wisp_status status = wisp_mesh_make( &recipe, &out->mesh, error );
+    wisp_status status = wisp_mesh_generate( &generator, &out->mesh, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -91,26 +91,26 @@ wisp_cloth_def flag_cloth( void )
     return def;
 }
 
-accuracy_truth flag_truth( const flag_body* body )
+accuracy_reference flag_reference( const flag_body* body )
 {
     const wisp_cloth_def def = flag_cloth();
-    accuracy_truth truth = { .scene = "flag", .number_count = FLAG_PATH + 1 };
-    accuracy_truth_put( &truth, "vertices", body->mesh.vertex_count );
-    accuracy_truth_put( &truth, "area density, kg/m2", (double)FLAG_DENSITY );
-    accuracy_truth_put( &truth, "compliance of an edge, m/N", (double)def.warp_compliance );
-    accuracy_truth_put( &truth, "rigidity of bending, N m", (double)def.bend_rigidity );
-    accuracy_truth_put( &truth, "damping, 1/s", (double)def.damping );
-    accuracy_truth_put( &truth, "wind along x, m/s", (double)def.wind.x );
-    accuracy_truth_put( &truth, "wind along z, m/s", (double)def.wind.z );
-    accuracy_truth_put( &truth, "air, kg/m3", (double)def.air_density );
-    accuracy_truth_put( &truth, "drag", (double)def.drag );
-    accuracy_truth_put( &truth, "lift", (double)def.lift );
-    accuracy_truth_put( &truth, "gravity, m/s2", (double)FLAG_GRAVITY );
-    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)ACCURACY_FRAME );
-    accuracy_truth_put( &truth, "steps between looks", FLAG_LOOK_STEPS );
-    accuracy_truth_put( &truth, "looks", FLAG_LOOKS );
-    accuracy_truth_put_start( &truth, body->mesh.points, body->mesh.vertex_count );
-    return truth;
+    accuracy_reference reference = { .scene = "flag", .number_count = FLAG_PATH + 1 };
+    accuracy_reference_put( &reference, "vertices", body->mesh.vertex_count );
+    accuracy_reference_put( &reference, "area density, kg/m2", (double)FLAG_DENSITY );
+    accuracy_reference_put( &reference, "compliance of an edge, m/N", (double)def.warp_compliance );
+    accuracy_reference_put( &reference, "rigidity of bending, N m", (double)def.bend_rigidity );
+    accuracy_reference_put( &reference, "damping, 1/s", (double)def.damping );
+    accuracy_reference_put( &reference, "wind along x, m/s", (double)def.wind.x );
+    accuracy_reference_put( &reference, "wind along z, m/s", (double)def.wind.z );
+    accuracy_reference_put( &reference, "air, kg/m3", (double)def.air_density );
+    accuracy_reference_put( &reference, "drag", (double)def.drag );
+    accuracy_reference_put( &reference, "lift", (double)def.lift );
+    accuracy_reference_put( &reference, "gravity, m/s2", (double)FLAG_GRAVITY );
+    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)ACCURACY_FRAME );
+    accuracy_reference_put( &reference, "steps between looks", FLAG_LOOK_STEPS );
+    accuracy_reference_put( &reference, "looks", FLAG_LOOKS );
+    accuracy_reference_put_start( &reference, body->mesh.points, body->mesh.vertex_count );
+    return reference;
 }
 
 static wisp_cloth_def cloth_of( const flag_way* way )
@@ -123,18 +123,18 @@ static wisp_cloth_def cloth_of( const flag_way* way )
     return def;
 }
 
-static wisp_status enter( const flag_scene* own, const flag_way* way, int workers, surface_entrant* out,
+static wisp_status enter( const flag_scene* own, const flag_way* way, int workers, surface_implementation* out,
                           wisp_error* error )
 {
-    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, own->body.fabric );
-    recipe.pins = own->body.pins;
-    recipe.pin_count = FLAG_ROWS;
-    recipe.area_density = FLAG_DENSITY;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -FLAG_GRAVITY, 0.0f };
-    recipe.substeps = way->substeps;
-    recipe.iterations = way->iterations;
-    recipe.workers = workers;
-    wisp_status status = surface_entrant_create( &recipe, out, error );
+    surface_generator generator = surface_default_generator( &wisp_cloth_module, own->body.fabric );
+    generator.pins = own->body.pins;
+    generator.pin_count = FLAG_ROWS;
+    generator.area_density = FLAG_DENSITY;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -FLAG_GRAVITY, 0.0f };
+    generator.substeps = way->substeps;
+    generator.iterations = way->iterations;
+    generator.workers = workers;
+    wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -144,73 +144,74 @@ static wisp_status enter( const flag_scene* own, const flag_way* way, int worker
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }
 
 // ---- a run ----
 
-static wisp_status look_at_path( const flag_scene* own, surface_entrant* entrant, int look, flag_figures* figures,
-                                 wisp_error* error )
+static wisp_status look_at_path( const flag_scene* own, surface_implementation* implementation, int look,
+                                 flag_stats* stats, wisp_error* error )
 {
     const wisp_vec3* points;
-    const double* truth = own->truth.numbers + (size_t)( 3 * look * FLAG_VERTICES );
-    const wisp_status status = surface_entrant_points( entrant, &points, error );
-    for ( int i = 0; i < FLAG_VERTICES && status == WISP_OK; ++i, truth += 3 )
+    const double* reference = own->reference.numbers + (size_t)( 3 * look * FLAG_VERTICES );
+    const wisp_status status = surface_implementation_points( implementation, &points, error );
+    for ( int i = 0; i < FLAG_VERTICES && status == WISP_OK; ++i, reference += 3 )
     {
-        const double x = (double)points[i].x - truth[0], y = (double)points[i].y - truth[1],
-                     z = (double)points[i].z - truth[2];
-        figures->squares += x * x + y * y + z * z;
+        const double x = (double)points[i].x - reference[0], y = (double)points[i].y - reference[1],
+                     z = (double)points[i].z - reference[2];
+        stats->squares += x * x + y * y + z * z;
     }
     return status;
 }
 
-static wisp_status look( const flag_scene* own, surface_entrant* entrant, int step, flag_figures* figures,
+static wisp_status look( const flag_scene* own, surface_implementation* implementation, int step, flag_stats* stats,
                          wisp_error* error )
 {
     if ( step <= FLAG_EARLY_STEPS )
     {
-        return step % FLAG_LOOK_STEPS == 0 ? look_at_path( own, entrant, step / FLAG_LOOK_STEPS - 1, figures, error )
-                                           : WISP_OK;
+        return step % FLAG_LOOK_STEPS == 0
+                   ? look_at_path( own, implementation, step / FLAG_LOOK_STEPS - 1, stats, error )
+                   : WISP_OK;
     }
-    const surface_look seen = surface_entrant_look( entrant );
-    figures->kinetic += seen.kinetic / ( FLAG_STEPS - FLAG_EARLY_STEPS );
-    figures->stretch_mean += seen.stretch_mean / ( FLAG_STEPS - FLAG_EARLY_STEPS );
-    figures->stretch_max += seen.stretch_max / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    const surface_look seen = surface_implementation_look( implementation );
+    stats->kinetic += seen.kinetic / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    stats->stretch_mean += seen.stretch_mean / ( FLAG_STEPS - FLAG_EARLY_STEPS );
+    stats->stretch_max += seen.stretch_max / ( FLAG_STEPS - FLAG_EARLY_STEPS );
     return WISP_OK;
 }
 
-static void measure( const flag_scene* own, const flag_figures* figures, accuracy_run* out )
+static void measure( const flag_scene* own, const flag_stats* stats, accuracy_run* out )
 {
-    out->error = 1e3 * sqrt( figures->squares / ( FLAG_LOOKS * FLAG_VERTICES ) );
-    out->measures[0] = 1e2 * ( figures->kinetic / own->truth.numbers[FLAG_PATH] - 1.0 );
-    out->measures[1] = 1e2 * figures->stretch_max;
-    out->measures[2] = 1e2 * figures->stretch_mean;
+    out->error = 1e3 * sqrt( stats->squares / ( FLAG_LOOKS * FLAG_VERTICES ) );
+    out->measures[0] = 1e2 * ( stats->kinetic / own->reference.numbers[FLAG_PATH] - 1.0 );
+    out->measures[1] = 1e2 * stats->stretch_max;
+    out->measures[2] = 1e2 * stats->stretch_mean;
 }
 
 static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                         wisp_error* error )
 {
     const flag_scene* own = context;
-    flag_figures figures = { .squares = 0.0 };
-    surface_entrant entrant;
-    wisp_status status = enter( own, &own->ways[setting], workers, &entrant, error );
+    flag_stats stats = { .squares = 0.0 };
+    surface_implementation implementation;
+    wisp_status status = enter( own, &own->ways[setting], workers, &implementation, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     for ( int step = 1; step <= FLAG_STEPS && status == WISP_OK; ++step )
     {
-        status = accuracy_time_surface( &entrant, 1.0, out, error );
-        status = status == WISP_OK && is_looked_at ? look( own, &entrant, step, &figures, error ) : status;
+        status = accuracy_time_surface( &implementation, 1.0, out, error );
+        status = status == WISP_OK && is_looked_at ? look( own, &implementation, step, &stats, error ) : status;
     }
     if ( status == WISP_OK && is_looked_at )
     {
-        measure( own, &figures, out );
+        measure( own, &stats, out );
     }
-    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
-    surface_entrant_destroy( &entrant );
+    status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
@@ -218,7 +219,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
 
 static void add_substeps( accuracy_scene* scene, flag_way way, const char* series )
 {
-    static const int substeps[] = { 1, 2, 5, 10, SUBSTEPS_MOST };
+    static const int substeps[] = { 1, 2, 5, 10, MAX_SUBSTEPS };
     flag_scene* own = scene->context;
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
     {
@@ -253,7 +254,7 @@ static void destroy( void* context )
 {
     flag_scene* own = context;
     flag_free( &own->body );
-    accuracy_truth_free( &own->truth );
+    accuracy_reference_free( &own->reference );
     free( own );
 }
 
@@ -261,16 +262,16 @@ wisp_status accuracy_flag( const bench_options* options, double seconds, accurac
 {
     (void)options;
     (void)seconds;
-    *out = ( accuracy_scene ){ .error_name = "RMS distance to the truth",
+    *out = ( accuracy_scene ){ .error_name = "RMS distance to the reference",
                                .error_unit = "mm",
                                .note = "flapping is chaotic: the error is of the path in the first 0.2 s, before it; "
                                        "energy and stretch are averages from "
                                        "0.2 to 1 s, of which the energy's still differ by tens of percent between "
                                        "converged runs. Bending is by the angle or isometric, "
                                        "of the same rigidity. Tethers and levels are another model, which stays away "
-                                       "from the truth however short "
+                                       "from the reference however short "
                                        "a substep is.",
-                               .measure_names = { "kinetic energy against the truth's, %", "stretch max, %",
+                               .measure_names = { "kinetic energy against the reference's, %", "stretch max, %",
                                                   "stretch mean, %" },
                                .measure_count = 3,
                                .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
@@ -285,15 +286,17 @@ wisp_status accuracy_flag( const bench_options* options, double seconds, accurac
     }
     flag_scene* own = out->context;
     wisp_status status = flag_make( &own->body, error );
-    const accuracy_truth wanted = flag_truth( &own->body );
-    status = status == WISP_OK ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &own->truth, error ) : status;
+    const accuracy_reference requested = flag_reference( &own->body );
+    status = status == WISP_OK
+                 ? accuracy_reference_read( accuracy_reference_folder(), &requested, &own->reference, error )
+                 : status;
     if ( status != WISP_OK )
     {
         destroy( own );
         free( out->settings );
         return status;
     }
-    accuracy_describe_truth( &own->truth, 1e3, out );
+    accuracy_describe_reference( &own->reference, 1e3, out );
     add_ways( out );
     return WISP_OK;
 }

@@ -1,7 +1,7 @@
-/// The flag of the scene `flag`, for the scene itself and for bench/truth.
+/// The flag of the scene `flag`, for the scene itself and for bench/reference.
 #pragma once
 
-#include "accuracy_truth.h"
+#include "accuracy_reference.h"
 
 #include "cloth/cloth.h"
 #include "mesh.h"
@@ -36,5 +36,5 @@ void flag_free( flag_body* body );
 /// What it is made of, with bending by angle, without tethers and levels.
 wisp_cloth_def flag_cloth( void );
 
-/// Scene, facts and size of the truth: [looks][vertices][3] m, and J, the mean kinetic energy behind the path.
-accuracy_truth flag_truth( const flag_body* body );
+/// Scene, facts and size of the reference: [looks][vertices][3] m, and J, the mean kinetic energy behind the path.
+accuracy_reference flag_reference( const flag_body* body );

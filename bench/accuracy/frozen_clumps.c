@@ -10,7 +10,7 @@
 #define LIMIT_RADIUS 0.008f // m: about fifty neighbours a vertex
 #define FLOW_RADIUS 0.008f  // m
 #define FLOW_REACH 0.04f    // of the radius: the sum of all steps; much more, and vertices meet
-#define FLOW_STEPS_MOST 16
+#define MAX_FLOW_STEPS 16
 #define STRANDS 80
 
 typedef struct clump_way
@@ -24,26 +24,26 @@ typedef struct clump_way
 typedef struct clumps
 {
     paper_scene scene;
-    accuracy_truth truth;
+    accuracy_reference reference;
     double* own; // [vertex_count][3] of the setting that runs, in double
     clump_way ways[WAYS_MAX];
 } clumps;
 
 // ---- measures ----
 
-/// Root mean square and largest distance to a truth, m.
+/// Root mean square and largest distance to a reference, m.
 typedef struct clump_distance
 {
     double rms, most;
 } clump_distance;
 
-static clump_distance distance_to( const double* truth, const wisp_vec3* points, int count )
+static clump_distance distance_to( const double* reference, const wisp_vec3* points, int count )
 {
     clump_distance d = { 0.0, 0.0 };
     for ( int i = 0; i < count; ++i )
     {
-        const double x = (double)points[i].x - truth[3 * i], y = (double)points[i].y - truth[3 * i + 1],
-                     z = (double)points[i].z - truth[3 * i + 2], squared = x * x + y * y + z * z;
+        const double x = (double)points[i].x - reference[3 * i], y = (double)points[i].y - reference[3 * i + 1],
+                     z = (double)points[i].z - reference[3 * i + 2], squared = x * x + y * y + z * z;
         d.rms += squared / count;
         d.most = fmax( d.most, squared );
     }
@@ -65,14 +65,14 @@ static wisp_status look( clumps* all, const clump_way* way, paper_world* world, 
                          accuracy_run* out, wisp_error* error )
 {
     const int count = all->scene.groom.vertex_count;
-    wisp_frozen_hair_report report = { 0 };
-    wisp_status status = wisp_report_frozen_hair( world->world, world->hair, &report );
+    wisp_frozen_hair_stats report = { 0 };
+    wisp_status status = wisp_read_frozen_hair_stats( world->world, world->hair, &report );
     if ( status != WISP_OK )
     {
         return bench_world_fail( world->world, status, error );
     }
     const clump_distance d =
-        distance_to( all->truth.numbers + ( way->is_flow ? 3 * (size_t)count : 0 ), points, count );
+        distance_to( all->reference.numbers + ( way->is_flow ? 3 * (size_t)count : 0 ), points, count );
     out->error = 1e6 * d.rms;
     out->measures[FARTHEST] = 1e6 * d.most;
     out->measures[NEIGHBOURS] = (double)report.neighbours / count;
@@ -103,7 +103,7 @@ static wisp_status run_clumps( void* context, int setting, int workers, bool is_
     return status;
 }
 
-// ---- truth ----
+// ---- reference ----
 
 wisp_status frozen_clumps_make( paper_scene* out, wisp_error* error )
 {
@@ -114,7 +114,7 @@ wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps )
 {
     wisp_frozen_hair_def def = scene->def;
     def.clump_radius = FLOW_RADIUS;
-    def.gap = WISP_GAP_WET; // the brake is random, and more steps would draw other numbers
+    def.gap = WISP_GAP_NONE; // the brake is random, and more steps would draw other numbers
     def.clump_iterations = steps;
     def.clump_step = FLOW_REACH * FLOW_RADIUS / (float)steps;
     def.neighbour_limit = 4096;
@@ -128,29 +128,29 @@ wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene )
     return def;
 }
 
-accuracy_truth frozen_clumps_truth( const paper_scene* scene )
+accuracy_reference frozen_clumps_reference( const paper_scene* scene )
 {
     const wisp_frozen_hair_def look = frozen_clumps_look( scene ), flow = frozen_clumps_flow( scene, 1 );
-    accuracy_truth truth = { .scene = "frozen_clumps", .number_count = 2 * 3 * scene->groom.vertex_count };
-    accuracy_truth_put( &truth, "vertices", scene->groom.vertex_count );
-    accuracy_truth_put( &truth, "cursor x, m", (double)look.cursor.x );
-    accuracy_truth_put( &truth, "cursor y, m", (double)look.cursor.y );
-    accuracy_truth_put( &truth, "reach, m", (double)look.reach );
-    accuracy_truth_put( &truth, "radius of the look, m", (double)look.clump_radius );
-    accuracy_truth_put( &truth, "step of the look", (double)look.clump_step );
-    accuracy_truth_put( &truth, "steps of the look", look.clump_iterations );
-    accuracy_truth_put( &truth, "radius of the flow, m", (double)flow.clump_radius );
-    accuracy_truth_put( &truth, "all steps of the flow, m", (double)flow.clump_step );
-    accuracy_truth_put_start( &truth, scene->groom.points, scene->groom.vertex_count );
-    return truth;
+    accuracy_reference reference = { .scene = "frozen_clumps", .number_count = 2 * 3 * scene->groom.vertex_count };
+    accuracy_reference_put( &reference, "vertices", scene->groom.vertex_count );
+    accuracy_reference_put( &reference, "cursor x, m", (double)look.cursor.x );
+    accuracy_reference_put( &reference, "cursor y, m", (double)look.cursor.y );
+    accuracy_reference_put( &reference, "reach, m", (double)look.reach );
+    accuracy_reference_put( &reference, "radius of the look, m", (double)look.clump_radius );
+    accuracy_reference_put( &reference, "step of the look", (double)look.clump_step );
+    accuracy_reference_put( &reference, "steps of the look", look.clump_iterations );
+    accuracy_reference_put( &reference, "radius of the flow, m", (double)flow.clump_radius );
+    accuracy_reference_put( &reference, "all steps of the flow, m", (double)flow.clump_step );
+    accuracy_reference_put_start( &reference, scene->groom.points, scene->groom.vertex_count );
+    return reference;
 }
 
-static wisp_status read_truth( clumps* all, wisp_error* error )
+static wisp_status read_reference( clumps* all, wisp_error* error )
 {
-    const accuracy_truth wanted = frozen_clumps_truth( &all->scene );
+    const accuracy_reference requested = frozen_clumps_reference( &all->scene );
     all->own = malloc( 3 * (size_t)all->scene.groom.vertex_count * sizeof( double ) );
-    return all->own ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &all->truth, error )
-                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for the truth of frozen hair" );
+    return all->own ? accuracy_reference_read( accuracy_reference_folder(), &requested, &all->reference, error )
+                    : wisp_fail( error, WISP_NO_MEMORY, "no memory for the reference of frozen hair" );
 }
 
 // ---- settings ----
@@ -180,7 +180,7 @@ static void put_flow( accuracy_scene* scene )
 {
     const paper_scene* hair = &( (const clumps*)scene->context )->scene;
     char name[64];
-    for ( int steps = 1; steps <= FLOW_STEPS_MOST; steps *= 2 )
+    for ( int steps = 1; steps <= MAX_FLOW_STEPS; steps *= 2 )
     {
         snprintf( name, sizeof( name ), "flow in %d steps", steps );
         accuracy_join_series( put_way( scene, name, frozen_clumps_flow( hair, steps ), true ), "flow", "1 / steps",
@@ -211,7 +211,7 @@ static void destroy_clumps( void* context )
 {
     clumps* all = context;
     paper_scene_free( &all->scene );
-    accuracy_truth_free( &all->truth );
+    accuracy_reference_free( &all->reference );
     free( all->own );
     free( all );
 }
@@ -220,13 +220,14 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
                                     wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its truth is of this many strands
+    (void)seconds; // its reference is of this many strands
     clumps* all = calloc( 1, sizeof( clumps ) );
     *out = ( accuracy_scene ){
-        .note = "the doubt is that of the flow, whose vertices gain and lose neighbours; the truth of the look is "
-                "exact up "
-                "to rounding.",
-        .error_name = "distance to the truth",
+        .note =
+            "the doubt is that of the flow, whose vertices gain and lose neighbours; the reference of the look is "
+            "exact up "
+            "to rounding.",
+        .error_name = "distance to the reference",
         .error_unit = "um",
         .ms_name = "command",
         .measure_names = { "farthest um", "to its own oracle um", "neighbours a vertex", "capped %" },
@@ -240,13 +241,13 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
         return accuracy_abandon( out, wisp_fail( error, WISP_NO_MEMORY, "no memory for frozen hair" ) );
     }
     wisp_status status = frozen_clumps_make( &all->scene, error );
-    status = status == WISP_OK ? read_truth( all, error ) : status;
+    status = status == WISP_OK ? read_reference( all, error ) : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {
         return accuracy_abandon( out, status );
     }
-    accuracy_describe_truth( &all->truth, 1e6, out );
+    accuracy_describe_reference( &all->reference, 1e6, out );
     put_limits( out );
     put_flow( out );
     put_choices( out );

@@ -1,14 +1,14 @@
-/// The clumps of the scene `frozen_clumps`, for the scene itself and for bench/truth.
+/// The clumps of the scene `frozen_clumps`, for the scene itself and for bench/reference.
 #pragma once
 
-#include "accuracy_truth.h"
+#include "accuracy_reference.h"
 
-#include "paper_entrants.h"
+#include "paper_implementations.h"
 
 wisp_status frozen_clumps_make( paper_scene* out, wisp_error* error );
 /// The default look, with all neighbours.
 wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene );
 /// As many short steps of clumping, together as long as those of any other number.
 wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps );
-/// Scene, facts and size of the truth: [vertices][3] m of the look, then the same of the flow.
-accuracy_truth frozen_clumps_truth( const paper_scene* scene );
+/// Scene, facts and size of the reference: [vertices][3] m of the look, then the same of the flow.
+accuracy_reference frozen_clumps_reference( const paper_scene* scene );

@@ -6,13 +6,13 @@
 #include <stdlib.h>
 
 #define WIDTH 1.6           // m
-#define BEND_STIFFNESS 1e-4 // N m, of a cross link times its mesh's spacing squared
+#define BEND_STIFFNESS 1e-4 // N m, of a bend link times its mesh's spacing squared
 #define SETTINGS_MAX 48
 
 enum
 {
     FINEST = HANGING_CLOTH_MESHES - 1,
-    SUBSTEPS_MOST = 40,
+    MAX_SUBSTEPS = 40,
     SUBSTEPS_OF_MESHES = 160, // so many that what is left of the error is the mesh's
 };
 
@@ -29,7 +29,7 @@ typedef struct hang_way
 typedef struct hang_scene
 {
     cloth_scene meshes[HANGING_CLOTH_MESHES];
-    accuracy_truth truth;
+    accuracy_reference reference;
     hang_way ways[SETTINGS_MAX];
     int way_count;
 } hang_scene;
@@ -50,58 +50,59 @@ wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error )
 {
     const int n = hanging_cloth_sizes[mesh];
     *out = ( cloth_scene ){ .n = n, .pins = { 0, n - 1 } };
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = n;
-    recipe.rows = n;
-    recipe.spacing = (float)hanging_cloth_spacing( mesh );
-    return wisp_mesh_make( &recipe, &out->mesh, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = n;
+    generator.rows = n;
+    generator.spacing = (float)hanging_cloth_spacing( mesh );
+    return wisp_mesh_generate( &generator, &out->mesh, error );
 }
 
-accuracy_truth hanging_cloth_truth( const cloth_scene* finest )
+accuracy_reference hanging_cloth_reference( const cloth_scene* finest )
 {
-    accuracy_truth truth = { .scene = "hanging_cloth",
-                             .number_count = 3 * HANGING_CLOTH_LOOKS * HANGING_CLOTH_PLACES * HANGING_CLOTH_PLACES };
-    accuracy_truth_put( &truth, "vertices", finest->mesh.vertex_count );
-    accuracy_truth_put( &truth, "width, m", WIDTH );
-    accuracy_truth_put( &truth, "area density, kg/m2", (double)HANGING_CLOTH_DENSITY );
-    accuracy_truth_put( &truth, "stiffness of an edge, N/m", HANGING_CLOTH_EDGE_STIFFNESS );
-    accuracy_truth_put( &truth, "bending, m/N", hanging_cloth_bend_compliance( FINEST ) );
-    accuracy_truth_put( &truth, "gravity, m/s2", (double)CLOTH_GRAVITY );
-    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)CLOTH_STEP );
-    accuracy_truth_put( &truth, "steps between looks", HANGING_CLOTH_LOOK_STEPS );
-    accuracy_truth_put( &truth, "looks", HANGING_CLOTH_LOOKS );
-    accuracy_truth_put_start( &truth, finest->mesh.points, finest->mesh.vertex_count );
-    return truth;
+    accuracy_reference reference = { .scene = "hanging_cloth",
+                                     .number_count =
+                                         3 * HANGING_CLOTH_LOOKS * HANGING_CLOTH_PLACES * HANGING_CLOTH_PLACES };
+    accuracy_reference_put( &reference, "vertices", finest->mesh.vertex_count );
+    accuracy_reference_put( &reference, "width, m", WIDTH );
+    accuracy_reference_put( &reference, "area density, kg/m2", (double)HANGING_CLOTH_DENSITY );
+    accuracy_reference_put( &reference, "stiffness of an edge, N/m", HANGING_CLOTH_EDGE_STIFFNESS );
+    accuracy_reference_put( &reference, "bending, m/N", hanging_cloth_bend_compliance( FINEST ) );
+    accuracy_reference_put( &reference, "gravity, m/s2", (double)CLOTH_GRAVITY );
+    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)CLOTH_STEP );
+    accuracy_reference_put( &reference, "steps between looks", HANGING_CLOTH_LOOK_STEPS );
+    accuracy_reference_put( &reference, "looks", HANGING_CLOTH_LOOKS );
+    accuracy_reference_put_start( &reference, finest->mesh.points, finest->mesh.vertex_count );
+    return reference;
 }
 
-static wisp_status read_truth( hang_scene* own, wisp_error* error )
+static wisp_status read_reference( hang_scene* own, wisp_error* error )
 {
-    const accuracy_truth wanted = hanging_cloth_truth( &own->meshes[FINEST] );
-    return accuracy_truth_read( accuracy_truth_folder(), &wanted, &own->truth, error );
+    const accuracy_reference requested = hanging_cloth_reference( &own->meshes[FINEST] );
+    return accuracy_reference_read( accuracy_reference_folder(), &requested, &own->reference, error );
 }
 
 // ---- a run ----
 
-static wisp_status enter( const hang_scene* own, const hang_way* way, int workers, surface_entrant* out,
+static wisp_status enter( const hang_scene* own, const hang_way* way, int workers, surface_implementation* out,
                           wisp_error* error )
 {
     const cloth_scene* scene = &own->meshes[way->mesh];
-    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, way->fabric );
-    recipe.pins = scene->pins;
-    recipe.pin_count = WISP_COUNT( scene->pins );
-    recipe.area_density = HANGING_CLOTH_DENSITY;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
-    recipe.substeps = way->setting.substeps;
-    recipe.iterations = way->setting.iterations;
-    recipe.workers = workers;
-    wisp_status status = surface_entrant_create( &recipe, out, error );
+    surface_generator generator = surface_default_generator( &wisp_cloth_module, way->fabric );
+    generator.pins = scene->pins;
+    generator.pin_count = WISP_COUNT( scene->pins );
+    generator.area_density = HANGING_CLOTH_DENSITY;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -CLOTH_GRAVITY, 0.0f };
+    generator.substeps = way->setting.substeps;
+    generator.iterations = way->setting.iterations;
+    generator.workers = workers;
+    wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     wisp_cloth_def def = wisp_default_cloth_def();
     def.solver = way->solver;
-    def.bending = way->solver == WISP_SOLVER_PBD ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_CROSS;
+    def.bending = way->solver == WISP_SOLVER_PBD ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_LINKS;
     def.warp_compliance = def.weft_compliance = (float)( 1.0 / HANGING_CLOTH_EDGE_STIFFNESS );
     // the sum makes it isotropic: every edge has the same
     def.shear_compliance = (float)( 2.0 / HANGING_CLOTH_EDGE_STIFFNESS );
@@ -112,41 +113,41 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     if ( status != WISP_OK )
     {
         bench_world_fail( out->world, status, error );
-        surface_entrant_destroy( out );
+        surface_implementation_destroy( out );
     }
     return status;
 }
 
-// Mean square distance at those places of the truth that the mesh has, m^2.
+// Mean square distance at those places of the reference that the mesh has, m^2.
 static double square_distance( const hang_scene* own, int mesh, int look, const wisp_vec3* points )
 {
     const int side = HANGING_CLOTH_PLACES, n = hanging_cloth_sizes[mesh], places = n < side ? n : side;
-    const int stride = ( n - 1 ) / ( places - 1 ), truth_stride = ( side - 1 ) / ( places - 1 );
-    const double* truth = own->truth.numbers + (size_t)( 3 * look * side * side );
+    const int stride = ( n - 1 ) / ( places - 1 ), reference_stride = ( side - 1 ) / ( places - 1 );
+    const double* reference = own->reference.numbers + (size_t)( 3 * look * side * side );
     double sum = 0.0;
     for ( int i = 0; i < places * places; ++i )
     {
         const int row = i / places, column = i % places;
         const wisp_vec3 p = points[stride * ( row * n + column )];
-        const double* q = truth + 3 * truth_stride * ( row * side + column );
+        const double* q = reference + 3 * reference_stride * ( row * side + column );
         const double x = (double)p.x - q[0], y = (double)p.y - q[1], z = (double)p.z - q[2];
         sum += x * x + y * y + z * z;
     }
     return sum / ( places * places );
 }
 
-static wisp_status look_at_path( const hang_scene* own, int mesh, int look, surface_entrant* entrant, double* sum,
-                                 wisp_error* error )
+static wisp_status look_at_path( const hang_scene* own, int mesh, int look, surface_implementation* implementation,
+                                 double* sum, wisp_error* error )
 {
     const wisp_vec3* points;
-    const wisp_status status = surface_entrant_points( entrant, &points, error );
+    const wisp_status status = surface_implementation_points( implementation, &points, error );
     *sum += status == WISP_OK ? square_distance( own, mesh, look, points ) : 0.0;
     return status;
 }
 
-static void measure( surface_entrant* entrant, double sum, accuracy_run* out )
+static void measure( surface_implementation* implementation, double sum, accuracy_run* out )
 {
-    const surface_look seen = surface_entrant_look( entrant );
+    const surface_look seen = surface_implementation_look( implementation );
     out->error = 1e3 * sqrt( sum / HANGING_CLOTH_LOOKS );
     out->measures[0] = 1e2 * seen.stretch_max;
     out->measures[1] = 1e2 * seen.stretch_mean;
@@ -158,8 +159,8 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
 {
     const hang_scene* own = context;
     const hang_way* way = &own->ways[setting];
-    surface_entrant entrant;
-    wisp_status status = enter( own, way, workers, &entrant, error );
+    surface_implementation implementation;
+    wisp_status status = enter( own, way, workers, &implementation, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -167,18 +168,19 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
     double sum = 0.0;
     for ( int step = 1; step <= HANGING_CLOTH_STEPS && status == WISP_OK; ++step )
     {
-        status = accuracy_time_surface( &entrant, 1.0, out, error );
+        status = accuracy_time_surface( &implementation, 1.0, out, error );
         if ( status == WISP_OK && is_looked_at && step % HANGING_CLOTH_LOOK_STEPS == 0 )
         {
-            status = look_at_path( own, way->mesh, step / HANGING_CLOTH_LOOK_STEPS - 1, &entrant, &sum, error );
+            status =
+                look_at_path( own, way->mesh, step / HANGING_CLOTH_LOOK_STEPS - 1, &implementation, &sum, error );
         }
     }
     if ( status == WISP_OK && is_looked_at )
     {
-        measure( &entrant, sum, out );
+        measure( &implementation, sum, out );
     }
-    status = status == WISP_OK ? accuracy_end_surface( &entrant, out, error ) : status;
-    surface_entrant_destroy( &entrant );
+    status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;
+    surface_implementation_destroy( &implementation );
     return status;
 }
 
@@ -190,7 +192,7 @@ static void name_kind( const hang_way* way, char* text, int size )
     const cloth_setting* s = &way->setting;
     snprintf( text, (size_t)size, "%s%s%s%s%s", way->solver == WISP_SOLVER_PBD ? "pbd" : "xpbd",
               s->iterations > 1 ? ", passes" : "", s->tethers ? ", tethers" : "", s->levels ? ", levels" : "",
-              s->sweep == WISP_SWEEP_LIST ? ", list" : "" );
+              s->solve_order == WISP_SOLVE_ORDER_LIST ? ", list" : "" );
 }
 
 static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
@@ -211,14 +213,14 @@ static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
 // Substeps of one pass on a mesh.
 static void add_substeps( accuracy_scene* scene, hang_way way, int most )
 {
-    static const int substeps[] = { 1, 2, 5, 10, 20, SUBSTEPS_MOST };
+    static const int substeps[] = { 1, 2, 5, 10, 20, MAX_SUBSTEPS };
     char kind[40], series[64];
     name_kind( &way, kind, sizeof( kind ) );
     snprintf( series, sizeof( series ), "%s, n %d", kind, hanging_cloth_sizes[way.mesh] );
     for ( int i = 0; i < WISP_COUNT( substeps ) && substeps[i] <= most; ++i )
     {
         way.setting.substeps = substeps[i];
-        // pbd and tethers are other models, which stay away from the truth however short a substep is
+        // pbd and tethers are other models, which stay away from the reference however short a substep is
         const bool converges = way.solver == WISP_SOLVER_XPBD && !way.setting.tethers;
         accuracy_join_series( add_way( scene, way ), series, "substep, s", (double)CLOTH_STEP / substeps[i],
                               converges ? 1.0 : NAN );
@@ -251,21 +253,21 @@ static void add_ways( accuracy_scene* scene )
     hang_way way = plain;
     for ( way.mesh = 1; way.mesh < HANGING_CLOTH_MESHES; ++way.mesh )
     {
-        add_substeps( scene, way, SUBSTEPS_MOST );
+        add_substeps( scene, way, MAX_SUBSTEPS );
     }
     add_meshes( scene, way );
     way.mesh = FINEST;
     add_passes( scene, way );
     way.setting.tethers = true;
-    add_substeps( scene, way, SUBSTEPS_MOST / 2 );
+    add_substeps( scene, way, MAX_SUBSTEPS / 2 );
     way.setting.levels = true;
-    add_substeps( scene, way, SUBSTEPS_MOST / 2 );
+    add_substeps( scene, way, MAX_SUBSTEPS / 2 );
     way.setting = plain.setting;
-    way.setting.sweep = WISP_SWEEP_LIST;
-    add_substeps( scene, way, SUBSTEPS_MOST / 2 );
+    way.setting.solve_order = WISP_SOLVE_ORDER_LIST;
+    add_substeps( scene, way, MAX_SUBSTEPS / 2 );
     way.setting = plain.setting;
     way.solver = WISP_SOLVER_PBD;
-    add_substeps( scene, way, SUBSTEPS_MOST );
+    add_substeps( scene, way, MAX_SUBSTEPS );
 }
 
 static wisp_status cook_all( hang_scene* own, wisp_error* error )
@@ -290,7 +292,7 @@ static void destroy( void* context )
     {
         cloth_scene_free( &own->meshes[i] );
     }
-    accuracy_truth_free( &own->truth );
+    accuracy_reference_free( &own->reference );
     free( own );
 }
 
@@ -307,7 +309,7 @@ static wisp_status fill( accuracy_scene* out, wisp_error* error )
         add_ways( out );
         status = cook_all( own, error );
     }
-    return status == WISP_OK ? read_truth( own, error ) : status;
+    return status == WISP_OK ? read_reference( own, error ) : status;
 }
 
 wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds, accuracy_scene* out,
@@ -316,14 +318,14 @@ wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds
     (void)options;
     (void)seconds; // its meshes are what it is about
     *out = ( accuracy_scene ){
-        .error_name = "RMS distance to the truth",
+        .error_name = "RMS distance to the reference",
         .error_unit = "mm",
         .note =
             "n is vertices a side; substeps are of one pass, and passes of one substep, "
             "of 1/60 s. A coarse mesh is compared at its own "
             "vertices, the finest at every second; its error and that of long substeps have opposite signs and may "
             "cancel. Tethers, levels and pbd (edges of stiffness 1, no bending) are other "
-            "models: what they converge to is not this truth.",
+            "models: what they converge to is not this reference.",
         .measure_names = { "stretch max, %", "stretch mean, %", "energy lost, %" },
         .measure_count = 3,
         .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
@@ -339,7 +341,7 @@ wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds
     }
     hang_scene* own = out->context;
     const wisp_status status = fill( out, error );
-    accuracy_describe_truth( &own->truth, 1e3, out );
+    accuracy_describe_reference( &own->reference, 1e3, out );
     if ( status != WISP_OK )
     {
         destroy( out->context );

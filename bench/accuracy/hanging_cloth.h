@@ -1,7 +1,7 @@
-/// The sheet of the scene `hanging_cloth`, for the scene itself and for bench/truth.
+/// The sheet of the scene `hanging_cloth`, for the scene itself and for bench/reference.
 #pragma once
 
-#include "accuracy_truth.h"
+#include "accuracy_reference.h"
 
 #include "cloth_scene.h"
 
@@ -20,9 +20,9 @@ enum
 /// Vertices a side; coarser meshes have every second, fourth or eighth of the finest one's.
 extern const int hanging_cloth_sizes[HANGING_CLOTH_MESHES];
 double hanging_cloth_spacing( int mesh );
-/// m/N, of a cross link: the same sheet on every mesh.
+/// m/N, of a bend link: the same sheet on every mesh.
 double hanging_cloth_bend_compliance( int mesh );
 wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error );
 
-/// Scene, facts and size of the truth, [looks][places][places][3] m. @param finest the last mesh
-accuracy_truth hanging_cloth_truth( const cloth_scene* finest );
+/// Scene, facts and size of the reference, [looks][places][places][3] m. @param finest the last mesh
+accuracy_reference hanging_cloth_reference( const cloth_scene* finest );

@@ -18,16 +18,16 @@ accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name,
     va_start( arguments, name );
     vsnprintf( setting->name, sizeof( setting->name ), name, arguments );
     va_end( arguments );
-    setting->knob = setting->order = NAN;
+    setting->parameter = setting->order = NAN;
     return setting;
 }
 
-void accuracy_join_series( accuracy_setting* setting, const char* series, const char* knob_name, double knob,
-                           double order )
+void accuracy_join_series( accuracy_setting* setting, const char* series, const char* parameter_name,
+                           double parameter, double order )
 {
     snprintf( setting->series, sizeof( setting->series ), "%s", series );
-    snprintf( setting->knob_name, sizeof( setting->knob_name ), "%s", knob_name );
-    setting->knob = knob;
+    snprintf( setting->parameter_name, sizeof( setting->parameter_name ), "%s", parameter_name );
+    setting->parameter = parameter;
     setting->order = order;
 }
 

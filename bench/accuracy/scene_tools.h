@@ -9,11 +9,11 @@ wisp_status accuracy_reserve_settings( accuracy_scene* scene, int count, wisp_er
 accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name, ... )
     __attribute__( ( format( printf, 2, 3 ) ) );
 /// Make it one of a series. @param order what theory promises, or NaN
-void accuracy_join_series( accuracy_setting* setting, const char* series, const char* knob_name, double knob,
-                           double order );
+void accuracy_join_series( accuracy_setting* setting, const char* series, const char* parameter_name,
+                           double parameter, double order );
 /// Free a scene that cannot be made. @return the status that it is given
 wisp_status accuracy_abandon( accuracy_scene* scene, wisp_status status );
 
-/// One step of an entrant, with its time kept.
+/// One step of an implementation, with its time kept.
 wisp_status accuracy_time_step( wisp_status ( *step )( void* context, wisp_error* error ), void* context,
                                 accuracy_run* out, wisp_error* error );

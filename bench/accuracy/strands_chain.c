@@ -158,15 +158,15 @@ static double cubic( const double* y, double t )
 // Where it passes through 0 between y[0] and y[1], by halving: a straight line is too coarse for steps of 1/60 s.
 static double zero_between( const double* y )
 {
-    double low = 0.0, high = 1.0;
+    double lower = 0.0, upper = 1.0;
     for ( int i = 0; i < 40; ++i )
     {
-        const double middle = 0.5 * ( low + high );
+        const double middle = 0.5 * ( lower + upper );
         const bool is_before = ( cubic( y, middle ) < 0.0 ) == ( y[0] < 0.0 );
-        low = is_before ? middle : low;
-        high = is_before ? high : middle;
+        lower = is_before ? middle : lower;
+        upper = is_before ? upper : middle;
     }
-    return 0.5 * ( low + high );
+    return 0.5 * ( lower + upper );
 }
 
 // From the first passage through the middle to the next one from the same side. @return s; NaN if it is not seen
@@ -205,37 +205,37 @@ enum
     MEASURES,
 };
 
-static strands_recipe make_recipe( const chain_way* way, const strands_shape* shape, int workers )
+static strands_generator make_generator( const chain_way* way, const strands_shape* shape, int workers )
 {
-    strands_recipe recipe = strands_default_recipe( shape );
-    recipe.dynamics.stretch = way->stretch;
-    recipe.dynamics.bend = WISP_STRAND_BEND_NONE;
-    recipe.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
-    recipe.dynamics.clamped = false;
-    recipe.dynamics.vertex_mass = way->is_continuous ? 0.0f : 1.0f;
-    recipe.substeps = way->substeps;
-    recipe.iterations = way->sweeps;
-    recipe.workers = workers;
-    return recipe;
+    strands_generator generator = strands_default_generator( shape );
+    generator.dynamics.stretch = way->stretch;
+    generator.dynamics.bend = WISP_STRAND_BEND_NONE;
+    generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    generator.dynamics.clamped = false;
+    generator.dynamics.vertex_mass = way->is_continuous ? 0.0f : 1.0f;
+    generator.substeps = way->substeps;
+    generator.iterations = way->sweeps;
+    generator.workers = workers;
+    return generator;
 }
 
 static void judge( const chain_way* way, const swing* seen, accuracy_run* out )
 {
-    const double* truth = way->is_continuous ? continuous_period : laguerre_period;
+    const double* reference = way->is_continuous ? continuous_period : laguerre_period;
     const double unit = sqrt( CHAIN_LENGTH / STRANDS_GRAVITY );
-    out->error = 100.0 * fabs( period_of( seen->aside[0] ) / ( unit * truth[0] ) - 1.0 );
-    out->measures[SECOND_PERIOD] = 100.0 * fabs( period_of( seen->aside[1] ) / ( unit * truth[1] ) - 1.0 );
+    out->error = 100.0 * fabs( period_of( seen->aside[0] ) / ( unit * reference[0] ) - 1.0 );
+    out->measures[SECOND_PERIOD] = 100.0 * fabs( period_of( seen->aside[1] ) / ( unit * reference[1] ) - 1.0 );
     out->measures[AMPLITUDE_LOST] = 100.0 * amplitude_lost( seen->aside[0] );
 }
 
-static wisp_status look( strands_entrant* entrant, swing* seen, accuracy_run* out, wisp_error* error )
+static wisp_status look( strands_implementation* implementation, swing* seen, accuracy_run* out, wisp_error* error )
 {
     const wisp_vec3* points = NULL;
-    const wisp_status status = strands_entrant_points( entrant, &points, error );
+    const wisp_status status = strands_implementation_points( implementation, &points, error );
     if ( status == WISP_OK )
     {
-        const double stretch = strands_measure_stretch( entrant->recipe.shape, points ).max;
-        keep_tips( entrant->recipe.shape, points, entrant->steps, seen );
+        const double stretch = strands_measure_stretch( implementation->generator.shape, points ).max;
+        keep_tips( implementation->generator.shape, points, implementation->steps, seen );
         out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch );
     }
     return status;
@@ -247,11 +247,11 @@ static wisp_status run_chains( void* context, int setting, int workers, bool is_
     const chains* all = context;
     const chain_way* way = &all->ways[setting];
     strands_shape shape = { 0 };
-    strands_entrant entrant = { 0 };
+    strands_implementation implementation = { 0 };
     swing seen;
     wisp_status status = make_chains( all, way, &shape, error );
-    const strands_recipe recipe = make_recipe( way, &shape, workers );
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &entrant, error ) : status;
+    const strands_generator generator = make_generator( way, &shape, workers );
+    status = status == WISP_OK ? strands_implementation_create( &generator, &implementation, error ) : status;
     if ( status == WISP_OK && is_looked_at )
     {
         out->measures[STRETCH_MAX] = 0.0;
@@ -259,16 +259,16 @@ static wisp_status run_chains( void* context, int setting, int workers, bool is_
     }
     for ( int s = 1; s <= SWING_STEPS && status == WISP_OK; ++s )
     {
-        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
-        status = status == WISP_OK && is_looked_at ? look( &entrant, &seen, out, error ) : status;
+        status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
+        status = status == WISP_OK && is_looked_at ? look( &implementation, &seen, out, error ) : status;
     }
-    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
-    out->halted_at = entrant.halted_at;
+    status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
+    out->halted_at = implementation.halted_at;
     if ( status == WISP_OK && is_looked_at )
     {
         judge( way, &seen, out );
     }
-    strands_entrant_destroy( &entrant );
+    strands_implementation_destroy( &implementation );
     strands_shape_free( &shape );
     return status;
 }
@@ -330,7 +330,7 @@ wisp_status accuracy_strands_chain( const bench_options* options, double seconds
     (void)options;
     chains* all = calloc( 1, sizeof( chains ) );
     *out = ( accuracy_scene ){
-        .truth =
+        .reference =
             "closed forms: periods of ten equal masses by the roots of a Laguerre polynomial; by vertices, those of "
             "a continuous chain by the zeros of J0",
         .error_name = "period of the slowest mode",

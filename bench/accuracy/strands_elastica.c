@@ -73,7 +73,7 @@ static wisp_status make_rods( int count, int vertices, strands_shape* out, wisp_
 }
 
 // A tenth of a second: only for who looks.
-static wisp_status make_truth( int count, int vertices, strands_shape* out, wisp_error* error )
+static wisp_status make_reference( int count, int vertices, strands_shape* out, wisp_error* error )
 {
     double bent[LOADS][ROD_VERTICES_MAX][2];
     for ( int i = 0; i < LOADS; ++i )
@@ -88,18 +88,19 @@ static wisp_status make_truth( int count, int vertices, strands_shape* out, wisp
     return status;
 }
 
-static strands_recipe make_recipe( const rod_way* way, const strands_shape* shape, int workers, bool is_looked_at )
+static strands_generator make_generator( const rod_way* way, const strands_shape* shape, int workers,
+                                         bool is_looked_at )
 {
-    strands_recipe recipe = strands_default_recipe( shape );
-    const double weight = (double)recipe.dynamics.line_density * STRANDS_GRAVITY;
+    strands_generator generator = strands_default_generator( shape );
+    const double weight = (double)generator.dynamics.line_density * STRANDS_GRAVITY;
     const double rigidity = weight * ROD_LENGTH * ROD_LENGTH * ROD_LENGTH / 10.0;
-    recipe.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
-    recipe.dynamics.bend_rigidity = (float)rigidity;
-    recipe.dynamics.damping = ROD_DAMPING;
-    recipe.substeps = way->substeps;
-    recipe.workers = workers;
-    recipe.has_quality = is_looked_at;
-    return recipe;
+    generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
+    generator.dynamics.bend_rigidity = (float)rigidity;
+    generator.dynamics.damping = ROD_DAMPING;
+    generator.substeps = way->substeps;
+    generator.workers = workers;
+    generator.has_motion_stats = is_looked_at;
+    return generator;
 }
 
 // ---- a run ----
@@ -112,25 +113,25 @@ enum
     MEASURES,
 };
 
-static wisp_status keep_jitter( strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+static wisp_status keep_jitter( strands_implementation* implementation, accuracy_run* out, wisp_error* error )
 {
-    wisp_quality quality = { 0 };
-    const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
-    out->measures[JITTER] = fmax( out->measures[JITTER], 1e6 * quality.speed_max );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_motion_stats motion_stats = { 0 };
+    const wisp_status status = wisp_read_motion_stats( implementation->world, implementation->entity, &motion_stats );
+    out->measures[JITTER] = fmax( out->measures[JITTER], 1e6 * motion_stats.speed_max );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
 // Root mean square distances in lengths of the rods.
-static void measure_distance( const strands_shape* truth, const wisp_vec3* points, accuracy_run* out )
+static void measure_distance( const strands_shape* reference, const wisp_vec3* points, accuracy_run* out )
 {
     double squares[LOADS] = { 0.0 }, all = 0.0;
-    for ( int rod = 0; rod < truth->strand_count; ++rod )
+    for ( int rod = 0; rod < reference->strand_count; ++rod )
     {
-        const size_t first = (size_t)rod * (size_t)truth->vertices;
+        const size_t first = (size_t)rod * (size_t)reference->vertices;
         const double off =
-            strands_rms_distance( points + first, truth->points + first, truth->vertices ) / length_of( rod );
-        squares[rod % LOADS] += off * off / ( truth->strand_count / LOADS );
-        all += off * off / truth->strand_count;
+            strands_rms_distance( points + first, reference->points + first, reference->vertices ) / length_of( rod );
+        squares[rod % LOADS] += off * off / ( reference->strand_count / LOADS );
+        all += off * off / reference->strand_count;
     }
     for ( int i = 0; i < LOADS; ++i )
     {
@@ -139,14 +140,15 @@ static void measure_distance( const strands_shape* truth, const wisp_vec3* point
     out->error = 100.0 * sqrt( all );
 }
 
-static wisp_status judge( strands_entrant* entrant, const strands_shape* truth, accuracy_run* out, wisp_error* error )
+static wisp_status judge( strands_implementation* implementation, const strands_shape* reference, accuracy_run* out,
+                          wisp_error* error )
 {
     const wisp_vec3* points = NULL;
-    const wisp_status status = strands_entrant_points( entrant, &points, error );
+    const wisp_status status = strands_implementation_points( implementation, &points, error );
     if ( status == WISP_OK )
     {
-        measure_distance( truth, points, out );
-        out->measures[STRETCH_MAX] = 100.0 * strands_measure_stretch( entrant->recipe.shape, points ).max;
+        measure_distance( reference, points, out );
+        out->measures[STRETCH_MAX] = 100.0 * strands_measure_stretch( implementation->generator.shape, points ).max;
     }
     return status;
 }
@@ -156,25 +158,25 @@ static wisp_status run_rods( void* context, int setting, int workers, bool is_lo
 {
     const rods* all = context;
     const int vertices = all->ways[setting].vertices;
-    strands_shape shape = { 0 }, truth = { 0 };
-    strands_entrant entrant = { 0 };
+    strands_shape shape = { 0 }, reference = { 0 };
+    strands_implementation implementation = { 0 };
     wisp_status status = make_rods( all->count, vertices, &shape, error );
-    status = status == WISP_OK && is_looked_at ? make_truth( all->count, vertices, &truth, error ) : status;
-    const strands_recipe recipe = make_recipe( &all->ways[setting], &shape, workers, is_looked_at );
-    status = status == WISP_OK ? strands_entrant_create( &recipe, &entrant, error ) : status;
+    status = status == WISP_OK && is_looked_at ? make_reference( all->count, vertices, &reference, error ) : status;
+    const strands_generator generator = make_generator( &all->ways[setting], &shape, workers, is_looked_at );
+    status = status == WISP_OK ? strands_implementation_create( &generator, &implementation, error ) : status;
     out->measures[JITTER] = is_looked_at ? 0.0 : NAN;
     for ( int s = 1; s <= REST_STEPS && status == WISP_OK; ++s )
     {
         const bool is_due = is_looked_at && s > REST_STEPS - JITTER_STEPS;
-        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
-        status = status == WISP_OK && is_due ? keep_jitter( &entrant, out, error ) : status;
+        status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
+        status = status == WISP_OK && is_due ? keep_jitter( &implementation, out, error ) : status;
     }
-    status = status == WISP_OK && is_looked_at ? judge( &entrant, &truth, out, error ) : status;
-    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
-    out->halted_at = entrant.halted_at;
-    strands_entrant_destroy( &entrant );
+    status = status == WISP_OK && is_looked_at ? judge( &implementation, &reference, out, error ) : status;
+    status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
+    out->halted_at = implementation.halted_at;
+    strands_implementation_destroy( &implementation );
     strands_shape_free( &shape );
-    strands_shape_free( &truth );
+    strands_shape_free( &reference );
     return status;
 }
 
@@ -216,7 +218,7 @@ wisp_status accuracy_strands_elastica( const bench_options* options, double seco
     (void)options;
     rods* all = calloc( 1, sizeof( rods ) );
     *out = ( accuracy_scene ){
-        .truth = "closed form: the heavy elastica; root mean square over all vertices, of the length, after 3 s",
+        .reference = "closed form: the heavy elastica; root mean square over all vertices, of the length, after 3 s",
         .error_name = "off the elastica",
         .error_unit = "%",
         .measure_names = { "G = 1 %", "G = 10 %", "G = 100 %", "jitter um/s", "stretch max %" },

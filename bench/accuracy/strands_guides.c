@@ -21,7 +21,7 @@ static const int ratios[RATIOS] = { 1, 4, 16 };
 typedef struct shakes
 {
     strands_shape hair, guides[RATIOS];
-    accuracy_truth truth; // of all strands
+    accuracy_reference reference; // of all strands
     shake_way ways[WAYS_MAX];
 } shakes;
 
@@ -37,24 +37,25 @@ static const strands_shape* guides_of( const shakes* all, int ratio )
     return found;
 }
 
-static hair_head_recipe make_recipe( const shakes* all, const shake_way* way, int workers )
+static hair_head_generator make_generator( const shakes* all, const shake_way* way, int workers )
 {
     const bool has_ghosts = way->ratio > 0;
-    hair_head_recipe recipe = hair_head_default_recipe( has_ghosts ? guides_of( all, way->ratio ) : &all->hair );
-    recipe.ghosts = has_ghosts ? &all->hair : NULL;
-    recipe.substeps = way->substeps;
-    recipe.workers = workers;
-    recipe.follow.target_count = way->targets;
+    hair_head_generator generator =
+        hair_head_default_generator( has_ghosts ? guides_of( all, way->ratio ) : &all->hair );
+    generator.ghosts = has_ghosts ? &all->hair : NULL;
+    generator.substeps = way->substeps;
+    generator.workers = workers;
+    generator.follow.target_count = way->targets;
     if ( !way->sways )
     {
-        recipe.follow.elastic = WISP_GHOST_ELASTIC_OFF;
-        recipe.follow.tip_gain = 0.0f;
-        recipe.follow.centre_gain = 0.0f;
+        generator.follow.elastic = WISP_GHOST_ELASTIC_OFF;
+        generator.follow.tip_gain = 0.0f;
+        generator.follow.centre_gain = 0.0f;
     }
-    return recipe;
+    return generator;
 }
 
-// ---- truth ----
+// ---- reference ----
 
 wisp_status shake_make_hair( strands_shape* out, wisp_error* error )
 {
@@ -66,26 +67,26 @@ int shake_seen_vertex( int place )
     return SHAKE_STRIDE * ( place / SHAKE_SEEN_VERTICES ) * SHAKE_VERTICES + 2 * ( place % SHAKE_SEEN_VERTICES ) + 1;
 }
 
-accuracy_truth strands_guides_truth( const strands_shape* hair )
+accuracy_reference strands_guides_reference( const strands_shape* hair )
 {
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    accuracy_truth truth = { .scene = "strands_guides",
-                             .number_count = 3 * SHAKE_LOOKS * SHAKE_SEEN * SHAKE_SEEN_VERTICES };
-    const wisp_rigid turned = hair_head_pose( 0.5 );
-    accuracy_truth_put( &truth, "strands", hair->strand_count );
-    accuracy_truth_put( &truth, "vertices a strand", hair->vertices );
-    accuracy_truth_put( &truth, "line density, kg/m", (double)def.line_density );
-    accuracy_truth_put( &truth, "rigidity of bending, N m2", (double)def.bend_rigidity );
-    accuracy_truth_put( &truth, "rigidity of twist, N m2", (double)def.twist_rigidity );
-    accuracy_truth_put( &truth, "damping, 1/s", (double)def.damping );
-    accuracy_truth_put( &truth, "gravity, m/s2", -(double)def.gravity.y );
-    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)STRANDS_STEP );
-    accuracy_truth_put( &truth, "steps between looks", SHAKE_LOOK );
-    accuracy_truth_put( &truth, "looks", SHAKE_LOOKS );
-    accuracy_truth_put( &truth, "head after 0.5 s, m", (double)turned.translation.x );
-    accuracy_truth_put( &truth, "head after 0.5 s, half sine", (double)turned.rotation.y );
-    accuracy_truth_put_start( &truth, hair->points, strands_shape_size( hair ) );
-    return truth;
+    accuracy_reference reference = { .scene = "strands_guides",
+                                     .number_count = 3 * SHAKE_LOOKS * SHAKE_SEEN * SHAKE_SEEN_VERTICES };
+    const wisp_transform turned = hair_head_pose( 0.5 );
+    accuracy_reference_put( &reference, "strands", hair->strand_count );
+    accuracy_reference_put( &reference, "vertices a strand", hair->vertices );
+    accuracy_reference_put( &reference, "line density, kg/m", (double)def.line_density );
+    accuracy_reference_put( &reference, "rigidity of bending, N m2", (double)def.bend_rigidity );
+    accuracy_reference_put( &reference, "rigidity of twist, N m2", (double)def.twist_rigidity );
+    accuracy_reference_put( &reference, "damping, 1/s", (double)def.damping );
+    accuracy_reference_put( &reference, "gravity, m/s2", -(double)def.gravity.y );
+    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)STRANDS_STEP );
+    accuracy_reference_put( &reference, "steps between looks", SHAKE_LOOK );
+    accuracy_reference_put( &reference, "looks", SHAKE_LOOKS );
+    accuracy_reference_put( &reference, "head after 0.5 s, m", (double)turned.translation.x );
+    accuracy_reference_put( &reference, "head after 0.5 s, half sine", (double)turned.rotation.y );
+    accuracy_reference_put_start( &reference, hair->points, strands_shape_size( hair ) );
+    return reference;
 }
 
 // ---- a run ----
@@ -108,13 +109,13 @@ typedef struct shake_tally
 static wisp_status look( const shakes* all, hair_head* head, shake_tally* tally, wisp_error* error )
 {
     const int count = SHAKE_SEEN * SHAKE_SEEN_VERTICES;
-    const double* truth = all->truth.numbers + (size_t)( 3 * ( head->steps / SHAKE_LOOK - 1 ) * count );
+    const double* reference = all->reference.numbers + (size_t)( 3 * ( head->steps / SHAKE_LOOK - 1 ) * count );
     const wisp_vec3* points = NULL;
     const wisp_status status = hair_head_points( head, &points, error );
-    for ( int i = 0; i < count && status == WISP_OK; ++i, truth += 3 )
+    for ( int i = 0; i < count && status == WISP_OK; ++i, reference += 3 )
     {
         const wisp_vec3 p = points[shake_seen_vertex( i )];
-        const double x = (double)p.x - truth[0], y = (double)p.y - truth[1], z = (double)p.z - truth[2];
+        const double x = (double)p.x - reference[0], y = (double)p.y - reference[1], z = (double)p.z - reference[2];
         const double squared = x * x + y * y + z * z;
         tally->squares += squared / ( (double)count * SHAKE_LOOKS );
         tally->farthest = fmax( tally->farthest, sqrt( squared ) );
@@ -127,10 +128,10 @@ static wisp_status run_shake( void* context, int setting, int workers, bool is_l
                               wisp_error* error )
 {
     const shakes* all = context;
-    const hair_head_recipe recipe = make_recipe( all, &all->ways[setting], workers );
+    const hair_head_generator generator = make_generator( all, &all->ways[setting], workers );
     shake_tally tally = { 0.0, 0.0, 0.0 };
     hair_head head = { 0 };
-    wisp_status status = hair_head_create( &recipe, &head, error );
+    wisp_status status = hair_head_create( &generator, &head, error );
     for ( int s = 1; s <= SHAKE_STEPS && status == WISP_OK; ++s )
     {
         const bool is_due = is_looked_at && s % SHAKE_LOOK == 0;
@@ -148,7 +149,7 @@ static wisp_status run_shake( void* context, int setting, int workers, bool is_l
         out->error = 1e3 * sqrt( tally.squares );
         out->measures[FARTHEST] = 1e3 * tally.farthest;
         out->measures[STRETCH_MEAN] = 100.0 * tally.stretch;
-        out->measures[SIMULATED] = recipe.moving->strand_count;
+        out->measures[SIMULATED] = generator.moving->strand_count;
     }
     return status;
 }
@@ -195,7 +196,7 @@ static void destroy_shakes( void* context )
     {
         strands_shape_free( &all->guides[i] );
     }
-    accuracy_truth_free( &all->truth );
+    accuracy_reference_free( &all->reference );
     free( all );
 }
 
@@ -203,7 +204,7 @@ wisp_status accuracy_strands_guides( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its truth is of this many strands
+    (void)seconds; // its reference is of this many strands
     shakes* all = calloc( 1, sizeof( shakes ) );
     *out = ( accuracy_scene ){
         .error_name = "distance to all simulated",
@@ -223,14 +224,17 @@ wisp_status accuracy_strands_guides( const bench_options* options, double second
     {
         status = hair_head_make_guides( &all->hair, ratios[i], &all->guides[i], error );
     }
-    const accuracy_truth wanted = status == WISP_OK ? strands_guides_truth( &all->hair ) : ( accuracy_truth ){ 0 };
-    status = status == WISP_OK ? accuracy_truth_read( accuracy_truth_folder(), &wanted, &all->truth, error ) : status;
+    const accuracy_reference requested =
+        status == WISP_OK ? strands_guides_reference( &all->hair ) : ( accuracy_reference ){ 0 };
+    status = status == WISP_OK
+                 ? accuracy_reference_read( accuracy_reference_folder(), &requested, &all->reference, error )
+                 : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {
         return accuracy_abandon( out, status );
     }
-    accuracy_describe_truth( &all->truth, 1e3, out );
+    accuracy_describe_reference( &all->reference, 1e3, out );
     put_all( out );
     put_ratios( out, "ghosts sway", ( shake_way ){ .targets = 1, .substeps = 10, .sways = true } );
     put_ratios( out, "ghosts as guides", ( shake_way ){ .targets = 1, .substeps = 10 } );

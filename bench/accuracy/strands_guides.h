@@ -1,7 +1,7 @@
-/// The head of the scene `strands_guides`, for the scene itself and for bench/truth.
+/// The head of the scene `strands_guides`, for the scene itself and for bench/reference.
 #pragma once
 
-#include "accuracy_truth.h"
+#include "accuracy_reference.h"
 
 #include "strands_head.h"
 
@@ -21,5 +21,5 @@ enum
 wisp_status shake_make_hair( strands_shape* out, wisp_error* error );
 /// A vertex that is compared. @param place in 0 .. SHAKE_SEEN * SHAKE_SEEN_VERTICES - 1 @return its number in the shape
 int shake_seen_vertex( int place );
-/// Scene, facts and size of the truth, [looks][strands][vertices][3] m, of all strands simulated.
-accuracy_truth strands_guides_truth( const strands_shape* hair );
+/// Scene, facts and size of the reference, [looks][strands][vertices][3] m, of all strands simulated.
+accuracy_reference strands_guides_reference( const strands_shape* hair );

@@ -60,15 +60,15 @@ static wisp_status make_curls( int strand_count, int vertices, strands_shape* ou
     return status;
 }
 
-static strands_recipe make_recipe( const rests* all, const rest_way* way, int workers, bool is_looked_at )
+static strands_generator make_generator( const rests* all, const rest_way* way, int workers, bool is_looked_at )
 {
-    strands_recipe recipe = strands_default_recipe( &all->hair[way->hair] );
-    recipe.dynamics.rest = way->rest;
-    recipe.dynamics.damping = REST_DAMPING;
-    recipe.substeps = way->substeps;
-    recipe.workers = workers;
-    recipe.has_quality = is_looked_at;
-    return recipe;
+    strands_generator generator = strands_default_generator( &all->hair[way->hair] );
+    generator.dynamics.rest = way->rest;
+    generator.dynamics.damping = REST_DAMPING;
+    generator.substeps = way->substeps;
+    generator.workers = workers;
+    generator.has_motion_stats = is_looked_at;
+    return generator;
 }
 
 // ---- a run ----
@@ -82,20 +82,20 @@ enum
     MEASURES,
 };
 
-static wisp_status keep_jitter( strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+static wisp_status keep_jitter( strands_implementation* implementation, accuracy_run* out, wisp_error* error )
 {
-    wisp_quality quality = { 0 };
-    const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
-    out->measures[JITTER] = fmax( out->measures[JITTER], 1e3 * quality.speed_max );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+    wisp_motion_stats motion_stats = { 0 };
+    const wisp_status status = wisp_read_motion_stats( implementation->world, implementation->entity, &motion_stats );
+    out->measures[JITTER] = fmax( out->measures[JITTER], 1e3 * motion_stats.speed_max );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-static wisp_status judge( strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+static wisp_status judge( strands_implementation* implementation, accuracy_run* out, wisp_error* error )
 {
-    const strands_shape* shape = entrant->recipe.shape;
+    const strands_shape* shape = implementation->generator.shape;
     const int count = strands_shape_size( shape );
     const wisp_vec3* points = NULL;
-    const wisp_status status = strands_entrant_points( entrant, &points, error );
+    const wisp_status status = strands_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -108,7 +108,8 @@ static wisp_status judge( strands_entrant* entrant, accuracy_run* out, wisp_erro
         out->measures[FARTHEST] = fmax( out->measures[FARTHEST], distance );
     }
     out->measures[STRETCH_MAX] = 100.0 * strands_measure_stretch( shape, points ).max;
-    out->measures[LAID_OUT] = (double)wisp_world_counter( entrant->world, WISP_COUNT_LAID ) / shape->strand_count;
+    out->measures[LAID_OUT] =
+        (double)wisp_world_counter( implementation->world, WISP_COUNT_STRAND_RESET ) / shape->strand_count;
     return WISP_OK;
 }
 
@@ -116,20 +117,20 @@ static wisp_status run_rest( void* context, int setting, int workers, bool is_lo
                              wisp_error* error )
 {
     const rests* all = context;
-    const strands_recipe recipe = make_recipe( all, &all->ways[setting], workers, is_looked_at );
-    strands_entrant entrant = { 0 };
-    wisp_status status = strands_entrant_create( &recipe, &entrant, error );
+    const strands_generator generator = make_generator( all, &all->ways[setting], workers, is_looked_at );
+    strands_implementation implementation = { 0 };
+    wisp_status status = strands_implementation_create( &generator, &implementation, error );
     out->measures[JITTER] = is_looked_at ? 0.0 : NAN;
     for ( int s = 1; s <= REST_STEPS && status == WISP_OK; ++s )
     {
         const bool is_due = is_looked_at && s > REST_STEPS - JITTER_STEPS;
-        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
-        status = status == WISP_OK && is_due ? keep_jitter( &entrant, out, error ) : status;
+        status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
+        status = status == WISP_OK && is_due ? keep_jitter( &implementation, out, error ) : status;
     }
-    status = status == WISP_OK && is_looked_at ? judge( &entrant, out, error ) : status;
-    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
-    out->halted_at = entrant.halted_at;
-    strands_entrant_destroy( &entrant );
+    status = status == WISP_OK && is_looked_at ? judge( &implementation, out, error ) : status;
+    status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
+    out->halted_at = implementation.halted_at;
+    strands_implementation_destroy( &implementation );
     return status;
 }
 
@@ -148,7 +149,7 @@ static void put_substeps( accuracy_scene* scene, const char* name, rest_hair hai
     static const int tried[] = { 1, 2, 4, 8, 16, 32 };
     for ( int i = 0; i < WISP_COUNT( tried ); ++i )
     {
-        const rest_way way = { hair, WISP_STRAND_REST_BALANCED, tried[i] };
+        const rest_way way = { hair, WISP_STRAND_REST_SAG_FREE, tried[i] };
         accuracy_join_series( put_way( scene, name, way ), name, "substep, s", (double)STRANDS_STEP / tried[i], NAN );
     }
     const rest_way sagging = { hair, WISP_STRAND_REST_SHAPE, 16 };
@@ -172,7 +173,7 @@ static wisp_status begin( accuracy_scene* out, wisp_error* error )
 {
     rests* all = calloc( 1, sizeof( rests ) );
     *out = ( accuracy_scene ){
-        .truth = "the shape that it was given, about 20 cm long; root mean square over all vertices after 2 s",
+        .reference = "the shape that it was given, about 20 cm long; root mean square over all vertices after 2 s",
         .error_name = "drift from the start",
         .error_unit = "mm",
         .measure_names = { "farthest mm", "jitter mm/s", "stretch max %", "laid out a strand" },

@@ -61,41 +61,41 @@ static const fall_sweeps sweeps_tried[] = {
 typedef struct fall
 {
     strands_shape shape;
-    wisp_vec3* truth; // [vertex_count] after STRANDS_TRUTH_STEPS
+    wisp_vec3* reference; // [vertex_count] after STRANDS_REFERENCE_STEPS
     fall_way ways[WAYS_MAX];
 } fall;
 
-static strands_recipe make_recipe( const fall* f, const fall_way* way, int workers, bool is_looked_at )
+static strands_generator make_generator( const fall* f, const fall_way* way, int workers, bool is_looked_at )
 {
-    strands_recipe recipe = strands_default_recipe( &f->shape );
-    recipe.dynamics = strands_setting_dynamics( &way->solve );
-    recipe.dynamics.solver = way->solver;
-    recipe.dynamics.stretch_compliance = (float)( (double)STRANDS_SPACING / HAIR_STRETCH );
-    recipe.substeps = way->solve.substeps;
-    recipe.iterations = way->sweeps;
-    recipe.workers = workers;
-    recipe.has_quality = is_looked_at;
-    return recipe;
+    strands_generator generator = strands_default_generator( &f->shape );
+    generator.dynamics = strands_setting_dynamics( &way->solve );
+    generator.dynamics.solver = way->solver;
+    generator.dynamics.stretch_compliance = (float)( (double)STRANDS_SPACING / HAIR_STRETCH );
+    generator.substeps = way->solve.substeps;
+    generator.iterations = way->sweeps;
+    generator.workers = workers;
+    generator.has_motion_stats = is_looked_at;
+    return generator;
 }
 
-// ---- truth ----
+// ---- reference ----
 
-accuracy_truth strands_swing_truth( void )
+accuracy_reference strands_swing_reference( void )
 {
-    accuracy_truth truth = { .scene = "strands_swing", .number_count = 2 * STRANDS_VERTICES };
-    accuracy_truth_put( &truth, "vertices", STRANDS_VERTICES );
-    accuracy_truth_put( &truth, "segment, m", (double)STRANDS_SPACING );
-    accuracy_truth_put( &truth, "gravity, m/s2", STRANDS_GRAVITY );
-    accuracy_truth_put( &truth, "steps a second", 1.0 / (double)STRANDS_STEP );
-    accuracy_truth_put( &truth, "steps", STRANDS_TRUTH_STEPS );
-    return truth;
+    accuracy_reference reference = { .scene = "strands_swing", .number_count = 2 * STRANDS_VERTICES };
+    accuracy_reference_put( &reference, "vertices", STRANDS_VERTICES );
+    accuracy_reference_put( &reference, "segment, m", (double)STRANDS_SPACING );
+    accuracy_reference_put( &reference, "gravity, m/s2", STRANDS_GRAVITY );
+    accuracy_reference_put( &reference, "steps a second", 1.0 / (double)STRANDS_STEP );
+    accuracy_reference_put( &reference, "steps", STRANDS_REFERENCE_STEPS );
+    return reference;
 }
 
 // Every strand in the direction in which it began.
-static wisp_status lay_truth( fall* f, const double* numbers, wisp_error* error )
+static wisp_status lay_reference( fall* f, const double* numbers, wisp_error* error )
 {
-    f->truth = malloc( (size_t)strands_shape_size( &f->shape ) * sizeof( wisp_vec3 ) );
-    if ( !f->truth )
+    f->reference = malloc( (size_t)strands_shape_size( &f->shape ) * sizeof( wisp_vec3 ) );
+    if ( !f->reference )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a converged run" );
     }
@@ -104,22 +104,22 @@ static wisp_status lay_truth( fall* f, const double* numbers, wisp_error* error 
     {
         const int v = i % STRANDS_VERTICES, tip = i - v + STRANDS_VERTICES - 1;
         const double along = numbers[2 * v] / length, up = numbers[2 * v + 1];
-        f->truth[i] = ( wisp_vec3 ){ (float)( along * (double)f->shape.points[tip].x ), (float)up,
-                                     (float)( along * (double)f->shape.points[tip].z ) };
+        f->reference[i] = ( wisp_vec3 ){ (float)( along * (double)f->shape.points[tip].x ), (float)up,
+                                         (float)( along * (double)f->shape.points[tip].z ) };
     }
     return WISP_OK;
 }
 
-static wisp_status read_truth( fall* f, accuracy_scene* out, wisp_error* error )
+static wisp_status read_reference( fall* f, accuracy_scene* out, wisp_error* error )
 {
-    const accuracy_truth wanted = strands_swing_truth();
-    accuracy_truth truth;
-    wisp_status status = accuracy_truth_read( accuracy_truth_folder(), &wanted, &truth, error );
+    const accuracy_reference requested = strands_swing_reference();
+    accuracy_reference reference;
+    wisp_status status = accuracy_reference_read( accuracy_reference_folder(), &requested, &reference, error );
     if ( status == WISP_OK )
     {
-        accuracy_describe_truth( &truth, 1e3, out );
-        status = lay_truth( f, truth.numbers, error );
-        accuracy_truth_free( &truth );
+        accuracy_describe_reference( &reference, 1e3, out );
+        status = lay_reference( f, reference.numbers, error );
+        accuracy_reference_free( &reference );
     }
     return status;
 }
@@ -136,19 +136,20 @@ enum
 };
 
 // Released is what gravity has given by now; the strands began at rest at height 0, so all their energy was 0.
-static wisp_status look_at_energy( const strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+static wisp_status look_at_energy( const strands_implementation* implementation, accuracy_run* out,
+                                   wisp_error* error )
 {
-    wisp_quality quality = { 0 };
-    const wisp_status status = wisp_world_quality( entrant->world, entrant->entity, &quality );
+    wisp_motion_stats motion_stats = { 0 };
+    const wisp_status status = wisp_read_motion_stats( implementation->world, implementation->entity, &motion_stats );
     out->measures[ENERGY_DRIFT] =
-        100.0 * ( quality.kinetic_energy + quality.potential_energy ) / -quality.potential_energy;
-    return status == WISP_OK ? WISP_OK : bench_world_fail( entrant->world, status, error );
+        100.0 * ( motion_stats.kinetic_energy + motion_stats.potential_energy ) / -motion_stats.potential_energy;
+    return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-static wisp_status look( const fall* f, strands_entrant* entrant, accuracy_run* out, wisp_error* error )
+static wisp_status look( const fall* f, strands_implementation* implementation, accuracy_run* out, wisp_error* error )
 {
     const wisp_vec3* points = NULL;
-    wisp_status status = strands_entrant_points( entrant, &points, error );
+    wisp_status status = strands_implementation_points( implementation, &points, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -156,35 +157,35 @@ static wisp_status look( const fall* f, strands_entrant* entrant, accuracy_run* 
     const strands_stretch stretch = strands_measure_stretch( &f->shape, points );
     out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch.max );
     out->measures[STRETCH_MEAN] += 100.0 * stretch.mean * FALL_LOOK / FALL_STEPS;
-    if ( entrant->steps == STRANDS_TRUTH_STEPS )
+    if ( implementation->steps == STRANDS_REFERENCE_STEPS )
     {
-        out->error = 1e3 * strands_rms_distance( points, f->truth, strands_shape_size( &f->shape ) );
+        out->error = 1e3 * strands_rms_distance( points, f->reference, strands_shape_size( &f->shape ) );
     }
-    return look_at_energy( entrant, out, error );
+    return look_at_energy( implementation, out, error );
 }
 
 static wisp_status run_fall( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                              wisp_error* error )
 {
     fall* f = context;
-    const strands_recipe recipe = make_recipe( f, &f->ways[setting], workers, is_looked_at );
-    strands_entrant entrant = { 0 };
+    const strands_generator generator = make_generator( f, &f->ways[setting], workers, is_looked_at );
+    strands_implementation implementation = { 0 };
     out->measures[STRETCH_MAX] = out->measures[STRETCH_MEAN] = 0.0;
-    wisp_status status = strands_entrant_create( &recipe, &entrant, error );
+    wisp_status status = strands_implementation_create( &generator, &implementation, error );
     for ( int s = 1; s <= FALL_STEPS && status == WISP_OK; ++s )
     {
-        status = accuracy_time_step( strands_entrant_step, &entrant, out, error );
+        status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
         const bool is_due = is_looked_at && s % FALL_LOOK == 0;
-        status = status == WISP_OK && is_due ? look( f, &entrant, out, error ) : status;
+        status = status == WISP_OK && is_due ? look( f, &implementation, out, error ) : status;
     }
-    status = status == WISP_OK ? strands_entrant_hash( &entrant, &out->hash, error ) : status;
-    out->halted_at = entrant.halted_at;
+    status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
+    out->halted_at = implementation.halted_at;
     if ( status == WISP_OK )
     {
         out->measures[LAID_OUT] =
-            (double)wisp_world_counter( entrant.world, WISP_COUNT_LAID ) / f->shape.strand_count;
+            (double)wisp_world_counter( implementation.world, WISP_COUNT_STRAND_RESET ) / f->shape.strand_count;
     }
-    strands_entrant_destroy( &entrant );
+    strands_implementation_destroy( &implementation );
     return status;
 }
 
@@ -222,7 +223,7 @@ static void destroy_fall( void* context )
 {
     fall* f = context;
     strands_shape_free( &f->shape );
-    free( f->truth );
+    free( f->reference );
     free( f );
 }
 
@@ -232,7 +233,7 @@ wisp_status accuracy_strands_swing( const bench_options* options, double seconds
     (void)options;
     fall* f = calloc( 1, sizeof( fall ) );
     *out = ( accuracy_scene ){
-        .error_name = "distance to the truth",
+        .error_name = "distance to the reference",
         .error_unit = "mm",
         .measure_names = { "stretch max %", "stretch mean %", "energy drift %", "laid out a strand" },
         .measure_count = MEASURES,
@@ -246,7 +247,7 @@ wisp_status accuracy_strands_swing( const bench_options* options, double seconds
     }
     wisp_status status =
         strands_shape_make_horizontal( seconds < FULL_SECONDS ? FEW_STRANDS : MANY_STRANDS, &f->shape, error );
-    status = status == WISP_OK ? read_truth( f, out, error ) : status;
+    status = status == WISP_OK ? read_reference( f, out, error ) : status;
     status = status == WISP_OK ? accuracy_reserve_settings( out, WAYS_MAX, error ) : status;
     if ( status != WISP_OK )
     {

@@ -5,14 +5,14 @@
 
 #include "balloon/balloon.h"
 #include "boundary/boundary.h"
-#include "climate/climate.h"
+#include "environment/environment.h"
 #include "cloth/cloth.h"
 #include "collision/collision.h"
 #include "contact/contact.h"
 #include "frozen_hair/frozen_hair.h"
 #include "guide_hair/guide_hair.h"
 #include "implicit_cloth/implicit_cloth.h"
-#include "strand_look/strand_look.h"
+#include "strand_appearance/strand_appearance.h"
 #include "strands/strands.h"
 
 #include <limits.h>
@@ -20,7 +20,7 @@
 
 #define GRAVITY ( ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } )
 #define STRAND_SPACING 0.0005f ///< m
-#define GUIDES_SHARE 8         ///< one guide for so many ghosts
+#define GUIDES_FRACTION 8      ///< one guide for so many ghosts
 
 typedef wisp_status host_fn( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error );
 typedef wisp_status set_fn( wisp_world* world, const effect_scene* scene );
@@ -79,7 +79,7 @@ static wisp_status add_surface( wisp_world* world, const wisp_mesh* mesh, int pi
     const int pins = pin_count < mesh->vertex_count ? pin_count : mesh->vertex_count;
     status = status == WISP_OK ? pin_first( world, *entity, pins ) : status;
     status = status == WISP_OK ? wisp_set_gravity( world, *entity, GRAVITY ) : status;
-    status = status == WISP_OK ? wisp_want( world, *entity, WISP_SURFACE_POINTS ) : status;
+    status = status == WISP_OK ? wisp_request( world, *entity, WISP_SURFACE_POINTS ) : status;
     wisp_fabric_release( def.fabric );
     return status;
 }
@@ -87,11 +87,11 @@ static wisp_status add_surface( wisp_world* world, const wisp_mesh* mesh, int pi
 static wisp_status add_sheet( wisp_world* world, const effect_size* size, float height, int pin_count,
                               effect_scene* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = recipe.rows = size->side;
-    recipe.spacing = 1.0f / (float)( size->side - 1 );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = generator.rows = size->side;
+    generator.spacing = 1.0f / (float)( size->side - 1 );
     wisp_mesh mesh;
-    wisp_status status = wisp_mesh_make( &recipe, &mesh, error );
+    wisp_status status = wisp_mesh_generate( &generator, &mesh, error );
     for ( int i = 0; i < mesh.vertex_count && status == WISP_OK; ++i )
     {
         mesh.points[i].y += height;
@@ -121,10 +121,10 @@ static wisp_status host_two_sheets( wisp_world* world, const effect_size* size, 
 
 static wisp_status host_sphere( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    recipe.level = size->level;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    generator.level = size->level;
     wisp_mesh mesh;
-    wisp_status status = wisp_mesh_make( &recipe, &mesh, error );
+    wisp_status status = wisp_mesh_generate( &generator, &mesh, error );
     status = status == WISP_OK ? add_surface( world, &mesh, LOOSE, out, error ) : status;
     wisp_mesh_release( &mesh );
     return status;
@@ -132,12 +132,12 @@ static wisp_status host_sphere( wisp_world* world, const effect_size* size, effe
 
 static wisp_status add_strands( wisp_world* world, int count, effect_scene* out, wisp_error* error )
 {
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_WAVY, 2 );
-    recipe.strand_count = count;
-    recipe.vertices_per_strand = 20;
-    recipe.spacing = STRAND_SPACING;
+    wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 2 );
+    generator.strand_count = count;
+    generator.vertices_per_strand = 20;
+    generator.spacing = STRAND_SPACING;
     wisp_groom groom;
-    wisp_status status = wisp_groom_make( &recipe, &groom, error );
+    wisp_status status = wisp_groom_generate( &generator, &groom, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -150,7 +150,7 @@ static wisp_status add_strands( wisp_world* world, int count, effect_scene* out,
     wisp_entity* entity = begin_entity( out, WISP_STRAND_POINTS );
     status = wisp_add_strands( world, &def, entity );
     wisp_groom_release( &groom );
-    return status == WISP_OK ? wisp_want( world, *entity, WISP_STRAND_POINTS ) : status;
+    return status == WISP_OK ? wisp_request( world, *entity, WISP_STRAND_POINTS ) : status;
 }
 
 static wisp_status host_strands( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error )
@@ -167,7 +167,7 @@ static wisp_status move_strands( wisp_world* world, wisp_entity strands )
 // Guides that move, and hair that could follow them.
 static wisp_status host_guides( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error )
 {
-    wisp_status status = add_strands( world, ( size->strands + GUIDES_SHARE - 1 ) / GUIDES_SHARE, out, error );
+    wisp_status status = add_strands( world, ( size->strands + GUIDES_FRACTION - 1 ) / GUIDES_FRACTION, out, error );
     status = status == WISP_OK ? move_strands( world, out->entities[0] ) : status;
     return status == WISP_OK ? add_strands( world, size->strands, out, error ) : status;
 }
@@ -177,7 +177,7 @@ static wisp_status host_guides( wisp_world* world, const effect_size* size, effe
 static wisp_status set_balloon( wisp_world* world, const effect_scene* scene )
 {
     wisp_balloon_def def = wisp_default_balloon_def();
-    def.fill = 1.05f;
+    def.gas_ratio = 1.05f;
     return wisp_set_balloon( world, scene->entities[0], &def );
 }
 
@@ -187,17 +187,17 @@ static wisp_status set_boundary( wisp_world* world, const effect_scene* scene )
     return wisp_set_boundary( world, scene->entities[0], &def );
 }
 
-static wisp_status tell_climate( wisp_world* world, const effect_scene* scene, int step )
+static wisp_status tell_environment( wisp_world* world, const effect_scene* scene, int step )
 {
-    wisp_climate_def def = wisp_default_climate_def();
+    wisp_environment_def def = wisp_default_environment_def();
     def.temperature = step % 2 == 0 ? -10.0f : -5.0f;
-    return wisp_set_climate( world, scene->entities[0], &def );
+    return wisp_set_environment( world, scene->entities[0], &def );
 }
 
-static wisp_status set_climate( wisp_world* world, const effect_scene* scene )
+static wisp_status set_environment( wisp_world* world, const effect_scene* scene )
 {
-    const wisp_status status = tell_climate( world, scene, 0 );
-    return status == WISP_OK ? wisp_want( world, scene->entities[0], WISP_STRAND_STIFFNESS ) : status;
+    const wisp_status status = tell_environment( world, scene, 0 );
+    return status == WISP_OK ? wisp_request( world, scene->entities[0], WISP_STRAND_STIFFNESS ) : status;
 }
 
 static wisp_status set_cloth( wisp_world* world, const effect_scene* scene )
@@ -253,18 +253,18 @@ static wisp_status set_implicit_cloth( wisp_world* world, const effect_scene* sc
     return wisp_set_implicit_cloth( world, scene->entities[0], &def );
 }
 
-static wisp_status tell_strand_look( wisp_world* world, const effect_scene* scene, int step )
+static wisp_status tell_strand_appearance( wisp_world* world, const effect_scene* scene, int step )
 {
-    wisp_strand_look_def def = wisp_default_strand_look_def();
+    wisp_strand_appearance_def def = wisp_default_strand_appearance_def();
     def.root_width = step % 2 == 0 ? 80e-6f : 90e-6f;
-    return wisp_set_strand_look( world, scene->entities[0], &def );
+    return wisp_set_strand_appearance( world, scene->entities[0], &def );
 }
 
-static wisp_status set_strand_look( wisp_world* world, const effect_scene* scene )
+static wisp_status set_strand_appearance( wisp_world* world, const effect_scene* scene )
 {
-    wisp_status status = tell_strand_look( world, scene, 0 );
-    status = status == WISP_OK ? wisp_want( world, scene->entities[0], WISP_POINT_WIDTH ) : status;
-    return status == WISP_OK ? wisp_want( world, scene->entities[0], WISP_POINT_COLOUR ) : status;
+    wisp_status status = tell_strand_appearance( world, scene, 0 );
+    status = status == WISP_OK ? wisp_request( world, scene->entities[0], WISP_POINT_WIDTH ) : status;
+    return status == WISP_OK ? wisp_request( world, scene->entities[0], WISP_POINT_COLOUR ) : status;
 }
 
 static wisp_status set_strands( wisp_world* world, const effect_scene* scene )
@@ -276,14 +276,15 @@ static wisp_status set_strands( wisp_world* world, const effect_scene* scene )
 
 static const effect_parts balloon_parts = { host_sphere, NULL, set_balloon, NULL };
 static const effect_parts boundary_parts = { host_sphere, NULL, set_boundary, NULL };
-static const effect_parts climate_parts = { host_strands, NULL, set_climate, tell_climate };
+static const effect_parts environment_parts = { host_strands, NULL, set_environment, tell_environment };
 static const effect_parts cloth_parts = { host_sheet, NULL, set_cloth, NULL };
 static const effect_parts collision_parts = { host_loose_sheet, NULL, set_collision, NULL };
 static const effect_parts contact_parts = { host_two_sheets, NULL, set_contact, NULL };
 static const effect_parts frozen_hair_parts = { host_strands, NULL, set_frozen_hair, tell_frozen_hair };
 static const effect_parts guide_hair_parts = { host_guides, &wisp_strands_module, set_guide_hair, NULL };
 static const effect_parts implicit_cloth_parts = { host_sheet, NULL, set_implicit_cloth, NULL };
-static const effect_parts strand_look_parts = { host_strands, NULL, set_strand_look, tell_strand_look };
+static const effect_parts strand_appearance_parts = { host_strands, NULL, set_strand_appearance,
+                                                      tell_strand_appearance };
 static const effect_parts strands_parts = { host_strands, NULL, set_strands, NULL };
 
 // A module without a scene does not compile: no effect can be forgotten.
@@ -341,11 +342,11 @@ int effects_modules( const effect* const* effects, int count, bool is_on, effect
 
 // ---- a scene ----
 
-// What the world refused it has a sentence for; what was refused before there is something to ask has one already.
+// What the world refused it has a message for; what was refused before there is something to ask has one already.
 static wisp_status refuse( wisp_world* world, const effect* which, wisp_status status, wisp_error* error )
 {
-    const char* sentence = wisp_world_message( world );
-    return sentence[0] != '\0' ? wisp_fail( error, status, "scene of %s: %s", which->name, sentence ) : status;
+    const char* message = wisp_world_message( world );
+    return message[0] != '\0' ? wisp_fail( error, status, "scene of %s: %s", which->name, message ) : status;
 }
 
 wisp_status effect_scene_add( const effect* which, const effect_size* size, bool is_on, wisp_world* world,

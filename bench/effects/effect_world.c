@@ -75,7 +75,7 @@ wisp_status effect_world_hash( effect_world* world, int scene, uint64_t* hash, w
 
 wisp_status effect_world_plan( effect_world* world, char* out, int* count, wisp_error* error )
 {
-    wisp_plan_report* report;
+    wisp_plan_info* report;
     const wisp_status status = wisp_world_explain( world->world, &report );
     out[0] = '\0';
     if ( status != WISP_OK )
@@ -83,7 +83,7 @@ wisp_status effect_world_plan( effect_world* world, char* out, int* count, wisp_
         return bench_world_fail( world->world, status, error );
     }
     size_t length = 0;
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
         const int more =
             snprintf( out + length, EFFECT_PLAN_MAX - length, "%s%s", i > 0 ? " " : "", report->passes[i].name );
@@ -92,8 +92,8 @@ wisp_status effect_world_plan( effect_world* world, char* out, int* count, wisp_
     }
     if ( count != NULL )
     {
-        *count = report->kept_count;
+        *count = report->active_count;
     }
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     return WISP_OK;
 }

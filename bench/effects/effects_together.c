@@ -15,18 +15,18 @@ static const char* const part_names[PARTS] = { "cloth", "balloon", "strands", "f
 
 // A world, and the processor's time of its last steps. It has one worker, so that time is all that a step costs, and who else
 // uses the machine is not in it.
-typedef struct entrant_world
+typedef struct implementation_world
 {
     effect_world world;
     double* ms; // [room], the oldest are written over
     int count, room;
-} entrant_world;
+} implementation_world;
 
-// Entrants 0 to PARTS - 1 are alone, the last one is all of them.
+// Implementations 0 to PARTS - 1 are alone, the last one is all of them.
 typedef struct gathering
 {
     const effect* effects[PARTS];
-    entrant_world worlds[PARTS + 1];
+    implementation_world worlds[PARTS + 1];
     bench_variant variants[PARTS + 1];
     stats_summary ms[PARTS + 1], processor[PARTS + 1];
     uint64_t alone[PARTS], beside[PARTS]; // hashes of the same entity
@@ -35,28 +35,29 @@ typedef struct gathering
 
 static wisp_status timed_step( void* context, wisp_error* error )
 {
-    entrant_world* entrant = context;
+    implementation_world* implementation = context;
     const clock_t start = clock();
-    const wisp_status status = effect_world_step( &entrant->world, error );
-    entrant->ms[entrant->count++ % entrant->room] = 1e3 * (double)( clock() - start ) / CLOCKS_PER_SEC;
+    const wisp_status status = effect_world_step( &implementation->world, error );
+    implementation->ms[implementation->count++ % implementation->room] =
+        1e3 * (double)( clock() - start ) / CLOCKS_PER_SEC;
     return status;
 }
 
-static wisp_status open_world( const effects_plan* plan, gathering* g, int entrant, wisp_error* error )
+static wisp_status open_world( const effects_plan* plan, gathering* g, int implementation, wisp_error* error )
 {
-    const bool is_all = entrant == PARTS;
+    const bool is_all = implementation == PARTS;
     const effect_world_def def = {
-        .effects = g->effects + ( is_all ? 0 : entrant ),
+        .effects = g->effects + ( is_all ? 0 : implementation ),
         .count = is_all ? PARTS : 1,
         .is_on = true,
         .registry = EFFECT_EVERY,
         .size = plan->together,
     };
-    effect_world* world = &g->worlds[entrant].world;
+    effect_world* world = &g->worlds[implementation].world;
     wisp_status status = effect_world_open( &def, world, error );
-    g->worlds[entrant].room = plan->samples_max;
-    g->worlds[entrant].ms = malloc( (size_t)plan->samples_max * sizeof( double ) );
-    if ( status == WISP_OK && g->worlds[entrant].ms == NULL )
+    g->worlds[implementation].room = plan->samples_max;
+    g->worlds[implementation].ms = malloc( (size_t)plan->samples_max * sizeof( double ) );
+    if ( status == WISP_OK && g->worlds[implementation].ms == NULL )
     {
         status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the times of effects together" );
     }
@@ -66,50 +67,54 @@ static wisp_status open_world( const effects_plan* plan, gathering* g, int entra
     }
     for ( int i = 0; i < def.count && status == WISP_OK; ++i )
     {
-        status = effect_world_hash( world, i, is_all ? g->beside + i : g->alone + entrant, error );
+        status = effect_world_hash( world, i, is_all ? g->beside + i : g->alone + implementation, error );
     }
     char names[EFFECT_PLAN_MAX];
-    status = status == WISP_OK ? effect_world_plan( world, names, g->passes + entrant, error ) : status;
-    g->variants[entrant] = ( bench_variant ){
-        .name = is_all ? "together" : part_names[entrant],
+    status = status == WISP_OK ? effect_world_plan( world, names, g->passes + implementation, error ) : status;
+    g->variants[implementation] = ( bench_variant ){
+        .name = is_all ? "together" : part_names[implementation],
         .step = timed_step,
-        .context = g->worlds + entrant,
+        .context = g->worlds + implementation,
     };
     return status;
 }
 
-static void add_line( gathering* g, int entrant, double sum, int table, results* out )
+static void add_line( gathering* g, int implementation, double sum, int table, results* out )
 {
-    effect_world* world = &g->worlds[entrant].world;
+    effect_world* world = &g->worlds[implementation].world;
     int vertices = 0;
     for ( int i = 0; i < world->scene_count; ++i )
     {
         vertices += effect_scene_vertices( world->scenes + i, world->world );
     }
     cells row = { 0 };
-    cells_put( &row, "%s", g->variants[entrant].name );
+    cells_put( &row, "%s", g->variants[implementation].name );
     cells_put( &row, "%d", vertices );
-    cells_put( &row, "%d", g->passes[entrant] );
-    cells_put_number( &row, g->ms[entrant].median, 4 );
-    cells_put_number( &row, 100.0 * g->ms[entrant].median / sum, 1 );
-    cells_put_number( &row, g->processor[entrant].median, 4 );
-    cells_put( &row, "%s", entrant == PARTS ? "-" : g->alone[entrant] == g->beside[entrant] ? "yes" : "NO" );
+    cells_put( &row, "%d", g->passes[implementation] );
+    cells_put_number( &row, g->ms[implementation].median, 4 );
+    cells_put_number( &row, 100.0 * g->ms[implementation].median / sum, 1 );
+    cells_put_number( &row, g->processor[implementation].median, 4 );
+    cells_put( &row, "%s",
+               implementation == PARTS                                 ? "-"
+               : g->alone[implementation] == g->beside[implementation] ? "yes"
+                                                                       : "NO" );
     cells_end_row( &row, table, out );
 
     char variant[64];
-    snprintf( variant, sizeof( variant ), "together: %s", entrant == PARTS ? "all" : part_names[entrant] );
+    snprintf( variant, sizeof( variant ), "together: %s",
+              implementation == PARTS ? "all" : part_names[implementation] );
     results_row* record = results_add_row( out, "effects", variant );
     if ( record != NULL )
     {
         results_put( &record->size, "vertices", vertices );
-        results_put( &record->size, "passes", g->passes[entrant] );
+        results_put( &record->size, "passes", g->passes[implementation] );
         record->workers = 1;
-        record->ms_median = g->ms[entrant].median;
-        record->ms_p10 = g->ms[entrant].p10;
-        record->ms_p90 = g->ms[entrant].p90;
-        record->steps = g->ms[entrant].count;
-        record->hash = entrant == PARTS ? 0 : g->alone[entrant];
-        record->has_hash = entrant < PARTS;
+        record->ms_median = g->ms[implementation].median;
+        record->ms_p10 = g->ms[implementation].p10;
+        record->ms_p90 = g->ms[implementation].p90;
+        record->steps = g->ms[implementation].count;
+        record->hash = implementation == PARTS ? 0 : g->alone[implementation];
+        record->has_hash = implementation < PARTS;
     }
 }
 

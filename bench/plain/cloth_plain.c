@@ -7,7 +7,7 @@
 // A directed side of a triangle and the vertex opposite to it.
 typedef struct side
 {
-    int low, high; // of the edge
+    int lower, upper; // of the edge
     int opposite;
     int order; // in which the triangles name it
 } side;
@@ -15,13 +15,13 @@ typedef struct side
 static int by_edge( const void* left, const void* right )
 {
     const side *a = left, *b = right;
-    if ( a->low != b->low )
+    if ( a->lower != b->lower )
     {
-        return a->low < b->low ? -1 : 1;
+        return a->lower < b->lower ? -1 : 1;
     }
-    if ( a->high != b->high )
+    if ( a->upper != b->upper )
     {
-        return a->high < b->high ? -1 : 1;
+        return a->upper < b->upper ? -1 : 1;
     }
     return a->order < b->order ? -1 : 1;
 }
@@ -55,7 +55,7 @@ static void collect_links( plain_cloth* cloth, side* sides, int side_count, floa
     for ( int i = 0, next; i < side_count; i = next )
     {
         for ( next = i + 1;
-              next < side_count && sides[next].low == sides[i].low && sides[next].high == sides[i].high; )
+              next < side_count && sides[next].lower == sides[i].lower && sides[next].upper == sides[i].upper; )
         {
             ++next;
         }
@@ -69,12 +69,12 @@ static void collect_links( plain_cloth* cloth, side* sides, int side_count, floa
     qsort( pairs, (size_t)pair_count, sizeof( side ), by_order );
     for ( int i = 0; i < edge_count; ++i )
     {
-        add_link( cloth, edges[i].low, edges[i].high, 1.0f );
+        add_link( cloth, edges[i].lower, edges[i].upper, 1.0f );
     }
     cloth->edge_count = cloth->link_count;
     for ( int i = 0; i < pair_count; ++i )
     {
-        add_link( cloth, pairs[i].low, pairs[i].high, bend_stiffness );
+        add_link( cloth, pairs[i].lower, pairs[i].upper, bend_stiffness );
     }
 }
 

@@ -46,10 +46,10 @@ plain_frozen_hair_options plain_frozen_hair_default_options( void )
         .clump_radius = 0.01f,
         .clump_iterations = 4,
         .clump_step = 0.001f,
-        .guard_distance = 0.0002f,
+        .min_distance = 0.0002f,
         .length_floor = 0.05f,
         .dimension = 3,
-        .guard = true,
+        .min_distance_clamp = true,
         .deform = true,
         .align = true,
     };
@@ -152,9 +152,9 @@ void plain_frozen_hair_destroy( plain_frozen_hair* hair )
 
 // Limits: the same as the engine's and the oracle's
 
-static bool within( float value, float low, float high )
+static bool within( float value, float lower, float upper )
 {
-    return value >= low && value <= high; // false for a NaN
+    return value >= lower && value <= upper; // false for a NaN
 }
 
 static bool is_coordinate( wisp_vec3 p )
@@ -166,7 +166,7 @@ static bool acceptable( const plain_frozen_hair* hair )
 {
     const plain_frozen_hair_options* o = &hair->options;
     bool ok = within( o->theta_max, 0.0f, pi ) && within( o->cursor_radius, 0.0f, 1e6f ) &&
-              within( o->clump_step, 0.0f, 1e6f ) && within( o->guard_distance, 0.0f, 1e6f ) &&
+              within( o->clump_step, 0.0f, 1e6f ) && within( o->min_distance, 0.0f, 1e6f ) &&
               within( o->lambda_min, 0.0f, 1.0f ) && within( o->length_floor, 0.0f, 1.0f ) &&
               is_coordinate( o->cursor ) && ( o->dimension == 2 || o->dimension == 3 ) && o->clump_iterations >= 0 &&
               o->clump_iterations <= 1000 &&
@@ -321,11 +321,11 @@ static void turn_strand( plain_frozen_hair* hair, int s, wisp_vec3 axis, float p
 {
     int first = hair->offsets[s], count = hair->offsets[s + 1] - first;
     wisp_vec3 root = hair->deformed[first];
-    float x = hair->intensity[s], share = ( 1.0f - x ) / (float)( count - 1 );
+    float x = hair->intensity[s], fraction = ( 1.0f - x ) / (float)( count - 1 );
     float sine = sinf( phi ), cosine = cosf( phi );
     for ( int i = 0; i < count; ++i )
     {
-        float w = x + share * (float)i;
+        float w = x + fraction * (float)i;
         wisp_vec3 arm = sub( hair->deformed[first + i], root ), turned;
         if ( hair->options.blend == PLAIN_HAIR_BLEND_ARC )
         {
@@ -459,24 +459,24 @@ static wisp_vec3 tentative_step( const plain_frozen_hair* hair, const plain_hair
 
     wisp_vec3 step = scale( o->clump_step, force );
     float step_length = length( step );
-    float limit = fmaxf( 0.0f, 0.5f * ( sqrtf( nearest2 ) - o->guard_distance ) );
-    return o->guard && step_length > limit ? scale( limit / step_length, step ) : step;
+    float limit = fmaxf( 0.0f, 0.5f * ( sqrtf( nearest2 ) - o->min_distance ) );
+    return o->min_distance_clamp && step_length > limit ? scale( limit / step_length, step ) : step;
 }
 
 static float pair_delta( plain_hair_gap gap, float r0, float r1, float inverse_h )
 {
     float change = r1 - r0;
-    if ( gap == PLAIN_HAIR_GAP_CLOSING )
+    if ( gap == PLAIN_HAIR_GAP_REVERSED )
     {
         change = -change;
     }
-    else if ( gap == PLAIN_HAIR_GAP_PROSE )
+    else if ( gap == PLAIN_HAIR_GAP_ABSOLUTE )
     {
         change = fabsf( change );
     }
     // comparisons, since fminf and fmaxf are calls into the library as long as a NaN must be minded
-    float share = change * inverse_h;
-    return share < 0.0f ? 0.0f : share > 1.0f ? 1.0f : share;
+    float fraction = change * inverse_h;
+    return fraction < 0.0f ? 0.0f : fraction > 1.0f ? 1.0f : fraction;
 }
 
 // How much the distances round one vertex have changed, weighted by the kernel in the reference shape.
@@ -515,7 +515,7 @@ static float vertex_delta( const plain_frozen_hair* hair, const plain_hair_grid*
 
 static float brake( const plain_frozen_hair_options* o, float delta, float zeta )
 {
-    float at_full_change = o->gap == PLAIN_HAIR_GAP_PROSE ? o->lambda_min : 1.0f;
+    float at_full_change = o->gap == PLAIN_HAIR_GAP_ABSOLUTE ? o->lambda_min : 1.0f;
     return ( 1.0f - delta ) * zeta + delta * at_full_change;
 }
 
@@ -529,7 +529,7 @@ static void clump_once( plain_frozen_hair* hair, const plain_hair_grid* grid, in
         hair->step[v] = is_root ? ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } : tentative_step( hair, grid, v );
         hair->tentative[v] = add( hair->position[v], hair->step[v] );
     }
-    if ( o->gap == PLAIN_HAIR_GAP_WET )
+    if ( o->gap == PLAIN_HAIR_GAP_NONE )
     {
         memcpy( hair->position, hair->tentative, (size_t)hair->vertex_count * sizeof( wisp_vec3 ) );
         return;

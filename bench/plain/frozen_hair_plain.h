@@ -16,10 +16,10 @@ typedef enum plain_hair_blend
 
 typedef enum plain_hair_gap
 {
-    PLAIN_HAIR_GAP_PROSE,
-    PLAIN_HAIR_GAP_PRINTED,
-    PLAIN_HAIR_GAP_CLOSING,
-    PLAIN_HAIR_GAP_WET,
+    PLAIN_HAIR_GAP_ABSOLUTE,
+    PLAIN_HAIR_GAP_SIGNED,
+    PLAIN_HAIR_GAP_REVERSED,
+    PLAIN_HAIR_GAP_NONE,
 } plain_hair_gap;
 
 typedef enum plain_hair_gap_reference
@@ -37,15 +37,15 @@ typedef struct plain_frozen_hair_options
     float clump_radius;   ///< m, h, default 0.01
     int clump_iterations; ///< K, default 4; 0 leaves the clumping out
     float clump_step;     ///< m, sigma, default 0.1 h
-    float guard_distance; ///< m, r_min, default 0.02 h
+    float min_distance;   ///< m, r_min, default 0.02 h
     float lambda_min;     ///< default 0
     float length_floor;   ///< share of the rest length, default 0.05
     int dimension;        ///< 2 or 3, default 3
     plain_hair_blend blend;
     plain_hair_gap gap;
     plain_hair_gap_reference gap_reference;
-    bool guard;         ///< default on
-    bool deform, align; ///< default on
+    bool min_distance_clamp; ///< default on
+    bool deform, align;      ///< default on
     uint64_t seed;
     uint64_t event;
 } plain_frozen_hair_options;

@@ -208,11 +208,11 @@ static void advance( plain_implicit_cloth* cloth, float step )
     }
 }
 
-static void turn( plain_implicit_cloth* cloth, float share )
+static void turn( plain_implicit_cloth* cloth, float fraction )
 {
     for ( int v = 0; v < cloth->vertex_count; ++v )
     {
-        cloth->direction[v] = sum( cloth->search[v], scaled( share, cloth->direction[v] ) );
+        cloth->direction[v] = sum( cloth->search[v], scaled( fraction, cloth->direction[v] ) );
     }
 }
 

@@ -58,7 +58,7 @@ static void put_fact( const char* name, const char* text, FILE* stream )
 }
 
 // Nothing here changes between two runs of one build on one machine; the clock rate would.
-static void put_facts( const machine_facts* machine, FILE* stream )
+static void put_info( const machine_info* machine, FILE* stream )
 {
     char text[512];
     fputs( "<dl class=\"facts\">\n<dt>machine</dt><dd>", stream );
@@ -118,7 +118,7 @@ static void put_head( const results* all, const report_run* run, FILE* stream )
     fputs( "</h1>\n<p class=\"how\">", stream );
     report_put_text( run->how, stream );
     fputs( "</p>\n", stream );
-    put_facts( &all->machine, stream );
+    put_info( &all->machine, stream );
     put_verdict( all, stream );
     fputs( "</header>\n", stream );
 }
@@ -273,5 +273,5 @@ wisp_status report_write_file( const results* all, const report_run* run, const 
     {
         return wisp_fail( error, status, "%s: the report could not be written: %s", path, strerror( number ) );
     }
-    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.sentence );
+    return status == WISP_OK ? WISP_OK : wisp_fail( error, status, "%s: %s", path, cause.message );
 }

@@ -12,5 +12,5 @@ typedef struct report_run
 
 /// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY while the results were gathered
 wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error );
-/// A picture that cannot be read is a sentence in its place and no error.
+/// A picture that cannot be read is a message in its place and no error.
 wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error );

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#define STEPS_WANTED 5
+#define STEPS_REQUESTED 5
 // Values that differ by rounding only are one.
 #define ROUNDING 1e-9
 // Beyond these powers of ten leave the range of a double.
@@ -62,10 +62,10 @@ static void widen( double* least, double* most )
 // The smallest of 1, 2 and 5 times a power of ten that needs no more steps than are wanted.
 static int find_step( double span, int* exponent )
 {
-    double wanted = span / STEPS_WANTED * ( 1.0 - ROUNDING );
-    *exponent = (int)floor( log10( wanted ) );
+    double requested = span / STEPS_REQUESTED * ( 1.0 - ROUNDING );
+    *exponent = (int)floor( log10( requested ) );
     int digit = 1;
-    while ( scaled( digit, *exponent ) < wanted && digit < 10 )
+    while ( scaled( digit, *exponent ) < requested && digit < 10 )
     {
         digit = digit == 1 ? 2 : digit == 2 ? 5 : 10;
     }
@@ -81,10 +81,10 @@ static report_axis make_linear( double least, double most )
     double step = scaled( digit, exponent );
     long long first = (long long)floor( least / step + ROUNDING );
     long long last = (long long)ceil( most / step - ROUNDING );
-    axis.low = scaled( (double)( first * digit ), exponent );
-    axis.high = scaled( (double)( last * digit ), exponent );
+    axis.lower = scaled( (double)( first * digit ), exponent );
+    axis.upper = scaled( (double)( last * digit ), exponent );
     // One power of ten for all labels, where they would be long without.
-    int largest = (int)floor( log10( fmax( fabs( axis.low ), fabs( axis.high ) ) ) + ROUNDING );
+    int largest = (int)floor( log10( fmax( fabs( axis.lower ), fabs( axis.upper ) ) ) + ROUNDING );
     int power = largest < -3 || largest > 6 ? largest : 0;
     for ( long long i = first; i <= last; ++i )
     {
@@ -119,8 +119,8 @@ static void add_decade( report_axis* axis, int exponent, int span, bool is_power
 {
     for ( int digit = 1; digit < 10; ++digit )
     {
-        bool is_inside = scaled( digit, exponent ) >= axis->low * ( 1.0 - ROUNDING ) &&
-                         scaled( digit, exponent ) <= axis->high * ( 1.0 + ROUNDING );
+        bool is_inside = scaled( digit, exponent ) >= axis->lower * ( 1.0 - ROUNDING ) &&
+                         scaled( digit, exponent ) <= axis->upper * ( 1.0 + ROUNDING );
         bool has_line = digit == 1 || span <= 9;
         bool has_label = digit == 1 || span <= 2 || ( span <= 6 && ( digit == 2 || digit == 5 ) );
         if ( is_inside && has_line )
@@ -152,8 +152,8 @@ static report_axis make_log( double least, double most )
         --first;
         ++last;
     }
-    axis.low = end_value( first );
-    axis.high = end_value( last );
+    axis.lower = end_value( first );
+    axis.upper = end_value( last );
     int from = end_exponent( first ), to = end_exponent( last );
     int stride = 1 + ( to - from ) / 8;
     for ( int exponent = from; exponent <= to; exponent += stride )
@@ -171,6 +171,6 @@ report_axis report_axis_make( double least, double most, bool is_log )
 
 double report_axis_place( const report_axis* axis, double value )
 {
-    return axis->is_log ? log( value / axis->low ) / log( axis->high / axis->low )
-                        : ( value - axis->low ) / ( axis->high - axis->low );
+    return axis->is_log ? log( value / axis->lower ) / log( axis->upper / axis->lower )
+                        : ( value - axis->lower ) / ( axis->upper - axis->lower );
 }

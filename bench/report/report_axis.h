@@ -15,7 +15,7 @@ typedef struct report_tick
 typedef struct report_axis
 {
     bool is_log;
-    double low, high; ///< values at its ends; they are ticks, though not always with a label
+    double lower, upper; ///< values at its ends; they are ticks, though not always with a label
     report_tick ticks[REPORT_TICKS_MAX];
     int tick_count;
 } report_axis;

@@ -11,7 +11,7 @@
 typedef struct bar_range
 {
     bool is_log;
-    double low, high; ///< all bars are between; without logarithms 0 is, too
+    double lower, upper; ///< all bars are between; without logarithms 0 is, too
     int count;
 } bar_range;
 
@@ -35,21 +35,21 @@ static bar_range find_range( const results_chart* chart )
     if ( range.count > 0 && range.is_log )
     {
         // The smallest bar is to be seen as well.
-        range.low = pow( 10.0, ceil( log10( least ) ) - 1.0 );
-        range.high = most;
+        range.lower = pow( 10.0, ceil( log10( least ) ) - 1.0 );
+        range.upper = most;
     }
     else if ( range.count > 0 )
     {
-        range.low = fmin( least, 0.0 );
-        range.high = least == 0.0 && most == 0.0 ? 1.0 : fmax( most, 0.0 );
+        range.lower = fmin( least, 0.0 );
+        range.upper = least == 0.0 && most == 0.0 ? 1.0 : fmax( most, 0.0 );
     }
     return range;
 }
 
-static double share( const bar_range* range, double value )
+static double fraction( const bar_range* range, double value )
 {
-    return range->is_log ? log( value / range->low ) / log( range->high / range->low )
-                         : ( value - range->low ) / ( range->high - range->low );
+    return range->is_log ? log( value / range->lower ) / log( range->upper / range->lower )
+                         : ( value - range->lower ) / ( range->upper - range->lower );
 }
 
 // ---- lines ----
@@ -72,7 +72,7 @@ static void put_bar( const results_chart* chart, const bar_range* range, int ser
     fputs( "<td class=\"bar\">", stream );
     if ( report_axis_takes( range->is_log, point->y ) )
     {
-        double from = range->is_log ? 0.0 : share( range, 0.0 ), to = share( range, point->y );
+        double from = range->is_log ? 0.0 : fraction( range, 0.0 ), to = fraction( range, point->y );
         fputs( "<svg class=\"", stream );
         report_put_series_class( series, stream );
         fputs( "\" width=\"100%\" height=\"14\"><rect class=\"bar\" height=\"14\" x=\"", stream );

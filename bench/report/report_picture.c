@@ -41,21 +41,21 @@ static bool check_png( picture_bytes* picture )
 // @return null, or what is wrong
 static const char* read_stream( FILE* file, picture_bytes* out )
 {
-    struct stat facts;
-    if ( fstat( fileno( file ), &facts ) != 0 || !S_ISREG( facts.st_mode ) )
+    struct stat info;
+    if ( fstat( fileno( file ), &info ) != 0 || !S_ISREG( info.st_mode ) )
     {
         return "it is not a file";
     }
-    if ( facts.st_size > REPORT_PICTURE_BYTES_MAX )
+    if ( info.st_size > REPORT_PICTURE_BYTES_MAX )
     {
         return "it is larger than 16 MB";
     }
-    out->bytes = malloc( (size_t)facts.st_size + 1 );
+    out->bytes = malloc( (size_t)info.st_size + 1 );
     if ( !out->bytes )
     {
         return "there is no memory for it";
     }
-    out->size = fread( out->bytes, 1, (size_t)facts.st_size, file );
+    out->size = fread( out->bytes, 1, (size_t)info.st_size, file );
     if ( ferror( file ) )
     {
         return strerror( errno );
@@ -66,15 +66,15 @@ static const char* read_stream( FILE* file, picture_bytes* out )
 static const char* read_picture( const char* path, picture_bytes* out )
 {
     // To open a pipe would wait for its other end, so what it is comes first.
-    struct stat facts;
-    if ( stat( path, &facts ) != 0 )
+    struct stat info;
+    if ( stat( path, &info ) != 0 )
     {
         return strerror( errno );
     }
-    FILE* file = S_ISREG( facts.st_mode ) ? fopen( path, "rb" ) : NULL;
+    FILE* file = S_ISREG( info.st_mode ) ? fopen( path, "rb" ) : NULL;
     if ( !file )
     {
-        return S_ISREG( facts.st_mode ) ? strerror( errno ) : "it is not a file";
+        return S_ISREG( info.st_mode ) ? strerror( errno ) : "it is not a file";
     }
     const char* wrong = read_stream( file, out );
     fclose( file );

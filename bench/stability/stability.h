@@ -20,7 +20,7 @@ typedef struct stability_look
     double energy;       ///< J, of motion, height and constraints that are not met; NaN: not known
     double speed;        ///< m/s: the farthest way of a vertex since the look before, over its time
     double
-        breach; ///< how far something is where it must not be: a depth over what is allowed, or crossings; 0: nothing
+        breach; ///< how far something is where it must not be: a depth over what is allowed, or intersections; 0: nothing
 } stability_look;
 
 /// What breaks a cell. INFINITY: no limit.
@@ -47,7 +47,7 @@ typedef enum stability_limit
     STABILITY_LIMIT_ENERGY,   ///< more energy than there was and work was done
     STABILITY_LIMIT_SPEED,    ///< faster than what pushed it can make it
     STABILITY_LIMIT_JITTER,   ///< does not come to rest
-    STABILITY_LIMIT_BREACH,   ///< crossings, or deep in a body
+    STABILITY_LIMIT_BREACH,   ///< intersections, or deep in a body
     STABILITY_LIMIT_CLAIM,    ///< what a named case claims does not hold
     STABILITY_LIMIT_BITS,     ///< other bits with two workers
     STABILITY_LIMIT_COUNT,
@@ -131,8 +131,8 @@ typedef struct stability_subject
     wisp_status ( *enter )( int way, const stability_axes* axes, int workers, stability_trial* out,
                             wisp_error* error );
     bool has_stiffness, has_mass_ratio;
-    bool has_pairs;       ///< pairs of ends are tried as well
-    float stiffness_most; ///< beyond it the engine must refuse with a sentence; 0: it takes all
+    bool has_pairs;      ///< pairs of ends are tried as well
+    float max_stiffness; ///< beyond it the engine must refuse with a message; 0: it takes all
 } stability_subject;
 
 typedef struct stability_cell
@@ -158,8 +158,8 @@ typedef struct stability_outcome
 /// Step a trial to its end, judge it and close it.
 wisp_status stability_run( stability_trial* trial, stability_outcome* out, wisp_error* error );
 /// Run a cell with one worker, and with two where it asks for it.
-/// @param strain_most INFINITY, or what the strain is held to beside what the setting can deliver
-wisp_status stability_run_cell( const stability_cell* cell, double strain_most, stability_outcome* out,
+/// @param max_strain INFINITY, or what the strain is held to beside what the setting can deliver
+wisp_status stability_run_cell( const stability_cell* cell, double max_strain, stability_outcome* out,
                                 wisp_error* error );
 
 // ---- the matrix ----

@@ -54,7 +54,8 @@ static double volume_of( const wisp_fabric* f, const float* x, double ( *gradien
 static double energy_of_gas( stability_surface* s, int frame )
 {
     (void)frame;
-    const float* x = wisp_world_column( s->entrant.world, s->entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    const float* x =
+        wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_POSITION, 0 );
     float rest[4 * VERTICES] = { 0 };
     double gradient[VERTICES][3] = { { 0.0 } };
     for ( int i = 0; i < s->fabric->vertex_count; ++i )
@@ -66,7 +67,7 @@ static double energy_of_gas( stability_surface* s, int frame )
     }
     const double target = (double)FILL * volume_of( s->fabric, rest, NULL );
     const double error = volume_of( s->fabric, x, gradient ) - target;
-    const double h = (double)s->entrant.recipe.seconds / s->entrant.recipe.substeps;
+    const double h = (double)s->implementation.generator.seconds / s->implementation.generator.substeps;
     double soft = s->is_pbd ? 0.0 : target / 101325.0;
     for ( int i = 0; i < s->fabric->vertex_count; ++i )
     {
@@ -81,38 +82,38 @@ static wisp_status fill( stability_surface* s, int way, const stability_axes* ax
     wisp_balloon_def def = wisp_default_balloon_def();
     def.solver = def.volume = way == PBD ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     def.edge_stiffness = axes->stiffness > 0.0f ? axes->stiffness : def.edge_stiffness;
-    def.fill = FILL;
+    def.gas_ratio = FILL;
     def.buoyancy = false; // its work would have to be known; it hangs instead
     s->stored = energy_of_gas;
     s->is_pbd = way == PBD;
     s->taut =
         4.0 * ( cbrt( (double)FILL ) - 1.0 ); // twice at five-fold vertices, twice around the triangle that is held
     s->compliance = 1.0 / (double)def.edge_stiffness;
-    const wisp_status status = wisp_set_balloon( s->entrant.world, s->entrant.entity, &def );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
+    const wisp_status status = wisp_set_balloon( s->implementation.world, s->implementation.entity, &def );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->implementation.world, status, error );
 }
 
 static wisp_status enter_surface( stability_surface* s, int way, const stability_axes* axes, int workers,
                                   wisp_error* error )
 {
-    surface_recipe recipe = surface_default_recipe( &wisp_balloon_module, NULL );
-    recipe.second = &wisp_collision_module;
-    recipe.third = &wisp_contact_module;
-    recipe.area_density = DENSITY;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
-    recipe.damping = DAMPING / sqrtf( axes->scale );
-    recipe.substeps = SUBSTEPS;
-    recipe.workers = workers;
-    wisp_mesh_recipe mesh = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
+    surface_generator generator = surface_default_generator( &wisp_balloon_module, NULL );
+    generator.second = &wisp_collision_module;
+    generator.third = &wisp_contact_module;
+    generator.area_density = DENSITY;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
+    generator.damping = DAMPING / sqrtf( axes->scale );
+    generator.substeps = SUBSTEPS;
+    generator.workers = workers;
+    wisp_mesh_generator mesh = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
     mesh.level = 2;
     mesh.radius = RADIUS * axes->scale;
     const wisp_fabric_def def = wisp_default_fabric_def();
-    wisp_status status = wisp_mesh_make( &mesh, &s->mesh, error );
+    wisp_status status = wisp_mesh_generate( &mesh, &s->mesh, error );
     if ( status == WISP_OK )
     {
-        recipe.pins = s->mesh.triangles;
-        recipe.pin_count = 3;
-        status = stability_surface_enter( s, &def, recipe, axes, error );
+        generator.pins = s->mesh.triangles;
+        generator.pin_count = 3;
+        status = stability_surface_enter( s, &def, generator, axes, error );
     }
     if ( status == WISP_OK )
     {

@@ -163,9 +163,9 @@ static void take( tally* t, const char* name, const stability_outcome* o )
 
 // A body that starts anywhere must come to what it has where it starts at rest, or near to it.
 #define TWIN_STRAINS 2.0
-#define TWIN_LEAST 0.01
+#define MIN_TWIN 0.01
 
-static wisp_status run_cells( tally* t, const stability_cell* list, int count, double share, wisp_error* error )
+static wisp_status run_cells( tally* t, const stability_cell* list, int count, double fraction, wisp_error* error )
 {
     double* strains = malloc( (size_t)count * sizeof( double ) );
     wisp_status status =
@@ -173,8 +173,8 @@ static wisp_status run_cells( tally* t, const stability_cell* list, int count, d
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const int twin = stability_twin( list, i );
-        const double most = twin >= 0 ? fmax( TWIN_STRAINS * strains[twin], TWIN_LEAST ) : INFINITY;
-        bench_progress( t->options, share, list[i].name );
+        const double most = twin >= 0 ? fmax( TWIN_STRAINS * strains[twin], MIN_TWIN ) : INFINITY;
+        bench_progress( t->options, fraction, list[i].name );
         stability_outcome outcome;
         status = stability_run_cell( list + i, most, &outcome, error );
         strains[i] = outcome.score.last.strain;
@@ -187,7 +187,7 @@ static wisp_status run_cells( tally* t, const stability_cell* list, int count, d
     return status;
 }
 
-static wisp_status run_matrix( tally* t, const stability_subject* subject, double share, wisp_error* error )
+static wisp_status run_matrix( tally* t, const stability_subject* subject, double fraction, wisp_error* error )
 {
     stability_cell* list;
     const int count = stability_matrix( subject, t->options->quick, &list );
@@ -195,7 +195,7 @@ static wisp_status run_matrix( tally* t, const stability_subject* subject, doubl
     snprintf( title, sizeof( title ), "Stability, %s: 5 s of each cell", subject->name );
     t->table = begin_table( t->out, title );
     wisp_status status = count < 0 ? wisp_fail( error, WISP_NO_MEMORY, "no memory for the matrix" )
-                                   : run_cells( t, list, count, share, error );
+                                   : run_cells( t, list, count, fraction, error );
     free( list );
     return status;
 }
@@ -258,8 +258,8 @@ wisp_status stability_bench( const bench_options* options, results* out, wisp_er
         for ( int k = 0; k < count && status == WISP_OK; ++k )
         {
             const bool is_due = options->quick == false || subjects[k].has_pairs; // the ways that are used most
-            const double share = ( i + (double)k / count ) / WISP_COUNT( rooms );
-            status = is_due ? run_matrix( &t, subjects + k, share, error ) : WISP_OK;
+            const double fraction = ( i + (double)k / count ) / WISP_COUNT( rooms );
+            status = is_due ? run_matrix( &t, subjects + k, fraction, error ) : WISP_OK;
         }
     }
     for ( int i = 0; i < WISP_COUNT( lists ) && status == WISP_OK; ++i )

@@ -30,12 +30,12 @@ static wisp_status dress( stability_surface* s, const stability_cloth_plan* plan
     def.stretch_stiffness = def.shear_stiffness = 2.0f * h * h / ( 2.0f * h * h + soft * mass );
     def.bending = way == STABILITY_XPBD_DIHEDRAL    ? WISP_CLOTH_BENDING_DIHEDRAL
                   : way == STABILITY_XPBD_ISOMETRIC ? WISP_CLOTH_BENDING_ISOMETRIC
-                                                    : WISP_CLOTH_BENDING_CROSS;
+                                                    : WISP_CLOTH_BENDING_LINKS;
     def.tethers = way == STABILITY_XPBD_FAR;
     def.level_passes = way == STABILITY_XPBD_FAR ? 1 : 0;
     s->compliance = (double)( way == STABILITY_PBD ? soft : 2.0f * soft );
-    const wisp_status status = wisp_set_cloth( s->entrant.world, s->entrant.entity, &def );
-    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
+    const wisp_status status = wisp_set_cloth( s->implementation.world, s->implementation.entity, &def );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->implementation.world, status, error );
 }
 
 // ---- by linear solves ----
@@ -53,7 +53,8 @@ static double edge_length( const wisp_fabric* f, const float* x, int a, int b, d
 static double energy_from_above( stability_surface* s, double stiffness )
 {
     const wisp_fabric* f = s->fabric;
-    const float* x = wisp_world_column( s->entrant.world, s->entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    const float* x =
+        wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_POSITION, 0 );
     double sum = 0.0, rest;
     for ( int e = 0; e < f->edge_count; ++e )
     {
@@ -70,19 +71,19 @@ static double energy_from_above( stability_surface* s, double stiffness )
 
 static double energy_of_springs( stability_surface* s, int frame )
 {
-    wisp_implicit_cloth_figures figures = { 0 };
+    wisp_implicit_cloth_stats stats = { 0 };
     if ( frame == 0 )
     {
         return energy_from_above( s, 2.0 / s->compliance );
     }
-    wisp_read_implicit_cloth_figures( s->entrant.world, s->entrant.entity, &figures );
-    return figures.stretch_energy + figures.bend_energy;
+    wisp_read_implicit_cloth_stats( s->implementation.world, s->implementation.entity, &stats );
+    return stats.stretch_energy + stats.bend_energy;
 }
 
 static wisp_status solve( stability_surface* s, int way, const stability_axes* axes, wisp_error* error )
 {
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.stiffness = WISP_IMPLICIT_STIFFNESS_SHEET;
+    def.stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     def.stretch_stiffness = axes->stiffness > 0.0f ? axes->stiffness : SHEET_STIFFNESS;
     def.integrator = way == STABILITY_IMPLICIT_BDF2 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;
@@ -90,12 +91,12 @@ static wisp_status solve( stability_surface* s, int way, const stability_axes* a
     s->stored = energy_of_springs;
     s->is_solved = true;
     s->compliance = 2.0 / (double)def.stretch_stiffness; // edges of one triangle have half of it
-    wisp_status status = wisp_set_implicit_cloth( s->entrant.world, s->entrant.entity, &def );
+    wisp_status status = wisp_set_implicit_cloth( s->implementation.world, s->implementation.entity, &def );
     if ( status == WISP_OK )
     {
-        status = wisp_want_implicit_cloth_figures( s->entrant.world, s->entrant.entity, true );
+        status = wisp_request_implicit_cloth_stats( s->implementation.world, s->implementation.entity, true );
     }
-    return status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
+    return status == WISP_OK ? WISP_OK : bench_world_fail( s->implementation.world, status, error );
 }
 
 // ---- both ----
@@ -114,24 +115,24 @@ stability_cloth_plan stability_default_cloth_plan( int way )
     };
 }
 
-static surface_recipe recipe_of( const stability_cloth_plan* plan, const stability_axes* axes, const int32_t* pins,
-                                 int workers )
+static surface_generator generator_of( const stability_cloth_plan* plan, const stability_axes* axes,
+                                       const int32_t* pins, int workers )
 {
     const bool is_implicit = plan->way == STABILITY_IMPLICIT_EULER || plan->way == STABILITY_IMPLICIT_BDF2;
-    surface_recipe recipe =
-        surface_default_recipe( is_implicit ? &wisp_implicit_cloth_module : &wisp_cloth_module, NULL );
+    surface_generator generator =
+        surface_default_generator( is_implicit ? &wisp_implicit_cloth_module : &wisp_cloth_module, NULL );
     // who collides with nothing has no pass of these
-    recipe.second = &wisp_collision_module;
-    recipe.third = plan->has_boundary ? &wisp_boundary_module : &wisp_contact_module;
-    recipe.pins = pins;
-    recipe.pin_count = plan->is_free ? 0 : 2;
-    recipe.area_density = plan->density;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
-    recipe.damping = plan->damping / sqrtf( axes->scale );
-    recipe.substeps = plan->substeps;
-    recipe.iterations = plan->iterations;
-    recipe.workers = workers;
-    return recipe;
+    generator.second = &wisp_collision_module;
+    generator.third = plan->has_boundary ? &wisp_boundary_module : &wisp_contact_module;
+    generator.pins = pins;
+    generator.pin_count = plan->is_free ? 0 : 2;
+    generator.area_density = plan->density;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
+    generator.damping = plan->damping / sqrtf( axes->scale );
+    generator.substeps = plan->substeps;
+    generator.iterations = plan->iterations;
+    generator.workers = workers;
+    return generator;
 }
 
 static wisp_status enter_surface( stability_surface* s, const stability_cloth_plan* plan, const stability_axes* axes,
@@ -139,10 +140,10 @@ static wisp_status enter_surface( stability_surface* s, const stability_cloth_pl
 {
     const int way = plan->way;
     const int32_t pins[2] = { 0, plan->side - 1 };
-    const surface_recipe recipe = recipe_of( plan, axes, pins, workers );
+    const surface_generator generator = generator_of( plan, axes, pins, workers );
     wisp_fabric_def def = wisp_default_fabric_def();
     def.attachments = pins;
-    def.attachment_count = recipe.pin_count;
+    def.attachment_count = generator.pin_count;
     def.tethers = way == STABILITY_XPBD_FAR;
     def.levels = way == STABILITY_XPBD_FAR ? WISP_FABRIC_MAX_LEVELS : 0;
     def.hinges = way == STABILITY_XPBD_DIHEDRAL || way == STABILITY_XPBD_ISOMETRIC;
@@ -151,8 +152,8 @@ static wisp_status enter_surface( stability_surface* s, const stability_cloth_pl
     wisp_status status = stability_hanging_mesh( plan->side, plan->spacing * axes->scale, &s->mesh, error );
     if ( status == WISP_OK )
     {
-        status = stability_surface_enter( s, &def, recipe, axes, error );
-        s->entrant.recipe.pins = NULL; // they are this function's
+        status = stability_surface_enter( s, &def, generator, axes, error );
+        s->implementation.generator.pins = NULL; // they are this function's
     }
     if ( status != WISP_OK )
     {

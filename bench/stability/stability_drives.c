@@ -32,13 +32,14 @@ static wisp_status jump( stability_surface* s, int frame )
         const wisp_vec3 p = s->mesh.points[pins[i]];
         targets[i] = ( wisp_vec3 ){ p.x + JUMP, p.y, p.z };
     }
-    return frame == 1 ? wisp_move_pins( s->entrant.world, s->entrant.entity, pins, targets, 2 ) : WISP_OK;
+    return frame == 1 ? wisp_move_pins( s->implementation.world, s->implementation.entity, pins, targets, 2 )
+                      : WISP_OK;
 }
 
 static wisp_status jump_head( stability_strands* s, int frame )
 {
-    const wisp_rigid pose =
-        wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ JUMP, 0.0f, 0.0f } );
+    const wisp_transform pose =
+        wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ JUMP, 0.0f, 0.0f } );
     return frame == 1 ? wisp_move_strand_head( s->world, s->entity, pose ) : WISP_OK;
 }
 
@@ -97,15 +98,16 @@ static wisp_status head_jumps( int way, int workers, stability_outcome* out, wis
 
 // ---- a fast ball ----
 
-static wisp_rigid ball_at( int frame, wisp_vec3 aim )
+static wisp_transform ball_at( int frame, wisp_vec3 aim )
 {
     // through the plane of the body to 1.7 m behind it, and back
     const int turn = BALL_FRAMES / 2 + 1, way = frame <= turn ? frame : 2 * turn - frame;
     const float z = BALL_SPEED * STABILITY_FRAME * ( (float)way - 0.5f * BALL_FRAMES );
-    return wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ aim.x, aim.y, aim.z + z } );
+    return wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ aim.x, aim.y, aim.z + z } );
 }
 
-static wisp_status add_ball( wisp_world* world, wisp_entity guest, float radius, wisp_vec3 aim, wisp_entity* ball )
+static wisp_status add_ball( wisp_world* world, wisp_entity participant, float radius, wisp_vec3 aim,
+                             wisp_entity* ball )
 {
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SPHERE;
@@ -113,15 +115,16 @@ static wisp_status add_ball( wisp_world* world, wisp_entity guest, float radius,
     def.pose = ball_at( 0, aim );
     const wisp_collision_def collision = wisp_default_collision_def();
     const wisp_status status = wisp_add_collider( world, &def, ball );
-    return status == WISP_OK ? wisp_set_collision( world, guest, &collision ) : status;
+    return status == WISP_OK ? wisp_set_collision( world, participant, &collision ) : status;
 }
 
 static const wisp_vec3 cloth_aim = { 0.02f, -0.3f, 0.01f }, strand_aim = { 0.02f, -0.06f, 0.0f };
 
 static wisp_status move_ball( stability_surface* s, int frame )
 {
-    return frame <= 2 * BALL_FRAMES ? wisp_move_collider( s->entrant.world, s->body, ball_at( frame, cloth_aim ) )
-                                    : WISP_OK;
+    return frame <= 2 * BALL_FRAMES
+               ? wisp_move_collider( s->implementation.world, s->body, ball_at( frame, cloth_aim ) )
+               : WISP_OK;
 }
 
 static wisp_status move_strand_ball( stability_strands* s, int frame )
@@ -145,10 +148,10 @@ static wisp_status ball_comes( int way, int workers, stability_outcome* out, wis
     {
         return status;
     }
-    status = add_ball( s->entrant.world, s->entrant.entity, BALL_RADIUS, cloth_aim, &s->body );
+    status = add_ball( s->implementation.world, s->implementation.entity, BALL_RADIUS, cloth_aim, &s->body );
     if ( status != WISP_OK )
     {
-        bench_world_fail( s->entrant.world, status, error );
+        bench_world_fail( s->implementation.world, status, error );
         stability_surface_close( s );
         return status;
     }
@@ -181,15 +184,15 @@ static wisp_status ball_meets_strands( int way, int workers, stability_outcome* 
 
 // ---- contact ----
 
-static double count_crossings( stability_surface* s )
+static double count_intersections( stability_surface* s )
 {
-    wisp_contact_figures figures = { 0 };
-    return wisp_read_contact_figures( s->entrant.world, &figures ) == WISP_OK ? (double)figures.crossings : 0.0;
+    wisp_contact_stats stats = { 0 };
+    return wisp_read_contact_stats( s->implementation.world, &stats ) == WISP_OK ? (double)stats.intersections : 0.0;
 }
 
 static wisp_status lay_ground( stability_surface* s )
 {
-    wisp_world* world = s->entrant.world;
+    wisp_world* world = s->implementation.world;
     wisp_entity plane;
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_PLANE;
@@ -197,15 +200,15 @@ static wisp_status lay_ground( stability_surface* s )
     const wisp_collision_def collision = wisp_default_collision_def();
     const wisp_contact_def contact = wisp_default_contact_def();
     wisp_status status = wisp_add_collider( world, &def, &plane );
-    status = status == WISP_OK ? wisp_set_collision( world, s->entrant.entity, &collision ) : status;
-    status = status == WISP_OK ? wisp_set_contact( world, s->entrant.entity, &contact ) : status;
-    return status == WISP_OK ? wisp_want_contact_figures( world, true, true ) : status;
+    status = status == WISP_OK ? wisp_set_collision( world, s->implementation.entity, &collision ) : status;
+    status = status == WISP_OK ? wisp_set_contact( world, s->implementation.entity, &contact ) : status;
+    return status == WISP_OK ? wisp_request_contact_stats( world, true, true ) : status;
 }
 
 static void shake( stability_surface* s, int repeat )
 {
     const wisp_random_key key = wisp_random_make_key( 7, (uint64_t)repeat, 0 );
-    float* x = wisp_world_column( s->entrant.world, s->entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    float* x = wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_POSITION, 0 );
     for ( int i = 0; i < 4 * s->fabric->vertex_count; ++i )
     {
         const float shift = wisp_random_unit_float( key, (uint32_t)( i / 4 ), (uint32_t)( i % 4 ), 0 ) - 0.5f;
@@ -226,13 +229,13 @@ static wisp_status fall_once( int way, int repeat, int workers, stability_outcom
     status = lay_ground( s );
     if ( status != WISP_OK )
     {
-        bench_world_fail( s->entrant.world, status, error );
+        bench_world_fail( s->implementation.world, status, error );
         stability_surface_close( s );
         return status;
     }
     shake( s, repeat );
     stability_trial trial = stability_surface_trial( s, &usual );
-    s->breach = count_crossings;
+    s->breach = count_intersections;
     return stability_run( &trial, out, error );
 }
 

@@ -58,7 +58,7 @@ static wisp_status run_setup( const setup* one, int workers, report* out, wisp_e
     status = one->dress != NULL ? one->dress( s ) : WISP_OK;
     if ( status != WISP_OK )
     {
-        bench_world_fail( s->entrant.world, status, error );
+        bench_world_fail( s->implementation.world, status, error );
         stability_surface_close( s );
         return status;
     }
@@ -92,13 +92,13 @@ static wisp_status run_all( const setup* setups, int count, int workers, report*
 
 static double spread( const report* reports, int count )
 {
-    double low = INFINITY, high = -INFINITY;
+    double lower = INFINITY, upper = -INFINITY;
     for ( int i = 0; i < count; ++i )
     {
-        low = fmin( low, reports[i].lowest );
-        high = fmax( high, reports[i].lowest );
+        lower = fmin( lower, reports[i].lowest );
+        upper = fmax( upper, reports[i].lowest );
     }
-    return high - low;
+    return upper - lower;
 }
 
 // 1: one kilogramme on a square metre, ever finer. A vertex of the finest weighs 0.4 g.
@@ -146,7 +146,7 @@ static float body_scale;
 
 static wisp_status put_on_ball( stability_surface* s )
 {
-    wisp_world* world = s->entrant.world;
+    wisp_world* world = s->implementation.world;
     wisp_entity ball;
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_SPHERE;
@@ -154,7 +154,7 @@ static wisp_status put_on_ball( stability_surface* s )
     def.pose.translation = ( wisp_vec3 ){ 0.0f, -0.3f * body_scale, 0.16f * body_scale };
     const wisp_collision_def collision = wisp_default_collision_def();
     wisp_status status = wisp_add_collider( world, &def, &ball );
-    status = status == WISP_OK ? wisp_set_collision( world, s->entrant.entity, &collision ) : status;
+    status = status == WISP_OK ? wisp_set_collision( world, s->implementation.entity, &collision ) : status;
     return status;
 }
 
@@ -269,17 +269,17 @@ static wisp_status costs_add_up( int way, int workers, stability_outcome* out, w
         for ( int i = 0; i < more && status == WISP_OK; ++i )
         {
             wisp_entity other;
-            status = wisp_add_instance( s->entrant.world, s->entrant.entity, &other );
+            status = wisp_add_instance( s->implementation.world, s->implementation.entity, &other );
         }
         for ( int i = 0; i < 60 && status == WISP_OK; ++i )
         {
-            status = surface_entrant_step( &s->entrant, error );
+            status = surface_implementation_step( &s->implementation, error );
         }
         if ( status == WISP_OK )
         {
             hashes[more] = stability_surface_hash( s );
-            bytes[more] = wisp_world_memory( s->entrant.world );
-            passes[more] = wisp_world_plan_passes( s->entrant.world );
+            bytes[more] = wisp_world_memory( s->implementation.world );
+            passes[more] = wisp_world_plan_passes( s->implementation.world );
         }
         if ( s != NULL )
         {
@@ -322,11 +322,12 @@ static wisp_status balloon_lands( int way, int workers, stability_outcome* out, 
     def.kind = WISP_COLLIDER_PLANE;
     def.pose.translation.y = -0.14f; // the lowest centimetre of the sphere has to give way
     const wisp_collision_def collision = wisp_default_collision_def();
-    status = wisp_add_collider( s->entrant.world, &def, &plane );
-    status = status == WISP_OK ? wisp_set_collision( s->entrant.world, s->entrant.entity, &collision ) : status;
+    status = wisp_add_collider( s->implementation.world, &def, &plane );
+    status = status == WISP_OK ? wisp_set_collision( s->implementation.world, s->implementation.entity, &collision )
+                               : status;
     if ( status != WISP_OK )
     {
-        bench_world_fail( s->entrant.world, status, error );
+        bench_world_fail( s->implementation.world, status, error );
         trial.close( s );
         return status;
     }

@@ -102,7 +102,7 @@ static wisp_status add_ghosts( follower* f, bool is_point )
     def.offsets = offsets;
     def.strand_count = GHOSTS;
     const wisp_status status = wisp_add_strands( f->guides->world, &def, &f->entity );
-    return status == WISP_OK ? wisp_want( f->guides->world, f->entity, WISP_STRAND_POINTS ) : status;
+    return status == WISP_OK ? wisp_request( f->guides->world, f->entity, WISP_STRAND_POINTS ) : status;
 }
 
 static wisp_status dress_ghosts( follower* f )
@@ -192,12 +192,12 @@ static double count_bad_particles( stability_surface* s )
 {
     wisp_boundary_view view;
     int bad = 1;
-    if ( wisp_read_boundary( s->entrant.world, s->entrant.entity, &view ) == WISP_OK )
+    if ( wisp_read_boundary( s->implementation.world, s->implementation.entity, &view ) == WISP_OK )
     {
         bad = 0;
         for ( int i = 0; i < view.samples->count * 4; ++i )
         {
-            bad += i % 4 == 3 || isfinite( view.samples->quads[i] ) ? 0 : 1;
+            bad += i % 4 == 3 || isfinite( view.samples->xyzw[i] ) ? 0 : 1;
         }
     }
     return bad;
@@ -215,10 +215,10 @@ static wisp_status sample( int start, int workers, stability_outcome* out, wisp_
         return status;
     }
     const wisp_boundary_def def = wisp_default_boundary_def();
-    status = wisp_set_boundary( s->entrant.world, s->entrant.entity, &def );
+    status = wisp_set_boundary( s->implementation.world, s->implementation.entity, &def );
     if ( status != WISP_OK )
     {
-        bench_world_fail( s->entrant.world, status, error );
+        bench_world_fail( s->implementation.world, status, error );
         stability_surface_close( s );
         return status;
     }

@@ -100,7 +100,7 @@ static stability_cell* add( maker* m, const char* first, const char* second )
 
 static bool must_refuse( const stability_cell* cell )
 {
-    const float most = cell->subject->stiffness_most;
+    const float most = cell->subject->max_stiffness;
     return most > 0.0f && cell->axes.stiffness > most;
 }
 

@@ -1,5 +1,5 @@
 // Topology that breaks others. The doctor names the element; the engine cooks what it can, refuses what it cannot with a
-// sentence, and what it takes stays finite.
+// message, and what it takes stays finite.
 #include "stability_cloth.h"
 #include "stability_strands.h"
 
@@ -75,10 +75,10 @@ static void spoil( wisp_mesh* mesh, int ailment )
 }
 
 // What the doctor found, of the kind that was planted.
-static int found( const wisp_mesh_report* r, int ailment )
+static int found( const wisp_mesh_diagnostics* r, int ailment )
 {
-    const int counts[] = { r->duplicates.count, r->degenerates.count,       r->degenerates.count,
-                           r->loose.count,      r->nonmanifold_edges.count, r->nonmanifold_vertices.count,
+    const int counts[] = { r->duplicates.count,   r->degenerates.count,       r->degenerates.count,
+                           r->unreferenced.count, r->nonmanifold_edges.count, r->nonmanifold_vertices.count,
                            r->degenerates.count };
     return counts[ailment];
 }
@@ -117,27 +117,27 @@ static wisp_status enter( int ailment, int workers, stability_surface* s, wisp_e
 {
     static const stability_axes usual = { STABILITY_START_REST, STABILITY_FRAME, 1.0f, 0.0f, 1.0f };
     const int32_t pins[2] = { 0, SIDE - 1 };
-    surface_recipe recipe = surface_default_recipe( &wisp_cloth_module, NULL );
-    recipe.pins = pins;
-    recipe.pin_count = 2;
-    recipe.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
-    recipe.damping = 4.0f;
-    recipe.substeps = 10;
-    recipe.workers = workers;
+    surface_generator generator = surface_default_generator( &wisp_cloth_module, NULL );
+    generator.pins = pins;
+    generator.pin_count = 2;
+    generator.gravity = ( wisp_vec3 ){ 0.0f, -STABILITY_GRAVITY, 0.0f };
+    generator.damping = 4.0f;
+    generator.substeps = 10;
+    generator.workers = workers;
     wisp_fabric_def def = wisp_default_fabric_def();
     def.hinges = true;
     wisp_status status = make_bad_mesh( ailment, &s->mesh, error );
     if ( status == WISP_OK )
     {
-        status = stability_surface_enter( s, &def, recipe, &usual, error );
-        s->entrant.recipe.pins = NULL;
+        status = stability_surface_enter( s, &def, generator, &usual, error );
+        s->implementation.generator.pins = NULL;
     }
     if ( status == WISP_OK )
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-        status = wisp_set_cloth( s->entrant.world, s->entrant.entity, &cloth );
-        status = status == WISP_OK ? WISP_OK : bench_world_fail( s->entrant.world, status, error );
+        status = wisp_set_cloth( s->implementation.world, s->implementation.entity, &cloth );
+        status = status == WISP_OK ? WISP_OK : bench_world_fail( s->implementation.world, status, error );
     }
     return status;
 }
@@ -161,7 +161,7 @@ static wisp_status run( int ailment, int workers, stability_outcome* out, wisp_e
     }
     const bool must_refuse = ailment == NAMED_TWICE;
     const wisp_status entered = enter( ailment, workers, s, error );
-    wisp_mesh_report report = { 0 };
+    wisp_mesh_diagnostics report = { 0 };
     wisp_status status = s->mesh.points != NULL ? wisp_mesh_examine( &s->mesh, &report, error ) : entered;
     const int named = found( &report, ailment );
     *out = ( stability_outcome ){ .is_refused = entered == WISP_BAD_INPUT };
@@ -170,7 +170,7 @@ static wisp_status run( int ailment, int workers, stability_outcome* out, wisp_e
         stability_surface_close( s );
         if ( status == WISP_OK && out->is_refused )
         {
-            stability_claim( out, must_refuse && named > 0, "%.100s", error->sentence );
+            stability_claim( out, must_refuse && named > 0, "%.100s", error->message );
             return WISP_OK;
         }
         return status != WISP_OK ? status : entered;

@@ -33,9 +33,9 @@ wisp_status stability_run( stability_trial* trial, stability_outcome* out, wisp_
         out->hash = trial->hash( trial->context );
         if ( trial->world != NULL )
         {
-            out->undirected = wisp_world_counter( trial->world, WISP_COUNT_UNDIRECTED );
-            out->laid = wisp_world_counter( trial->world, WISP_COUNT_LAID );
-            out->unsolved = wisp_world_counter( trial->world, WISP_COUNT_UNSOLVED );
+            out->undirected = wisp_world_counter( trial->world, WISP_COUNT_DEGENERATE_LINK );
+            out->laid = wisp_world_counter( trial->world, WISP_COUNT_STRAND_RESET );
+            out->unsolved = wisp_world_counter( trial->world, WISP_COUNT_NOT_CONVERGED );
             out->halted = wisp_world_counter( trial->world, WISP_COUNT_HALTED );
         }
     }
@@ -43,26 +43,26 @@ wisp_status stability_run( stability_trial* trial, stability_outcome* out, wisp_
     return status;
 }
 
-static wisp_status run_with( const stability_cell* cell, int workers, double strain_most, stability_outcome* out,
+static wisp_status run_with( const stability_cell* cell, int workers, double max_strain, stability_outcome* out,
                              wisp_error* error )
 {
     stability_trial trial = { 0 };
     wisp_status status = cell->subject->enter( cell->subject->way, &cell->axes, workers, &trial, error );
-    trial.limits.strain = strain_most;
+    trial.limits.strain = max_strain;
     return status == WISP_OK ? stability_run( &trial, out, error ) : status;
 }
 
-wisp_status stability_run_cell( const stability_cell* cell, double strain_most, stability_outcome* out,
+wisp_status stability_run_cell( const stability_cell* cell, double max_strain, stability_outcome* out,
                                 wisp_error* error )
 {
     *out = ( stability_outcome ){ 0 };
-    wisp_status status = run_with( cell, 1, strain_most, out, error );
+    wisp_status status = run_with( cell, 1, max_strain, out, error );
     if ( status == WISP_BAD_INPUT || ( status == WISP_OK && cell->is_refused ) )
     {
-        // a refusal has its sentence, and is right only where it is expected
+        // a refusal has its message, and is right only where it is expected
         const bool is_right = status == WISP_BAD_INPUT && cell->is_refused;
         *out = ( stability_outcome ){ .is_refused = status == WISP_BAD_INPUT };
-        snprintf( out->said, sizeof( out->said ), "%.150s", out->is_refused ? error->sentence : "not refused" );
+        snprintf( out->said, sizeof( out->said ), "%.150s", out->is_refused ? error->message : "not refused" );
         out->verdict.broke = is_right ? STABILITY_LIMIT_NONE : STABILITY_LIMIT_CLAIM;
         *error = ( wisp_error ){ 0 };
         return WISP_OK;
@@ -70,7 +70,7 @@ wisp_status stability_run_cell( const stability_cell* cell, double strain_most, 
     if ( status == WISP_OK && cell->two_workers )
     {
         stability_outcome other;
-        status = run_with( cell, 2, strain_most, &other, error );
+        status = run_with( cell, 2, max_strain, &other, error );
         if ( status == WISP_OK && other.hash != out->hash && out->verdict.broke == STABILITY_LIMIT_NONE )
         {
             out->verdict.broke = STABILITY_LIMIT_BITS;

@@ -20,14 +20,14 @@ stability_box stability_box_of( const wisp_vec3* points, int count )
         const double p[3] = { (double)points[i].x, (double)points[i].y, (double)points[i].z };
         for ( int k = 0; k < 3; ++k )
         {
-            box.low[k] = fmin( box.low[k], p[k] );
-            box.high[k] = fmax( box.high[k], p[k] );
+            box.lower[k] = fmin( box.lower[k], p[k] );
+            box.upper[k] = fmax( box.upper[k], p[k] );
         }
     }
     for ( int k = 0; k < 3; ++k )
     {
-        box.middle[k] = 0.5 * ( box.low[k] + box.high[k] );
-        box.size = fmax( box.size, box.high[k] - box.low[k] );
+        box.middle[k] = 0.5 * ( box.lower[k] + box.upper[k] );
+        box.size = fmax( box.size, box.upper[k] - box.lower[k] );
     }
     return box;
 }
@@ -51,8 +51,8 @@ static wisp_vec3 anywhere( const stability_box* box, int vertex )
 // Turned about the vertical through the middle, the more the lower it is.
 static wisp_vec3 twist( const stability_box* box, wisp_vec3 p )
 {
-    const double height = fmax( box->high[1] - box->low[1], DBL_MIN );
-    const double angle = FULL_TURN * TWISTS * ( box->high[1] - (double)p.y ) / height;
+    const double height = fmax( box->upper[1] - box->lower[1], DBL_MIN );
+    const double angle = FULL_TURN * TWISTS * ( box->upper[1] - (double)p.y ) / height;
     const double x = (double)p.x - box->middle[0], z = (double)p.z - box->middle[2];
     const double turned[3] = { box->middle[0] + cos( angle ) * x + sin( angle ) * z, (double)p.y,
                                box->middle[2] - sin( angle ) * x + cos( angle ) * z };

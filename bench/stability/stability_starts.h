@@ -6,7 +6,7 @@
 /// The box around points.
 typedef struct stability_box
 {
-    double low[3], high[3], middle[3];
+    double lower[3], upper[3], middle[3];
     double size; ///< the longest edge, m
 } stability_box;
 

@@ -54,7 +54,7 @@ static void weigh( stability_strands* s, const stability_axes* axes )
 static void place( stability_strands* s, stability_start start )
 {
     const stability_box box = stability_box_of( s->rest, STABILITY_POINTS );
-    const double origin[3] = { box.middle[0], box.high[1], box.middle[2] };
+    const double origin[3] = { box.middle[0], box.upper[1], box.middle[2] };
     stability_place( start, &box, origin, s->rest, STABILITY_POINTS, s->start );
     for ( int i = 0; i < STABILITY_POINTS; i += STABILITY_VERTICES )
     {
@@ -108,7 +108,7 @@ static wisp_status add( stability_strands* s )
         status = wisp_set_strand_dynamics( s->world, s->entity, &s->def );
         s->def.vertex_masses = NULL;
     }
-    return status == WISP_OK ? wisp_want( s->world, s->entity, WISP_STRAND_POINTS ) : status;
+    return status == WISP_OK ? wisp_request( s->world, s->entity, WISP_STRAND_POINTS ) : status;
 }
 
 wisp_status stability_strands_enter( stability_strands* s, const wisp_module* const* modules, int module_count,
@@ -207,7 +207,7 @@ static double turn_at( const wisp_vec3* x, const wisp_vec3* rest, int i )
 
 // From above: EI / 2L |turn - rest turn|^2 is at most EI / L ( turn^2 + rest turn^2 ), with the EI that a substep can bear.
 // What a rod stores later is not counted, so motion and height must do with what there was.
-static double most_energy_of_rods( const stability_strands* s, const state* now )
+static double max_energy_of_rods( const stability_strands* s, const state* now )
 {
     double sum = 0.0;
     for ( int i = 0; i + 1 < STABILITY_POINTS; ++i )
@@ -234,7 +234,7 @@ static double stored_energy( const stability_strands* s, const state* now, int f
         is_pbd ? w * h2 * ( 1.0 / (double)s->def.bend_stiffness - 1.0 ) : (double)s->def.bend_compliance;
     double sum = energy_of_links( s, now, 1, s->compliance );
     sum += s->def.bend == WISP_STRAND_BEND_LINKS ? energy_of_links( s, now, 2, soft ) : 0.0;
-    sum += s->def.bend == WISP_STRAND_BEND_ROD && frame == 0 ? most_energy_of_rods( s, now ) : 0.0;
+    sum += s->def.bend == WISP_STRAND_BEND_ROD && frame == 0 ? max_energy_of_rods( s, now ) : 0.0;
     return sum;
 }
 
@@ -254,7 +254,7 @@ double stability_strands_energy_limit( stability_strands* s )
     state now;
     read_state( s, &now );
     const double g = (double)STABILITY_GRAVITY, weight = mass_of( s ) * g;
-    const double kept = g * s->substep / ( 1.0 - fmin( (double)s->def.follow_share, 0.99 ) );
+    const double kept = g * s->substep / ( 1.0 - fmin( (double)s->def.leader_correction, 0.99 ) );
     const double follower = s->def.stretch == WISP_STRAND_STRETCH_FOLLOW ? 0.5 * mass_of( s ) * kept * kept : 0.0;
     return weight * ( 0.01 * s->size + g * s->substep * s->substep ) + 0.01 * stored_energy( s, &now, 0 ) + follower;
 }

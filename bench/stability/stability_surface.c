@@ -14,11 +14,11 @@
 
 wisp_status stability_hanging_mesh( int side, float spacing, wisp_mesh* out, wisp_error* error )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    recipe.columns = side;
-    recipe.rows = side;
-    recipe.spacing = spacing;
-    wisp_status status = wisp_mesh_make( &recipe, out, error );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    generator.columns = side;
+    generator.rows = side;
+    generator.spacing = spacing;
+    wisp_status status = wisp_mesh_generate( &generator, out, error );
     const float top = status == WISP_OK ? out->points[0].z : 0.0f;
     for ( int i = 0; i < out->vertex_count; ++i )
     {
@@ -27,32 +27,32 @@ wisp_status stability_hanging_mesh( int side, float spacing, wisp_mesh* out, wis
     return status;
 }
 
-static bool is_pin( const surface_recipe* recipe, int vertex )
+static bool is_pin( const surface_generator* generator, int vertex )
 {
     bool found = false;
-    for ( int i = 0; i < recipe->pin_count; ++i )
+    for ( int i = 0; i < generator->pin_count; ++i )
     {
-        found = found || recipe->pins[i] == vertex;
+        found = found || generator->pins[i] == vertex;
     }
     return found;
 }
 
 // Pins stay where they are. What is turned inside out is reflected in the middle of the two that it hangs from.
-static void place( stability_surface* s, const surface_recipe* recipe, stability_start start )
+static void place( stability_surface* s, const surface_generator* generator, stability_start start )
 {
     const stability_box box = stability_box_of( s->mesh.points, s->mesh.vertex_count );
-    double origin[3] = { box.middle[0], recipe->pin_count == 2 ? box.high[1] : box.middle[1], box.middle[2] };
+    double origin[3] = { box.middle[0], generator->pin_count == 2 ? box.upper[1] : box.middle[1], box.middle[2] };
     stability_place( start, &box, origin, s->mesh.points, s->mesh.vertex_count, s->start );
     for ( int i = 0; i < s->mesh.vertex_count; ++i )
     {
-        const wisp_vec3 p = is_pin( recipe, i ) ? s->mesh.points[i] : s->start[i];
+        const wisp_vec3 p = is_pin( generator, i ) ? s->mesh.points[i] : s->start[i];
         s->start[i] = ( wisp_vec3 ){ p.x + s->at.x, p.y + s->at.y, p.z + s->at.z };
     }
     memcpy( s->seen, s->start, (size_t)s->mesh.vertex_count * sizeof( wisp_vec3 ) );
     s->size = box.size;
 }
 
-wisp_status stability_surface_enter( stability_surface* s, const wisp_fabric_def* def, surface_recipe recipe,
+wisp_status stability_surface_enter( stability_surface* s, const wisp_fabric_def* def, surface_generator generator,
                                      const stability_axes* axes, wisp_error* error )
 {
     const size_t bytes = (size_t)s->mesh.vertex_count * sizeof( wisp_vec3 );
@@ -62,24 +62,24 @@ wisp_status stability_surface_enter( stability_surface* s, const wisp_fabric_def
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a surface" );
     }
-    place( s, &recipe, axes->start );
+    place( s, &generator, axes->start );
     wisp_status status = surface_cook( &s->mesh, *def, &s->fabric, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    recipe.fabric = s->fabric;
-    recipe.points = s->start;
-    recipe.seconds = axes->seconds;
-    return surface_entrant_create( &recipe, &s->entrant, error );
+    generator.fabric = s->fabric;
+    generator.points = s->start;
+    generator.seconds = axes->seconds;
+    return surface_implementation_create( &generator, &s->implementation, error );
 }
 
 void stability_surface_close( void* context )
 {
     stability_surface* s = context;
-    if ( s->entrant.world != NULL )
+    if ( s->implementation.world != NULL )
     {
-        surface_entrant_destroy( &s->entrant );
+        surface_implementation_destroy( &s->implementation );
     }
     wisp_fabric_release( s->fabric );
     wisp_mesh_release( &s->mesh );
@@ -92,7 +92,7 @@ void stability_surface_close( void* context )
 
 static float* positions( stability_surface* s )
 {
-    return wisp_world_column( s->entrant.world, s->entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    return wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_POSITION, 0 );
 }
 
 void stability_surface_weigh( stability_surface* s, float ratio )
@@ -101,7 +101,8 @@ void stability_surface_weigh( stability_surface* s, float ratio )
     float* x = positions( s );
     for ( int i = 0; i < s->mesh.vertex_count && ratio != 1.0f; ++i )
     {
-        const double depth = ( box.high[1] - (double)s->mesh.points[i].y ) / fmax( box.high[1] - box.low[1], 1e-30 );
+        const double depth =
+            ( box.upper[1] - (double)s->mesh.points[i].y ) / fmax( box.upper[1] - box.lower[1], 1e-30 );
         x[4 * (size_t)s->fabric->vertex_slot[i] + 3] *= (float)pow( (double)ratio, -depth );
     }
 }
@@ -127,7 +128,7 @@ static double length_of( const float* a, const float* b )
 
 static double substep_of( const stability_surface* s )
 {
-    return (double)s->entrant.recipe.seconds / s->entrant.recipe.substeps;
+    return (double)s->implementation.generator.seconds / s->implementation.generator.substeps;
 }
 
 // @param softness 1/k, m/N; behind it acts what a substep can deliver
@@ -140,20 +141,20 @@ static double link_energy( const float* a, const float* b, double rest, double s
 
 static double energy_of_links( stability_surface* s, const float* x )
 {
-    wisp_world* world = s->entrant.world;
-    const wisp_entity e = s->entrant.entity;
+    wisp_world* world = s->implementation.world;
+    const wisp_entity e = s->implementation.entity;
     const wisp_schedule* order = &s->fabric->link_order;
     const float* compliance = wisp_world_column( world, e, WISP_LINK_COMPLIANCE, 0 );
-    const float* share = wisp_world_column( world, e, WISP_LINK_STIFFNESS, 0 );
+    const float* fraction = wisp_world_column( world, e, WISP_LINK_STIFFNESS, 0 );
     const double h = substep_of( s );
     double sum = 0.0;
-    for ( int i = 0; i < order->slot_count && ( compliance != NULL || share != NULL ); ++i )
+    for ( int i = 0; i < order->slot_count && ( compliance != NULL || fraction != NULL ); ++i )
     {
-        const float *a = x + s->fabric->link_a4[i], *b = x + s->fabric->link_b4[i];
+        const float *a = x + s->fabric->link_a_x4[i], *b = x + s->fabric->link_b_x4[i];
         const double weight = ( (double)a[3] + (double)b[3] ) * h * h;
         // a share k of the error a substep is the compliance that leaves 1 - k of it
         const double soft =
-            compliance != NULL ? (double)compliance[i] : weight * ( 1.0 / fmax( (double)share[i], 1e-6 ) - 1.0 );
+            compliance != NULL ? (double)compliance[i] : weight * ( 1.0 / fmax( (double)fraction[i], 1e-6 ) - 1.0 );
         sum += order->constraint[i] >= 0 ? link_energy( a, b, (double)s->fabric->link_rest[i], soft, h, false ) : 0.0;
     }
     return sum;
@@ -164,13 +165,13 @@ static double energy_of_far_links( stability_surface* s, const float* x )
 {
     const double h = substep_of( s );
     const wisp_fabric* f = s->fabric;
-    const bool tethers = wisp_world_has( s->entrant.world, s->entrant.entity, WISP_SURFACE_TETHERS );
-    const bool levels = wisp_world_has( s->entrant.world, s->entrant.entity, WISP_SURFACE_LEVELS );
+    const bool tethers = wisp_world_has( s->implementation.world, s->implementation.entity, WISP_SURFACE_TETHERS );
+    const bool levels = wisp_world_has( s->implementation.world, s->implementation.entity, WISP_SURFACE_LEVELS );
     double sum = 0.0;
     for ( int i = 0; i < ( tethers ? f->tether_count * f->slot_count : 0 ); ++i )
     {
-        sum += link_energy( x + f->tether4[i], x + 4 * (size_t)( i % f->slot_count ), (double)f->tether_rest[i], 0.0,
-                            h, true );
+        sum += link_energy( x + f->tether_x4[i], x + 4 * (size_t)( i % f->slot_count ), (double)f->tether_rest[i],
+                            0.0, h, true );
     }
     for ( int k = 0; k < ( levels ? f->level_count : 0 ); ++k )
     {
@@ -178,7 +179,7 @@ static double energy_of_far_links( stability_surface* s, const float* x )
         for ( int i = 0; i < level->schedule.slot_count; ++i )
         {
             sum += level->schedule.constraint[i] >= 0
-                       ? link_energy( x + level->a4[i], x + level->b4[i], (double)level->rest[i], 0.0, h, true )
+                       ? link_energy( x + level->a_x4[i], x + level->b_x4[i], (double)level->rest[i], 0.0, h, true )
                        : 0.0;
         }
     }
@@ -203,8 +204,8 @@ wisp_status stability_surface_step( void* context, int frame, wisp_error* error 
 {
     stability_surface* s = context;
     const wisp_status status = s->drive != NULL ? s->drive( s, frame ) : WISP_OK;
-    return status == WISP_OK ? surface_entrant_step( &s->entrant, error )
-                             : bench_world_fail( s->entrant.world, status, error );
+    return status == WISP_OK ? surface_implementation_step( &s->implementation, error )
+                             : bench_world_fail( s->implementation.world, status, error );
 }
 
 // No link bears more than what hangs on a pin, and what its motion adds: v^2 / size keeps it on its way round. A sweep
@@ -213,7 +214,7 @@ wisp_status stability_surface_step( void* context, int frame, wisp_error* error 
 // without sag stretches by (1/24)^(1/3) (W / EA)^(2/3). The uppermost row of a cloth bears no more than all of it.
 static double cable_strain( stability_surface* s, double rest )
 {
-    const bool is_cable = s->is_solved && s->entrant.recipe.pin_count == 2;
+    const bool is_cable = s->is_solved && s->implementation.generator.pin_count == 2;
     return is_cable ? cbrt( 1.0 / 24.0 ) * pow( stability_surface_weight( s ) * s->compliance / rest, 2.0 / 3.0 )
                     : 0.0;
 }
@@ -222,7 +223,7 @@ static void look_at_links( stability_surface* s, const float* x, double speed, s
 {
     const wisp_fabric* f = s->fabric;
     const double h = substep_of( s );
-    const double load = stability_surface_weight( s ) / fmax( s->entrant.recipe.pin_count, 1.0 ) *
+    const double load = stability_surface_weight( s ) / fmax( s->implementation.generator.pin_count, 1.0 ) *
                         ( 1.0 + 2.0 * speed * speed / ( (double)STABILITY_GRAVITY * s->size ) );
     look->strain_limit = 1e-4;
     for ( int i = 0; i < f->edge_count; ++i )
@@ -230,8 +231,8 @@ static void look_at_links( stability_surface* s, const float* x, double speed, s
         const int a = f->edges[2 * i], b = f->edges[2 * i + 1];
         const double rest = stability_distance( f->rest[a], f->rest[b] );
         const double strain = length_of( x + 4 * (size_t)a, x + 4 * (size_t)b ) / rest - 1.0;
-        const double sweep = s->is_solved ? 0.0 : ( (double)x[4 * a + 3] + (double)x[4 * b + 3] ) * h * h;
-        const double soft = s->compliance + sweep;
+        const double solve_order = s->is_solved ? 0.0 : ( (double)x[4 * a + 3] + (double)x[4 * b + 3] ) * h * h;
+        const double soft = s->compliance + solve_order;
         const double worst = s->slack && strain < 0.0 ? 0.0 : fabs( strain );
         // what a linear solve leaves of a substep's fall, by its tolerance, which is of the norm over all vertices
         const double left = s->is_solved ? 1e-4 * sqrt( f->vertex_count ) * (double)STABILITY_GRAVITY * h * h : 0.0;
@@ -267,16 +268,18 @@ wisp_status stability_surface_look( void* context, int frame, stability_look* ou
 {
     stability_surface* s = context;
     const wisp_vec3* points = s->start;
-    wisp_status status = frame > 0 ? surface_entrant_points( &s->entrant, &points, error ) : WISP_OK;
+    wisp_status status = frame > 0 ? surface_implementation_points( &s->implementation, &points, error ) : WISP_OK;
     if ( status != WISP_OK )
     {
         return status;
     }
     const float* x = positions( s );
-    const float* v = wisp_world_column( s->entrant.world, s->entrant.entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float* v =
+        wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_VELOCITY, 0 );
     *out = ( stability_look ){ .is_finite = all_finite( x, v, 4 * s->fabric->vertex_count ) };
-    out->is_halted = wisp_is_halted( s->entrant.world, s->entrant.entity );
-    out->speed = stability_farthest( points, s->seen, s->fabric->vertex_count ) / (double)s->entrant.recipe.seconds;
+    out->is_halted = wisp_is_halted( s->implementation.world, s->implementation.entity );
+    out->speed =
+        stability_farthest( points, s->seen, s->fabric->vertex_count ) / (double)s->implementation.generator.seconds;
     memcpy( s->seen, points, (size_t)s->fabric->vertex_count * sizeof( wisp_vec3 ) );
     look_at_links( s, x, out->speed, out );
     out->energy = kinetic_energy( s, x, v ) + stored_energy( s, frame, x );
@@ -289,20 +292,21 @@ uint64_t stability_surface_hash( void* context )
     stability_surface* s = context;
     uint64_t hash = 0;
     wisp_error error = { 0 };
-    return surface_entrant_hash( &s->entrant, &hash, &error ) == WISP_OK ? hash : 0;
+    return surface_implementation_hash( &s->implementation, &hash, &error ) == WISP_OK ? hash : 0;
 }
 
 stability_trial stability_surface_trial( stability_surface* s, const stability_axes* axes )
 {
     const double step = (double)axes->seconds;
     stability_trial trial = {
-        .limits = stability_usual_limits( s->size, (double)axes->scale, step, step / s->entrant.recipe.substeps ),
+        .limits =
+            stability_usual_limits( s->size, (double)axes->scale, step, step / s->implementation.generator.substeps ),
         .frame_count = stability_frames( stability_duration( (double)axes->scale ), step ),
         .context = s,
         .step = stability_surface_step,
         .look = stability_surface_look,
         .hash = stability_surface_hash,
-        .world = s->entrant.world,
+        .world = s->implementation.world,
         .close = stability_surface_close,
     };
     trial.limits.energy = stability_surface_energy_limit( s );

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "stability_starts.h"
-#include "surface_entrant.h"
+#include "surface_implementation.h"
 
 typedef struct stability_surface
 {
-    surface_entrant entrant;
+    surface_implementation implementation;
     wisp_mesh mesh;
     wisp_fabric* fabric;
     wisp_vec3 *start, *seen; ///< [vertex_count] in the user's order: at first, and in the last look
@@ -32,8 +32,8 @@ wisp_status stability_hanging_mesh( int side, float spacing, wisp_mesh* out, wis
 
 /// Cook the mesh, place vertices that are not pinned, and make the world.
 /// @param recipe what there is beside the effect, without fabric and points
-wisp_status stability_surface_enter( stability_surface* surface, const wisp_fabric_def* def, surface_recipe recipe,
-                                     const stability_axes* axes, wisp_error* error );
+wisp_status stability_surface_enter( stability_surface* surface, const wisp_fabric_def* def,
+                                     surface_generator generator, const stability_axes* axes, wisp_error* error );
 void stability_surface_close( void* context );
 /// Masses that grow downwards from 1 to `ratio` times what they are.
 void stability_surface_weigh( stability_surface* surface, float ratio );

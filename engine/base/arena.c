@@ -61,13 +61,13 @@ static bool replace_block( base_arena* arena, size_t capacity )
 
 // How large a single block would have had to be. Padding to more than a cache line depends on where that block will
 // lie, so the worst case is counted.
-static void record_wanted( base_arena* arena, size_t size, size_t alignment )
+static void record_requested( base_arena* arena, size_t size, size_t alignment )
 {
     bool coarse = alignment > BASE_BUFFER_ALIGNMENT;
-    size_t begin = align_up( arena->wanted, coarse ? BASE_BUFFER_ALIGNMENT : alignment );
+    size_t begin = align_up( arena->requested, coarse ? BASE_BUFFER_ALIGNMENT : alignment );
     size_t padding = coarse ? alignment - BASE_BUFFER_ALIGNMENT : 0;
-    arena->wanted = add_saturating( begin, add_saturating( padding, size ) );
-    arena->high_water = arena->wanted > arena->high_water ? arena->wanted : arena->high_water;
+    arena->requested = add_saturating( begin, add_saturating( padding, size ) );
+    arena->high_water = arena->requested > arena->high_water ? arena->requested : arena->high_water;
 }
 
 void base_arena_init( base_arena* arena, const wisp_allocator* allocator, size_t capacity )
@@ -87,7 +87,7 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
     {
         return NULL;
     }
-    record_wanted( arena, size, alignment );
+    record_requested( arena, size, alignment );
 
     // Aligned by address, because the block itself promises no more than a cache line.
     uintptr_t base = (uintptr_t)arena->block;
@@ -102,13 +102,13 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
 
 base_arena_mark base_arena_get_mark( const base_arena* arena )
 {
-    return ( base_arena_mark ){ arena->used, arena->wanted };
+    return ( base_arena_mark ){ arena->used, arena->requested };
 }
 
 void base_arena_rewind( base_arena* arena, base_arena_mark mark )
 {
     arena->used = mark.used;
-    arena->wanted = mark.wanted;
+    arena->requested = mark.requested;
 }
 
 void base_arena_expect( base_arena* arena, size_t bytes )
@@ -126,7 +126,7 @@ void base_arena_reset( base_arena* arena )
         arena->high_water = arena->capacity;
     }
     arena->used = 0;
-    arena->wanted = 0;
+    arena->requested = 0;
 }
 
 void base_arena_release( base_arena* arena )

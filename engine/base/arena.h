@@ -15,7 +15,7 @@ typedef struct base_arena
     void* block;              ///< [capacity], null while cold
     size_t capacity;          ///< bytes
     size_t used;              ///< bytes of the block that are taken
-    size_t wanted;            ///< bytes that one block for all pushes since the last reset would need, met or not
+    size_t requested;         ///< bytes that one block for all pushes since the last reset would need, met or not
     size_t high_water;        ///< the largest `wanted` so far
     base_arena_overflow* overflow; ///< blocks that live until the next reset
 } base_arena;
@@ -33,7 +33,7 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment );
 /// A place in an arena to come back to.
 typedef struct base_arena_mark
 {
-    size_t used, wanted;
+    size_t used, requested;
 } base_arena_mark;
 
 base_arena_mark base_arena_get_mark( const base_arena* arena );

@@ -12,18 +12,18 @@ void base_log_write( const base_log* log, wisp_log_level level, const char* form
         return;
     }
 
-    char sentence[BASE_SENTENCE_CAPACITY];
+    char message[BASE_MESSAGE_CAPACITY];
     va_list arguments;
     va_start( arguments, format );
-    base_sentence( sentence, sizeof sentence, format, arguments );
+    base_message( message, sizeof message, format, arguments );
     va_end( arguments );
 
     if ( has_host )
     {
-        log->function( log->user, level, sentence );
+        log->function( log->user, level, message );
     }
     else
     {
-        fprintf( stderr, "wisp: %s\n", sentence );
+        fprintf( stderr, "wisp: %s\n", message );
     }
 }

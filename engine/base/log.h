@@ -1,4 +1,4 @@
-/// Where sentences go: to the host's function, or to stderr.
+/// Where messages go: to the host's function, or to stderr.
 #pragma once
 
 #include "wisp/base.h"
@@ -10,7 +10,7 @@ typedef struct base_log
     void* user; ///< handed to the function as it is
 } base_log;
 
-/// Write one sentence.
+/// Write one message.
 /// @param log may be null, which means no host
 void base_log_write( const base_log* log, wisp_log_level level, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );

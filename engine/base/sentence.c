@@ -27,18 +27,18 @@ static size_t whole_characters( const char* text, size_t length )
     return needed > 1 && start - 1 + needed > length ? start - 1 : length;
 }
 
-void base_sentence( char* out, size_t capacity, const char* format, va_list arguments )
+void base_message( char* out, size_t capacity, const char* format, va_list arguments )
 {
-    WISP_ASSERT( capacity > 0 && capacity <= BASE_SENTENCE_CAPACITY );
+    WISP_ASSERT( capacity > 0 && capacity <= BASE_MESSAGE_CAPACITY );
 
-    // Formatted aside, so that a sentence may quote the one it replaces.
-    char text[BASE_SENTENCE_CAPACITY];
-    int wanted = vsnprintf( text, capacity, format, arguments );
-    if ( wanted < 0 )
+    // Formatted aside, so that a message may quote the one it replaces.
+    char text[BASE_MESSAGE_CAPACITY];
+    int requested = vsnprintf( text, capacity, format, arguments );
+    if ( requested < 0 )
     {
-        wanted = snprintf( text, capacity, "the message could not be formatted" );
+        requested = snprintf( text, capacity, "the message could not be formatted" );
     }
-    size_t length = (size_t)wanted < capacity ? (size_t)wanted : whole_characters( text, capacity - 1 );
+    size_t length = (size_t)requested < capacity ? (size_t)requested : whole_characters( text, capacity - 1 );
 
     // One line, whatever a file name may contain.
     for ( size_t k = 0; k < length; ++k )

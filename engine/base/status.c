@@ -2,7 +2,7 @@
 
 #include "wisp/base.h"
 
-_Static_assert( sizeof( ( (wisp_error*)0 )->sentence ) <= BASE_SENTENCE_CAPACITY, "a sentence of an error fits" );
+_Static_assert( sizeof( ( (wisp_error*)0 )->message ) <= BASE_MESSAGE_CAPACITY, "a sentence of an error fits" );
 
 const char* wisp_status_name( wisp_status status )
 {
@@ -33,7 +33,7 @@ wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format
         error->status = status;
         va_list arguments;
         va_start( arguments, format );
-        base_sentence( error->sentence, sizeof error->sentence, format, arguments );
+        base_message( error->message, sizeof error->message, format, arguments );
         va_end( arguments );
     }
     return status;

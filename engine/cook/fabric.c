@@ -5,17 +5,17 @@
 #include <math.h>
 #include <string.h>
 
-#define FABRIC_DEF_MADE 0x66616272u
+#define FABRIC_DEF_COOKIE 0x66616272u
 
 // ---- what the user hands over ----
 
 wisp_fabric_def wisp_default_fabric_def( void )
 {
     return ( wisp_fabric_def ){
-        .cross_links = true,
+        .bend_links = true,
         .finest_level = 1,
-        .sweep = WISP_SWEEP_COLOUR,
-        .made_by_default = FABRIC_DEF_MADE,
+        .solve_order = WISP_SOLVE_ORDER_COLOUR,
+        .cookie = FABRIC_DEF_COOKIE,
     };
 }
 
@@ -53,10 +53,10 @@ static wisp_status check_numbers( const wisp_fabric_def* def, wisp_error* error 
         return wisp_fail( error, WISP_BAD_INPUT, "fabric: got finest level %d, expected 1 to %d", def->finest_level,
                           WISP_FABRIC_MAX_LEVELS );
     }
-    if ( (int)def->sweep < 0 || def->sweep >= WISP_SWEEP_COUNT )
+    if ( (int)def->solve_order < 0 || def->solve_order >= WISP_SOLVE_ORDER_COUNT )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "fabric: got solve order %d, which does not exist",
-                          (int)def->sweep );
+                          (int)def->solve_order );
     }
     if ( def->tile_size != 0 && ( def->tile_size < FABRIC_MIN_TILE || def->tile_size > FABRIC_MAX_TILE ||
                                   def->tile_size % WISP_FABRIC_LANES != 0 ) )
@@ -232,7 +232,7 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
 {
     wisp_fabric* f = &cooked->fabric;
     int32_t* links = NULL;
-    if ( list_links( def->cross_links, f, scratch, &links ) == false )
+    if ( list_links( def->bend_links, f, scratch, &links ) == false )
     {
         return false;
     }
@@ -251,7 +251,7 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
         .arity = 2,
         .vertex_count = f->vertex_count,
         .tile_size = f->tile_size,
-        .sweep = def->sweep,
+        .solve_order = def->solve_order,
         .last_slots = f->attachment_count,
     };
     fabric_links lanes;
@@ -260,8 +260,8 @@ static bool schedule_links( const wisp_fabric_def* def, cook_fabric* cooked, fab
     {
         return false;
     }
-    f->link_a4 = lanes.a4;
-    f->link_b4 = lanes.b4;
+    f->link_a_x4 = lanes.a_x4;
+    f->link_b_x4 = lanes.b_x4;
     f->link_rest = lanes.rest;
     return true;
 }
@@ -275,11 +275,11 @@ static bool schedule_hinges( const wisp_fabric_def* def, cook_fabric* cooked )
         .arity = 4,
         .vertex_count = f->vertex_count,
         .tile_size = f->tile_size,
-        .sweep = def->sweep,
+        .solve_order = def->solve_order,
         .last_slots = f->attachment_count,
     };
     return fabric_schedule_build( &constraints, &cooked->keep, &f->hinge_order ) &&
-           fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot4 );
+           fabric_schedule_hinges( &f->hinge_order, &constraints, &cooked->keep, &f->hinge_slot_x4 );
 }
 
 static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_pool* scratch )
@@ -288,7 +288,7 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
     fabric_rings rings = { 0 };
     bool done = fabric_rings_list( &cooked->fabric, mesh, &fans, &cooked->keep, &rings );
     cooked->fabric.ring_begin = rings.begin;
-    cooked->fabric.ring4 = rings.ring4;
+    cooked->fabric.ring_x4 = rings.ring_x4;
     fabric_pool_release( &fans );
     return done;
 }
@@ -319,7 +319,7 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
     f->tile_count = fabric_tiles( f->vertex_count, f->tile_size );
     f->slot_count = fabric_padded( f->vertex_count + f->tile_count );
     f->ring_slice_count = f->slot_count / WISP_FABRIC_LANES;
-    f->sweep = def->sweep;
+    f->solve_order = def->solve_order;
 
     fabric_graph graph;
     fabric_mesh mesh;
@@ -338,7 +338,7 @@ static bool cook( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* 
 wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
                               wisp_error* error )
 {
-    WISP_ASSERT( def->made_by_default == FABRIC_DEF_MADE );
+    WISP_ASSERT( def->cookie == FABRIC_DEF_COOKIE );
 
     *out = NULL;
     wisp_status status = check_def( def, error );

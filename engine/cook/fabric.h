@@ -59,7 +59,7 @@ bool fabric_graph_make( fabric_pool* pool, const int32_t* triangles, int triangl
 bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const int32_t* sequence, const int32_t* name,
                           fabric_graph* out );
 
-/// Edges, hinges, and the counts of borders and wild edges of the fabric's triangles.
+/// Edges, hinges, and the counts of borders and nonmanifold edges of the fabric's triangles.
 /// @param graph in slots, lists rising
 /// @param across with lengths of neighbours and triangles across edges
 bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* scratch, cook_fabric* cooked,
@@ -76,8 +76,8 @@ bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, c
 /// The triangles around every vertex as fans, see wisp_fabric.
 typedef struct fabric_rings
 {
-    const int32_t* begin;                        ///< [slice + 1]
-    const int32_t ( *ring4 )[WISP_FABRIC_LANES]; ///< [begin[last]]
+    const int32_t* begin;                          ///< [slice + 1]
+    const int32_t ( *ring_x4 )[WISP_FABRIC_LANES]; ///< [begin[last]]
 } fabric_rings;
 
 /// Linear in the triangles, also where one vertex has them all.
@@ -90,7 +90,7 @@ bool fabric_rings_list( const wisp_fabric* fabric, const fabric_mesh* mesh, fabr
 // ---- fabric_order.c ----
 
 /// Cuthill and McKee's order: breadth first from the attachments, neighbours by degree, then number. Components one
-/// after another, those with attachments first; loose vertices at the end.
+/// after another, those with attachments first; unreferenced vertices at the end.
 /// @param attachments vertices, may repeat
 /// @param vertex_slot, slot_vertex [graph->count] out
 bool fabric_order_vertices( const wisp_allocator* allocator, const fabric_graph* graph, const int32_t* attachments,
@@ -131,8 +131,8 @@ wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_
     X( slot_count )                                                                                                  \
     X( edge_count )                                                                                                  \
     X( hinge_count )                                                                                                 \
-    X( border_edge_count )                                                                                           \
-    X( wild_edge_count )                                                                                             \
+    X( open_edge_count )                                                                                             \
+    X( nonmanifold_edge_count )                                                                                      \
     X( link_count )                                                                                                  \
     X( ring_slice_count )                                                                                            \
     X( tether_count )                                                                                                \
@@ -162,21 +162,21 @@ wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_
     X( triangles, 3 * w( o->triangle_count ) )                                                                       \
     X( edges, 2 * w( o->edge_count ) )                                                                               \
     X( hinges, 4 * w( o->hinge_count ) )                                                                             \
-    X( link_a4, w( o->link_order.slot_count ) )                                                                      \
-    X( link_b4, w( o->link_order.slot_count ) )                                                                      \
+    X( link_a_x4, w( o->link_order.slot_count ) )                                                                    \
+    X( link_b_x4, w( o->link_order.slot_count ) )                                                                    \
     X( link_rest, w( o->link_order.slot_count ) )                                                                    \
-    X( hinge_slot4, 4 * w( o->hinge_order.slot_count ) )                                                             \
+    X( hinge_slot_x4, 4 * w( o->hinge_order.slot_count ) )                                                           \
     X( ring_begin, w( o->ring_slice_count ) + 1 )                                                                    \
-    X( ring4, WISP_FABRIC_LANES* w( o->ring_begin[o->ring_slice_count] ) )                                           \
-    X( tether4, w( o->tether_count ) * w( o->slot_count ) )                                                          \
+    X( ring_x4, WISP_FABRIC_LANES* w( o->ring_begin[o->ring_slice_count] ) )                                         \
+    X( tether_x4, w( o->tether_count ) * w( o->slot_count ) )                                                        \
     X( tether_rest, w( o->tether_count ) * w( o->slot_count ) )                                                      \
     X( attachments, w( o->attachment_count ) )
 
 #define FABRIC_LEVEL_ARRAYS( X, o )                                                                                  \
-    X( vertex4, padded_w( o->vertex_count ) )                                                                        \
-    X( a4, w( o->schedule.slot_count ) )                                                                             \
-    X( b4, w( o->schedule.slot_count ) )                                                                             \
+    X( vertex_x4, padded_w( o->vertex_count ) )                                                                      \
+    X( a_x4, w( o->schedule.slot_count ) )                                                                           \
+    X( b_x4, w( o->schedule.slot_count ) )                                                                           \
     X( rest, w( o->schedule.slot_count ) )                                                                           \
-    X( child4, padded_w( o->child_count ) )                                                                          \
-    X( parent4, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )                                                    \
+    X( child_x4, padded_w( o->child_count ) )                                                                        \
+    X( parent_x4, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )                                                  \
     X( weight, WISP_FABRIC_PARENTS* padded_w( o->child_count ) )

@@ -20,9 +20,9 @@ static bool is_vertex( const wisp_fabric* f, int32_t slot )
     return slot >= 0 && slot < f->vertex_count;
 }
 
-static bool is_vertex4( const wisp_fabric* f, int32_t slot4 )
+static bool is_vertex_x4( const wisp_fabric* f, int32_t slot_x4 )
 {
-    return slot4 >= 0 && slot4 % 4 == 0 && slot4 / 4 < f->vertex_count;
+    return slot_x4 >= 0 && slot_x4 % 4 == 0 && slot_x4 / 4 < f->vertex_count;
 }
 
 static bool is_length( float value )
@@ -51,11 +51,11 @@ static wisp_status check_counts( const check_state* c )
         return BAD( "%d slots and %d slices of rings, which do not match %d vertices and %d tiles", f->slot_count,
                     f->ring_slice_count, f->vertex_count, f->tile_count );
     }
-    if ( (int64_t)f->hinge_count + f->border_edge_count + f->wild_edge_count != f->edge_count ||
+    if ( (int64_t)f->hinge_count + f->open_edge_count + f->nonmanifold_edge_count != f->edge_count ||
          f->edge_count > (int64_t)3 * f->triangle_count )
     {
         return BAD( "%d edges, %d hinges, %d open edges and %d nonmanifold edges, which are inconsistent",
-                    f->edge_count, f->hinge_count, f->border_edge_count, f->wild_edge_count );
+                    f->edge_count, f->hinge_count, f->open_edge_count, f->nonmanifold_edge_count );
     }
     if ( f->link_count < f->edge_count || f->link_count > (int64_t)f->edge_count + f->hinge_count )
     {
@@ -63,10 +63,10 @@ static wisp_status check_counts( const check_state* c )
                     f->hinge_count );
     }
     if ( f->tether_count > WISP_FABRIC_MAX_TETHERS || f->attachment_count > f->vertex_count ||
-         (int)f->sweep >= WISP_SWEEP_COUNT )
+         (int)f->solve_order >= WISP_SOLVE_ORDER_COUNT )
     {
         return BAD( "%d tethers per vertex, %d attachments and solve order %d, one of which is out of range",
-                    f->tether_count, f->attachment_count, (int)f->sweep );
+                    f->tether_count, f->attachment_count, (int)f->solve_order );
     }
     return WISP_OK;
 }
@@ -119,8 +119,8 @@ static wisp_status check_attachments( const check_state* c )
     size_t count = (size_t)f->tether_count * (size_t)f->slot_count;
     for ( size_t i = 0; i < count; ++i )
     {
-        int32_t to = f->tether4[i], own = (int32_t)( i % (size_t)f->slot_count );
-        bool known = to == 4 * own || ( is_vertex4( f, to ) && attached[to / 4] );
+        int32_t to = f->tether_x4[i], own = (int32_t)( i % (size_t)f->slot_count );
+        bool known = to == 4 * own || ( is_vertex_x4( f, to ) && attached[to / 4] );
         if ( known == false || is_length( f->tether_rest[i] ) == false )
         {
             return BAD( "a tether of slot %d without an attachment or without a length", own );
@@ -189,11 +189,11 @@ static wisp_status check_rings( const check_state* c )
         {
             for ( int lane = 0; lane < WISP_FABRIC_LANES; ++lane )
             {
-                if ( f->ring4[e][lane] != rings.ring4[e][lane] )
+                if ( f->ring_x4[e][lane] != rings.ring_x4[e][lane] )
                 {
                     return BAD( "a ring around slot %d with %d at entry %d, expected %d from its triangles",
-                                s * WISP_FABRIC_LANES + lane, f->ring4[e][lane], e - rings.begin[s],
-                                rings.ring4[e][lane] );
+                                s * WISP_FABRIC_LANES + lane, f->ring_x4[e][lane], e - rings.begin[s],
+                                rings.ring_x4[e][lane] );
                 }
             }
         }
@@ -207,23 +207,23 @@ static wisp_status check_rings( const check_state* c )
 typedef struct lane_reader
 {
     int arity;
-    const int32_t *a4, *b4; // arity 2
-    const int32_t* slot4;   // arity 4, [group][4][8]
-    int tile_size;          // slots
+    const int32_t *a_x4, *b_x4; // arity 2
+    const int32_t* slot_x4;     // arity 4, [group][4][8]
+    int tile_size;              // slots
 } lane_reader;
 
-static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot4 )
+static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot_x4 )
 {
     if ( lanes->arity == 2 )
     {
-        slot4[0] = lanes->a4[at];
-        slot4[1] = lanes->b4[at];
+        slot_x4[0] = lanes->a_x4[at];
+        slot_x4[1] = lanes->b_x4[at];
         return;
     }
     for ( int k = 0; k < 4; ++k )
     {
         size_t group = (size_t)( at / WISP_FABRIC_LANES ) * 4 + (size_t)k;
-        slot4[k] = lanes->slot4[group * WISP_FABRIC_LANES + (size_t)( at % WISP_FABRIC_LANES )];
+        slot_x4[k] = lanes->slot_x4[group * WISP_FABRIC_LANES + (size_t)( at % WISP_FABRIC_LANES )];
     }
 }
 
@@ -283,11 +283,11 @@ static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const l
     int32_t own = -1;
     for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
     {
-        int32_t slot4[4], smallest = INT32_MAX;
-        read_lane( lanes, i, slot4 );
+        int32_t slot_x4[4], smallest = INT32_MAX;
+        read_lane( lanes, i, slot_x4 );
         for ( int k = 0; k < lanes->arity; ++k )
         {
-            smallest = slot4[k] < smallest ? slot4[k] : smallest;
+            smallest = slot_x4[k] < smallest ? slot_x4[k] : smallest;
         }
         int32_t dummy4 = 4 * ( f->vertex_count + smallest / 4 / lanes->tile_size );
         if ( s->constraint[i] >= 0 && own != -1 && own != dummy4 )
@@ -325,18 +325,18 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
     touched->dummy[number] = true;
     for ( int32_t i = s->tile_begin[tile]; i < s->tile_begin[tile + 1]; ++i )
     {
-        int32_t slot4[4];
-        read_lane( lanes, i, slot4 );
+        int32_t slot_x4[4];
+        read_lane( lanes, i, slot_x4 );
         for ( int k = 0; k < lanes->arity; ++k )
         {
-            if ( s->constraint[i] < 0 && slot4[k] != pad4 )
+            if ( s->constraint[i] < 0 && slot_x4[k] != pad4 )
             {
                 return BAD( "lane %d in the order of %s padded by the dummy of another tile", i, what );
             }
-            if ( s->constraint[i] >= 0 && touch( touched, slot4[k] / 4, i, tile, colour_begin ) == false )
+            if ( s->constraint[i] >= 0 && touch( touched, slot_x4[k] / 4, i, tile, colour_begin ) == false )
             {
                 return BAD( "two constraints at slot %d at the same time, one of them in lane %d of the order of %s",
-                            slot4[k] / 4, i, what );
+                            slot_x4[k] / 4, i, what );
             }
         }
     }
@@ -368,17 +368,17 @@ static wisp_status check_conflicts( const check_state* c, const char* what, cons
     return status;
 }
 
-// The lanes hold the slots that the constraints name, cross links two different vertices.
+// The lanes hold the slots that the constraints name, bend links two different vertices.
 static wisp_status check_link_lanes( const check_state* c )
 {
     const wisp_fabric* f = c->f;
     for ( int32_t i = 0; i < f->link_order.slot_count; ++i )
     {
-        int32_t number = f->link_order.constraint[i], a = f->link_a4[i], b = f->link_b4[i];
+        int32_t number = f->link_order.constraint[i], a = f->link_a_x4[i], b = f->link_b_x4[i];
         bool fine = is_length( f->link_rest[i] ) && ( number >= 0 || f->link_rest[i] == 0.0f );
         if ( number >= f->edge_count )
         {
-            fine = fine && is_vertex4( f, a ) && is_vertex4( f, b ) && a != b;
+            fine = fine && is_vertex_x4( f, a ) && is_vertex_x4( f, b ) && a != b;
         }
         else if ( number >= 0 )
         {
@@ -397,11 +397,11 @@ static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* l
     const wisp_fabric* f = c->f;
     for ( int32_t i = 0; i < f->hinge_order.slot_count; ++i )
     {
-        int32_t number = f->hinge_order.constraint[i], slot4[4];
-        read_lane( lanes, i, slot4 );
+        int32_t number = f->hinge_order.constraint[i], slot_x4[4];
+        read_lane( lanes, i, slot_x4 );
         for ( int k = 0; k < 4 && number >= 0; ++k )
         {
-            if ( slot4[k] != 4 * f->hinges[4 * (size_t)number + (size_t)k] )
+            if ( slot_x4[k] != 4 * f->hinges[4 * (size_t)number + (size_t)k] )
             {
                 return BAD( "hinge %d in lane %d with a vertex of another hinge", number, i );
             }
@@ -413,7 +413,7 @@ static wisp_status check_hinge_lanes( const check_state* c, const lane_reader* l
 static wisp_status check_links( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 2, .a4 = f->link_a4, .b4 = f->link_b4, .tile_size = f->tile_size };
+    lane_reader lanes = { .arity = 2, .a_x4 = f->link_a_x4, .b_x4 = f->link_b_x4, .tile_size = f->tile_size };
     wisp_status status = check_schedule( c, "links", &f->link_order, f->link_count );
     status = status == WISP_OK ? check_link_lanes( c ) : status;
     return status == WISP_OK ? check_conflicts( c, "links", &f->link_order, &lanes ) : status;
@@ -422,7 +422,7 @@ static wisp_status check_links( const check_state* c )
 static wisp_status check_hinges( const check_state* c )
 {
     const wisp_fabric* f = c->f;
-    lane_reader lanes = { .arity = 4, .slot4 = f->hinge_slot4, .tile_size = f->tile_size };
+    lane_reader lanes = { .arity = 4, .slot_x4 = f->hinge_slot_x4, .tile_size = f->tile_size };
     int count = f->hinge_order.slot_count > 0 ? f->hinge_count : 0;
     wisp_status status = check_schedule( c, "hinges", &f->hinge_order, count );
     status = status == WISP_OK ? check_hinge_lanes( c, &lanes ) : status;
@@ -450,28 +450,28 @@ static wisp_status check_level_vertices( const check_state* c, const wisp_fabric
     }
     for ( int i = 0; i < fabric_padded( level->vertex_count ); ++i )
     {
-        int32_t slot4 = level->vertex4[i];
-        bool fine = i < level->vertex_count ? is_vertex4( f, slot4 ) && s->level[slot4 / 4] == number - 1
-                                            : slot4 == 4 * f->vertex_count;
+        int32_t slot_x4 = level->vertex_x4[i];
+        bool fine = i < level->vertex_count ? is_vertex_x4( f, slot_x4 ) && s->level[slot_x4 / 4] == number - 1
+                                            : slot_x4 == 4 * f->vertex_count;
         if ( fine == false )
         {
             return BAD( "level %d whose vertex %d is missing from the finer level or is a duplicate", number, i );
         }
         if ( i < level->vertex_count )
         {
-            s->level[slot4 / 4] = number;
+            s->level[slot_x4 / 4] = number;
         }
     }
     return WISP_OK;
 }
 
-static bool parent_is_fine( const wisp_fabric* f, const level_state* s, int number, int32_t parent4, float weight,
-                            int32_t child4 )
+static bool parent_is_fine( const wisp_fabric* f, const level_state* s, int number, int32_t parent_x4, float weight,
+                            int32_t child_x4 )
 {
     // What pads must not be moved by another worker while it is read: it is a vertex of this level, the child, or the
     // dummy that no kernel moves.
-    bool pads = weight == 0.0f && ( parent4 == child4 || parent4 == 4 * f->vertex_count );
-    bool of_level = is_vertex4( f, parent4 ) && s->level[parent4 / 4] == number;
+    bool pads = weight == 0.0f && ( parent_x4 == child_x4 || parent_x4 == 4 * f->vertex_count );
+    bool of_level = is_vertex_x4( f, parent_x4 ) && s->level[parent_x4 / 4] == number;
     return is_length( weight ) && weight <= 1.0f && ( of_level || pads );
 }
 
@@ -481,16 +481,16 @@ static wisp_status check_children( const check_state* c, const wisp_fabric_level
     memset( s->child, 0, (size_t)f->vertex_count * sizeof( bool ) );
     for ( int i = 0; i < fabric_padded( level->child_count ); ++i )
     {
-        int32_t child4 = level->child4[i];
+        int32_t child_x4 = level->child_x4[i];
         bool real = i < level->child_count;
-        bool fine =
-            real ? is_vertex4( f, child4 ) && s->level[child4 / 4] == number - 1 && s->child[child4 / 4] == false
-                 : child4 == 4 * f->vertex_count;
+        bool fine = real ? is_vertex_x4( f, child_x4 ) && s->level[child_x4 / 4] == number - 1 &&
+                               s->child[child_x4 / 4] == false
+                         : child_x4 == 4 * f->vertex_count;
         for ( int p = 0; p < WISP_FABRIC_PARENTS && fine; ++p )
         {
             size_t at = (size_t)( i / WISP_FABRIC_LANES * WISP_FABRIC_PARENTS + p ) * WISP_FABRIC_LANES +
                         (size_t)( i % WISP_FABRIC_LANES );
-            fine = parent_is_fine( f, s, number, level->parent4[at], level->weight[at], child4 );
+            fine = parent_is_fine( f, s, number, level->parent_x4[at], level->weight[at], child_x4 );
         }
         if ( fine == false )
         {
@@ -498,7 +498,7 @@ static wisp_status check_children( const check_state* c, const wisp_fabric_level
         }
         if ( real )
         {
-            s->child[child4 / 4] = true;
+            s->child[child_x4 / 4] = true;
         }
     }
     return WISP_OK;
@@ -515,12 +515,12 @@ static wisp_status check_level_links( const check_state* c, const wisp_fabric_le
     }
     for ( int32_t i = 0; i < level->schedule.slot_count; ++i )
     {
-        int32_t a = level->a4[i], b = level->b4[i];
+        int32_t a = level->a_x4[i], b = level->b_x4[i];
         bool real = level->schedule.constraint[i] >= 0;
         bool fine = is_length( level->rest[i] ) && ( real || level->rest[i] == 0.0f );
         if ( real )
         {
-            fine = fine && is_vertex4( f, a ) && is_vertex4( f, b ) && a != b && s->level[a / 4] == number &&
+            fine = fine && is_vertex_x4( f, a ) && is_vertex_x4( f, b ) && a != b && s->level[a / 4] == number &&
                    s->level[b / 4] == number;
         }
         if ( fine == false )
@@ -530,8 +530,8 @@ static wisp_status check_level_links( const check_state* c, const wisp_fabric_le
     }
     lane_reader lanes = {
         .arity = 2,
-        .a4 = level->a4,
-        .b4 = level->b4,
+        .a_x4 = level->a_x4,
+        .b_x4 = level->b_x4,
         .tile_size = fabric_level_tile_size( f, level->link_count ),
     };
     return check_conflicts( c, "links of a level", &level->schedule, &lanes );

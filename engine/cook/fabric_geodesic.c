@@ -9,7 +9,7 @@
 #define CORRECTION 1e-7
 // Where the mesh is curved, triangles around a node may go on correcting each other by less and less. So often a node
 // passes its distance on, corrections included.
-#define MOST_VISITS 64
+#define MAX_VISITS 64
 
 #define HEAP_ARITY 4
 
@@ -203,7 +203,7 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
         m->reached[m->reached_count++] = v;
     }
     node->distance = distance;
-    if ( node->visits == MOST_VISITS )
+    if ( node->visits == MAX_VISITS )
     {
         return;
     }
@@ -224,8 +224,8 @@ static double unfold( double va, double product, double area, double dv, double 
     double squared = dv * dv - x * x;
     double y = squared > 0.0 ? sqrt( squared ) : 0.0;
     double bx = product * scale, by = area * scale;
-    double height = y + by, crossing = x * by + bx * y;
-    if ( height <= 0.0 || crossing < 0.0 || crossing > va * height )
+    double height = y + by, intersection = x * by + bx * y;
+    if ( height <= 0.0 || intersection < 0.0 || intersection > va * height )
     {
         return INFINITY;
     }

@@ -149,7 +149,7 @@ bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_
             .arity = 2,
             .vertex_count = m->fabric->vertex_count,
             .tile_size = fabric_level_tile_size( m->fabric, count ),
-            .sweep = WISP_SWEEP_COLOUR,
+            .solve_order = WISP_SOLVE_ORDER_COLOUR,
         };
         fabric_links links;
         done = fabric_schedule_build( &constraints, keep, &out->schedule ) &&
@@ -157,8 +157,8 @@ bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_
         if ( done )
         {
             out->link_count = count;
-            out->a4 = links.a4;
-            out->b4 = links.b4;
+            out->a_x4 = links.a_x4;
+            out->b_x4 = links.b_x4;
             out->rest = links.rest;
         }
     }

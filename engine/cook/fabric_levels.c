@@ -154,8 +154,8 @@ static bool list_members( const level_maker* m, fabric_pool* members, fabric_poo
     }
     all += taking_part;
     *chosen = fabric_pool_push( members, (size_t)taking_part, sizeof( int32_t ) );
-    int32_t* vertex4 = fabric_pool_push( keep, (size_t)fabric_padded( all ), sizeof( int32_t ) );
-    if ( *chosen == NULL || vertex4 == NULL )
+    int32_t* vertex_x4 = fabric_pool_push( keep, (size_t)fabric_padded( all ), sizeof( int32_t ) );
+    if ( *chosen == NULL || vertex_x4 == NULL )
     {
         return false;
     }
@@ -174,14 +174,14 @@ static bool list_members( const level_maker* m, fabric_pool* members, fabric_poo
         next += takes_part ? 1 : 0;
         if ( takes_part || m->idle[v] )
         {
-            vertex4[written++] = v * 4;
+            vertex_x4[written++] = v * 4;
         }
     }
     out->vertex_count = all;
-    out->vertex4 = vertex4;
+    out->vertex_x4 = vertex_x4;
     while ( written < fabric_padded( all ) )
     {
-        vertex4[written++] = f->vertex_count * 4;
+        vertex_x4[written++] = f->vertex_count * 4;
     }
     return true;
 }
@@ -271,9 +271,9 @@ static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t
         }
         for ( int v = 0; v < f->vertex_count; ++v )
         {
-            bool border = before[v] >= 0 && after[v] >= 0;
-            bool corner = border && is_corner( f->rest[v], f->rest[before[v]], f->rest[after[v]] );
-            turn[v] = corner ? LEVEL_CORNER : border ? LEVEL_BORDER : LEVEL_INSIDE;
+            bool open_edge = before[v] >= 0 && after[v] >= 0;
+            bool corner = open_edge && is_corner( f->rest[v], f->rest[before[v]], f->rest[after[v]] );
+            turn[v] = corner ? LEVEL_CORNER : open_edge ? LEVEL_BORDER : LEVEL_INSIDE;
         }
         for ( int i = 0; i < f->attachment_count; ++i )
         {

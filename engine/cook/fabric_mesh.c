@@ -143,15 +143,15 @@ static bool list_edges( const fabric_graph* graph, fabric_pool* scratch, cook_fa
 // The edge between two neighbours: the second ends of a vertex's edges rise.
 static int32_t find_edge( const int32_t* edges, const int32_t* first_edge, int32_t a, int32_t b )
 {
-    int32_t low = first_edge[a], high = first_edge[a + 1];
-    while ( high - low > 1 )
+    int32_t lower = first_edge[a], upper = first_edge[a + 1];
+    while ( upper - lower > 1 )
     {
-        int32_t middle = low + ( high - low ) / 2;
+        int32_t middle = lower + ( upper - lower ) / 2;
         bool beyond = edges[2 * (size_t)middle + 1] > b;
-        high = beyond ? middle : high;
-        low = beyond ? low : middle;
+        upper = beyond ? middle : upper;
+        lower = beyond ? lower : middle;
     }
-    return low;
+    return lower;
 }
 
 static edge_use* find_uses( const wisp_fabric* f, const int32_t* first_edge, fabric_pool* scratch )
@@ -192,10 +192,10 @@ static bool list_hinges( const edge_use* uses, cook_fabric* cooked )
     wisp_fabric* f = &cooked->fabric;
     for ( int e = 0; e < f->edge_count; ++e )
     {
-        bool wild = uses[e].forward == MANY_CORNERS || uses[e].backward == MANY_CORNERS;
-        f->wild_edge_count += wild ? 1 : 0;
+        bool nonmanifold = uses[e].forward == MANY_CORNERS || uses[e].backward == MANY_CORNERS;
+        f->nonmanifold_edge_count += nonmanifold ? 1 : 0;
         f->hinge_count += is_hinge( uses[e] ) ? 1 : 0;
-        f->border_edge_count += wild == false && is_hinge( uses[e] ) == false ? 1 : 0;
+        f->open_edge_count += nonmanifold == false && is_hinge( uses[e] ) == false ? 1 : 0;
     }
     int32_t* hinges = fabric_pool_push( &cooked->keep, 4 * (size_t)f->hinge_count, sizeof( int32_t ) );
     int32_t* next = hinges;

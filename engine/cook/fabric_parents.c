@@ -121,8 +121,8 @@ static void find_pair( const level_near* near, int count, parents* out )
     *out = ( parents ){ 1, { near[0].rank }, { 1.0 } };
     if ( both > 0.0 )
     {
-        double share = (double)near[0].distance / both;
-        *out = ( parents ){ 2, { near[0].rank, near[1].rank }, { 1.0 - share, share } };
+        double fraction = (double)near[0].distance / both;
+        *out = ( parents ){ 2, { near[0].rank, near[1].rank }, { 1.0 - fraction, fraction } };
     }
 }
 
@@ -141,7 +141,7 @@ static void clamp_weights( parents* p )
     }
 }
 
-static void write_child( const level_maker* m, int child, int32_t rank, int32_t* child4, int32_t* parent4,
+static void write_child( const level_maker* m, int child, int32_t rank, int32_t* child_x4, int32_t* parent_x4,
                          float* weight )
 {
     const level_near* near = m->near + (size_t)rank * LEVEL_NEAR;
@@ -153,13 +153,13 @@ static void write_child( const level_maker* m, int child, int32_t rank, int32_t*
     }
     clamp_weights( &p );
     size_t slice = (size_t)( child / WISP_FABRIC_LANES ), lane = (size_t)( child % WISP_FABRIC_LANES );
-    child4[child] = m->fine[rank] * 4;
+    child_x4[child] = m->fine[rank] * 4;
     for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
     {
         // A parent that gives nothing repeats the first, whose position is at hand.
         bool gives = k < p.count && p.weight[k] > 0.0;
         size_t at = ( slice * WISP_FABRIC_PARENTS + (size_t)k ) * WISP_FABRIC_LANES + lane;
-        parent4[at] = m->fine[p.rank[gives ? k : 0]] * 4;
+        parent_x4[at] = m->fine[p.rank[gives ? k : 0]] * 4;
         weight[at] = gives ? (float)p.weight[k] : 0.0f;
     }
 }
@@ -172,33 +172,33 @@ bool level_make_children( const level_maker* m, fabric_pool* keep, wisp_fabric_l
         count += m->chosen[r] || m->idle[m->fine[r]] ? 0 : 1;
     }
     int padded = fabric_padded( count );
-    int32_t* child4 = fabric_pool_push( keep, (size_t)padded, sizeof( int32_t ) );
-    int32_t* parent4 = fabric_pool_push( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( int32_t ) );
+    int32_t* child_x4 = fabric_pool_push( keep, (size_t)padded, sizeof( int32_t ) );
+    int32_t* parent_x4 = fabric_pool_push( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( int32_t ) );
     float* weight = fabric_pool_push_zeroed( keep, (size_t)padded * WISP_FABRIC_PARENTS, sizeof( float ) );
-    if ( child4 == NULL || parent4 == NULL || weight == NULL )
+    if ( child_x4 == NULL || parent_x4 == NULL || weight == NULL )
     {
         return false;
     }
     int32_t dummy4 = m->fabric->vertex_count * 4;
     for ( int i = 0; i < padded * WISP_FABRIC_PARENTS; ++i )
     {
-        parent4[i] = dummy4;
+        parent_x4[i] = dummy4;
     }
     int child = 0;
     for ( int r = 0; r < m->fine_count; ++r )
     {
         if ( m->chosen[r] == false && m->idle[m->fine[r]] == false )
         {
-            write_child( m, child++, r, child4, parent4, weight );
+            write_child( m, child++, r, child_x4, parent_x4, weight );
         }
     }
     while ( child < padded )
     {
-        child4[child++] = dummy4;
+        child_x4[child++] = dummy4;
     }
     out->child_count = count;
-    out->child4 = child4;
-    out->parent4 = parent4;
+    out->child_x4 = child_x4;
+    out->parent_x4 = parent_x4;
     out->weight = weight;
     return true;
 }

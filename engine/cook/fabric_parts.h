@@ -53,8 +53,8 @@ typedef struct fabric_constraints
     /// Slots a tile; a constraint belongs to the tile of its smallest slot. 0: no tiles; then each colour is a tile of
     /// its own in which no two constraints share a vertex, so that it may be cut between any two groups.
     int tile_size;
-    wisp_sweep sweep; ///< within tiles; ignored without tiles
-    int last_slots;   ///< sweep by colour: what touches one of the first so many slots comes last in its tile
+    wisp_solve_order solve_order; ///< within tiles; ignored without tiles
+    int last_slots; ///< sweep by colour: what touches one of the first so many slots comes last in its tile
 } fabric_constraints;
 
 /// Every constraint once, in groups of WISP_FABRIC_LANES that share no vertex; -1 pads, never a tile's first slot.
@@ -66,8 +66,9 @@ bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* 
 /// Links in the order of their schedule, ready for lanes.
 typedef struct fabric_links
 {
-    const int32_t *a4, *b4; ///< [schedule.slot_count]; pads are the dummy of the tile, without tiles the first dummy
-    const float* rest;      ///< [schedule.slot_count] pads are 0
+    const int32_t *a_x4,
+        *b_x4;         ///< [schedule.slot_count]; pads are the dummy of the tile, without tiles the first dummy
+    const float* rest; ///< [schedule.slot_count] pads are 0
 } fabric_links;
 
 /// @param constraints as the schedule was built from, arity 2

@@ -147,18 +147,18 @@ bool fabric_rings_list( const wisp_fabric* f, const fabric_mesh* mesh, fabric_po
         }
         begin[slice + 1] = begin[slice] + longest;
     }
-    int32_t( *ring4 )[WISP_FABRIC_LANES] =
-        fabric_pool_push( keep, (size_t)begin[f->ring_slice_count], sizeof( *ring4 ) );
-    for ( int slot = 0; slot < f->slot_count && ring4 != NULL; ++slot )
+    int32_t( *ring_x4 )[WISP_FABRIC_LANES] =
+        fabric_pool_push( keep, (size_t)begin[f->ring_slice_count], sizeof( *ring_x4 ) );
+    for ( int slot = 0; slot < f->slot_count && ring_x4 != NULL; ++slot )
     {
         int slice = slot / WISP_FABRIC_LANES, lane = slot % WISP_FABRIC_LANES;
         int32_t length = begin[slice + 1] - begin[slice];
-        int32_t* first = ring4[begin[slice]] + lane;
+        int32_t* first = ring_x4[begin[slice]] + lane;
         for ( int32_t e = write_fans( &s, mesh, slot, first ); e < length; ++e )
         {
             first[(size_t)e * WISP_FABRIC_LANES] = 4 * slot;
         }
     }
-    *out = ( fabric_rings ){ .begin = begin, .ring4 = (const int32_t( * )[WISP_FABRIC_LANES])ring4 };
-    return ring4 != NULL;
+    *out = ( fabric_rings ){ .begin = begin, .ring_x4 = (const int32_t( * )[WISP_FABRIC_LANES])ring_x4 };
+    return ring_x4 != NULL;
 }

@@ -81,11 +81,11 @@ static bool walk_levels( const fabric_walk* walk, wisp_fabric* o )
 // Everything but the hash. The fabric is the caller's own: reading walks go over a copy of the struct.
 static bool walk_fabric( const fabric_walk* walk, wisp_fabric* o )
 {
-    int sweep = (int)o->sweep;
+    int solve_order = (int)o->solve_order;
     bool done = true;
     FABRIC_COUNTS( WALK_COUNT )
-    done = done && walk->number( walk->context, &sweep );
-    o->sweep = (wisp_sweep)sweep;
+    done = done && walk->number( walk->context, &solve_order );
+    o->solve_order = (wisp_solve_order)solve_order;
     done = done && walk_schedule( walk, &o->link_order ) && walk_schedule( walk, &o->hinge_order );
     FABRIC_ARRAYS( WALK_ARRAY, o )
     return done && walk_levels( walk, o );

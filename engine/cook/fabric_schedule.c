@@ -434,10 +434,10 @@ static bool emit_by_list( schedule_state* s, int first, int last )
 // ---- tiles ----
 
 // What a schedule is made of before it is cut into the fabric's arrays.
-static bool reserve( schedule_state* s, int most_in_tile, int most_tiles )
+static bool reserve( schedule_state* s, int max_in_tile, int max_tiles )
 {
     fabric_pool* pool = &s->scratch;
-    size_t n = (size_t)most_in_tile, vertices = (size_t)s->in->vertex_count, tiles = (size_t)most_tiles;
+    size_t n = (size_t)max_in_tile, vertices = (size_t)s->in->vertex_count, tiles = (size_t)max_tiles;
     s->taken = fabric_pool_push_zeroed( pool, vertices, sizeof( uint64_t ) );
     s->later = fabric_pool_push_zeroed( pool, vertices, sizeof( int32_t ) );
     s->stamp = fabric_pool_push_zeroed( pool, vertices, sizeof( int32_t ) );
@@ -452,7 +452,7 @@ static bool reserve( schedule_state* s, int most_in_tile, int most_tiles )
 
 // Where tiles begin in the sorted order; tiles without constraints are left out.
 // @param first [constraints + 1] out; @return number of tiles
-static int find_tiles( const schedule_state* s, int32_t* first, int* most_in_tile )
+static int find_tiles( const schedule_state* s, int32_t* first, int* max_in_tile )
 {
     int tiles = 0, last_tile = -1;
     for ( int i = 0; i < s->in->count; ++i )
@@ -465,10 +465,10 @@ static int find_tiles( const schedule_state* s, int32_t* first, int* most_in_til
         }
     }
     first[tiles] = s->in->count;
-    *most_in_tile = 0;
+    *max_in_tile = 0;
     for ( int t = 0; t < tiles; ++t )
     {
-        *most_in_tile = first[t + 1] - first[t] > *most_in_tile ? first[t + 1] - first[t] : *most_in_tile;
+        *max_in_tile = first[t + 1] - first[t] > *max_in_tile ? first[t + 1] - first[t] : *max_in_tile;
     }
     return tiles;
 }
@@ -495,16 +495,16 @@ static bool colour_tiles( schedule_state* s, const int32_t* first, int tiles, in
 static bool emit_tiles( schedule_state* s )
 {
     fabric_pool* pool = &s->scratch;
-    int most_in_tile = 0;
+    int max_in_tile = 0;
     int32_t* first = fabric_pool_push( pool, (size_t)s->in->count + 1, sizeof( int32_t ) );
     if ( first == NULL )
     {
         return false;
     }
-    int tiles = find_tiles( s, first, &most_in_tile );
+    int tiles = find_tiles( s, first, &max_in_tile );
     int32_t* begin = fabric_pool_push( pool, (size_t)tiles + WORD_COLOURS + 2, sizeof( int32_t ) );
     int32_t* sorted = fabric_pool_push( pool, (size_t)tiles, sizeof( int32_t ) );
-    if ( begin == NULL || sorted == NULL || reserve( s, most_in_tile, tiles ) == false ||
+    if ( begin == NULL || sorted == NULL || reserve( s, max_in_tile, tiles ) == false ||
          colour_tiles( s, first, tiles, begin, sorted ) == false )
     {
         return false;
@@ -514,7 +514,7 @@ static bool emit_tiles( schedule_state* s )
         for ( int i = begin[c]; i < begin[c + 1]; ++i )
         {
             int t = sorted[i], tile_begin = s->slot_count;
-            bool done = s->in->sweep == WISP_SWEEP_LIST
+            bool done = s->in->solve_order == WISP_SOLVE_ORDER_LIST
                             ? emit_by_list( s, first[t], first[t + 1] )
                             : emit_by_colour( s, first[t], first[t + 1] ) && put_attached_last( s, tile_begin );
             if ( done == false )
@@ -607,10 +607,10 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
                             fabric_pool* keep, fabric_links* out )
 {
     size_t count = (size_t)schedule->slot_count;
-    int32_t* a4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
-    int32_t* b4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
+    int32_t* a_x4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
+    int32_t* b_x4 = fabric_pool_push( keep, count, sizeof( int32_t ) );
     float* lane_rest = fabric_pool_push( keep, count, sizeof( float ) );
-    if ( a4 == NULL || b4 == NULL || lane_rest == NULL )
+    if ( a_x4 == NULL || b_x4 == NULL || lane_rest == NULL )
     {
         return false;
     }
@@ -620,32 +620,32 @@ bool fabric_schedule_links( const wisp_schedule* schedule, const fabric_constrai
         for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
         {
             int32_t c = schedule->constraint[i];
-            a4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c] : pad;
-            b4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c + 1] : pad;
+            a_x4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c] : pad;
+            b_x4[i] = c >= 0 ? 4 * constraints->slots[2 * (size_t)c + 1] : pad;
             lane_rest[i] = c >= 0 ? rest[c] : 0.0f;
         }
     }
-    *out = ( fabric_links ){ .a4 = a4, .b4 = b4, .rest = lane_rest };
+    *out = ( fabric_links ){ .a_x4 = a_x4, .b_x4 = b_x4, .rest = lane_rest };
     return true;
 }
 
 bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                              const int32_t** out )
 {
-    int32_t* slot4 = fabric_pool_push( keep, 4 * (size_t)schedule->slot_count, sizeof( int32_t ) );
-    for ( int tile = 0; tile < schedule->tile_count && slot4 != NULL; ++tile )
+    int32_t* slot_x4 = fabric_pool_push( keep, 4 * (size_t)schedule->slot_count, sizeof( int32_t ) );
+    for ( int tile = 0; tile < schedule->tile_count && slot_x4 != NULL; ++tile )
     {
         int32_t pad = dummy4( schedule, constraints, tile );
         for ( int32_t i = schedule->tile_begin[tile]; i < schedule->tile_begin[tile + 1]; ++i )
         {
             int32_t c = schedule->constraint[i];
-            int32_t* lane = slot4 + 4 * (size_t)( i - i % WISP_FABRIC_LANES ) + i % WISP_FABRIC_LANES;
+            int32_t* lane = slot_x4 + 4 * (size_t)( i - i % WISP_FABRIC_LANES ) + i % WISP_FABRIC_LANES;
             for ( int k = 0; k < 4; ++k )
             {
                 lane[k * WISP_FABRIC_LANES] = c >= 0 ? 4 * constraints->slots[4 * (size_t)c + (size_t)k] : pad;
             }
         }
     }
-    *out = slot4;
-    return slot4 != NULL;
+    *out = slot_x4;
+    return slot_x4 != NULL;
 }

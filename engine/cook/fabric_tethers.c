@@ -24,15 +24,15 @@ typedef struct tether_maker
     const wisp_fabric* fabric;
     geodesic_net net;
     geodesic_march march;
-    int count;          // tethers a vertex
-    tether* spread;     // [vertex][count] rising, to spread attachments
-    tether* nearest;    // [vertex] of all attachments
-    float* margin;      // [vertex] m, how much farther than the last tether a march goes
-    float* bound;       // [vertex] m
-    int32_t* order;     // [attachment] attachments of a shell side by side, spread ones in front
-    int32_t* shell;     // [vertex]
-    int32_t* shell_end; // [shell] in `order`
-    int shell_count;
+    int count;              // tethers a vertex
+    tether* spread;         // [vertex][count] rising, to spread attachments
+    tether* nearest;        // [vertex] of all attachments
+    float* margin;          // [vertex] m, how much farther than the last tether a march goes
+    float* bound;           // [vertex] m
+    int32_t* order;         // [attachment] attachments of a shell side by side, spread ones in front
+    int32_t* component;     // [vertex]
+    int32_t* component_end; // [shell] in `order`
+    int component_count;
 } tether_maker;
 
 // ---- shells and their attachments ----
@@ -42,53 +42,53 @@ typedef struct tether_maker
 static void label_shells( tether_maker* m, int32_t* queue )
 {
     const fabric_mesh* mesh = m->parts->mesh;
-    memset( m->shell, 0xff, (size_t)mesh->vertex_count * sizeof( int32_t ) );
+    memset( m->component, 0xff, (size_t)mesh->vertex_count * sizeof( int32_t ) );
     for ( int i = 0; i < m->fabric->attachment_count; ++i )
     {
         int32_t from = m->fabric->attachments[i];
-        if ( m->shell[from] >= 0 )
+        if ( m->component[from] >= 0 )
         {
             continue;
         }
         int head = 0, end = 0;
         queue[end++] = from;
-        m->shell[from] = m->shell_count;
+        m->component[from] = m->component_count;
         while ( head < end )
         {
             int32_t v = queue[head++];
             for ( int32_t e = mesh->neighbour_begin[v]; e < mesh->neighbour_begin[v + 1]; ++e )
             {
                 int32_t u = mesh->neighbour[e];
-                if ( m->shell[u] < 0 )
+                if ( m->component[u] < 0 )
                 {
-                    m->shell[u] = m->shell_count;
+                    m->component[u] = m->component_count;
                     queue[end++] = u;
                 }
             }
         }
-        m->shell_count += 1;
+        m->component_count += 1;
     }
 }
 
 static void gather_shells( tether_maker* m )
 {
     const wisp_fabric* f = m->fabric;
-    memset( m->shell_end, 0, (size_t)f->attachment_count * sizeof( int32_t ) );
+    memset( m->component_end, 0, (size_t)f->attachment_count * sizeof( int32_t ) );
     for ( int i = 0; i < f->attachment_count; ++i )
     {
-        m->shell_end[m->shell[f->attachments[i]]] += 1;
+        m->component_end[m->component[f->attachments[i]]] += 1;
     }
-    for ( int s = 1; s < m->shell_count; ++s )
+    for ( int s = 1; s < m->component_count; ++s )
     {
-        m->shell_end[s] += m->shell_end[s - 1];
+        m->component_end[s] += m->component_end[s - 1];
     }
     for ( int i = f->attachment_count - 1; i >= 0; --i )
     {
-        m->order[--m->shell_end[m->shell[f->attachments[i]]]] = f->attachments[i];
+        m->order[--m->component_end[m->component[f->attachments[i]]]] = f->attachments[i];
     }
-    for ( int s = 0; s < m->shell_count; ++s )
+    for ( int s = 0; s < m->component_count; ++s )
     {
-        m->shell_end[s] = s + 1 < m->shell_count ? m->shell_end[s + 1] : f->attachment_count;
+        m->component_end[s] = s + 1 < m->component_count ? m->component_end[s + 1] : f->attachment_count;
     }
 }
 
@@ -226,9 +226,9 @@ static void march_all( tether_maker* m, double* away )
     {
         m->bound[v] = INFINITY;
     }
-    for ( int s = 0, begin = 0; s < m->shell_count; begin = m->shell_end[s++] )
+    for ( int s = 0, begin = 0; s < m->component_count; begin = m->component_end[s++] )
     {
-        int count = m->shell_end[s] - begin;
+        int count = m->component_end[s] - begin;
         if ( count > SPREAD )
         {
             spread_out( m->fabric->rest, m->order + begin, count, away );
@@ -243,11 +243,11 @@ static void march_all( tether_maker* m, double* away )
         m->nearest[v] = m->spread[(size_t)v * (size_t)m->count];
         m->bound[v] = nearer_bound( m, v );
     }
-    for ( int s = 0, begin = 0; s < m->shell_count; begin = m->shell_end[s++] )
+    for ( int s = 0, begin = 0; s < m->component_count; begin = m->component_end[s++] )
     {
-        if ( m->shell_end[s] - begin > SPREAD )
+        if ( m->component_end[s] - begin > SPREAD )
         {
-            march_halving( m, m->order + begin + SPREAD, m->shell_end[s] - begin - SPREAD );
+            march_halving( m, m->order + begin + SPREAD, m->component_end[s] - begin - SPREAD );
         }
     }
 }
@@ -264,12 +264,12 @@ static bool has( const tether* list, int count, int32_t slot )
     return found;
 }
 
-static void write_tethers( tether_maker* m, int32_t* tether4, float* rest )
+static void write_tethers( tether_maker* m, int32_t* tether_x4, float* rest )
 {
     size_t slots = (size_t)m->fabric->slot_count;
     for ( size_t i = 0; i < (size_t)m->count * slots; ++i )
     {
-        tether4[i] = (int32_t)( i % slots ) * 4;
+        tether_x4[i] = (int32_t)( i % slots ) * 4;
         rest[i] = 0.0f;
     }
     for ( int v = 0; v < m->net.count; ++v )
@@ -282,7 +282,7 @@ static void write_tethers( tether_maker* m, int32_t* tether4, float* rest )
         }
         for ( int k = 0; k < m->count && list[k].slot >= 0; ++k )
         {
-            tether4[(size_t)k * slots + (size_t)v] = list[k].slot * 4;
+            tether_x4[(size_t)k * slots + (size_t)v] = list[k].slot * 4;
             rest[(size_t)k * slots + (size_t)v] = geodesic_round_up( list[k].distance );
         }
     }
@@ -301,14 +301,14 @@ static bool make_room( tether_maker* m, fabric_pool* scratch, double** away )
     m->margin = fabric_pool_push( scratch, vertices, sizeof( float ) );
     m->bound = fabric_pool_push( scratch, vertices, sizeof( float ) );
     m->order = fabric_pool_push( scratch, attachments, sizeof( int32_t ) );
-    m->shell = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
-    m->shell_end = fabric_pool_push( scratch, attachments, sizeof( int32_t ) );
+    m->component = fabric_pool_push( scratch, vertices, sizeof( int32_t ) );
+    m->component_end = fabric_pool_push( scratch, attachments, sizeof( int32_t ) );
     *away = fabric_pool_push( scratch, attachments, sizeof( double ) );
     return m->spread != NULL && m->nearest != NULL && m->margin != NULL && m->bound != NULL && m->order != NULL &&
-           m->shell != NULL && m->shell_end != NULL && *away != NULL;
+           m->component != NULL && m->component_end != NULL && *away != NULL;
 }
 
-static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether4, float* rest )
+static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, float* rest )
 {
     double* away;
     if ( make_room( m, scratch, &away ) == false )
@@ -323,7 +323,7 @@ static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether4, float
     label_shells( m, m->march.heap );
     gather_shells( m );
     march_all( m, away );
-    write_tethers( m, tether4, rest );
+    write_tethers( m, tether_x4, rest );
     return true;
 }
 
@@ -332,20 +332,20 @@ bool fabric_cook_tethers( const fabric_parts* parts, wisp_fabric* fabric )
     int count =
         fabric->attachment_count < WISP_FABRIC_MAX_TETHERS ? fabric->attachment_count : WISP_FABRIC_MAX_TETHERS;
     size_t size = (size_t)count * (size_t)fabric->slot_count;
-    int32_t* tether4 = fabric_pool_push( parts->keep, size, sizeof( int32_t ) );
+    int32_t* tether_x4 = fabric_pool_push( parts->keep, size, sizeof( int32_t ) );
     float* rest = fabric_pool_push( parts->keep, size, sizeof( float ) );
-    bool done = tether4 != NULL && rest != NULL;
+    bool done = tether_x4 != NULL && rest != NULL;
     if ( done && count > 0 )
     {
         fabric_pool scratch = { .allocator = parts->allocator };
         tether_maker maker = { .parts = parts, .fabric = fabric, .count = count };
-        done = cook( &maker, &scratch, tether4, rest );
+        done = cook( &maker, &scratch, tether_x4, rest );
         fabric_pool_release( &scratch );
     }
     if ( done )
     {
         fabric->tether_count = count;
-        fabric->tether4 = tether4;
+        fabric->tether_x4 = tether_x4;
         fabric->tether_rest = rest;
     }
     return done;

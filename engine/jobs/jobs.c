@@ -1,10 +1,10 @@
-// Waves. Worker 0 is the thread that steps and drives; the others, the crew, wait for waves. A wave is a list of blocks,
+// Waves. Worker 0 is the thread that steps and drives; the others, the thread team, wait for waves. A wave is a list of blocks,
 // cut into one contiguous range a worker so that a worker meets the same data in every wave; who is done early takes
 // blocks from the others, and those of who has not come. Which worker runs a block never shows in a result.
 #include "jobs.h"
 
 #include "arena.h"
-#include "crew.h"
+#include "thread_team.h"
 
 #include <sched.h>
 #include <stdatomic.h>
@@ -46,9 +46,9 @@ struct jobs_pool
     wisp_block_fn* run;
     void* context;
     int workers;
-    bool has_crew;
-    bool inside; // the crew stands by
-    jobs_crew crew;
+    bool has_thread_team;
+    bool inside; // the thread team stands by
+    jobs_thread_team thread_team;
     wisp_parallel_for_fn* host;
     void* host_user;
     const wisp_allocator* allocator;
@@ -100,8 +100,8 @@ static void level_scratch( jobs_pool* pool )
     size_t most = 0;
     for ( int i = 0; i < pool->workers; ++i )
     {
-        size_t high = pool->scratch[i].arena.high_water;
-        most = high > most ? high : most;
+        size_t upper = pool->scratch[i].arena.high_water;
+        most = upper > most ? upper : most;
     }
     for ( int i = 0; i < pool->workers; ++i )
     {
@@ -150,7 +150,7 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
     }
 }
 
-// What a member of the crew does.
+// What a member of the thread team does.
 static void stand_by( void* context, int member )
 {
     jobs_pool* pool = context;
@@ -164,7 +164,7 @@ static void stand_by( void* context, int member )
             idle = 0;
             work( pool, epoch, member + 1 );
         }
-        else if ( crew_rest( &pool->crew, &idle ) == false )
+        else if ( thread_team_rest( &pool->thread_team, &idle ) == false )
         {
             return;
         }
@@ -189,8 +189,8 @@ jobs_pool* jobs_create( const wisp_allocator* allocator, int workers, wisp_paral
         pool->alone[i] = ( wisp_parallel ){ .pool = pool, .worker = i, .alone = true };
         base_arena_init( &pool->scratch[i].arena, allocator, 0 );
     }
-    pool->has_crew = workers > 1 && host == NULL;
-    if ( pool->has_crew && crew_init( &pool->crew, workers - 1, stand_by, pool ) == false )
+    pool->has_thread_team = workers > 1 && host == NULL;
+    if ( pool->has_thread_team && thread_team_init( &pool->thread_team, workers - 1, stand_by, pool ) == false )
     {
         base_release( allocator, pool, sizeof( *pool ) );
         return NULL;
@@ -202,9 +202,9 @@ void jobs_destroy( jobs_pool* pool )
 {
     if ( pool != NULL )
     {
-        if ( pool->has_crew )
+        if ( pool->has_thread_team )
         {
-            crew_release( &pool->crew );
+            thread_team_release( &pool->thread_team );
         }
         for ( int i = 0; i < WISP_MAX_WORKERS; ++i )
         {
@@ -216,17 +216,17 @@ void jobs_destroy( jobs_pool* pool )
 
 bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context )
 {
-    if ( pool->has_crew == false )
+    if ( pool->has_thread_team == false )
     {
         driver( context );
         level_scratch( pool );
         return true;
     }
-    const bool has_threads = crew_call( &pool->crew );
+    const bool has_threads = thread_team_call( &pool->thread_team );
     pool->inside = true;
     driver( context );
     pool->inside = false;
-    crew_dismiss( &pool->crew );
+    thread_team_dismiss( &pool->thread_team );
     level_scratch( pool );
     return has_threads;
 }
@@ -275,7 +275,7 @@ void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* 
     work( pool, epoch, 0 );
     for ( int idle = 0; atomic_load_explicit( &pool->pending, memory_order_acquire ) > 0; )
     {
-        crew_wait( &idle );
+        thread_team_wait( &idle );
     }
 }
 

@@ -11,10 +11,10 @@
 #include "lane_random.h"
 
 // `planar` is a constant wherever this is inlined: in the plane z is 0, and the work for it goes away.
-LANE_INLINE lane8v load_entry( const float* quads, const int32_t* entries, bool planar )
+LANE_INLINE lane8v load_entry( const float* xyzw, const int32_t* entries, bool planar )
 {
     lane8v q;
-    lane8_load_xyz( quads, entries, &q.x, &q.y, &q.z );
+    lane8_load_xyz( xyzw, entries, &q.x, &q.y, &q.z );
     q.z = planar ? lane8_zero() : q.z;
     return q;
 }
@@ -25,15 +25,15 @@ LANE_INLINE lane8 squared_length( lane8v d, bool planar )
     return planar ? lane8_add( lane8_mul( d.x, d.x ), lane8_mul( d.y, d.y ) ) : lane8v_dot( d, d );
 }
 
-LANE_INLINE lane8v load_slice( const float* quads, int slice )
+LANE_INLINE lane8v load_slice( const float* xyzw, int slice )
 {
     static const int32_t own[WISP_SLICE] = { 0, 4, 8, 12, 16, 20, 24, 28 };
-    return load_entry( quads + (size_t)slice * WISP_SLICE * 4, own, false );
+    return load_entry( xyzw + (size_t)slice * WISP_SLICE * 4, own, false );
 }
 
-static void store_slice( float* quads, int slice, lane8v p )
+static void store_slice( float* xyzw, int slice, lane8v p )
 {
-    lane8_store_xyzw_contiguous( quads + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
+    lane8_store_xyzw_contiguous( xyzw + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
 }
 
 // g(r) of eq. 14: 0 from h on.
@@ -58,9 +58,9 @@ static float largest( lane8 squared )
 }
 
 // No vertex moves further than half of what its nearest neighbour leaves above r_min, so no pair gets closer than that.
-static lane8v guarded( const wisp_adhesion_job* job, lane8v move, lane8 nearest )
+static lane8v guarded( const wisp_adhesion_args* args, lane8v move, lane8 nearest )
 {
-    lane8 room = lane8_mul( lane8_sub( nearest, lane8_set1( job->distance_min ) ), lane8_set1( 0.5f ) );
+    lane8 room = lane8_mul( lane8_sub( nearest, lane8_set1( args->distance_min ) ), lane8_set1( 0.5f ) );
     room = lane8_max( room, lane8_zero() );
     lane8 length = lane8v_length( move );
     lane8m too_far = lane8_gt( length, room );
@@ -85,16 +85,16 @@ typedef struct attract_law
 // Further than any radius: it takes the place of a distance that has no direction.
 static const float NOWHERE = 3e38f;
 
-LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
+LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wisp_neighbour_list* list, int slice,
                                        lane8v p, attract_law law, attract_sums sums )
 {
-    const lane8 h = lane8_set1( job->radius ), inverse_h = lane8_set1( 1.0f / job->radius );
-    const lane8 epsilon = lane8_set1( job->epsilon ), zero = lane8_zero(), nowhere = lane8_set1( NOWHERE );
+    const lane8 h = lane8_set1( args->radius ), inverse_h = lane8_set1( 1.0f / args->radius );
+    const lane8 epsilon = lane8_set1( args->epsilon ), zero = lane8_zero(), nowhere = lane8_set1( NOWHERE );
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
     const int length = list->length[slice];
     const int32_t* entries = list->entries + first;
-    const float* current = job->current;
-    float* distances = law.measuring ? job->measured->distance + first : NULL;
+    const float* current = args->current;
+    float* distances = law.measuring ? args->measured->distance + first : NULL;
     for ( int k = 0; k < length; ++k )
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
@@ -118,62 +118,63 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_job* job, const wisp_
 }
 
 // Whose vertices have left their leash, and how far the furthest is from where it was searched, squared.
-LANE_INLINE lane8 follow( const wisp_adhesion_job* job, int slice, lane8v p, lane8 most )
+LANE_INLINE lane8 follow( const wisp_adhesion_args* args, int slice, lane8v p, lane8 most )
 {
-    lane8v d = lane8v_sub( p, load_slice( job->searched, slice ) );
+    lane8v d = lane8v_sub( p, load_slice( args->searched, slice ) );
     lane8 moved = lane8v_dot( d, d );
-    job->strayed[slice] = (uint8_t)lane8m_bits( lane8_gt( moved, lane8_set1( job->leash * job->leash ) ) );
+    args->needs_search[slice] =
+        (uint8_t)lane8m_bits( lane8_gt( moved, lane8_set1( args->search_margin * args->search_margin ) ) );
     return lane8_max( most, moved );
 }
 
-LANE_INLINE float attract_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, attract_law law )
+LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_first, int slice_last, attract_law law )
 {
-    const lane8 step = lane8_set1( job->step ), zero = lane8_zero();
+    const lane8 step = lane8_set1( args->step ), zero = lane8_zero();
     lane8 most = zero;
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
-        lane8v p = load_slice( job->current, slice );
+        lane8v p = load_slice( args->current, slice );
         p.z = law.planar ? zero : p.z;
         attract_sums sums = { { zero, zero, zero }, lane8_set1( NOWHERE ), zero, 0 };
-        for ( int i = 0; i < job->attracting_count; ++i )
+        for ( int i = 0; i < args->attracting_count; ++i )
         {
-            sums = attract_list( job, job->attracting + i, slice, p, law, sums );
+            sums = attract_list( args, args->attracting + i, slice, p, law, sums );
         }
         if ( law.measuring )
         {
-            lane8_store( job->measured->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
-            job->measured->near[slice] = sums.near;
+            lane8_store( args->measured->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
+            args->measured->near[slice] = sums.near;
         }
         lane8v move = lane8v_scale( sums.force, step );
-        move = job->guard ? guarded( job, move, sums.nearest ) : move;
+        move = args->min_distance_clamp ? guarded( args, move, sums.nearest ) : move;
 
         // roots stay
-        lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( job->vertex + slice * WISP_SLICE ) );
+        lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( args->vertex + slice * WISP_SLICE ) );
         move = lane8v_select( moves, move, ( lane8v ){ zero, zero, zero } );
         lane8v tentative = lane8v_add( p, move );
-        lane8v_store( job->displacement + (size_t)slice * 3 * WISP_SLICE, move );
-        store_slice( job->tentative, slice, tentative );
-        most = job->gap == WISP_GAP_WET ? follow( job, slice, tentative, most ) : most;
+        lane8v_store( args->displacement + (size_t)slice * 3 * WISP_SLICE, move );
+        store_slice( args->tentative, slice, tentative );
+        most = args->gap == WISP_GAP_NONE ? follow( args, slice, tentative, most ) : most;
     }
     return largest( most );
 }
 
-LANE_INLINE float attract_in( const wisp_adhesion_job* job, int slice_first, int slice_last, bool planar )
+LANE_INLINE float attract_in( const wisp_adhesion_args* args, int slice_first, int slice_last, bool planar )
 {
-    if ( job->epsilon != 0.0f )
+    if ( args->epsilon != 0.0f )
     {
-        return job->measuring
-                   ? attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, true, true } )
-                   : attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, false, true } );
+        return args->measuring
+                   ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, true } )
+                   : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, true } );
     }
-    return job->measuring ? attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, true, false } )
-                          : attract_slices( job, slice_first, slice_last, ( attract_law ){ planar, false, false } );
+    return args->measuring ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, false } )
+                           : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, false } );
 }
 
-float KERNEL( adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last )
 {
-    return job->planar ? attract_in( job, slice_first, slice_last, true )
-                       : attract_in( job, slice_first, slice_last, false );
+    return args->planar ? attract_in( args, slice_first, slice_last, true )
+                        : attract_in( args, slice_first, slice_last, false );
 }
 
 // What a slice's reference neighbours say about the change of their distances.
@@ -190,12 +191,12 @@ typedef struct brake_law
     float inverse_h; // 1/m
 } brake_law;
 
-LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neighbour_list* list, int slice,
+LANE_INLINE brake_sums brake_list( const wisp_adhesion_args* args, const wisp_neighbour_list* list, int slice,
                                    brake_law law, brake_sums sums )
 {
     const lane8 inverse_h = lane8_set1( law.inverse_h );
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    lane8v moved = load_slice( job->tentative, slice ), p = load_slice( job->current, slice );
+    lane8v moved = load_slice( args->tentative, slice ), p = load_slice( args->current, slice );
     moved.z = law.planar ? zero : moved.z;
     p.z = law.planar ? zero : p.z;
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
@@ -203,14 +204,14 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
     for ( int k = 0; k < list->length[slice]; ++k )
     {
         const int32_t* entry = entries + k * WISP_SLICE;
-        lane8v d1 = lane8v_sub( load_entry( job->tentative, entry, law.planar ), moved );
+        lane8v d1 = lane8v_sub( load_entry( args->tentative, entry, law.planar ), moved );
         lane8 r1 = lane8_sqrt( squared_length( d1, law.planar ) );
         const size_t at = first + (size_t)k * WISP_SLICE;
-        lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( job->current, entry, law.planar ), p ) )
-                                    : lane8_load( job->measured->distance + at );
-        lane8 change = law.gap == WISP_GAP_CLOSING ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
+        lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( args->current, entry, law.planar ), p ) )
+                                    : lane8_load( args->measured->distance + at );
+        lane8 change = law.gap == WISP_GAP_REVERSED ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
         change = lane8_mul( change, inverse_h );
-        change = law.gap == WISP_GAP_PROSE ? lane8_abs( change ) : lane8_max( change, zero );
+        change = law.gap == WISP_GAP_ABSOLUTE ? lane8_abs( change ) : lane8_max( change, zero );
         change = lane8_min( change, one );
         lane8 weight = kernel_weight( r0, inverse_h );
         if ( law.by_iteration )
@@ -224,65 +225,65 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_job* job, const wisp_neig
 }
 
 // delta of eq. 17, weighted over the reference neighbours
-LANE_INLINE lane8 change_share( const wisp_adhesion_job* job, int slice, brake_law law )
+LANE_INLINE lane8 change_fraction( const wisp_adhesion_args* args, int slice, brake_law law )
 {
     brake_sums sums = { lane8_zero(), lane8_zero() };
     sums.weights =
-        law.by_iteration ? sums.weights : lane8_load( job->measured->weight_sum + (size_t)slice * WISP_SLICE );
-    for ( int i = 0; i < job->reference_count; ++i )
+        law.by_iteration ? sums.weights : lane8_load( args->measured->weight_sum + (size_t)slice * WISP_SLICE );
+    for ( int i = 0; i < args->reference_count; ++i )
     {
-        sums = brake_list( job, job->reference + i, slice, law, sums );
+        sums = brake_list( args, args->reference + i, slice, law, sums );
     }
-    lane8 share = lane8_div( sums.changes, sums.weights );
-    return lane8_select( lane8_gt( sums.weights, lane8_zero() ), share, lane8_zero() );
+    lane8 fraction = lane8_div( sums.changes, sums.weights );
+    return lane8_select( lane8_gt( sums.weights, lane8_zero() ), fraction, lane8_zero() );
 }
 
-LANE_INLINE float brake_slices( const wisp_adhesion_job* job, int slice_first, int slice_last, brake_law law )
+LANE_INLINE float brake_slices( const wisp_adhesion_args* args, int slice_first, int slice_last, brake_law law )
 {
-    const lane8 floor = lane8_set1( law.gap == WISP_GAP_PROSE ? job->lambda_min : 1.0f );
+    const lane8 floor = lane8_set1( law.gap == WISP_GAP_ABSOLUTE ? args->lambda_min : 1.0f );
     lane8 most = lane8_zero();
     for ( int slice = slice_first; slice < slice_last; ++slice )
     {
-        lane8 delta = change_share( job, slice, law );
-        lane8 zeta = lane8_random_unit( job->key, lane8i_loadu( job->owner + slice * WISP_SLICE ),
-                                        lane8i_loadu( job->vertex + slice * WISP_SLICE ),
-                                        lane8i_set1( (int32_t)job->iteration ) );
+        lane8 delta = change_fraction( args, slice, law );
+        lane8 zeta = lane8_random_unit( args->key, lane8i_loadu( args->owner + slice * WISP_SLICE ),
+                                        lane8i_loadu( args->vertex + slice * WISP_SLICE ),
+                                        lane8i_set1( (int32_t)args->iteration ) );
         lane8 rest = lane8_sub( lane8_set1( 1.0f ), delta );
         lane8 lambda = lane8_mul_add( rest, zeta, lane8_mul( delta, floor ) );
-        lane8v move = lane8v_scale( lane8v_load( job->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
-        lane8v next = lane8v_add( load_slice( job->current, slice ), move );
-        store_slice( job->next, slice, next );
-        most = follow( job, slice, next, most );
+        lane8v move = lane8v_scale( lane8v_load( args->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
+        lane8v next = lane8v_add( load_slice( args->current, slice ), move );
+        store_slice( args->next, slice, next );
+        most = follow( args, slice, next, most );
     }
     return largest( most );
 }
 
-LANE_INLINE float brake_by_gap( const wisp_adhesion_job* job, int slice_first, int slice_last, bool by_iteration,
+LANE_INLINE float brake_by_gap( const wisp_adhesion_args* args, int slice_first, int slice_last, bool by_iteration,
                                 bool planar )
 {
-    const float inverse_h = 1.0f / job->radius;
-    switch ( job->gap )
+    const float inverse_h = 1.0f / args->radius;
+    switch ( args->gap )
     {
-        case WISP_GAP_PRINTED:
-            return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_PRINTED, by_iteration, planar, inverse_h } );
-        case WISP_GAP_CLOSING:
-            return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_CLOSING, by_iteration, planar, inverse_h } );
+        case WISP_GAP_SIGNED:
+            return brake_slices( args, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_SIGNED, by_iteration, planar, inverse_h } );
+        case WISP_GAP_REVERSED:
+            return brake_slices( args, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_REVERSED, by_iteration, planar, inverse_h } );
         default:
-            return brake_slices( job, slice_first, slice_last,
-                                 ( brake_law ){ WISP_GAP_PROSE, by_iteration, planar, inverse_h } );
+            return brake_slices( args, slice_first, slice_last,
+                                 ( brake_law ){ WISP_GAP_ABSOLUTE, by_iteration, planar, inverse_h } );
     }
 }
 
-float KERNEL( adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last )
+float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last )
 {
     // the default has a plane of its own; the other readings of the brake run in space
-    bool by_iteration = job->measured == NULL;
+    bool by_iteration = args->measured == NULL;
     if ( by_iteration )
     {
-        return brake_by_gap( job, slice_first, slice_last, true, false );
+        return brake_by_gap( args, slice_first, slice_last, true, false );
     }
-    return job->planar ? brake_by_gap( job, slice_first, slice_last, false, true )
-                       : brake_by_gap( job, slice_first, slice_last, false, false );
+    return args->planar ? brake_by_gap( args, slice_first, slice_last, false, true )
+                        : brake_by_gap( args, slice_first, slice_last, false, false );
 }

@@ -4,18 +4,18 @@
 
 enum
 {
-    MOST_PARENTS = 3,
+    MAX_PARENTS = 3,
 };
 
-LANE_INLINE void load_parents( const float* quads, const int32_t ( *parents )[4], int parent, lane8 rows[4] )
+LANE_INLINE void load_parents( const float* xyzw, const int32_t ( *parents )[4], int parent, lane8 rows[4] )
 {
     const int32_t index[8] = { parents[0][parent], parents[1][parent], parents[2][parent], parents[3][parent],
                                parents[4][parent], parents[5][parent], parents[6][parent], parents[7][parent] };
-    lane8_load_quads( quads, index, rows );
+    lane8_load_quads( xyzw, index, rows );
 }
 
 // The first `count` weights of eight points, each four times.
-LANE_INLINE void load_weights( const float ( *weights )[4], int count, lane8 spread[MOST_PARENTS][4] )
+LANE_INLINE void load_weights( const float ( *weights )[4], int count, lane8 spread[MAX_PARENTS][4] )
 {
     lane8 rows[4];
     lane8_load_quads( weights[0], lane_quad_iota, rows );
@@ -30,18 +30,18 @@ LANE_INLINE void load_weights( const float ( *weights )[4], int count, lane8 spr
     }
 }
 
-LANE_INLINE void sum_parents( const float* quads, const int32_t ( *parents )[4], int count,
-                              lane8 weights[MOST_PARENTS][4], lane8 sum[4] )
+LANE_INLINE void sum_parents( const float* xyzw, const int32_t ( *parents )[4], int count,
+                              lane8 weights[MAX_PARENTS][4], lane8 sum[4] )
 {
     lane8 rows[4];
-    load_parents( quads, parents, 0, rows );
+    load_parents( xyzw, parents, 0, rows );
     for ( int r = 0; r < 4; ++r )
     {
         sum[r] = lane8_mul( weights[0][r], rows[r] );
     }
     for ( int k = 1; k < count; ++k )
     {
-        load_parents( quads, parents, k, rows );
+        load_parents( xyzw, parents, k, rows );
         for ( int r = 0; r < 4; ++r )
         {
             sum[r] = lane8_mul_add( weights[k][r], rows[r], sum[r] );
@@ -68,7 +68,7 @@ LANE_INLINE int store_normals( float* out, const lane8 sum[4] )
     lane8_transpose_quads( lanes );
     const lane8v normal = { lanes[0], lanes[1], lanes[2] };
     const lane8 squared = lane8v_dot( normal, normal ), one = lane8_set1( 1.0f );
-    const lane8m known = lane8_ge( squared, lane8_set1( WISP_BLEND_LEAST * WISP_BLEND_LEAST ) );
+    const lane8m known = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
     lane8_spread_xyz( lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) ), scales );
     for ( int r = 0; r < 4; ++r )
     {
@@ -87,43 +87,43 @@ LANE_INLINE int store_normals( float* out, const lane8 sum[4] )
     return __builtin_popcount( unknown );
 }
 
-LANE_INLINE int blend( const wisp_blend_job* job, int begin, int end, int parent_count )
+LANE_INLINE int blend( const wisp_blend_args* args, int begin, int end, int parent_count )
 {
     const lane8i corner = lane8i_and( lane8i_iota(), lane8i_set1( 3 ) );
     const lane8m xyz = lane8i_lt( corner, lane8i_set1( 3 ) );
     int unknown = 0;
     for ( int p = begin; p < end; p += 8 )
     {
-        lane8 weights[MOST_PARENTS][4], sum[4], own[4];
-        float* out = job->quads + (size_t)p * 4;
-        load_weights( job->weights + p, parent_count, weights );
-        sum_parents( job->position, job->parents + p, parent_count, weights, sum );
+        lane8 weights[MAX_PARENTS][4], sum[4], own[4];
+        float* out = args->xyzw + (size_t)p * 4;
+        load_weights( args->weights + p, parent_count, weights );
+        sum_parents( args->position, args->parents + p, parent_count, weights, sum );
         lane8_load_quads( out, lane_quad_iota, own );
         for ( int r = 0; r < 4; ++r )
         {
             own[r] = lane8_select( xyz, sum[r], own[r] );
         }
         lane8_store_quads( out, lane_quad_iota, own );
-        if ( job->normal == NULL )
+        if ( args->normal == NULL )
         {
             continue;
         }
-        if ( job->normal_weights != NULL )
+        if ( args->normal_weights != NULL )
         {
-            load_weights( job->normal_weights + p, parent_count, weights );
+            load_weights( args->normal_weights + p, parent_count, weights );
         }
-        sum_parents( job->normal, job->parents + p, parent_count, weights, sum );
-        unknown += store_normals( job->normals + (size_t)p * 4, sum );
+        sum_parents( args->normal, args->parents + p, parent_count, weights, sum );
+        unknown += store_normals( args->normals + (size_t)p * 4, sum );
     }
     return unknown;
 }
 
-int KERNEL( blend_two )( const wisp_blend_job* job, int begin, int end )
+int KERNEL( blend_two )( const wisp_blend_args* args, int begin, int end )
 {
-    return blend( job, begin, end, 2 );
+    return blend( args, begin, end, 2 );
 }
 
-int KERNEL( blend_three )( const wisp_blend_job* job, int begin, int end )
+int KERNEL( blend_three )( const wisp_blend_args* args, int begin, int end )
 {
-    return blend( job, begin, end, 3 );
+    return blend( args, begin, end, 3 );
 }

@@ -3,17 +3,17 @@
 
 enum
 {
-    EIGHTS_MOST = WISP_BOX_SHARED_MOST / WISP_SLICE,
-    SLICES_MOST = 4,
+    MAX_EIGHTS = WISP_MAX_SHARED_AABBS / WISP_SLICE,
+    MAX_SLICES = 4,
 };
 
-// Which of some eights of slots overlap an asker. Comparing and packing are two loops: a processor looks ahead a few
+// Which of some eights of slots overlap an query. Comparing and packing are two loops: a processor looks ahead a few
 // dozen instructions, and the way from a comparison to a packed list is longer.
-LANE_INLINE void compare( const wisp_box_stream* s, const float* box, int32_t above, const int32_t* eights, int count,
-                          lane8m* hits )
+LANE_INLINE void compare( const wisp_aabb_stream* s, const float* box, int32_t above, const int32_t* eights,
+                          int count, lane8m* hits )
 {
-    const float *low_x = s->low[0], *low_y = s->low[1], *low_z = s->low[2];
-    const float *high_x = s->high[0], *high_y = s->high[1], *high_z = s->high[2];
+    const float *low_x = s->lower[0], *low_y = s->lower[1], *low_z = s->lower[2];
+    const float *high_x = s->upper[0], *high_y = s->upper[1], *high_z = s->upper[2];
     const lane8 from_x = lane8_set1( box[0] ), from_y = lane8_set1( box[1] ), from_z = lane8_set1( box[2] );
     const lane8 to_x = lane8_set1( box[3] ), to_y = lane8_set1( box[4] ), to_z = lane8_set1( box[5] );
     const lane8i least = lane8i_set1( above );
@@ -26,8 +26,8 @@ LANE_INLINE void compare( const wisp_box_stream* s, const float* box, int32_t ab
             lane8m_and( lane8_ge( to_y, lane8_loadu( low_y + j ) ), lane8_le( from_y, lane8_loadu( high_y + j ) ) );
         lane8m z =
             lane8m_and( lane8_ge( to_z, lane8_loadu( low_z + j ) ), lane8_le( from_z, lane8_loadu( high_z + j ) ) );
-        lane8m asked = lane8i_lt( least, lane8i_loadu( s->item + j ) );
-        hits[k] = lane8m_and( lane8m_and( x, y ), lane8m_and( z, asked ) );
+        lane8m queried = lane8i_lt( least, lane8i_loadu( s->item + j ) );
+        hits[k] = lane8m_and( lane8m_and( x, y ), lane8m_and( z, queried ) );
     }
 }
 
@@ -41,9 +41,9 @@ LANE_INLINE int32_t* pack( const int32_t* item, const int32_t* eights, int count
     return found;
 }
 
-static void ask( const wisp_box_stream* stream, const int32_t* eights, int count, wisp_box_group* group )
+static void ask( const wisp_aabb_stream* stream, const int32_t* eights, int count, wisp_aabb_group* group )
 {
-    lane8m hits[EIGHTS_MOST];
+    lane8m hits[MAX_EIGHTS];
     for ( int l = 0; l < group->count; ++l )
     {
         group->found[l] = l > 0 ? group->found[l - 1] + group->found_count[l - 1] + WISP_SLICE : group->found[0];
@@ -53,15 +53,16 @@ static void ask( const wisp_box_stream* stream, const int32_t* eights, int count
     }
 }
 
-void KERNEL( box_overlap )( const wisp_box_stream* stream, const int32_t* runs, int run_count, wisp_box_group* group )
+void KERNEL( box_overlap )( const wisp_aabb_stream* stream, const int32_t* runs, int run_count,
+                            wisp_aabb_group* group )
 {
-    int32_t eights[EIGHTS_MOST];
+    int32_t eights[MAX_EIGHTS];
     int count = 0;
     for ( int r = 0; r < run_count; ++r )
     {
         for ( int slot = runs[2 * r]; slot < runs[2 * r + 1]; slot += WISP_SLICE )
         {
-            if ( count == EIGHTS_MOST )
+            if ( count == MAX_EIGHTS )
             {
                 ask( stream, eights, count, group );
                 count = 0;
@@ -76,8 +77,8 @@ void KERNEL( box_overlap )( const wisp_box_stream* stream, const int32_t* runs, 
 // constant where this is inlined. Behind the last number stand larger ones, which all go to the place behind the list.
 LANE_INLINE void order_slices( const int32_t* items, int slices, int32_t* out )
 {
-    int32_t place[SLICES_MOST * WISP_SLICE];
-    lane8i mine[SLICES_MOST], sum[SLICES_MOST];
+    int32_t place[MAX_SLICES * WISP_SLICE];
+    lane8i mine[MAX_SLICES], sum[MAX_SLICES];
     for ( int i = 0; i < slices; ++i )
     {
         mine[i] = lane8i_loadu( items + WISP_SLICE * i );

@@ -26,7 +26,7 @@ enum
 };
 
 // h without g is a difference of vectors as long as h: below so many times the square of h it has no digits.
-#define LEAST_WIDTH 1.6e-13f
+#define MIN_WIDTH 1.6e-13f
 
 // A difference keeps its direction better than the product does where it is longer than the pair is wide. A few times
 // longer hardly matters, and lets the product decide between edges that are equally near but for rounding.
@@ -79,14 +79,14 @@ LANE_INLINE foot foot_on( segment on, lane8v from_first, lane8v from_second, lan
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
     const lane8v from = lane8v_select( second, from_second, from_first );
-    const lane8 low = lane8_select( second, lane8_set1( -1.0f ), zero ), high = lane8_add( low, one );
+    const lane8 lower = lane8_select( second, lane8_set1( -1.0f ), zero ), upper = lane8_add( lower, one );
     lane8 t = lane8_mul( lane8v_dot( from, on.along ), on.inverse );
-    t = lane8_min( lane8_max( t, low ), high );
+    t = lane8_min( lane8_max( t, lower ), upper );
     foot f;
     f.between = lane8v_sub( from, lane8v_scale( on.along, t ) );
     f.squared = squared_of( f.between );
     f.inside = lane8m_not( lane8_eq( t, zero ) );
-    f.t = lane8_sub( t, low );
+    f.t = lane8_sub( t, lower );
     return f;
 }
 
@@ -113,25 +113,25 @@ LANE_INLINE candidate nearer( candidate a, candidate b )
 }
 
 // The shortest r - x g - y h of all x and y.
-typedef struct crossing
+typedef struct intersection
 {
     lane8v between;
     lane8v width;  // h without g
     lane8 squared; // of the width
     lane8m wide;
     lane8 x, y;
-} crossing;
+} intersection;
 
-LANE_INLINE crossing cross_at( segment g, lane8 g_squared, lane8v h, lane8 h_squared, lane8v r )
+LANE_INLINE intersection cross_at( segment g, lane8 g_squared, lane8v h, lane8 h_squared, lane8v r )
 {
     const lane8 least = lane8_set1( FLT_MIN );
     const lane8 slant = lane8_mul( lane8v_dot( h, g.along ), g.inverse ),
                 ahead = lane8_mul( lane8v_dot( r, g.along ), g.inverse );
     const lane8v aside = lane8v_sub( r, lane8v_scale( g.along, ahead ) );
-    crossing c;
+    intersection c;
     c.width = lane8v_sub( h, lane8v_scale( g.along, slant ) );
     c.squared = squared_of( c.width );
-    c.wide = lane8m_and( lane8_gt( c.squared, lane8_mul( h_squared, lane8_set1( LEAST_WIDTH ) ) ),
+    c.wide = lane8m_and( lane8_gt( c.squared, lane8_mul( h_squared, lane8_set1( MIN_WIDTH ) ) ),
                          lane8_ge( lane8_mul( c.squared, g_squared ), least ) );
     c.y = lane8_div( lane8v_dot( aside, c.width ), lane8_max( c.squared, least ) );
     c.x = lane8_sub( ahead, lane8_mul( c.y, slant ) );
@@ -140,7 +140,7 @@ LANE_INLINE crossing cross_at( segment g, lane8 g_squared, lane8v h, lane8 h_squ
 }
 
 // A number of [0, 1] such that it and what it lacks to one add up to one without rounding.
-LANE_INLINE lane8 whole_share( lane8 x )
+LANE_INLINE lane8 whole_fraction( lane8 x )
 {
     const lane8 one = lane8_set1( 1.0f );
     return lane8_sub( one, lane8_sub( one, x ) );
@@ -154,7 +154,7 @@ typedef struct nearest
     lane8m straight; // it is: not at an end
     lane8v inward;
     lane8m inside;  // of an edge
-    lane8m allowed; // the crossing is between the ends of both sides
+    lane8m allowed; // the intersection is between the ends of both sides
     lane8m wide;
     lane8v product; // across both directions
     lane8 width_squared;
@@ -162,7 +162,7 @@ typedef struct nearest
 } nearest;
 
 // @param best of the edges
-LANE_INLINE nearest nearest_of( candidate best, crossing c, lane8m allowed, segment g, lane8 poison )
+LANE_INLINE nearest nearest_of( candidate best, intersection c, lane8m allowed, segment g, lane8 poison )
 {
     return ( nearest ){
         .between = lane8v_select( allowed, c.between, best.between ),
@@ -206,33 +206,33 @@ LANE_INLINE void store_normal( float ( *normal )[8], const nearest* n, lane8v d,
 
 // Once is enough for the length. For the direction twice: where the sides meet, nearly all of d is along the edge,
 // or all of it.
-LANE_INLINE void store_answer( const wisp_closest_job* job, int group, const nearest* n, bool wants_normal )
+LANE_INLINE void store_answer( const wisp_closest_args* args, int group, const nearest* n, bool requests_normal )
 {
     const lane8v once = clear_of( n->between, n->on, n->straight );
     const lane8 all = squared_of( once );
     const lane8 squared = lane8_select( lane8_lt( all, lane8_set1( FLT_MIN ) ), lane8_zero(), all );
-    lane8_storeu( job->distance + 8 * (ptrdiff_t)group, lane8_add( lane8_sqrt( squared ), n->poison ) );
-    if ( wants_normal )
+    lane8_storeu( args->distance + 8 * (ptrdiff_t)group, lane8_add( lane8_sqrt( squared ), n->poison ) );
+    if ( requests_normal )
     {
         const lane8v twice = clear_of( once, n->on, n->straight );
         const lane8m nothing = lane8_lt( squared_of( twice ), lane8_set1( FLT_MIN ) );
-        store_normal( job->normal[group], n, lane8v_select( nothing, once, twice ), squared );
+        store_normal( args->normal[group], n, lane8v_select( nothing, once, twice ), squared );
     }
 }
 
-LANE_INLINE lane8v load_point( const wisp_closest_job* job, int group, int k )
+LANE_INLINE lane8v load_point( const wisp_closest_args* args, int group, int k )
 {
     lane8v p;
-    lane8_load_xyz( job->quads, job->point4[k] + 8 * (ptrdiff_t)group, &p.x, &p.y, &p.z );
+    lane8_load_xyz( args->xyzw, args->point_x4[k] + 8 * (ptrdiff_t)group, &p.x, &p.y, &p.z );
     return p;
 }
 
 // x and y are the weights of b and c.
-LANE_INLINE nearest solve_triangle( const wisp_closest_job* job, int group, bool wants_weights )
+LANE_INLINE nearest solve_triangle( const wisp_closest_args* args, int group, bool requests_weights )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    const lane8v p = load_point( job, group, 0 ), a = load_point( job, group, 1 ), b = load_point( job, group, 2 ),
-                 c = load_point( job, group, 3 );
+    const lane8v p = load_point( args, group, 0 ), a = load_point( args, group, 1 ), b = load_point( args, group, 2 ),
+                 c = load_point( args, group, 3 );
     const lane8v ap = lane8v_sub( p, a ), bp = lane8v_sub( p, b ), cp = lane8v_sub( p, c );
     const lane8v to_b = lane8v_sub( b, a ), to_c = lane8v_sub( c, a ), b_to_c = lane8v_sub( c, b );
     const lane8 ab_squared = squared_of( to_b ), ac_squared = squared_of( to_c );
@@ -248,31 +248,31 @@ LANE_INLINE nearest solve_triangle( const wisp_closest_job* job, int group, bool
         nearer( candidate_of( on_ab, ab, to_c, on_ab.t, zero ), candidate_of( on_ac, ac, to_b, zero, on_ac.t ) ),
         candidate_of( on_bc, bc, to_a, lane8_sub( one, on_bc.t ), on_bc.t ) );
 
-    crossing face = cross_at( ab, ab_squared, to_c, ac_squared, ap );
-    face.x = whole_share( face.x );
-    face.y = whole_share( face.y );
+    intersection face = cross_at( ab, ab_squared, to_c, ac_squared, ap );
+    face.x = whole_fraction( face.x );
+    face.y = whole_fraction( face.y );
     const lane8m to_the_right = lane8m_and( lane8_ge( face.x, zero ), lane8_ge( face.y, zero ) );
     const lane8m below = lane8_ge( lane8_sub( lane8_sub( one, face.x ), face.y ), zero );
     const lane8m allowed = lane8m_and( face.wide, lane8m_and( to_the_right, below ) );
     const lane8 poison = lane8_mul( lane8_add( ab_squared, ac_squared ), zero );
-    if ( wants_weights )
+    if ( requests_weights )
     {
-        const lane8 x = whole_share( lane8_select( allowed, face.x, best.x ) ),
-                    y = whole_share( lane8_select( allowed, face.y, best.y ) );
-        lane8_storeu( job->weight[group][0], one );
-        lane8_storeu( job->weight[group][1], lane8_sub( y, lane8_sub( one, x ) ) );
-        lane8_storeu( job->weight[group][2], lane8_neg( x ) );
-        lane8_storeu( job->weight[group][3], lane8_neg( y ) );
+        const lane8 x = whole_fraction( lane8_select( allowed, face.x, best.x ) ),
+                    y = whole_fraction( lane8_select( allowed, face.y, best.y ) );
+        lane8_storeu( args->weight[group][0], one );
+        lane8_storeu( args->weight[group][1], lane8_sub( y, lane8_sub( one, x ) ) );
+        lane8_storeu( args->weight[group][2], lane8_neg( x ) );
+        lane8_storeu( args->weight[group][3], lane8_neg( y ) );
     }
     return nearest_of( best, face, allowed, ab, poison );
 }
 
 // x and y count from a and from c.
-LANE_INLINE nearest solve_segments( const wisp_closest_job* job, int group, bool wants_weights )
+LANE_INLINE nearest solve_segments( const wisp_closest_args* args, int group, bool requests_weights )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    const lane8v a = load_point( job, group, 0 ), b = load_point( job, group, 1 ), c = load_point( job, group, 2 ),
-                 d = load_point( job, group, 3 );
+    const lane8v a = load_point( args, group, 0 ), b = load_point( args, group, 1 ), c = load_point( args, group, 2 ),
+                 d = load_point( args, group, 3 );
     const lane8v ac = lane8v_sub( a, c ), ad = lane8v_sub( a, d ), bc = lane8v_sub( b, c ), bd = lane8v_sub( b, d );
     const lane8v back = lane8v_sub( a, b ), ahead = lane8v_sub( b, a );
     const lane8v to_d = lane8v_sub( d, c ), to_c = lane8v_sub( c, d );
@@ -290,24 +290,24 @@ LANE_INLINE nearest solve_segments( const wisp_closest_job* job, int group, bool
         nearer( candidate_of( of_a, second, back, zero, of_a.t ), candidate_of( of_b, second, ahead, one, of_b.t ) ),
         nearer( candidate_of( of_c, first, to_d, of_c.t, zero ), candidate_of( of_d, first, to_c, of_d.t, one ) ) );
 
-    const crossing both = cross_at( first, first_squared, to_d, second_squared, ac );
+    const intersection both = cross_at( first, first_squared, to_d, second_squared, ac );
     const lane8m on_first = lane8m_and( lane8_ge( both.x, zero ), lane8_le( both.x, one ) ),
                  on_second = lane8m_and( lane8_ge( both.y, zero ), lane8_le( both.y, one ) );
     const lane8m allowed = lane8m_and( both.wide, lane8m_and( on_first, on_second ) );
     const lane8 poison = lane8_mul( lane8_add( first_squared, second_squared ), zero );
-    if ( wants_weights )
+    if ( requests_weights )
     {
-        const lane8 x = whole_share( lane8_select( allowed, both.x, best.x ) ),
-                    y = whole_share( lane8_select( allowed, both.y, best.y ) );
-        lane8_storeu( job->weight[group][0], lane8_sub( one, x ) );
-        lane8_storeu( job->weight[group][1], x );
-        lane8_storeu( job->weight[group][2], lane8_sub( y, one ) );
-        lane8_storeu( job->weight[group][3], lane8_neg( y ) );
+        const lane8 x = whole_fraction( lane8_select( allowed, both.x, best.x ) ),
+                    y = whole_fraction( lane8_select( allowed, both.y, best.y ) );
+        lane8_storeu( args->weight[group][0], lane8_sub( one, x ) );
+        lane8_storeu( args->weight[group][1], x );
+        lane8_storeu( args->weight[group][2], lane8_sub( y, one ) );
+        lane8_storeu( args->weight[group][3], lane8_neg( y ) );
     }
     return nearest_of( best, both, allowed, first, poison );
 }
 
-LANE_INLINE void run_triangle( const wisp_closest_job* job, int begin, int end, bool wants_all )
+LANE_INLINE void run_triangle( const wisp_closest_args* args, int begin, int end, bool requests_all )
 {
     nearest found[BLOCK];
     for ( int block = begin; block < end; block += BLOCK )
@@ -315,16 +315,16 @@ LANE_INLINE void run_triangle( const wisp_closest_job* job, int begin, int end, 
         const int count = end - block < BLOCK ? end - block : BLOCK;
         for ( int k = 0; k < count; ++k )
         {
-            found[k] = solve_triangle( job, block + k, wants_all );
+            found[k] = solve_triangle( args, block + k, requests_all );
         }
         for ( int k = 0; k < count; ++k )
         {
-            store_answer( job, block + k, &found[k], wants_all );
+            store_answer( args, block + k, &found[k], requests_all );
         }
     }
 }
 
-LANE_INLINE void run_segments( const wisp_closest_job* job, int begin, int end, bool wants_all )
+LANE_INLINE void run_segments( const wisp_closest_args* args, int begin, int end, bool requests_all )
 {
     nearest found[BLOCK];
     for ( int block = begin; block < end; block += BLOCK )
@@ -332,18 +332,18 @@ LANE_INLINE void run_segments( const wisp_closest_job* job, int begin, int end, 
         const int count = end - block < BLOCK ? end - block : BLOCK;
         for ( int k = 0; k < count; ++k )
         {
-            found[k] = solve_segments( job, block + k, wants_all );
+            found[k] = solve_segments( args, block + k, requests_all );
         }
         for ( int k = 0; k < count; ++k )
         {
-            store_answer( job, block + k, &found[k], wants_all );
+            store_answer( args, block + k, &found[k], requests_all );
         }
     }
 }
 
-void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end )
+void KERNEL( closest_triangle )( const wisp_closest_args* args, int begin, int end )
 {
-    const wisp_closest_job mine = *job;
+    const wisp_closest_args mine = *args;
     if ( mine.weight != NULL )
     {
         run_triangle( &mine, begin, end, true );
@@ -354,9 +354,9 @@ void KERNEL( closest_triangle )( const wisp_closest_job* job, int begin, int end
     }
 }
 
-void KERNEL( closest_segments )( const wisp_closest_job* job, int begin, int end )
+void KERNEL( closest_segments )( const wisp_closest_args* args, int begin, int end )
 {
-    const wisp_closest_job mine = *job;
+    const wisp_closest_args mine = *args;
     if ( mine.weight != NULL )
     {
         run_segments( &mine, begin, end, true );

@@ -18,7 +18,7 @@ LANE_INLINE lane8v multiply( const float matrix[6][8], lane8v v )
     };
 }
 
-double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end )
+double KERNEL( conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end )
 {
     const lane8 a = lane8_set1( step );
     double sum = 0.0;
@@ -27,14 +27,14 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, i
         lane8 dot = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            const lane8v q = lane8v_scale( lane8v_load( job->product[slice][0] ), a );
-            lane8v r = lane8v_sub( lane8v_load( job->residual[slice][0] ), q );
-            lane8v_store( job->residual[slice][0], r );
-            const bool filtered = job->filtered[slice] != 0;
-            r = filtered ? multiply( job->filter[slice], r ) : r;
-            lane8v s = multiply( job->inverse[slice], r );
-            s = filtered ? multiply( job->filter[slice], s ) : s;
-            lane8v_store( job->search[slice][0], s );
+            const lane8v q = lane8v_scale( lane8v_load( args->product[slice][0] ), a );
+            lane8v r = lane8v_sub( lane8v_load( args->residual[slice][0] ), q );
+            lane8v_store( args->residual[slice][0], r );
+            const bool filtered = args->filtered[slice] != 0;
+            r = filtered ? multiply( args->filter[slice], r ) : r;
+            lane8v s = multiply( args->inverse[slice], r );
+            s = filtered ? multiply( args->filter[slice], s ) : s;
+            lane8v_store( args->search[slice][0], s );
             dot = lane8_add( dot, lane8v_dot( r, s ) );
         }
         sum += (double)lane8_sum_ordered( dot );
@@ -43,17 +43,17 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_job* job, float step, i
 }
 
 // The solution moves here, where the direction is in registers anyway: large cloths wait for memory.
-void KERNEL( conjugate_turn )( const wisp_conjugate_job* job, float step, float share, int begin, int end )
+void KERNEL( conjugate_turn )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end )
 {
-    const lane8 a = lane8_set1( step ), b = lane8_set1( share );
+    const lane8 a = lane8_set1( step ), b = lane8_set1( fraction );
     for ( int slice = begin; slice < end; ++slice )
     {
-        float* quads = job->direction + (size_t)slice * 32;
+        float* xyzw = args->direction + (size_t)slice * 32;
         lane8v c;
         lane8 mass;
-        lane8_load_xyzw_contiguous( quads, &c.x, &c.y, &c.z, &mass );
-        lane8v_store( job->solution[slice][0], lane8v_mul_add( lane8v_load( job->solution[slice][0] ), a, c ) );
-        c = lane8v_mul_add( lane8v_load( job->search[slice][0] ), b, c );
-        lane8_store_xyzw_contiguous( quads, c.x, c.y, c.z, mass );
+        lane8_load_xyzw_contiguous( xyzw, &c.x, &c.y, &c.z, &mass );
+        lane8v_store( args->solution[slice][0], lane8v_mul_add( lane8v_load( args->solution[slice][0] ), a, c ) );
+        c = lane8v_mul_add( lane8v_load( args->search[slice][0] ), b, c );
+        lane8_store_xyzw_contiguous( xyzw, c.x, c.y, c.z, mass );
     }
 }

@@ -43,15 +43,15 @@ static lane8v rub( const half_space* h, lane8v p, lane8v previous )
     return lane8v_scale( u, lane8_neg( lane8_select( sticks, lane8_set1( 1.0f ), slides ) ) );
 }
 
-void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end )
+void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end )
 {
     for ( int k = begin; k < end; k += 8 )
     {
-        half_space h = load_rows( job->rows, job->row16 + k );
+        half_space h = load_rows( args->rows, args->row16 + k );
         lane8v p, previous;
         lane8 inverse_mass;
-        lane8_load_xyzw( job->position, job->particle4 + k, &p.x, &p.y, &p.z, &inverse_mass );
-        lane8_load_xyz( job->previous, job->particle4 + k, &previous.x, &previous.y, &previous.z );
+        lane8_load_xyzw( args->position, args->particle_x4 + k, &p.x, &p.y, &p.z, &inverse_mass );
+        lane8_load_xyz( args->previous, args->particle_x4 + k, &previous.x, &previous.y, &previous.z );
 
         lane8 lacks = lane8_sub( h.gap, lane8v_dot( h.normal, lane8v_sub( p, h.point ) ) );
         lane8 pushed = lane8_max( lane8_add( h.pushed, lacks ), lane8_zero() );
@@ -62,7 +62,7 @@ void KERNEL( half_space )( const wisp_half_space_job* job, int begin, int end )
         p = lane8v_add( p, lane8v_sub( rubbed, h.rubbed ) );
         h.rubbed = rubbed;
 
-        lane8_store_xyzw( job->position, job->particle4 + k, p.x, p.y, p.z, inverse_mass );
-        store_rows( job->rows, job->row16 + k, &h );
+        lane8_store_xyzw( args->position, args->particle_x4 + k, p.x, p.y, p.z, inverse_mass );
+        store_rows( args->rows, args->row16 + k, &h );
     }
 }

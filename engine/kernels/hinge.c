@@ -3,7 +3,7 @@
 #include "lane_trig.h"
 
 // Squared gradients below this fraction of the largest are ignored.
-#define LEAST_LEVER 1e-6f
+#define MIN_LEVER 1e-6f
 
 enum
 {
@@ -20,48 +20,48 @@ typedef struct corners
     lane8 weight[CORNERS]; // inverse masses
 } corners;
 
-LANE_INLINE corners load_corners( const wisp_hinge_job* job, int hinge )
+LANE_INLINE corners load_corners( const wisp_hinge_args* args, int hinge )
 {
     corners c;
     for ( int k = 0; k < CORNERS; ++k )
     {
-        const int32_t* slot4 = job->slot4 + (size_t)hinge * CORNERS + 8 * k;
-        lane8_load_xyzw( job->position, slot4, &c.point[k].x, &c.point[k].y, &c.point[k].z, &c.weight[k] );
+        const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
+        lane8_load_xyzw( args->position, slot_x4, &c.point[k].x, &c.point[k].y, &c.point[k].z, &c.weight[k] );
     }
     return c;
 }
 
-LANE_INLINE void move_corners( const wisp_hinge_job* job, int hinge, const corners* c, const lane8v gradient[CORNERS],
-                               lane8 step )
+LANE_INLINE void move_corners( const wisp_hinge_args* args, int hinge, const corners* c,
+                               const lane8v gradient[CORNERS], lane8 step )
 {
     for ( int k = 0; k < CORNERS; ++k )
     {
-        const int32_t* slot4 = job->slot4 + (size_t)hinge * CORNERS + 8 * k;
+        const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
         lane8v there = lane8v_mul_add( c->point[k], lane8_mul( c->weight[k], step ), gradient[k] );
-        lane8_store_xyzw( job->position, slot4, there.x, there.y, there.z, c->weight[k] );
+        lane8_store_xyzw( args->position, slot_x4, there.x, there.y, there.z, c->weight[k] );
     }
 }
 
 // Change of lambda for a constraint C with sum of w |gradient|^2: -k C / sum in pbd, -(C + a lambda) / (sum + a) in xpbd.
 // Nothing where the hinge is not usable.
-LANE_INLINE lane8 change_of_lambda( const wisp_hinge_job* job, int hinge, lane8 error, lane8 sum, lane8m usable )
+LANE_INLINE lane8 change_of_lambda( const wisp_hinge_args* args, int hinge, lane8 error, lane8 sum, lane8m usable )
 {
     usable = lane8m_and( usable, lane8_ge( sum, lane8_set1( FLT_MIN ) ) );
-    if ( job->stiffness != NULL )
+    if ( args->stiffness != NULL )
     {
-        error = lane8_mul( error, lane8_loadu( job->stiffness + hinge ) );
+        error = lane8_mul( error, lane8_loadu( args->stiffness + hinge ) );
     }
     else
     {
-        lane8 alpha = lane8_mul( lane8_loadu( job->compliance + hinge ), lane8_set1( job->inverse_dt2 ) );
+        lane8 alpha = lane8_mul( lane8_loadu( args->compliance + hinge ), lane8_set1( args->inverse_dt2 ) );
         sum = lane8_add( sum, alpha );
-        error = job->lambda != NULL ? lane8_mul_add( alpha, lane8_loadu( job->lambda + hinge ), error ) : error;
+        error = args->lambda != NULL ? lane8_mul_add( alpha, lane8_loadu( args->lambda + hinge ), error ) : error;
     }
     lane8 change = lane8_neg( lane8_div( error, lane8_select( usable, sum, lane8_set1( 1.0f ) ) ) );
     change = lane8_select( usable, change, lane8_zero() );
-    if ( job->stiffness == NULL && job->lambda != NULL )
+    if ( args->stiffness == NULL && args->lambda != NULL )
     {
-        lane8_storeu( job->lambda + hinge, lane8_add( lane8_loadu( job->lambda + hinge ), change ) );
+        lane8_storeu( args->lambda + hinge, lane8_add( lane8_loadu( args->lambda + hinge ), change ) );
     }
     return change;
 }
@@ -124,12 +124,12 @@ LANE_INLINE fold measure_fold( const corners* c )
 // The angle between the normals, positive where the opposite vertices lie on the side that the normals point to. The
 // gradients are those of Bridson, Marino and Fedkiw 2003: an opposite vertex by 1 / height along its normal, and the ends
 // what balances forces and torques. They stay finite when the hinge is flat.
-void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end )
+void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( job, hinge );
+        corners c = load_corners( args, hinge );
         fold f = measure_fold( &c );
         if ( lane8m_any( f.usable ) == false )
         {
@@ -143,31 +143,31 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_job* job, int begin, int end )
             of_k,
             of_l,
         };
-        lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( job->rest + hinge ) ) );
+        lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
         // Where what may move has no lever on the angle, such as the free corner of a hinge whose other corners are pinned in
         // a line, gradient and sum are rounding, and their quotient would throw the corner about.
         lane8 sum = weighted_square( &c, gradient );
         lane8 steep = lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
         lane8 weights = lane8_add( lane8_add( c.weight[0], c.weight[1] ), lane8_add( c.weight[2], c.weight[3] ) );
-        lane8m levered = lane8_ge( sum, lane8_mul( lane8_set1( LEAST_LEVER ), lane8_mul( weights, steep ) ) );
-        lane8 step = change_of_lambda( job, hinge, error, sum, lane8m_and( f.usable, levered ) );
-        move_corners( job, hinge, &c, gradient, step );
+        lane8m levered = lane8_ge( sum, lane8_mul( lane8_set1( MIN_LEVER ), lane8_mul( weights, steep ) ) );
+        lane8 step = change_of_lambda( args, hinge, error, sum, lane8m_and( f.usable, levered ) );
+        move_corners( args, hinge, &c, gradient, step );
     }
 }
 
 // Quadratic bending of isometric surfaces (Bergou et al. 2006): the energy 1/2 k s |y|^2 with y = sum c_i x_i is a
 // constraint C = sqrt(s) |y| whose gradients are sqrt(s) c_i y / |y|. Steps are written so that |y| = 0 divides nothing.
-void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end )
+void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( job, hinge );
+        corners c = load_corners( args, hinge );
         lane8v y = { lane8_zero(), lane8_zero(), lane8_zero() };
         lane8 cotangent[CORNERS];
         for ( int k = 0; k < CORNERS; ++k )
         {
-            cotangent[k] = lane8_loadu( job->rest + (size_t)hinge * CORNERS + 8 * k );
+            cotangent[k] = lane8_loadu( args->rest + (size_t)hinge * CORNERS + 8 * k );
         }
         // the weights sum to 0, so differences to one corner keep digits far from the origin
         for ( int k = 1; k < CORNERS; ++k )
@@ -176,7 +176,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end )
         }
         lane8 length = lane8v_length( y );
         lane8m bent = lane8_ge( length, lane8_set1( FLT_MIN ) );
-        lane8 root = lane8_sqrt( lane8_loadu( job->scale + hinge ) );
+        lane8 root = lane8_sqrt( lane8_loadu( args->scale + hinge ) );
         lane8v direction = lane8v_scale( y, lane8_div( root, lane8_select( bent, length, one ) ) );
         lane8v gradient[CORNERS];
         for ( int k = 0; k < CORNERS; ++k )
@@ -184,7 +184,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_job* job, int begin, int end )
             gradient[k] = lane8v_scale( direction, cotangent[k] );
         }
         lane8 sum = weighted_square( &c, gradient );
-        lane8 step = change_of_lambda( job, hinge, lane8_mul( root, length ), sum, bent );
-        move_corners( job, hinge, &c, gradient, step );
+        lane8 step = change_of_lambda( args, hinge, lane8_mul( root, length ), sum, bent );
+        move_corners( args, hinge, &c, gradient, step );
     }
 }

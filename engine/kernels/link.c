@@ -9,14 +9,14 @@ static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_M
 
 // The least squared length times inverse mass, m^2/kg, that is divided by. Below it a link gives way more slowly, down to
 // nothing at length 0; and a pinned pair, which no step moves, has a finite step up to lengths of 1e6 m.
-#define LEAST_DENOMINATOR 1e-18f
+#define MIN_DENOMINATOR 1e-18f
 
 // Kernels copy their job: stores of particles cannot change a copy, so its pointers stay in registers.
 
 // Eight pairs of particles as rows of quads, and what a constraint wants to know of them.
 typedef struct pairs
 {
-    int32_t a4[8]; // a copy likewise, until particles are stored
+    int32_t a_x4[8]; // a copy likewise, until particles are stored
     lane8 a[4], b[4];
     lane8 along[4]; // a - b as rows, wa + wb behind
     lane8 squared;  // m^2
@@ -24,17 +24,17 @@ typedef struct pairs
     lane8 weight;   // wa + wb, 1/kg
 } pairs;
 
-LANE_INLINE pairs load_pairs( const wisp_link_job* job, int link )
+LANE_INLINE pairs load_pairs( const wisp_link_args* args, int link )
 {
     const lane8i sign = lane8i_loadu( XYZ_SIGN );
     pairs p;
     lane8 d[4];
     for ( int l = 0; l < 8; ++l )
     {
-        p.a4[l] = job->a4[link + l];
+        p.a_x4[l] = args->a_x4[link + l];
     }
-    lane8_load_quads( job->position, p.a4, p.a );
-    lane8_load_quads( job->position, job->b4 + link, p.b );
+    lane8_load_quads( args->position, p.a_x4, p.a );
+    lane8_load_quads( args->position, args->b_x4 + link, p.b );
     for ( int r = 0; r < 4; ++r )
     {
         p.along[r] = d[r] = lane8_add( p.a[r], lane8_cast_float( lane8i_xor( lane8_cast_int( p.b[r] ), sign ) ) );
@@ -48,14 +48,14 @@ LANE_INLINE pairs load_pairs( const wisp_link_job* job, int link )
 }
 
 // share error / (length weight). The quotient waits for the square only, so that it runs beside the root.
-LANE_INLINE lane8 step_of( const pairs* p, lane8 share, lane8 error, lane8 weight )
+LANE_INLINE lane8 step_of( const pairs* p, lane8 fraction, lane8 error, lane8 weight )
 {
-    lane8 denominator = lane8_max( lane8_mul( p->squared, weight ), lane8_set1( LEAST_DENOMINATOR ) );
-    return lane8_mul( error, lane8_mul( p->length, lane8_div( share, denominator ) ) );
+    lane8 denominator = lane8_max( lane8_mul( p->squared, weight ), lane8_set1( MIN_DENOMINATOR ) );
+    return lane8_mul( error, lane8_mul( p->length, lane8_div( fraction, denominator ) ) );
 }
 
 // a -= wa step (a - b), b += wb step (a - b). Nothing is added to the inverse masses behind.
-LANE_INLINE void move_pairs( const wisp_link_job* job, int link, pairs* p, lane8 step )
+LANE_INLINE void move_pairs( const wisp_link_args* args, int link, pairs* p, lane8 step )
 {
     lane8 steps[4];
     lane8_spread_xyz( step, steps );
@@ -65,14 +65,14 @@ LANE_INLINE void move_pairs( const wisp_link_job* job, int link, pairs* p, lane8
         p->a[r] = lane8_sub( p->a[r], lane8_mul( lane8_spread_last( p->a[r] ), move ) );
         p->b[r] = lane8_add( p->b[r], lane8_mul( lane8_spread_last( p->b[r] ), move ) );
     }
-    lane8_store_quads( job->position, p->a4, p->a );
-    lane8_store_quads( job->position, job->b4 + link, p->b );
+    lane8_store_quads( args->position, p->a_x4, p->a );
+    lane8_store_quads( args->position, args->b_x4 + link, p->b );
 }
 
 // s = k (length - rest) / (length (wa + wb))
-void KERNEL( link_pbd )( const wisp_link_job* job, int begin, int end )
+void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
 {
-    const wisp_link_job mine = *job;
+    const wisp_link_args mine = *args;
     for ( int link = begin; link < end; link += 8 )
     {
         pairs p = load_pairs( &mine, link );
@@ -83,7 +83,7 @@ void KERNEL( link_pbd )( const wisp_link_job* job, int begin, int end )
 }
 
 // C = length - rest, a = compliance / dt^2, change of lambda = -(C + a lambda) / (wa + wb + a); particles move by it.
-LANE_INLINE void project_compliant( const wisp_link_job mine, int begin, int end, bool keeps_lambda )
+LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int end, bool keeps_lambda )
 {
     const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 );
     for ( int link = begin; link < end; link += 8 )
@@ -104,22 +104,22 @@ LANE_INLINE void project_compliant( const wisp_link_job mine, int begin, int end
     }
 }
 
-void KERNEL( link_xpbd )( const wisp_link_job* job, int begin, int end )
+void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
 {
-    if ( job->lambda != NULL )
+    if ( args->lambda != NULL )
     {
-        project_compliant( *job, begin, end, true );
+        project_compliant( *args, begin, end, true );
     }
     else
     {
-        project_compliant( *job, begin, end, false );
+        project_compliant( *args, begin, end, false );
     }
 }
 
 // As pbd with stiffness 1, where the pair is too long; nothing where it is slack.
-void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end )
+void KERNEL( link_unilateral )( const wisp_link_args* args, int begin, int end )
 {
-    const wisp_link_job mine = *job;
+    const wisp_link_args mine = *args;
     for ( int link = begin; link < end; link += 8 )
     {
         pairs p = load_pairs( &mine, link );
@@ -132,9 +132,9 @@ void KERNEL( link_unilateral )( const wisp_link_job* job, int begin, int end )
 }
 
 // The length is brought into [minimum rest, maximum rest].
-void KERNEL( link_limit )( const wisp_link_job* job, int begin, int end )
+void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end )
 {
-    const wisp_link_job mine = *job;
+    const wisp_link_args mine = *args;
     const lane8 minimum = lane8_set1( mine.minimum ), maximum = lane8_set1( mine.maximum );
     for ( int link = begin; link < end; link += 8 )
     {

@@ -11,52 +11,52 @@ LANE_INLINE lane8m moves( lane8 position )
     return lane8_lt( lane8_zero(), lane8_spread_last( position ) );
 }
 
-void KERNEL( accelerate )( const wisp_particle_job* job, int begin, int end )
+void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end )
 {
     const float a[8] = {
-        job->acceleration.x * job->dt, job->acceleration.y * job->dt, job->acceleration.z * job->dt, 0.0f,
-        job->acceleration.x * job->dt, job->acceleration.y * job->dt, job->acceleration.z * job->dt, 0.0f,
+        args->acceleration.x * args->dt, args->acceleration.y * args->dt, args->acceleration.z * args->dt, 0.0f,
+        args->acceleration.x * args->dt, args->acceleration.y * args->dt, args->acceleration.z * args->dt, 0.0f,
     };
     const lane8 change = lane8_loadu( a );
     for ( int slot = begin; slot < end; slot += 2 )
     {
-        lane8 velocity = lane8_load( job->velocity + (size_t)slot * 4 );
-        lane8m free = moves( lane8_load( job->position + (size_t)slot * 4 ) );
+        lane8 velocity = lane8_load( args->velocity + (size_t)slot * 4 );
+        lane8m free = moves( lane8_load( args->position + (size_t)slot * 4 ) );
         lane8 faster = lane8_add( velocity, change );
-        lane8_store( job->velocity + (size_t)slot * 4, lane8_select( free, faster, velocity ) );
+        lane8_store( args->velocity + (size_t)slot * 4, lane8_select( free, faster, velocity ) );
     }
 }
 
 // The fourth number of a velocity is 0, so the inverse mass gets 0 added and keeps its bits.
-void KERNEL( predict )( const wisp_particle_job* job, int begin, int end )
+void KERNEL( predict )( const wisp_particle_args* args, int begin, int end )
 {
-    const lane8 dt = lane8_set1( job->dt );
+    const lane8 dt = lane8_set1( args->dt );
     for ( int slot = begin; slot < end; slot += 2 )
     {
-        lane8 position = lane8_load( job->position + (size_t)slot * 4 );
-        lane8 velocity = lane8_load( job->velocity + (size_t)slot * 4 );
-        lane8_store( job->previous + (size_t)slot * 4, position );
+        lane8 position = lane8_load( args->position + (size_t)slot * 4 );
+        lane8 velocity = lane8_load( args->velocity + (size_t)slot * 4 );
+        lane8_store( args->previous + (size_t)slot * 4, position );
         lane8 there = lane8_mul_add( velocity, dt, position );
-        lane8_store( job->position + (size_t)slot * 4, lane8_select( moves( position ), there, position ) );
+        lane8_store( args->position + (size_t)slot * 4, lane8_select( moves( position ), there, position ) );
     }
 }
 
 // Eq. 2 is v = (p - x) / dt. Written as v* + (p - p*) / dt, with the prediction p* = x + dt v* rounded as predict() rounded
 // it, a particle that no constraint moved keeps its velocity to the last bit. A difference of positions would lose it:
 // 50 m from the origin and in steps of a sixth of a millisecond, nothing falls.
-void KERNEL( velocity )( const wisp_particle_job* job, int begin, int end )
+void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end )
 {
-    const lane8 dt = lane8_set1( job->dt );
+    const lane8 dt = lane8_set1( args->dt );
     const lane8i mask = lane8i_loadu( XYZ_MASK );
     for ( int slot = begin; slot < end; slot += 2 )
     {
-        lane8 position = lane8_load( job->position + (size_t)slot * 4 );
-        lane8 previous = lane8_load( job->previous + (size_t)slot * 4 );
-        lane8 velocity = lane8_load( job->velocity + (size_t)slot * 4 );
+        lane8 position = lane8_load( args->position + (size_t)slot * 4 );
+        lane8 previous = lane8_load( args->previous + (size_t)slot * 4 );
+        lane8 velocity = lane8_load( args->velocity + (size_t)slot * 4 );
         lane8 predicted = lane8_mul_add( velocity, dt, previous );
         lane8 v = lane8_add( velocity, lane8_div( lane8_sub( position, predicted ), dt ) );
         lane8 xyz = lane8_cast_float( lane8i_and( lane8_cast_int( v ), mask ) );
-        lane8_store( job->velocity + (size_t)slot * 4, lane8_select( moves( position ), xyz, lane8_zero() ) );
+        lane8_store( args->velocity + (size_t)slot * 4, lane8_select( moves( position ), xyz, lane8_zero() ) );
     }
 }
 
@@ -69,17 +69,17 @@ LANE_INLINE lane8 magnitudes( const float* row )
 
 // A NaN is not below any bound. Eight particles are looked at together; only where they fail, which is once in the life
 // of an entity, are they told apart.
-int KERNEL( first_beyond )( const wisp_bound_job* job, int begin, int end )
+int KERNEL( first_beyond )( const wisp_bound_args* args, int begin, int end )
 {
-    const lane8 bound = lane8_set1( job->bound );
+    const lane8 bound = lane8_set1( args->bound );
     for ( int slot = begin; slot < end; slot += 8 )
     {
         lane8m within[4];
         for ( int r = 0; r < 4; ++r )
         {
             size_t row = (size_t)slot * 4 + (size_t)r * 8;
-            within[r] = lane8m_and( lane8_le( magnitudes( job->position + row ), bound ),
-                                    lane8_le( magnitudes( job->velocity + row ), bound ) );
+            within[r] = lane8m_and( lane8_le( magnitudes( args->position + row ), bound ),
+                                    lane8_le( magnitudes( args->velocity + row ), bound ) );
         }
         if ( lane8m_all( lane8m_and( lane8m_and( within[0], within[1] ), lane8m_and( within[2], within[3] ) ) ) )
         {
@@ -103,30 +103,30 @@ typedef struct tethered
 } tethered;
 
 // Neighbours mostly hang on the same attachment, which is then read once.
-LANE_INLINE void load_anchors( const float* position, const int32_t* anchor4, lane8v* place, lane8* weight )
+LANE_INLINE void load_anchors( const float* position, const int32_t* anchor_x4, lane8v* place, lane8* weight )
 {
-    const lane8i all = lane8i_loadu( anchor4 );
-    if ( lane8m_all( lane8i_eq( all, lane8i_set1( anchor4[0] ) ) ) )
+    const lane8i all = lane8i_loadu( anchor_x4 );
+    if ( lane8m_all( lane8i_eq( all, lane8i_set1( anchor_x4[0] ) ) ) )
     {
-        const float* quad = position + anchor4[0];
+        const float* quad = position + anchor_x4[0];
         *place = ( lane8v ){ lane8_set1( quad[0] ), lane8_set1( quad[1] ), lane8_set1( quad[2] ) };
         *weight = lane8_set1( quad[3] );
         return;
     }
-    lane8_load_xyzw( position, anchor4, &place->x, &place->y, &place->z, weight );
+    lane8_load_xyzw( position, anchor_x4, &place->x, &place->y, &place->z, weight );
 }
 
 // A long-range attachment only ever pulls (Kim, Chentanez and Mueller-Fischer 2012): p moves onto the sphere of the
 // distance along the mesh when it has left it.
-LANE_INLINE void pull( const wisp_tether_job* job, size_t tether, tethered* p )
+LANE_INLINE void pull( const wisp_tether_args* args, size_t tether, tethered* p )
 {
     const lane8 zero = lane8_zero();
     lane8v a;
     lane8 anchor_weight;
-    load_anchors( job->position, job->anchor4 + tether, &a, &anchor_weight );
+    load_anchors( args->position, args->anchor_x4 + tether, &a, &anchor_weight );
     lane8v d = lane8v_sub( p->place, a );
     lane8 length = lane8v_length( d );
-    lane8 longest = lane8_mul( lane8_loadu( job->rest + tether ), lane8_set1( job->slack ) );
+    lane8 longest = lane8_mul( lane8_loadu( args->rest + tether ), lane8_set1( args->slack ) );
     lane8m pulls = lane8m_and( lane8_lt( longest, length ),
                                lane8m_and( lane8_lt( zero, p->weight ), lane8_eq( anchor_weight, zero ) ) );
     // its own anchor, at distance 0, pads
@@ -139,14 +139,14 @@ LANE_INLINE void pull( const wisp_tether_job* job, size_t tether, tethered* p )
     }
 }
 
-void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
+void KERNEL( tether )( const wisp_tether_args* args, int begin, int end )
 {
-    const wisp_tether_job mine = *job;
+    const wisp_tether_args mine = *args;
     for ( int slot = begin; slot < end; slot += 8 )
     {
-        float* quads = mine.position + (size_t)slot * 4;
+        float* xyzw = mine.position + (size_t)slot * 4;
         tethered p = { .bits = 0 };
-        lane8_load_xyzw_contiguous( quads, &p.place.x, &p.place.y, &p.place.z, &p.weight );
+        lane8_load_xyzw_contiguous( xyzw, &p.place.x, &p.place.y, &p.place.z, &p.weight );
         for ( int layer = 0; layer < mine.layer_count; ++layer )
         {
             pull( &mine, (size_t)layer * (size_t)mine.slot_count + (size_t)slot, &p );
@@ -155,7 +155,7 @@ void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
         // Only what moves is written: other workers read the anchors among these slots.
         if ( ( p.bits & 0xffu ) == 0xffu )
         {
-            lane8_store_xyzw_contiguous( quads, p.place.x, p.place.y, p.place.z, p.weight );
+            lane8_store_xyzw_contiguous( xyzw, p.place.x, p.place.y, p.place.z, p.weight );
         }
         else if ( p.bits != 0 )
         {
@@ -164,7 +164,7 @@ void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
             for ( uint32_t bits = p.bits & 0xffu; bits != 0; bits &= bits - 1 )
             {
                 size_t lane = (size_t)__builtin_ctz( bits );
-                memcpy( quads + 4 * lane, moved + 4 * lane, 4 * sizeof( float ) );
+                memcpy( xyzw + 4 * lane, moved + 4 * lane, 4 * sizeof( float ) );
             }
         }
     }
@@ -172,12 +172,12 @@ void KERNEL( tether )( const wisp_tether_job* job, int begin, int end )
 
 // Children and parents as four rows of two quads, so that nothing is transposed. Few children have as many parents as
 // there is room for, and a row of weights that are all 0 adds nothing.
-void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end )
+void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end )
 {
-    const wisp_prolong_job mine = *job;
+    const wisp_prolong_args mine = *args;
     for ( int slice = begin; slice < end; ++slice )
     {
-        const int32_t* child4 = mine.child4 + (size_t)slice * 8;
+        const int32_t* child_x4 = mine.child_x4 + (size_t)slice * 8;
         lane8 sum[4] = { lane8_zero(), lane8_zero(), lane8_zero(), lane8_zero() };
         for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
         {
@@ -189,18 +189,18 @@ void KERNEL( prolong )( const wisp_prolong_job* job, int begin, int end )
             }
             lane8 weights[4], parents[4];
             lane8_spread_xyz( weight, weights );
-            lane8_load_quads( mine.moved, mine.parent4 + row, parents );
+            lane8_load_quads( mine.moved, mine.parent_x4 + row, parents );
             for ( int r = 0; r < 4; ++r )
             {
                 sum[r] = lane8_mul_add( weights[r], parents[r], sum[r] );
             }
         }
         lane8 p[4];
-        lane8_load_quads( mine.position, child4, p );
+        lane8_load_quads( mine.position, child_x4, p );
         for ( int r = 0; r < 4; ++r )
         {
             p[r] = lane8_select( moves( p[r] ), lane8_add( p[r], sum[r] ), p[r] );
         }
-        lane8_store_quads( mine.position, child4, p );
+        lane8_store_quads( mine.position, child_x4, p );
     }
 }

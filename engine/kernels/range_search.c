@@ -2,14 +2,14 @@
 // eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
 #include "kernel_isa.h"
 
-static int at_least( int a, int low )
+static int at_least( int a, int lower )
 {
-    return a < low ? low : a;
+    return a < lower ? lower : a;
 }
 
-static int at_most( int a, int high )
+static int at_most( int a, int upper )
 {
-    return a > high ? high : a;
+    return a > upper ? upper : a;
 }
 
 // Eight queries while they are searched: what they ask, and where their lists end.
@@ -18,43 +18,43 @@ typedef struct search_slice
     float x[WISP_SLICE], y[WISP_SLICE], z[WISP_SLICE];
     int32_t owner[WISP_SLICE];
     int32_t cell[3][WISP_SLICE]; // along axis[0], axis[1], axis[2]
-    int32_t *near[WISP_SLICE], *shell[WISP_SLICE];
-    int32_t *near_most[WISP_SLICE], *shell_most[WISP_SLICE];
+    int32_t *near[WISP_SLICE], *skin[WISP_SLICE];
+    int32_t *max_near[WISP_SLICE], *skin_most[WISP_SLICE];
     float within; // m, the wider of the radii
     bool planar;  // all in the items' own plane
 } search_slice;
 
 // The same rounding as the grid's when it was built, so that an item is found in the cell it was put into. Clamped before
 // it becomes an integer, which says the same.
-static lane8i cell_along( const wisp_range_search_job* job, const lane8 place[3], int axis )
+static lane8i cell_along( const wisp_range_search_args* args, const lane8 place[3], int axis )
 {
-    lane8 along =
-        lane8_mul( lane8_sub( place[axis], lane8_set1( job->origin[axis] ) ), lane8_set1( job->inverse_cell[axis] ) );
-    along = lane8_min( lane8_max( along, lane8_zero() ), lane8_set1( (float)( job->dims[axis] - 1 ) ) );
+    lane8 along = lane8_mul( lane8_sub( place[axis], lane8_set1( args->origin[axis] ) ),
+                             lane8_set1( args->inverse_cell[axis] ) );
+    along = lane8_min( lane8_max( along, lane8_zero() ), lane8_set1( (float)( args->dims[axis] - 1 ) ) );
     return lane8_truncate( along );
 }
 
-static void load_queries( const wisp_range_search_job* job, int slice, int count, search_slice* s )
+static void load_queries( const wisp_range_search_args* args, int slice, int count, search_slice* s )
 {
     // lanes that nobody asks for repeat the first
-    const float* quads = job->quads + 4 * (size_t)slice * WISP_SLICE;
+    const float* xyzw = args->xyzw + 4 * (size_t)slice * WISP_SLICE;
     _Alignas( 32 ) float whole[WISP_SLICE][4];
     for ( int l = 0; l < WISP_SLICE && count < WISP_SLICE; ++l )
     {
-        memcpy( whole[l], l < count ? quads + 4 * l : quads, sizeof( whole[l] ) );
+        memcpy( whole[l], l < count ? xyzw + 4 * l : xyzw, sizeof( whole[l] ) );
     }
     lane8 place[3], owner;
-    lane8_load_xyzw_contiguous( count < WISP_SLICE ? whole[0] : quads, place, place + 1, place + 2, &owner );
+    lane8_load_xyzw_contiguous( count < WISP_SLICE ? whole[0] : xyzw, place, place + 1, place + 2, &owner );
     lane8_storeu( s->x, place[0] );
     lane8_storeu( s->y, place[1] );
     lane8_storeu( s->z, place[2] );
     lane8i_storeu( s->owner, lane8_cast_int( owner ) );
     for ( int rank = 0; rank < 3; ++rank )
     {
-        lane8i_storeu( s->cell[rank], cell_along( job, place, job->axis[rank] ) );
+        lane8i_storeu( s->cell[rank], cell_along( args, place, args->axis[rank] ) );
     }
-    s->planar = job->planar && lane8m_all( lane8_eq( place[2], lane8_set1( job->origin[2] ) ) );
-    s->within = job->shell_radius > job->near_radius ? job->shell_radius : job->near_radius;
+    s->planar = args->planar && lane8m_all( lane8_eq( place[2], lane8_set1( args->origin[2] ) ) );
+    s->within = args->skin_radius > args->near_radius ? args->skin_radius : args->near_radius;
 }
 
 // How a run of slots is searched. Constants where this is inlined.
@@ -72,19 +72,19 @@ enum
 // Some vectors of slots from `begin` against queries [first, last); the last vector counts where `inside` says. Their
 // number is a constant where this is inlined: runs are short, and the end of a loop over one would be hard to foresee.
 // Every vector is packed, hit or not: that branch would be a coin toss.
-LANE_INLINE void search_eights( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
+LANE_INLINE void search_eights( const wisp_range_search_args* args, search_slice* s, int first, int last, int begin,
                                 int eights, lane8m inside, search_law law )
 {
-    const lane8 near2 = lane8_set1( job->near_radius * job->near_radius );
+    const lane8 near2 = lane8_set1( args->near_radius * args->near_radius );
     const lane8 within2 = lane8_set1( s->within * s->within );
-    const float *x = job->x + begin, *y = job->y + begin, *z = job->z + begin;
-    const int32_t* owner = job->owner + begin;
-    const lane8i slot4 = lane8i_shift_left( lane8i_add( lane8i_set1( begin ), lane8i_iota() ), 2 );
+    const float *x = args->x + begin, *y = args->y + begin, *z = args->z + begin;
+    const int32_t* owner = args->owner + begin;
+    const lane8i slot_x4 = lane8i_shift_left( lane8i_add( lane8i_set1( begin ), lane8i_iota() ), 2 );
     for ( int l = first; l < last; ++l )
     {
         const lane8 px = lane8_set1( s->x[l] ), py = lane8_set1( s->y[l] ), pz = lane8_set1( s->z[l] );
         const lane8i own = lane8i_set1( s->owner[l] );
-        int32_t *near_end = s->near[l], *shell_end = s->shell[l];
+        int32_t *near_end = s->near[l], *skin_end = s->skin[l];
         for ( int e = 0; e < eights; ++e )
         {
             const int j = e * WISP_SLICE;
@@ -104,44 +104,44 @@ LANE_INLINE void search_eights( const wisp_range_search_job* job, search_slice* 
                 near = lane8m_and( near, inside );
             }
             uint32_t near_bits = lane8m_bits( near ), shell_bits = lane8m_bits( within ) ^ near_bits;
-            lane8i here = lane8i_add( slot4, lane8i_set1( 4 * j ) );
+            lane8i here = lane8i_add( slot_x4, lane8i_set1( 4 * j ) );
             near_end += lane8i_compress_store( near_end, here, near_bits );
-            shell_end += lane8i_compress_store( shell_end, here, shell_bits );
+            skin_end += lane8i_compress_store( skin_end, here, shell_bits );
             if ( law.bounded )
             {
-                near_end = near_end < s->near_most[l] ? near_end : s->near_most[l];
-                shell_end = shell_end < s->shell_most[l] ? shell_end : s->shell_most[l];
+                near_end = near_end < s->max_near[l] ? near_end : s->max_near[l];
+                skin_end = skin_end < s->skin_most[l] ? skin_end : s->skin_most[l];
             }
         }
         s->near[l] = near_end;
-        s->shell[l] = shell_end;
+        s->skin[l] = skin_end;
     }
 }
 
 // Slots [begin, end) against queries [first, last).
-LANE_INLINE void search_run( const wisp_range_search_job* job, search_slice* s, int first, int last, int begin,
+LANE_INLINE void search_run( const wisp_range_search_args* args, search_slice* s, int first, int last, int begin,
                              int end, search_law law )
 {
     const lane8m all = lane8m_first( WISP_SLICE );
     for ( ; end - begin > RUN_EIGHTS * WISP_SLICE; begin += RUN_EIGHTS * WISP_SLICE )
     {
-        search_eights( job, s, first, last, begin, RUN_EIGHTS, all, law );
+        search_eights( args, s, first, last, begin, RUN_EIGHTS, all, law );
     }
     const int eights = ( end - begin + WISP_SLICE - 1 ) / WISP_SLICE;
     const lane8m inside = lane8m_first( end - begin - ( eights - 1 ) * WISP_SLICE );
     switch ( eights )
     {
         case 1:
-            search_eights( job, s, first, last, begin, 1, inside, law );
+            search_eights( args, s, first, last, begin, 1, inside, law );
             break;
         case 2:
-            search_eights( job, s, first, last, begin, 2, inside, law );
+            search_eights( args, s, first, last, begin, 2, inside, law );
             break;
         case 3:
-            search_eights( job, s, first, last, begin, 3, inside, law );
+            search_eights( args, s, first, last, begin, 3, inside, law );
             break;
         case RUN_EIGHTS:
-            search_eights( job, s, first, last, begin, RUN_EIGHTS, inside, law );
+            search_eights( args, s, first, last, begin, RUN_EIGHTS, inside, law );
             break;
         default: // nobody is there
             break;
@@ -157,14 +157,14 @@ typedef struct search_group
 } search_group;
 
 // Neighbours in a row go together, as long as the run of slots does not become much longer than each one's own.
-static search_group find_group( const wisp_range_search_job* job, const search_slice* s, int first, int count )
+static search_group find_group( const wisp_range_search_args* args, const search_slice* s, int first, int count )
 {
     const int32_t *fast = s->cell[0], *middle = s->cell[1], *slow = s->cell[2];
     search_group g = { first, first + 1, fast[first], fast[first] };
     for ( ; g.last < count; ++g.last )
     {
         int lowest = at_most( fast[g.last], g.lowest ), highest = at_least( fast[g.last], g.highest );
-        if ( middle[g.last] != middle[first] || slow[g.last] != slow[first] || highest - lowest > 2 * job->reach[0] )
+        if ( middle[g.last] != middle[first] || slow[g.last] != slow[first] || highest - lowest > 2 * args->reach[0] )
         {
             break;
         }
@@ -180,37 +180,37 @@ typedef struct search_span
     int first, last;
 } search_span;
 
-static search_span reach_from( const wisp_range_search_job* job, int rank, int lowest, int highest )
+static search_span reach_from( const wisp_range_search_args* args, int rank, int lowest, int highest )
 {
-    const int reach = job->reach[rank], dims = job->dims[job->axis[rank]];
+    const int reach = args->reach[rank], dims = args->dims[args->axis[rank]];
     return ( search_span ){ at_least( lowest - reach, 0 ), at_most( highest + reach, dims - 1 ) };
 }
 
-static void search_rows( const wisp_range_search_job* job, search_slice* s, search_group g )
+static void search_rows( const wisp_range_search_args* args, search_slice* s, search_group g )
 {
-    const search_span fast = reach_from( job, 0, g.lowest, g.highest );
-    const search_span middle = reach_from( job, 1, s->cell[1][g.first], s->cell[1][g.first] );
-    const search_span slow = reach_from( job, 2, s->cell[2][g.first], s->cell[2][g.first] );
-    const int length = job->dims[job->axis[0]], rows = job->dims[job->axis[1]];
-    int left = job->limit; // no list can run into the limit before so many slots were seen
+    const search_span fast = reach_from( args, 0, g.lowest, g.highest );
+    const search_span middle = reach_from( args, 1, s->cell[1][g.first], s->cell[1][g.first] );
+    const search_span slow = reach_from( args, 2, s->cell[2][g.first], s->cell[2][g.first] );
+    const int length = args->dims[args->axis[0]], rows = args->dims[args->axis[1]];
+    int left = args->limit; // no list can run into the limit before so many slots were seen
     for ( int c = slow.first; c <= slow.last; ++c )
     {
-        const int32_t* row = job->cell_begin + ( c * rows + middle.first ) * length;
+        const int32_t* row = args->cell_begin + ( c * rows + middle.first ) * length;
         for ( int b = middle.first; b <= middle.last; ++b, row += length )
         {
             int begin = row[fast.first], end = row[fast.last + 1];
             left = at_least( left - ( end - begin ), -1 );
             if ( s->planar && left >= 0 )
             {
-                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ true, false } );
+                search_run( args, s, g.first, g.last, begin, end, ( search_law ){ true, false } );
             }
             else if ( s->planar )
             {
-                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ true, true } );
+                search_run( args, s, g.first, g.last, begin, end, ( search_law ){ true, true } );
             }
             else
             {
-                search_run( job, s, g.first, g.last, begin, end, ( search_law ){ false, true } );
+                search_run( args, s, g.first, g.last, begin, end, ( search_law ){ false, true } );
             }
         }
     }
@@ -219,16 +219,16 @@ static void search_rows( const wisp_range_search_job* job, search_slice* s, sear
 // How long a slice's lists are, and how long the longest.
 static void count_found( const search_slice* s, int limit, wisp_range_search_result* result )
 {
-    const int stride = 2 * limit + WISP_SEARCH_SLACK, shell_stride = limit + WISP_SEARCH_SLACK;
+    const int stride = 2 * limit + WISP_SEARCH_SLACK, skin_stride = limit + WISP_SEARCH_SLACK;
     int capped = 0, near_length = 0, length = 0;
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
         int near = (int)( s->near[l] - result->lists ) - l * stride;
-        int shell = (int)( s->shell[l] - result->shell ) - l * shell_stride;
-        capped += near > limit || shell > limit ? 1 : 0;
+        int skin = (int)( s->skin[l] - result->skin ) - l * skin_stride;
+        capped += near > limit || skin > limit ? 1 : 0;
         near = at_most( near, limit );
         result->near_count[l] = near;
-        result->count[l] = near + at_most( shell, limit );
+        result->count[l] = near + at_most( skin, limit );
         near_length = at_least( near_length, near );
         length = at_least( length, result->count[l] );
     }
@@ -243,35 +243,35 @@ static void append_shell( int limit, wisp_range_search_result* result )
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
         int32_t* out = result->lists + l * ( 2 * limit + WISP_SEARCH_SLACK ) + result->near_count[l];
-        const int32_t* shell = result->shell + l * ( limit + WISP_SEARCH_SLACK );
+        const int32_t* skin = result->skin + l * ( limit + WISP_SEARCH_SLACK );
         const int count = result->count[l] - result->near_count[l];
         int k = 0;
         do
         {
-            lane8i_storeu( out + k, lane8i_loadu( shell + k ) );
+            lane8i_storeu( out + k, lane8i_loadu( skin + k ) );
             k += WISP_SLICE;
         } while ( k < count );
     }
 }
 
-void KERNEL( range_search )( const wisp_range_search_job* job, int slice, int count,
+void KERNEL( range_search )( const wisp_range_search_args* args, int slice, int count,
                              wisp_range_search_result* result )
 {
-    const int limit = job->limit, stride = 2 * limit + WISP_SEARCH_SLACK, shell_stride = limit + WISP_SEARCH_SLACK;
+    const int limit = args->limit, stride = 2 * limit + WISP_SEARCH_SLACK, skin_stride = limit + WISP_SEARCH_SLACK;
     search_slice s;
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
         s.near[l] = result->lists + l * stride;
-        s.shell[l] = result->shell + l * shell_stride;
+        s.skin[l] = result->skin + l * skin_stride;
         // one beyond the limit says that there were more
-        s.near_most[l] = s.near[l] + limit + 1;
-        s.shell_most[l] = s.shell[l] + limit + 1;
+        s.max_near[l] = s.near[l] + limit + 1;
+        s.skin_most[l] = s.skin[l] + limit + 1;
     }
-    load_queries( job, slice, count, &s );
+    load_queries( args, slice, count, &s );
     for ( search_group g = { 0, 0, 0, 0 }; g.last < count; )
     {
-        g = find_group( job, &s, g.last, count );
-        search_rows( job, &s, g );
+        g = find_group( args, &s, g.last, count );
+        search_rows( args, &s, g );
     }
     count_found( &s, limit, result );
     append_shell( limit, result );

@@ -18,14 +18,14 @@ typedef struct particles8
     lane8 inverse_mass;
 } particles8;
 
-static particles8 particles_of( const wisp_rigid_job* job, int slot )
+static particles8 particles_of( const wisp_rigid_args* args, int slot )
 {
     particles8 p;
     lane8 none;
-    lane8_load_xyzw_contiguous( job->position + (size_t)slot * 4, &p.at.x, &p.at.y, &p.at.z, &p.inverse_mass );
-    lane8_load_xyzw_contiguous( job->velocity + (size_t)slot * 4, &p.velocity.x, &p.velocity.y, &p.velocity.z,
+    lane8_load_xyzw_contiguous( args->position + (size_t)slot * 4, &p.at.x, &p.at.y, &p.at.z, &p.inverse_mass );
+    lane8_load_xyzw_contiguous( args->velocity + (size_t)slot * 4, &p.velocity.x, &p.velocity.y, &p.velocity.z,
                                 &none );
-    p.at = lane8v_sub( p.at, lane8v_set1( job->origin ) );
+    p.at = lane8v_sub( p.at, lane8v_set1( args->origin ) );
     return p;
 }
 
@@ -42,11 +42,12 @@ static void add_vector( lane8 sum[3], lane8v term )
 }
 
 // In the order of wisp_rigid_sums.
-static void add_particles( const wisp_rigid_job* job, const particles8* p, lane8 sums[SUMS] )
+static void add_particles( const wisp_rigid_args* args, const particles8* p, lane8 sums[SUMS] )
 {
-    const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( job->inverse_mass ), p->inverse_mass );
+    const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( args->inverse_mass ), p->inverse_mass );
     const lane8 mass = lane8_select( lane8_gt( p->inverse_mass, zero ), times, zero );
-    const lane8v r = p->at, heavy = lane8v_scale( r, mass ), u = lane8v_sub( p->velocity, lane8v_set1( job->drift ) );
+    const lane8v r = p->at, heavy = lane8v_scale( r, mass ),
+                 u = lane8v_sub( p->velocity, lane8v_set1( args->drift ) );
     add_to( sums, mass );
     add_vector( sums + 1, heavy );
     add_vector( sums + 4, lane8v_scale( u, mass ) );
@@ -59,7 +60,7 @@ static void add_particles( const wisp_rigid_job* job, const particles8* p, lane8
 
 _Static_assert( sizeof( wisp_rigid_sums ) == SUMS * sizeof( double ), "as many numbers" );
 
-void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums )
+void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums )
 {
     double total[SUMS] = { 0.0 };
     for ( int part = begin; part < end; part += PART )
@@ -71,8 +72,8 @@ void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_r
         }
         for ( int slot = part; slot < end && slot < part + PART; slot += LANES )
         {
-            const particles8 p = particles_of( job, slot );
-            add_particles( job, &p, lanes );
+            const particles8 p = particles_of( args, slot );
+            add_particles( args, &p, lanes );
         }
         for ( int k = 0; k < SUMS; ++k )
         {
@@ -82,15 +83,16 @@ void KERNEL( rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_r
     memcpy( sums, total, sizeof( total ) );
 }
 
-void KERNEL( rigid_approach )( const wisp_rigid_job* job, int begin, int end )
+void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
 {
-    const lane8v turning = lane8v_set1( job->turning ), drift = lane8v_set1( job->drift );
+    const lane8v turning = lane8v_set1( args->turning ), drift = lane8v_set1( args->drift );
     for ( int slot = begin; slot < end; slot += LANES )
     {
-        const particles8 p = particles_of( job, slot );
+        const particles8 p = particles_of( args, slot );
         const lane8v rigid = lane8v_add( drift, lane8v_cross( turning, p.at ) );
-        const lane8v nearer = lane8v_mul_add( p.velocity, lane8_set1( job->share ), lane8v_sub( rigid, p.velocity ) );
+        const lane8v nearer =
+            lane8v_mul_add( p.velocity, lane8_set1( args->fraction ), lane8v_sub( rigid, p.velocity ) );
         const lane8v v = lane8v_select( lane8_gt( p.inverse_mass, lane8_zero() ), nearer, p.velocity );
-        lane8_store_xyzw_contiguous( job->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
+        lane8_store_xyzw_contiguous( args->velocity + (size_t)slot * 4, v.x, v.y, v.z, lane8_zero() );
     }
 }

@@ -17,10 +17,10 @@ typedef struct vertex_lanes
     lane8v vector; // sum of (a - p) x (b - p), m^2
 } vertex_lanes;
 
-LANE_INLINE lane8v load_neighbours( const wisp_ring_job* job, int entry )
+LANE_INLINE lane8v load_neighbours( const wisp_ring_args* args, int entry )
 {
     lane8v n;
-    lane8_load_xyz( job->position, job->ring4[entry], &n.x, &n.y, &n.z );
+    lane8_load_xyz( args->position, args->ring_x4[entry], &n.x, &n.y, &n.z );
     return n;
 }
 
@@ -29,50 +29,50 @@ LANE_INLINE lane8v load_neighbours( const wisp_ring_job* job, int entry )
 //   (a - p) x (b - p) + (b - p) x (c - p) = (b - p) x (c - a)
 //
 // so that a pair of entries costs one product, and each neighbour is loaded once.
-LANE_INLINE vertex_lanes walk_ring( const wisp_ring_job* job, int slice )
+LANE_INLINE vertex_lanes walk_ring( const wisp_ring_args* args, int slice )
 {
-    const int end = job->ring_begin[slice + 1];
-    int e = job->ring_begin[slice];
+    const int end = args->ring_begin[slice + 1];
+    int e = args->ring_begin[slice];
     vertex_lanes v = { .vector = { lane8_zero(), lane8_zero(), lane8_zero() } };
-    lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &v.point.x, &v.point.y, &v.point.z, &v.weight );
-    lane8v a = e < end ? load_neighbours( job, e ) : v.point;
+    lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &v.point.x, &v.point.y, &v.point.z, &v.weight );
+    lane8v a = e < end ? load_neighbours( args, e ) : v.point;
     for ( ; e + 2 < end; e += 2 )
     {
-        lane8v b = load_neighbours( job, e + 1 ), c = load_neighbours( job, e + 2 );
+        lane8v b = load_neighbours( args, e + 1 ), c = load_neighbours( args, e + 2 );
         v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( b, v.point ), lane8v_sub( c, a ) ) );
         a = c;
     }
     if ( e + 1 < end )
     {
-        lane8v b = load_neighbours( job, e + 1 );
+        lane8v b = load_neighbours( args, e + 1 );
         v.vector = lane8v_add( v.vector, lane8v_cross( lane8v_sub( a, v.point ), lane8v_sub( b, v.point ) ) );
     }
     return v;
 }
 
 // Areas need every triangle by itself, so they have a walk of their own for the few who ask.
-static void store_area( const wisp_ring_job* job, int slice, lane8v point )
+static void store_area( const wisp_ring_args* args, int slice, lane8v point )
 {
     lane8 area = lane8_zero();
     lane8v a = point;
-    for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+    for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
     {
-        lane8v b = load_neighbours( job, e );
+        lane8v b = load_neighbours( args, e );
         area = lane8_add( area, lane8v_length( lane8v_cross( lane8v_sub( a, point ), lane8v_sub( b, point ) ) ) );
         a = b;
     }
-    lane8_storeu( job->area + (size_t)( slice - job->first_slice ) * 8,
+    lane8_storeu( args->area + (size_t)( slice - args->first_slice ) * 8,
                   lane8_mul( area, lane8_set1( 1.0f / 6.0f ) ) );
 }
 
-LANE_INLINE float* gradient_of( const wisp_ring_job* job, int slice )
+LANE_INLINE float* gradient_of( const wisp_ring_args* args, int slice )
 {
-    return job->gradient + (size_t)( slice - job->first_slice ) * 24;
+    return args->gradient + (size_t)( slice - args->first_slice ) * 24;
 }
 
-void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums )
+void KERNEL( ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums )
 {
-    const lane8v origin = lane8v_set1( job->origin );
+    const lane8v origin = lane8v_set1( args->origin );
     const lane8 sixth = lane8_set1( 1.0f / 6.0f );
     *sums = ( wisp_ring_sums ){ 0.0, 0.0 };
     for ( int block = begin; block < end; block += BLOCK )
@@ -80,14 +80,14 @@ void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp
         lane8 volume = lane8_zero(), weighted = lane8_zero();
         for ( int slice = block; slice < end && slice < block + BLOCK; ++slice )
         {
-            vertex_lanes v = walk_ring( job, slice );
+            vertex_lanes v = walk_ring( args, slice );
             lane8v gradient = lane8v_scale( v.vector, sixth );
-            lane8v_store( gradient_of( job, slice ), gradient );
+            lane8v_store( gradient_of( args, slice ), gradient );
             volume = lane8_add( volume, lane8v_dot( lane8v_sub( v.point, origin ), gradient ) );
             weighted = lane8_add( weighted, lane8_mul( v.weight, lane8v_dot( gradient, gradient ) ) );
-            if ( job->area != NULL )
+            if ( args->area != NULL )
             {
-                store_area( job, slice, v.point );
+                store_area( args, slice, v.point );
             }
         }
         sums->volume += (double)lane8_sum_ordered( volume ) / 3.0;
@@ -95,20 +95,20 @@ void KERNEL( ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp
     }
 }
 
-void KERNEL( ring_normal )( const wisp_ring_job* job, int begin, int end )
+void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
 {
     for ( int slice = begin; slice < end; ++slice )
     {
-        vertex_lanes v = walk_ring( job, slice );
+        vertex_lanes v = walk_ring( args, slice );
         lane8 squared = lane8v_dot( v.vector, v.vector );
         lane8m known = lane8_ge( squared, lane8_set1( FLT_MIN ) );
         lane8 scale =
             lane8_div( lane8_set1( 1.0f ), lane8_sqrt( lane8_select( known, squared, lane8_set1( 1.0f ) ) ) );
-        lane8v_store( gradient_of( job, slice ),
+        lane8v_store( gradient_of( args, slice ),
                       lane8v_scale( v.vector, lane8_select( known, scale, lane8_zero() ) ) );
-        if ( job->area != NULL )
+        if ( args->area != NULL )
         {
-            store_area( job, slice, v.point );
+            store_area( args, slice, v.point );
         }
     }
 }
@@ -125,40 +125,41 @@ LANE_INLINE lane8v add_face_normal( lane8v sum, lane8v across )
     return lane8v_add( sum, lane8v_select( known, lane8v_scale( across, scale ), nothing ) );
 }
 
-void KERNEL( ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads )
+void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw )
 {
     const lane8 one = lane8_set1( 1.0f );
     for ( int slice = begin; slice < end; ++slice )
     {
         lane8v point, sum = { lane8_zero(), lane8_zero(), lane8_zero() };
         lane8 weight;
-        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
+        lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
         lane8v a = { lane8_zero(), lane8_zero(), lane8_zero() };
-        for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+        for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
         {
-            const lane8v b = lane8v_sub( load_neighbours( job, e ), point );
+            const lane8v b = lane8v_sub( load_neighbours( args, e ), point );
             sum = add_face_normal( sum, lane8v_cross( a, b ) );
             a = b;
         }
         // a sum that cancels leaves rounding of unit vectors, which is no direction
         const lane8 squared = lane8v_dot( sum, sum );
-        const lane8m known = lane8_ge( squared, lane8_set1( WISP_BLEND_LEAST * WISP_BLEND_LEAST ) );
+        const lane8m known = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
         const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );
         const lane8v unit = lane8v_scale( sum, lane8_select( known, scale, lane8_zero() ) );
-        lane8_store_xyzw_contiguous( quads + (size_t)slice * 32, unit.x, unit.y, unit.z, lane8_zero() );
+        lane8_store_xyzw_contiguous( xyzw + (size_t)slice * 32, unit.x, unit.y, unit.z, lane8_zero() );
     }
 }
 
-void KERNEL( push )( const wisp_push_job* job, int begin, int end )
+void KERNEL( push )( const wisp_push_args* args, int begin, int end )
 {
-    const lane8 factor = lane8_set1( job->factor );
+    const lane8 factor = lane8_set1( args->factor );
     for ( int slice = begin; slice < end; ++slice )
     {
-        float* quads = job->position + (size_t)slice * 32;
+        float* xyzw = args->position + (size_t)slice * 32;
         lane8v p;
         lane8 w;
-        lane8_load_xyzw_contiguous( quads, &p.x, &p.y, &p.z, &w );
-        lane8v there = lane8v_mul_add( p, lane8_mul( w, factor ), lane8v_load( job->gradient + (size_t)slice * 24 ) );
-        lane8_store_xyzw_contiguous( quads, there.x, there.y, there.z, w );
+        lane8_load_xyzw_contiguous( xyzw, &p.x, &p.y, &p.z, &w );
+        lane8v there =
+            lane8v_mul_add( p, lane8_mul( w, factor ), lane8v_load( args->gradient + (size_t)slice * 24 ) );
+        lane8_store_xyzw_contiguous( xyzw, there.x, there.y, there.z, w );
     }
 }

@@ -20,10 +20,10 @@ typedef struct air_sum
     lane8 rate;
 } air_sum;
 
-LANE_INLINE lane8v load_corner( const float* quads, const int32_t* slot4 )
+LANE_INLINE lane8v load_corner( const float* xyzw, const int32_t* slot_x4 )
 {
     lane8v v;
-    lane8_load_xyz( quads, slot4, &v.x, &v.y, &v.z );
+    lane8_load_xyz( xyzw, slot_x4, &v.x, &v.y, &v.z );
     return v;
 }
 
@@ -57,25 +57,25 @@ LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, 
 }
 
 // Explicit air can turn a light vertex round in one step; an implicit factor in the rate keeps it from passing the wind.
-void KERNEL( ring_air )( const wisp_ring_air_job* job, int begin, int end )
+void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), third = lane8_set1( 1.0f / 3.0f );
-    const lane8 dt = lane8_set1( job->dt );
+    const lane8 dt = lane8_set1( args->dt );
     const lane8v nothing = { zero, zero, zero };
-    const air_lanes air = { lane8v_set1( job->wind ), lane8_set1( 0.25f * job->density ), lane8_set1( job->drag ),
-                            lane8_set1( job->lift ) };
+    const air_lanes air = { lane8v_set1( args->wind ), lane8_set1( 0.25f * args->density ), lane8_set1( args->drag ),
+                            lane8_set1( args->lift ) };
     for ( int slice = begin; slice < end; ++slice )
     {
         lane8v point, old;
         lane8 weight, rest;
-        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
-        lane8_load_xyzw_contiguous( job->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
+        lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
+        lane8_load_xyzw_contiguous( args->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
         air_sum sum = { nothing, zero };
         lane8v edge = nothing, velocity = old;
-        for ( int e = job->ring_begin[slice]; e < job->ring_begin[slice + 1]; ++e )
+        for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
         {
-            const lane8v next = lane8v_sub( load_corner( job->position, job->ring4[e] ), point );
-            const lane8v next_velocity = load_corner( job->old_velocity, job->ring4[e] );
+            const lane8v next = lane8v_sub( load_corner( args->position, args->ring_x4[e] ), point );
+            const lane8v next_velocity = load_corner( args->old_velocity, args->ring_x4[e] );
             const lane8v mean = lane8v_add( lane8v_scale( lane8v_add( old, velocity ), third ),
                                             lane8v_scale( next_velocity, third ) );
             add_triangle( &air, lane8v_cross( edge, next ), mean, &sum );
@@ -86,6 +86,6 @@ void KERNEL( ring_air )( const wisp_ring_air_job* job, int begin, int end )
         const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
         const lane8 change = lane8_div( reach, lane8_add( one, lane8_mul( reach, sum.rate ) ) );
         const lane8v there = lane8v_select( moves, lane8v_add( old, lane8v_scale( sum.force, change ) ), old );
-        lane8_store_xyzw_contiguous( job->velocity + (size_t)slice * 32, there.x, there.y, there.z, rest );
+        lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, there.x, there.y, there.z, rest );
     }
 }

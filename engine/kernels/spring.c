@@ -59,19 +59,19 @@ typedef struct link_lanes
     lane8m directed;
 } link_lanes;
 
-LANE_INLINE link_lanes load_link( const wisp_spring_job* job, row_lanes* row, int entry )
+LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, int entry )
 {
-    const int32_t* other4 = job->links.other4[entry];
+    const int32_t* other_x4 = args->links.other_x4[entry];
     lane8v there, moves;
-    lane8_load_xyz( job->position, other4, &there.x, &there.y, &there.z );
-    lane8_load_xyz( job->velocity, other4, &moves.x, &moves.y, &moves.z );
+    lane8_load_xyz( args->position, other_x4, &there.x, &there.y, &there.z );
+    lane8_load_xyz( args->velocity, other_x4, &moves.x, &moves.y, &moves.z );
     lane8v across = lane8v_sub( there, row->point );
     const lane8v closing = lane8v_sub( row->velocity, moves );
-    if ( job->place != NULL )
+    if ( args->place != NULL )
     {
         lane8v from;
-        lane8_load_xyz( job->place, other4, &from.x, &from.y, &from.z );
-        across = lane8v_mul_add( lane8v_sub( from, row->place ), lane8_set1( -job->seconds ), closing );
+        lane8_load_xyz( args->place, other_x4, &from.x, &from.y, &from.z );
+        across = lane8v_mul_add( lane8v_sub( from, row->place ), lane8_set1( -args->seconds ), closing );
     }
     const lane8 one = lane8_set1( 1.0f ), squared = lane8v_dot( across, across );
     link_lanes l = { .closing = closing };
@@ -79,33 +79,33 @@ LANE_INLINE link_lanes load_link( const wisp_spring_job* job, row_lanes* row, in
     l.length = lane8_sqrt( squared );
     l.inverse_length = lane8_div( one, lane8_select( l.directed, l.length, one ) );
     l.direction = lane8v_scale( across, lane8_select( l.directed, l.inverse_length, lane8_zero() ) );
-    l.rest = lane8_load( job->links.rest[entry] );
-    l.load = lane8_load( job->links.load[entry] );
+    l.rest = lane8_load( args->links.rest[entry] );
+    l.load = lane8_load( args->links.load[entry] );
     const lane8m lost = lane8m_and_not( lane8_gt( l.rest, lane8_zero() ), l.directed );
     row->undirected = lane8_add( row->undirected, lane8_select( lost, one, lane8_zero() ) );
     return l;
 }
 
 // What the link adds to its row: a pull along it in N, and stiffness along and across it in N/m.
-LANE_INLINE void add_link( const wisp_spring_job* job, row_lanes* row, int entry, const link_lanes* l, lane8 pull,
+LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int entry, const link_lanes* l, lane8 pull,
                            lane8 along, lane8 across )
 {
-    const lane8 h = lane8_set1( job->seconds ), h2 = lane8_mul( h, h );
-    const lane8 damping = lane8_mul( h, lane8_load( job->links.damping[entry] ) );
-    const lane8 damping_across = job->axial_damping ? lane8_zero() : damping;
+    const lane8 h = lane8_set1( args->seconds ), h2 = lane8_mul( h, h );
+    const lane8 damping = lane8_mul( h, lane8_load( args->links.damping[entry] ) );
+    const lane8 damping_across = args->axial_damping ? lane8_zero() : damping;
     const lane8 k1 = lane8_mul_add( h2, along, damping ), k2 = lane8_mul_add( h2, across, damping_across );
     const lane8 root = lane8_sqrt( lane8_max( lane8_sub( k1, k2 ), lane8_zero() ) );
     const lane8v e = lane8v_scale( l->direction, root );
-    lane8_store( job->axis[entry][0], e.x );
-    lane8_store( job->axis[entry][1], e.y );
-    lane8_store( job->axis[entry][2], e.z );
-    lane8_store( job->axis[entry][3], k2 );
+    lane8_store( args->axis[entry][0], e.x );
+    lane8_store( args->axis[entry][1], e.y );
+    lane8_store( args->axis[entry][2], e.z );
+    lane8_store( args->axis[entry][3], k2 );
     row->force = lane8v_mul_add( row->force, pull, l->direction );
 
     // the first solve is at v, with all of A; a repeat has the stiffness in its forces and lacks the damping alone
-    const lane8v axis = job->repeat ? l->direction : e;
-    const lane8 on_axis = job->repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
-    const lane8 everywhere = job->repeat ? damping_across : k2;
+    const lane8v axis = args->repeat ? l->direction : e;
+    const lane8 on_axis = args->repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
+    const lane8 everywhere = args->repeat ? damping_across : k2;
     const lane8 closing = lane8_mul( on_axis, lane8v_dot( axis, l->closing ) );
     row->drag = lane8v_sub( row->drag, lane8v_mul_add( lane8v_scale( l->closing, everywhere ), closing, axis ) );
 
@@ -118,39 +118,39 @@ LANE_INLINE void add_link( const wisp_spring_job* job, row_lanes* row, int entry
 }
 
 // Who lowers stiffness does so for a substep, so links keep what they are made of.
-LANE_INLINE lane8 no_stiffer( const wisp_spring_job* job, lane8 stiffness )
+LANE_INLINE lane8 no_stiffer( const wisp_spring_args* args, lane8 stiffness )
 {
-    return lane8_min( stiffness, lane8_set1( job->stiffest > 0.0f ? job->stiffest : FLT_MAX ) );
+    return lane8_min( stiffness, lane8_set1( args->stiffest > 0.0f ? args->stiffest : FLT_MAX ) );
 }
 
 // Only beyond its rest length (Noh and Jung, eq. 6 and 8).
-LANE_INLINE void stretch( const wisp_spring_job* job, row_lanes* row, int entry )
+LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entry )
 {
-    const link_lanes l = load_link( job, row, entry );
+    const link_lanes l = load_link( args, row, entry );
     const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
-    const lane8 stiffness = no_stiffer( job, l.load ), zero = lane8_zero();
-    const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - job->reach ) );
+    const lane8 stiffness = no_stiffer( args, l.load ), zero = lane8_zero();
+    const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->reach ) );
     const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
     const lane8 along = lane8_select( resists, stiffness, zero );
     const lane8 pull = lane8_mul( lane8_select( taut, stiffness, zero ), lane8_sub( l.length, l.rest ) );
-    add_link( job, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
+    add_link( args, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
 // Only below it: the load of an arc, reached over a ramp (Noh and Jung, eq. 11-13).
-LANE_INLINE void bend( const wisp_spring_job* job, row_lanes* row, int entry )
+LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
 {
-    const link_lanes l = load_link( job, row, entry );
+    const link_lanes l = load_link( args, row, entry );
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
     const lane8m slack = lane8m_and( lane8_lt( l.length, l.rest ), l.directed );
     const lane8 inverse_rest = lane8_div( one, lane8_select( slack, l.rest, one ) );
     const arc_load arc = load_arc( lane8_min( lane8_mul( l.length, inverse_rest ), one ) );
-    const lane8 ramp = no_stiffer( job, lane8_load( job->links.ramp[entry] ) );
+    const lane8 ramp = no_stiffer( args, lane8_load( args->links.ramp[entry] ) );
     const lane8 buckled = lane8_mul( l.load, arc.load ), straight = lane8_mul( ramp, lane8_sub( l.length, l.rest ) );
     const lane8m ramps = lane8_lt( buckled, straight );
     const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );
     const lane8 slope = lane8_mul( lane8_mul( l.load, inverse_rest ), arc.slope );
     const lane8 along = lane8_select( slack, lane8_select( ramps, ramp, slope ), zero );
-    add_link( job, row, entry, &l, pull, along, job->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
+    add_link( args, row, entry, &l, pull, along, args->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
 }
 
 // The inverse of a symmetric matrix by L D L'. What it begins with, `least` in every direction, is what no pivot is smaller than:
@@ -174,24 +174,24 @@ LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
     lane8_store( out[0], lane8_mul_add( lane8_mul( back, back ), third, two ) );
 }
 
-LANE_INLINE void finish_row( const wisp_spring_job* job, row_lanes* row, int slice, lane8 mass )
+LANE_INLINE void finish_row( const wisp_spring_args* args, row_lanes* row, int slice, lane8 mass )
 {
-    lane8v rhs = lane8v_mul_add( row->drag, lane8_set1( job->seconds ), row->force );
-    if ( job->repeat )
+    lane8v rhs = lane8v_mul_add( row->drag, lane8_set1( args->seconds ), row->force );
+    if ( args->repeat )
     {
         lane8v start;
         lane8 unused;
-        lane8_load_xyzw_contiguous( job->start + (size_t)slice * 32, &start.x, &start.y, &start.z, &unused );
+        lane8_load_xyzw_contiguous( args->start + (size_t)slice * 32, &start.x, &start.y, &start.z, &unused );
         rhs = lane8v_mul_add( rhs, mass, lane8v_sub( start, row->velocity ) );
     }
-    lane8v_store( job->rhs[slice][0], rhs );
+    lane8v_store( args->rhs[slice][0], rhs );
     row->matrix[0] = lane8_add( row->matrix[0], mass );
     row->matrix[3] = lane8_add( row->matrix[3], mass );
     row->matrix[5] = lane8_add( row->matrix[5], mass );
-    invert( row->matrix, mass, job->inverse[slice] );
+    invert( row->matrix, mass, args->inverse[slice] );
 }
 
-int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )
+int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end )
 {
     int undirected = 0;
     for ( int slice = begin; slice < end; ++slice )
@@ -204,26 +204,26 @@ int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )
         {
             row.matrix[i] = zero;
         }
-        lane8_load_xyzw_contiguous( job->position + (size_t)slice * 32, &row.point.x, &row.point.y, &row.point.z,
+        lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &row.point.x, &row.point.y, &row.point.z,
                                     &mass );
-        lane8_load_xyzw_contiguous( job->velocity + (size_t)slice * 32, &row.velocity.x, &row.velocity.y,
+        lane8_load_xyzw_contiguous( args->velocity + (size_t)slice * 32, &row.velocity.x, &row.velocity.y,
                                     &row.velocity.z, &unused );
         row.place = row.point;
-        if ( job->place != NULL )
+        if ( args->place != NULL )
         {
-            lane8_load_xyzw_contiguous( job->place + (size_t)slice * 32, &row.place.x, &row.place.y, &row.place.z,
+            lane8_load_xyzw_contiguous( args->place + (size_t)slice * 32, &row.place.x, &row.place.y, &row.place.z,
                                         &unused );
         }
-        const int32_t* parts = job->links.begin + 2 * (size_t)slice;
+        const int32_t* parts = args->links.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[1]; ++entry )
         {
-            stretch( job, &row, entry );
+            stretch( args, &row, entry );
         }
         for ( int entry = parts[1]; entry < parts[2]; ++entry )
         {
-            bend( job, &row, entry );
+            bend( args, &row, entry );
         }
-        finish_row( job, &row, slice, mass );
+        finish_row( args, &row, slice, mass );
         undirected += (int)lane8_sum_ordered( row.undirected );
     }
     return undirected;
@@ -231,7 +231,7 @@ int KERNEL( spring_assemble )( const wisp_spring_job* job, int begin, int end )
 
 // ---- the product ----
 
-double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int end )
+double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end )
 {
     double sum = 0.0;
     for ( int block = begin; block < end; block += BLOCK )
@@ -241,18 +241,18 @@ double KERNEL( spring_product )( const wisp_conjugate_job* job, int begin, int e
         {
             lane8v own;
             lane8 mass;
-            lane8_load_xyzw_contiguous( job->direction + (size_t)slice * 32, &own.x, &own.y, &own.z, &mass );
+            lane8_load_xyzw_contiguous( args->direction + (size_t)slice * 32, &own.x, &own.y, &own.z, &mass );
             lane8v product = lane8v_scale( own, mass );
-            const int last = job->links.begin[2 * (size_t)slice + 2];
-            for ( int entry = job->links.begin[2 * (size_t)slice]; entry < last; ++entry )
+            const int last = args->links.begin[2 * (size_t)slice + 2];
+            for ( int entry = args->links.begin[2 * (size_t)slice]; entry < last; ++entry )
             {
                 lane8v other;
-                lane8_load_xyz( job->direction, job->links.other4[entry], &other.x, &other.y, &other.z );
-                const lane8v u = lane8v_sub( own, other ), e = lane8v_load( job->axis[entry][0] );
-                product = lane8v_mul_add( product, lane8_load( job->axis[entry][3] ), u );
+                lane8_load_xyz( args->direction, args->links.other_x4[entry], &other.x, &other.y, &other.z );
+                const lane8v u = lane8v_sub( own, other ), e = lane8v_load( args->axis[entry][0] );
+                product = lane8v_mul_add( product, lane8_load( args->axis[entry][3] ), u );
                 product = lane8v_mul_add( product, lane8v_dot( e, u ), e );
             }
-            lane8v_store( job->product[slice][0], product );
+            lane8v_store( args->product[slice][0], product );
             dot = lane8_add( dot, lane8v_dot( own, product ) );
         }
         sum += (double)lane8_sum_ordered( dot );

@@ -27,16 +27,16 @@ static lane16v mean_of( const align_group* g )
 }
 
 // Eq. 10 as printed tests the tip; `nearest` tests every vertex.
-static lane16m reached( const wisp_strand_align_job* job, const align_group* g, lane16v target )
+static lane16m reached( const wisp_strand_align_args* args, const align_group* g, lane16v target )
 {
     lane16v d = lane16v_sub( g->tip, target );
     lane16 nearest = lane16v_dot( d, d );
-    for ( int i = 0; i < g->row_count && job->nearest; ++i )
+    for ( int i = 0; i < g->row_count && args->nearest; ++i )
     {
         d = lane16v_sub( lane16v_load( g->rows + (size_t)i * STRIDE ), target );
         nearest = lane16_min( nearest, lane16v_dot( d, d ) );
     }
-    lane16m inside = lane16_le( lane16_sqrt( nearest ), lane16_set1( job->radius ) );
+    lane16m inside = lane16_le( lane16_sqrt( nearest ), lane16_set1( args->radius ) );
     return lane16m_and( inside, lane16i_lt( lane16i_set1( 1 ), g->count ) );
 }
 
@@ -70,7 +70,7 @@ static lane16 index_weight( lane16 intensity, lane16 last, int i )
     return lane16_add( lane16_mul( t, lane16_sub( one, intensity ) ), intensity );
 }
 
-static void turn_rows( const wisp_strand_align_job* job, const align_group* g, lane16 intensity, lane16m inside,
+static void turn_rows( const wisp_strand_align_args* args, const align_group* g, lane16 intensity, lane16m inside,
                        lane16 angle, lane16v axis )
 {
     lane16 last = lane16_from_int( lane16i_sub( g->count, lane16i_set1( 1 ) ) );
@@ -81,7 +81,7 @@ static void turn_rows( const wisp_strand_align_job* job, const align_group* g, l
         float* row = g->rows + (size_t)i * STRIDE;
         lane16v p = lane16v_load( row ), q = lane16v_sub( p, g->root ), turned;
         lane16 w = index_weight( intensity, last, i );
-        if ( job->chord )
+        if ( args->chord )
         {
             // eq. 13 as printed: w R q + (1 - w) q
             lane16v whole = lane16v_rotate( axis, sine, cosine, q );
@@ -96,22 +96,22 @@ static void turn_rows( const wisp_strand_align_job* job, const align_group* g, l
     }
 }
 
-static void align_group_to( const wisp_strand_align_job* job, int group )
+static void align_group_to( const wisp_strand_align_args* args, int group )
 {
     align_group g = {
-        .rows = job->position + (size_t)job->group_row[group] * STRIDE,
-        .row_count = job->group_row[group + 1] - job->group_row[group],
-        .count = lane16i_load( job->lane_count + group * WISP_LANES ),
+        .rows = args->position + (size_t)args->group_row[group] * STRIDE,
+        .row_count = args->group_row[group + 1] - args->group_row[group],
+        .count = lane16i_load( args->lane_count + group * WISP_LANES ),
     };
     g.root = lane16v_load( g.rows );
     g.tip = lane16v_load( g.rows + (size_t)( g.row_count - 1 ) * STRIDE );
-    lane16v target = lane16v_set1( job->target );
-    lane16m inside = reached( job, &g, target );
+    lane16v target = lane16v_set1( args->target );
+    lane16m inside = reached( args, &g, target );
     if ( lane16m_any( inside ) == false )
     {
         return;
     }
-    lane16v v = lane16v_sub( g.tip, job->from_root ? g.root : mean_of( &g ) );
+    lane16v v = lane16v_sub( g.tip, args->from_root ? g.root : mean_of( &g ) );
     lane16v u = lane16v_sub( target, g.root );
 
     // a strand without a direction, or with its root under the cursor, has nowhere to turn
@@ -121,14 +121,14 @@ static void align_group_to( const wisp_strand_align_job* job, int group )
 
     lane16 angle;
     lane16v axis;
-    rotation_between( job->dimension, v, u, &angle, &axis );
-    turn_rows( job, &g, lane16_load( job->intensity + group * WISP_LANES ), inside, angle, axis );
+    rotation_between( args->dimension, v, u, &angle, &axis );
+    turn_rows( args, &g, lane16_load( args->intensity + group * WISP_LANES ), inside, angle, axis );
 }
 
-void KERNEL( strand_align )( const wisp_strand_align_job* job, int group_begin, int group_end )
+void KERNEL( strand_align )( const wisp_strand_align_args* args, int group_begin, int group_end )
 {
     for ( int group = group_begin; group < group_end; ++group )
     {
-        align_group_to( job, group );
+        align_group_to( args, group );
     }
 }

@@ -44,27 +44,27 @@ typedef struct contact_surface
     lane16 distance;
 } contact_surface;
 
-static contact_pose spread_pose( wisp_rigid pose )
+static contact_pose spread_pose( wisp_transform pose )
 {
     const wisp_quat q = pose.rotation;
     return ( contact_pose ){ lane16v_set1( ( wisp_vec3 ){ q.x, q.y, q.z } ), lane16_set1( q.w ),
                              lane16v_set1( pose.translation ) };
 }
 
-static contact_body spread_body( const wisp_strand_contact_job* job )
+static contact_body spread_body( const wisp_strand_contact_args* args )
 {
     return ( contact_body ){
-        .kind = job->shape.kind,
-        .radius = lane16_set1( job->shape.radius ),
-        .half_length = lane16_set1( job->shape.half_length ),
-        .half = lane16v_set1( job->shape.half_extent ),
-        .before = spread_pose( job->before ),
-        .after = spread_pose( job->after ),
-        .thickness = lane16_set1( job->thickness ),
-        .shallow = lane16_set1( SHALLOW * job->thickness ),
-        .recovery = lane16_set1( job->recovery ),
-        .static_friction = lane16_set1( job->static_friction ),
-        .kinetic_friction = lane16_set1( job->kinetic_friction ),
+        .kind = args->shape.kind,
+        .radius = lane16_set1( args->shape.radius ),
+        .half_length = lane16_set1( args->shape.half_length ),
+        .half = lane16v_set1( args->shape.half_extent ),
+        .before = spread_pose( args->before ),
+        .after = spread_pose( args->after ),
+        .thickness = lane16_set1( args->thickness ),
+        .shallow = lane16_set1( SHALLOW * args->thickness ),
+        .recovery = lane16_set1( args->recovery ),
+        .static_friction = lane16_set1( args->static_friction ),
+        .kinetic_friction = lane16_set1( args->kinetic_friction ),
     };
 }
 
@@ -185,8 +185,8 @@ static lane16v rub( const contact_body* body, lane16v u, lane16 pushed )
 {
     lane16 length = lane16v_length( u );
     lane16m sticks = lane16_le( length, lane16_mul( body->static_friction, pushed ) );
-    lane16 share = lane16_div( lane16_mul( body->kinetic_friction, pushed ), length );
-    return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), share ) );
+    lane16 fraction = lane16_div( lane16_mul( body->kinetic_friction, pushed ), length );
+    return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), fraction ) );
 }
 
 // How far the body's surface under the vertex moves in the substep.
@@ -196,22 +196,22 @@ static lane16v surface_motion( const contact_body* body, lane16v local, const co
     return lane16v_sub( to_world( &body->after, point ), to_world( &body->before, point ) );
 }
 
-static void touch_row( const wisp_strand_contact_job* job, const contact_body* body, size_t row )
+static void touch_row( const wisp_strand_contact_args* args, const contact_body* body, size_t row )
 {
-    float *at = job->position + row * STRIDE, *from = job->previous + row * STRIDE;
+    float *at = args->position + row * STRIDE, *from = args->previous + row * STRIDE;
     lane16v p = lane16v_load( at );
     lane16v local = to_body( &body->after, p );
     const contact_surface s = closest( body, local );
-    lane16m moves = lane16_gt( lane16_load( job->weight + row * WISP_LANES ), lane16_zero() );
+    lane16m moves = lane16_gt( lane16_load( args->weight + row * WISP_LANES ), lane16_zero() );
     lane16m touches = lane16m_and( moves, lane16_lt( s.distance, body->thickness ) );
     if ( lane16m_any( touches ) == false )
     {
         return;
     }
-    float *pushed = job->pushed + row * WISP_LANES, *left = job->left + row * WISP_LANES;
+    float *pushed = args->pushed + row * WISP_LANES, *left = args->left + row * WISP_LANES;
     lane16v previous = lane16v_load( from );
     lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
-    const contact_way way = find_way( body, start, s.distance, lane16_load( job->depth + row * WISP_LANES ) );
+    const contact_way way = find_way( body, start, s.distance, lane16_load( args->depth + row * WISP_LANES ) );
     lane16v normal = turn( body->after.axis, body->after.w, s.normal );
     lane16v out = lane16v_mul_add( p, way.out, normal );
     lane16v moved = lane16v_mul_add( previous, lane16_add( way.healed, way.calmed ), normal );
@@ -241,12 +241,12 @@ static lane16v larger( lane16v a, lane16v b )
 }
 
 // Who touched nothing in the iteration before is let be as deep as it is found.
-static void begin_row( const wisp_strand_contact_job* job, size_t row, bool first_iteration )
+static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
-    float *pushed = job->pushed + row * WISP_LANES, *left = job->left + row * WISP_LANES;
+    float *pushed = args->pushed + row * WISP_LANES, *left = args->left + row * WISP_LANES;
     lane16 sum = lane16_load( pushed ), deep = lane16_load( left );
     lane16m held = lane16_gt( lane16_max( sum, deep ), lane16_zero() );
-    lane16_store( job->depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
+    lane16_store( args->depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
     lane16_store( left, lane16_zero() );
     if ( first_iteration )
     {
@@ -272,35 +272,35 @@ static wisp_vec3 fold( lane16v v, bool to_smallest )
 }
 
 // Vertices that are no number widen nothing: they are the second operand of no comparison.
-void KERNEL( strand_contact_begin )( const wisp_strand_contact_job* job, int group, bool first_iteration,
+void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_reach* reach )
 {
     const lane16v nowhere = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
     const lane16v beyond = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
-    lane16v low = nowhere, high = beyond;
+    lane16v lower = nowhere, upper = beyond;
     lane16 longest = lane16_zero();
-    for ( int row = job->group_row[group]; row < job->group_row[group + 1]; ++row )
+    for ( int row = args->group_row[group]; row < args->group_row[group + 1]; ++row )
     {
-        lane16v p = lane16v_load( job->position + (size_t)row * STRIDE );
-        lane16v q = lane16v_load( job->previous + (size_t)row * STRIDE ), d = lane16v_sub( p, q );
-        lane16m moves = lane16_gt( lane16_load( job->weight + (size_t)row * WISP_LANES ), lane16_zero() );
-        low = smaller( lane16v_select( moves, smaller( p, q ), nowhere ), low );
-        high = larger( lane16v_select( moves, larger( p, q ), beyond ), high );
+        lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
+        lane16v q = lane16v_load( args->previous + (size_t)row * STRIDE ), d = lane16v_sub( p, q );
+        lane16m moves = lane16_gt( lane16_load( args->weight + (size_t)row * WISP_LANES ), lane16_zero() );
+        lower = smaller( lane16v_select( moves, smaller( p, q ), nowhere ), lower );
+        upper = larger( lane16v_select( moves, larger( p, q ), beyond ), upper );
         longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
-        begin_row( job, (size_t)row, first_iteration );
+        begin_row( args, (size_t)row, first_iteration );
     }
-    *reach = ( wisp_strand_reach ){ .low = fold( low, true ), .high = fold( high, false ) };
+    *reach = ( wisp_strand_reach ){ .lower = fold( lower, true ), .upper = fold( upper, false ) };
     lane16 length = lane16_sqrt( longest );
     reach->path = fold( ( lane16v ){ length, length, length }, false ).x;
 }
 
 // ---- one body ----
 
-void KERNEL( strand_contact )( const wisp_strand_contact_job* job, int begin, int end )
+void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end )
 {
-    const contact_body body = spread_body( job );
-    for ( int row = job->group_row[begin]; row < job->group_row[end]; ++row )
+    const contact_body body = spread_body( args );
+    for ( int row = args->group_row[begin]; row < args->group_row[end]; ++row )
     {
-        touch_row( job, &body, (size_t)row );
+        touch_row( args, &body, (size_t)row );
     }
 }

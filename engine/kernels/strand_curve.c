@@ -17,11 +17,11 @@ typedef struct curve_source
     lane16i last;              // vertices less one
 } curve_source;
 
-static curve_source source_of( const wisp_strand_curve_job* job, int group )
+static curve_source source_of( const wisp_strand_curve_args* args, int group )
 {
-    const int32_t* at = job->lane_row + group * WISP_LANES;
-    const int32_t* count = job->lane_vertices + group * WISP_LANES;
-    curve_source s = { job->from, at, count, at[0] % WISP_LANES == 0, lane16i_loadu( count ) };
+    const int32_t* at = args->lane_row + group * WISP_LANES;
+    const int32_t* count = args->lane_vertices + group * WISP_LANES;
+    curve_source s = { args->from, at, count, at[0] % WISP_LANES == 0, lane16i_loadu( count ) };
     for ( int lane = 1; lane < WISP_LANES; ++lane )
     {
         s.in_step = s.in_step && at[lane] == at[0] + lane && count[lane] == count[0];
@@ -52,9 +52,9 @@ static lane16v vertex( const curve_source* s, int i )
 }
 
 // a + share (b - a), which is a where both are the same.
-static lane16v between( lane16v a, lane16v b, float share )
+static lane16v between( lane16v a, lane16v b, float fraction )
 {
-    return lane16v_mul_add( a, lane16_set1( share ), lane16v_sub( b, a ) );
+    return lane16v_mul_add( a, lane16_set1( fraction ), lane16v_sub( b, a ) );
 }
 
 // Groups of four vertices that share their ends. Where a lane has fewer left, a line or a quadratic as a cubic.
@@ -95,11 +95,11 @@ static segment16 neighbours( const curve_source* s, int segment )
     return c;
 }
 
-static void draw_segment( const wisp_strand_curve_job* job, segment16 c, float* to, int samples )
+static void draw_segment( const wisp_strand_curve_args* args, segment16 c, float* to, int samples )
 {
     for ( int k = 0; k < samples; ++k )
     {
-        const float* weight = job->weight + 4 * (size_t)k;
+        const float* weight = args->weight + 4 * (size_t)k;
         lane16v sum = lane16v_scale( c.p[0], lane16_set1( weight[0] ) );
         for ( int n = 1; n < 4; ++n )
         {
@@ -109,19 +109,19 @@ static void draw_segment( const wisp_strand_curve_job* job, segment16 c, float* 
     }
 }
 
-void KERNEL( strand_curve )( const wisp_strand_curve_job* job, int begin, int end )
+void KERNEL( strand_curve )( const wisp_strand_curve_args* args, int begin, int end )
 {
     for ( int group = begin; group < end; ++group )
     {
-        const curve_source source = source_of( job, group );
-        const int row_count = job->group_row[group + 1] - job->group_row[group];
-        float* to = job->to + (size_t)job->group_row[group] * 3 * WISP_LANES;
+        const curve_source source = source_of( args, group );
+        const int row_count = args->group_row[group + 1] - args->group_row[group];
+        float* to = args->to + (size_t)args->group_row[group] * 3 * WISP_LANES;
         lane16v_store( to, vertex( &source, 0 ) );
-        for ( int segment = 0; 1 + segment * job->samples < row_count; ++segment )
+        for ( int segment = 0; 1 + segment * args->samples < row_count; ++segment )
         {
-            const segment16 c = job->shares_ends ? shared_ends( &source, segment ) : neighbours( &source, segment );
-            draw_segment( job, c, to + ( 1 + (size_t)segment * (size_t)job->samples ) * 3 * WISP_LANES,
-                          job->samples );
+            const segment16 c = args->shares_ends ? shared_ends( &source, segment ) : neighbours( &source, segment );
+            draw_segment( args, c, to + ( 1 + (size_t)segment * (size_t)args->samples ) * 3 * WISP_LANES,
+                          args->samples );
         }
     }
 }

@@ -29,9 +29,9 @@ static const float SLOW_SPEED = 1e-6f; // m/s, below it a velocity has no direct
         const P##m directed = P##m_and( P##_ge( speed, slow ), P##_ge( speed0, slow ) );                             \
         const P ratio = P##_div( product, P##_mul( speed, speed0 ) );                                                \
         const P cosine = P##_max( P##_min( ratio, one ), P##_set1( -1.0f ) );                                        \
-        const P share = P##_mul( half, P##_select( directed, cosine, P##_zero() ) );                                 \
-        const P change = P##_select( directed, P##_sub( half, share ), P##_zero() );                                 \
-        return elastic == WISP_ELASTIC_CHANGE ? change : P##_add( half, share );                                     \
+        const P fraction = P##_mul( half, P##_select( directed, cosine, P##_zero() ) );                              \
+        const P change = P##_select( directed, P##_sub( half, fraction ), P##_zero() );                              \
+        return elastic == WISP_ELASTIC_CHANGE ? change : P##_add( half, fraction );                                  \
     }
 
 DEFINE_ELASTIC( lane8, lane8v )
@@ -40,7 +40,7 @@ DEFINE_ELASTIC( lane16, lane16v )
 // ---- targets ----
 
 // The coordinate axis along which a unit vector is shortest: surely not parallel to it.
-static lane16v least_axis( lane16v v )
+static lane16v min_axis( lane16v v )
 {
     const lane16 x = lane16_abs( v.x ), y = lane16_abs( v.y ), z = lane16_abs( v.z );
     const lane16m is_x = lane16m_and( lane16_le( x, y ), lane16_le( x, z ) );
@@ -67,7 +67,7 @@ static frame16 carry( frame16 q, lane16v from, lane16v to )
                                             lane16_lt( swing.w, one ) ) );
     if ( lane16m_any( opposite ) )
     {
-        const lane16v least = least_axis( a );
+        const lane16v least = min_axis( a );
         const lane16v across = lane16v_sub( least, lane16v_scale( a, lane16v_dot( least, a ) ) );
         swing = frame16_select( opposite, ( frame16 ){ across.x, across.y, across.z, zero }, swing );
     }
@@ -84,27 +84,27 @@ typedef struct target_rows
     frame16 frame;
 } target_rows;
 
-static target_rows begin_rows( const wisp_strand_target_job* job, int group )
+static target_rows begin_rows( const wisp_strand_target_args* args, int group )
 {
-    const size_t row = (size_t)job->group_row[group], triple = row * 3 * WISP_LANES;
+    const size_t row = (size_t)args->group_row[group], triple = row * 3 * WISP_LANES;
     const lane16 zero = lane16_zero();
     target_rows r = {
-        .position = job->position + triple,
-        .rest = job->rest + triple,
-        .velocity = job->velocity != NULL ? job->velocity + triple : NULL,
-        .before = job->before != NULL ? job->before + triple : NULL,
-        .cap = job->cap + row * WISP_LANES,
+        .position = args->position + triple,
+        .rest = args->rest + triple,
+        .velocity = args->velocity != NULL ? args->velocity + triple : NULL,
+        .before = args->before != NULL ? args->before + triple : NULL,
+        .cap = args->cap + row * WISP_LANES,
         .frame = { zero, zero, zero, lane16_set1( 1.0f ) },
     };
-    if ( job->root != NULL )
+    if ( args->root != NULL )
     {
-        r.frame = frame16_load( job->root + (size_t)group * 4 * WISP_LANES );
+        r.frame = frame16_load( args->root + (size_t)group * 4 * WISP_LANES );
     }
     return r;
 }
 
-// The numbers of one node a lane, a quad after the other, as wisp_strand_target_job says.
-static void node_numbers( const wisp_strand_target_job* job, target_rows* r, int i, lane16 tip, lane16 numbers[] )
+// The numbers of one node a lane, a quad after the other, as wisp_strand_target_args says.
+static void node_numbers( const wisp_strand_target_args* args, target_rows* r, int i, lane16 tip, lane16 numbers[] )
 {
     const size_t triple = (size_t)i * 3 * WISP_LANES;
     const lane16 zero = lane16_zero();
@@ -115,7 +115,7 @@ static void node_numbers( const wisp_strand_target_job* job, target_rows* r, int
         v = lane16v_load( r->velocity + triple );
     }
     const lane16v before = r->before != NULL && i > 0 ? lane16v_load( r->before + triple ) : v;
-    if ( job->carries_frames && i > 0 )
+    if ( args->carries_frames && i > 0 )
     {
         r->frame =
             carry( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ), lane16v_sub( x, r->last ) );
@@ -123,71 +123,72 @@ static void node_numbers( const wisp_strand_target_job* job, target_rows* r, int
     r->last = x;
     r->last_rest = rest;
 
-    const lane16 cap = job->capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
-    const lane16v sway = job->is_blended ? v : lane16v_scale( v, lane16_set1( job->time ) );
+    const lane16 cap = args->capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
+    const lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->time ) );
     lane16 limit = cap;
-    if ( job->is_blended == false )
+    if ( args->is_blended == false )
     {
         // a node at rest has a sway of zero: any limit serves
         const lane16 length = lane16v_length( sway );
-        limit = job->capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
-        tip = lane16_add( lane16_elastic( job->elastic, v, before ), tip );
+        limit = args->capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
+        tip = lane16_add( lane16_elastic( args->elastic, v, before ), tip );
     }
     const lane16 all[LARGEST_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
                                          sway.z,   limit,    r->frame.x, r->frame.y, r->frame.z, r->frame.w,
                                          before.x, before.y, before.z,   zero };
-    for ( int k = 0; k < job->stride; ++k )
+    for ( int k = 0; k < args->stride; ++k )
     {
         numbers[k] = all[k];
     }
 }
 
 // Lanes behind their tip have no node of their own.
-static void store_node( const wisp_strand_target_job* job, int group, int i, bool everywhere, const lane16 numbers[] )
+static void store_node( const wisp_strand_target_args* args, int group, int i, bool everywhere,
+                        const lane16 numbers[] )
 {
     float block[LARGEST_STRIDE][WISP_LANES] __attribute__( ( aligned( 64 ) ) );
     int32_t at[WISP_LANES];
-    for ( int k = 0; k < job->stride; ++k )
+    for ( int k = 0; k < args->stride; ++k )
     {
         lane16_store( block[k], numbers[k] );
     }
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
-        at[lane] = job->lane_node[group * WISP_LANES + lane] + i * job->stride;
+        at[lane] = args->lane_node[group * WISP_LANES + lane] + i * args->stride;
     }
     for ( int half = 0; half < WISP_LANES && everywhere; half += 8 )
     {
-        for ( int k = 0; k < job->stride; k += 4 )
+        for ( int k = 0; k < args->stride; k += 4 )
         {
-            lane8_store_xyzw( job->table + k, at + half, lane8_load( block[k] + half ),
+            lane8_store_xyzw( args->table + k, at + half, lane8_load( block[k] + half ),
                               lane8_load( block[k + 1] + half ), lane8_load( block[k + 2] + half ),
                               lane8_load( block[k + 3] + half ) );
         }
     }
     for ( int lane = 0; lane < WISP_LANES && everywhere == false; ++lane )
     {
-        for ( int k = 0; k < job->stride && i < job->lane_count[group * WISP_LANES + lane]; ++k )
+        for ( int k = 0; k < args->stride && i < args->lane_count[group * WISP_LANES + lane]; ++k )
         {
-            job->table[at[lane] + k] = block[k][lane];
+            args->table[at[lane] + k] = block[k][lane];
         }
     }
 }
 
-void KERNEL( strand_target )( const wisp_strand_target_job* job, int begin, int end )
+void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, int end )
 {
     for ( int group = begin; group < end; ++group )
     {
-        target_rows rows = begin_rows( job, group );
-        const lane16i count = lane16i_load( job->lane_count + group * WISP_LANES );
+        target_rows rows = begin_rows( args, group );
+        const lane16i count = lane16i_load( args->lane_count + group * WISP_LANES );
         const lane16 last =
             lane16_max( lane16_from_int( lane16i_sub( count, lane16i_set1( 1 ) ) ), lane16_set1( 1 ) );
-        const int row_count = job->group_row[group + 1] - job->group_row[group];
+        const int row_count = args->group_row[group + 1] - args->group_row[group];
         for ( int i = 0; i < row_count; ++i )
         {
             lane16 numbers[LARGEST_STRIDE];
-            const lane16 tip = lane16_div( lane16_set1( job->tip_gain * (float)i ), last );
-            node_numbers( job, &rows, i, tip, numbers );
-            store_node( job, group, i, lane16m_all( lane16i_lt( lane16i_set1( i ), count ) ), numbers );
+            const lane16 tip = lane16_div( lane16_set1( args->tip_gain * (float)i ), last );
+            node_numbers( args, &rows, i, tip, numbers );
+            store_node( args, group, i, lane16m_all( lane16i_lt( lane16i_set1( i ), count ) ), numbers );
         }
     }
 }
@@ -244,7 +245,7 @@ LANE_INLINE lane8 within( lane8 weight, lane8 limit )
 }
 
 // y = x + R o + (shared weight + scale |o|) sway, the weight within the limit.
-LANE_INLINE void ghost_rows( const wisp_strand_ghost_job mine, int group, bool turns )
+LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool turns )
 {
     const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
     const float* offset = mine.offset + (size_t)mine.group_row[group] * 3 * WISP_LANES;
@@ -276,17 +277,17 @@ LANE_INLINE void ghost_rows( const wisp_strand_ghost_job mine, int group, bool t
     }
 }
 
-void KERNEL( strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end )
+void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end )
 {
     for ( int group = begin; group < end; ++group )
     {
-        if ( job->stride == 12 )
+        if ( args->stride == 12 )
         {
-            ghost_rows( *job, group, true );
+            ghost_rows( *args, group, true );
         }
         else
         {
-            ghost_rows( *job, group, false );
+            ghost_rows( *args, group, false );
         }
     }
 }
@@ -300,65 +301,65 @@ typedef struct blended
     lane8 tip, cap; // of the first target
 } blended;
 
-static blended blend_row( const wisp_strand_ghost_job* job, int lane, quad_walk* walks, const float* offset )
+static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_walk* walks, const float* offset )
 {
     const lane8 zero = lane8_zero();
     const lane8v none = { zero, zero, zero };
     blended sum = { none, none, none, zero, zero };
-    for ( int k = 0; k < job->link_count; ++k )
+    for ( int k = 0; k < args->link_count; ++k )
     {
         lane8v x, v, before;
         lane8 tip, cap, unused;
         walk( walks + k );
-        lane8_load_xyzw( job->table, walks[k].at, &x.x, &x.y, &x.z, &tip );
-        lane8_load_xyzw( job->table + 4, walks[k].at, &v.x, &v.y, &v.z, &cap );
-        lane8_load_xyzw( job->table + 12, walks[k].at, &before.x, &before.y, &before.z, &unused );
-        const lane8 share = lane8_loadu( job->lane_share + lane + k * WISP_LANES );
+        lane8_load_xyzw( args->table, walks[k].at, &x.x, &x.y, &x.z, &tip );
+        lane8_load_xyzw( args->table + 4, walks[k].at, &v.x, &v.y, &v.z, &cap );
+        lane8_load_xyzw( args->table + 12, walks[k].at, &before.x, &before.y, &before.z, &unused );
+        const lane8 fraction = lane8_loadu( args->lane_fraction + lane + k * WISP_LANES );
         const lane8v o = load_offset( offset + (size_t)k * 3 * WISP_LANES );
-        const lane8v place = lane8v_add( x, job->turns ? turn_by_node( job->table, walks[k].at, o ) : o );
-        sum.base = lane8v_mul_add( sum.base, share, place );
-        sum.velocity = lane8v_mul_add( sum.velocity, share, v );
-        sum.before = lane8v_mul_add( sum.before, share, before );
+        const lane8v place = lane8v_add( x, args->turns ? turn_by_node( args->table, walks[k].at, o ) : o );
+        sum.base = lane8v_mul_add( sum.base, fraction, place );
+        sum.velocity = lane8v_mul_add( sum.velocity, fraction, v );
+        sum.before = lane8v_mul_add( sum.before, fraction, before );
         sum.tip = k == 0 ? tip : sum.tip;
         sum.cap = k == 0 ? cap : sum.cap;
     }
     return sum;
 }
 
-static void blend_half( const wisp_strand_ghost_job* job, int group, int half )
+static void blend_half( const wisp_strand_ghost_args* args, int group, int half )
 {
-    const int links = job->link_count, first = group * WISP_LANES + half;
-    const int row_count = job->group_row[group + 1] - job->group_row[group];
-    const size_t from = (size_t)job->group_row[group] * (size_t)links * 3 * WISP_LANES + (size_t)half;
-    const size_t to = (size_t)job->group_row[group] * 3 * WISP_LANES + (size_t)half;
-    quad_walk walks[WISP_MOST_LINKS];
+    const int links = args->link_count, first = group * WISP_LANES + half;
+    const int row_count = args->group_row[group + 1] - args->group_row[group];
+    const size_t from = (size_t)args->group_row[group] * (size_t)links * 3 * WISP_LANES + (size_t)half;
+    const size_t to = (size_t)args->group_row[group] * 3 * WISP_LANES + (size_t)half;
+    quad_walk walks[WISP_MAX_GHOST_TARGETS];
     for ( int k = 0; k < links; ++k )
     {
-        const int32_t* node = job->lane_node + ( group * links + k ) * WISP_LANES + half;
-        walks[k] = begin_walk( node, job->lane_count + first, LARGEST_STRIDE );
+        const int32_t* node = args->lane_node + ( group * links + k ) * WISP_LANES + half;
+        walks[k] = begin_walk( node, args->lane_count + first, LARGEST_STRIDE );
     }
-    const lane8 scale = lane8_loadu( job->centre_scale + first );
+    const lane8 scale = lane8_loadu( args->centre_scale + first );
     for ( int i = 0; i < row_count; ++i )
     {
-        const float* offset = job->offset + from + (size_t)i * (size_t)links * 3 * WISP_LANES;
-        blended b = blend_row( job, group * links * WISP_LANES + half, walks, offset );
-        const lane8 elastic = lane8_elastic( job->elastic, b.velocity, b.before );
+        const float* offset = args->offset + from + (size_t)i * (size_t)links * 3 * WISP_LANES;
+        blended b = blend_row( args, group * links * WISP_LANES + half, walks, offset );
+        const lane8 elastic = lane8_elastic( args->elastic, b.velocity, b.before );
         const lane8 centre = lane8_mul( scale, lane8v_length( load_offset( offset ) ) );
         const lane8 weight = lane8_add( elastic, lane8_add( b.tip, centre ) );
-        const lane8v sway = lane8v_scale( b.velocity, lane8_set1( job->time ) );
+        const lane8v sway = lane8v_scale( b.velocity, lane8_set1( args->time ) );
         const lane8 length = lane8v_length( sway );
         const lane8m moves = lane8_lt( lane8_zero(), length );
         const lane8 limit = lane8_select( moves, lane8_div( b.cap, length ), lane8_zero() );
-        store_place( job->to + to + (size_t)i * 3 * WISP_LANES,
+        store_place( args->to + to + (size_t)i * 3 * WISP_LANES,
                      lane8v_mul_add( b.base, within( weight, limit ), sway ) );
     }
 }
 
-void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end )
+void KERNEL( strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end )
 {
     for ( int group = begin; group < end; ++group )
     {
-        blend_half( job, group, 0 );
-        blend_half( job, group, 8 );
+        blend_half( args, group, 0 );
+        blend_half( args, group, 8 );
     }
 }

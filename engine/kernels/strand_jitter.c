@@ -19,13 +19,13 @@ typedef struct jitter_lanes
 
 // A unit vector perpendicular to t where the strand gives none: the z axis in the plane, else a random one that
 // depends on strand and vertex only, so that it stays the same from command to command.
-static lane16v fallback_axis( const wisp_strand_jitter_job* job, const jitter_lanes* lanes, int vertex, lane16v t )
+static lane16v fallback_axis( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex, lane16v t )
 {
-    if ( job->dimension == 2 )
+    if ( args->dimension == 2 )
     {
         return lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
     }
-    lane16 u = lane16_random_unit( job->axis_key, lanes->strand, lane16i_set1( vertex ), lane16i_set1( 0 ) );
+    lane16 u = lane16_random_unit( args->axis_key, lanes->strand, lane16i_set1( vertex ), lane16i_set1( 0 ) );
     lane16 sine, cosine;
     lane16_sincos( lane16_mul( u, lane16_set1( 6.28318531f ) ), &sine, &cosine );
     lane16v b1, b2;
@@ -33,7 +33,7 @@ static lane16v fallback_axis( const wisp_strand_jitter_job* job, const jitter_la
     return lane16v_add( lane16v_scale( b1, cosine ), lane16v_scale( b2, sine ) );
 }
 
-static lane16v bend_axis( const wisp_strand_jitter_job* job, const jitter_lanes* lanes, int vertex, lane16v before,
+static lane16v bend_axis( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex, lane16v before,
                           lane16v t )
 {
     // before x t = before x (t - before), and the difference of nearly parallel vectors is exact
@@ -44,33 +44,34 @@ static lane16v bend_axis( const wisp_strand_jitter_job* job, const jitter_lanes*
     if ( vertex == 1 || lane16m_any( straight ) )
     {
         lane16m missing = vertex == 1 ? lane16m_first( WISP_LANES ) : straight;
-        axis = lane16v_select( missing, fallback_axis( job, lanes, vertex, t ), axis );
+        axis = lane16v_select( missing, fallback_axis( args, lanes, vertex, t ), axis );
     }
     return axis;
 }
 
-static lane16 jittered_length( const wisp_strand_jitter_job* job, const jitter_lanes* lanes, int vertex, lane16 rest )
+static lane16 jittered_length( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex,
+                               lane16 rest )
 {
-    lane16 eta = lane16_random_signed( job->length_key, lanes->strand, lane16i_set1( vertex ), lane16i_set1( 0 ) );
+    lane16 eta = lane16_random_signed( args->length_key, lanes->strand, lane16i_set1( vertex ), lane16i_set1( 0 ) );
     lane16 factor = lane16_mul_add( lanes->stretch, eta, lane16_set1( 1.0f ) );
     return lane16_mul( rest, lane16_max( factor, lane16_set1( 0.05f ) ) );
 }
 
-static void jitter_group( const wisp_strand_jitter_job* job, int group )
+static void jitter_group( const wisp_strand_jitter_args* args, int group )
 {
-    const lane16 one = lane16_set1( 1.0f ), epsilon = lane16_set1( job->epsilon );
+    const lane16 one = lane16_set1( 1.0f ), epsilon = lane16_set1( args->epsilon );
     const size_t stride = 3 * WISP_LANES;
     const int lane = group * WISP_LANES;
     jitter_lanes lanes = {
-        .strand = lane16i_load( job->lane_strand + lane ),
-        .stretch = lane16_div( one, lane16_add( lane16_load( job->stretch + lane ), epsilon ) ),
-        .bend = lane16_div( one, lane16_add( lane16_load( job->bend + lane ), epsilon ) ),
+        .strand = lane16i_load( args->lane_strand + lane ),
+        .stretch = lane16_div( one, lane16_add( lane16_load( args->stretch + lane ), epsilon ) ),
+        .bend = lane16_div( one, lane16_add( lane16_load( args->bend + lane ), epsilon ) ),
     };
-    lane16 angle_scale = lane16_mul( lane16_set1( job->angle_max ), lanes.bend );
+    lane16 angle_scale = lane16_mul( lane16_set1( args->angle_max ), lanes.bend );
 
-    const float* rest = job->rest + (size_t)job->group_row[group] * stride;
-    float* position = job->position + (size_t)job->group_row[group] * stride;
-    int rows = job->group_row[group + 1] - job->group_row[group];
+    const float* rest = args->rest + (size_t)args->group_row[group] * stride;
+    float* position = args->position + (size_t)args->group_row[group] * stride;
+    int rows = args->group_row[group + 1] - args->group_row[group];
     lane16v base = lane16v_load( position ), shaped = base, rest_before = lane16v_load( rest );
     lane16v tangent = lane16v_set1( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 
@@ -88,15 +89,15 @@ static void jitter_group( const wisp_strand_jitter_job* job, int group )
         unit = lane16v_select( has_length, unit, tangent );
 
         // direction, turned by a random angle
-        lane16v axis = bend_axis( job, &lanes, i, tangent, unit );
-        lane16 xi = lane16_random_signed( job->angle_key, lanes.strand, lane16i_set1( i ), lane16i_set1( 0 ) );
+        lane16v axis = bend_axis( args, &lanes, i, tangent, unit );
+        lane16 xi = lane16_random_signed( args->angle_key, lanes.strand, lane16i_set1( i ), lane16i_set1( 0 ) );
         lane16 sine, cosine;
         lane16_sincos( lane16_mul( angle_scale, xi ), &sine, &cosine );
         lane16v turned = lane16v_mul_add( lane16v_scale( unit, cosine ), sine, lane16v_cross( axis, unit ) );
 
         // length, drawn around the original one
-        lane16 target = jittered_length( job, &lanes, i, lane16v_length( lane16v_sub( rest_next, rest_before ) ) );
-        if ( job->epsilon > 0.0f )
+        lane16 target = jittered_length( args, &lanes, i, lane16v_length( lane16v_sub( rest_next, rest_before ) ) );
+        if ( args->epsilon > 0.0f )
         {
             target = lane16_mul( target, lane16_div( length, lane16_add( length, epsilon ) ) );
         }
@@ -108,10 +109,10 @@ static void jitter_group( const wisp_strand_jitter_job* job, int group )
     }
 }
 
-void KERNEL( strand_jitter )( const wisp_strand_jitter_job* job, int group_begin, int group_end )
+void KERNEL( strand_jitter )( const wisp_strand_jitter_args* args, int group_begin, int group_end )
 {
     for ( int group = group_begin; group < group_end; ++group )
     {
-        jitter_group( job, group );
+        jitter_group( args, group );
     }
 }

@@ -10,98 +10,98 @@ typedef struct motion_terms
     lane16v gain;          // m/s, of what is free
 } motion_terms;
 
-static motion_terms motion_terms_of( const wisp_strand_motion_job* job )
+static motion_terms motion_terms_of( const wisp_strand_motion_args* args )
 {
-    const lane16 dt = lane16_set1( job->dt );
-    return ( motion_terms ){ dt, lane16_set1( 1.0f / job->dt ),
-                             lane16v_scale( lane16v_set1( job->acceleration ), dt ) };
+    const lane16 dt = lane16_set1( args->dt );
+    return ( motion_terms ){ dt, lane16_set1( 1.0f / args->dt ),
+                             lane16v_scale( lane16v_set1( args->acceleration ), dt ) };
 }
 
-LANE_INLINE lane16m is_free_row( const wisp_strand_motion_job* job, int row )
+LANE_INLINE lane16m is_free_row( const wisp_strand_motion_args* args, int row )
 {
-    return lane16_lt( lane16_zero(), lane16_load( job->weight + (size_t)row * WISP_LANES ) );
+    return lane16_lt( lane16_zero(), lane16_load( args->weight + (size_t)row * WISP_LANES ) );
 }
 
 // v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
-LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_job* job, const motion_terms* terms, int row,
+LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
                                      lane16m is_free )
 {
     const size_t at = (size_t)row * STRIDE;
-    const lane16v v = lane16v_load( job->velocity + at );
-    const lane16v predicted = lane16v_mul_add( lane16v_load( job->previous + at ), terms->dt, v );
-    const lane16v moved = lane16v_sub( lane16v_load( job->position + at ), predicted );
+    const lane16v v = lane16v_load( args->velocity + at );
+    const lane16v predicted = lane16v_mul_add( lane16v_load( args->previous + at ), terms->dt, v );
+    const lane16v moved = lane16v_sub( lane16v_load( args->position + at ), predicted );
     return lane16v_select( is_free, lane16v_mul_add( v, terms->inverse_dt, moved ), v );
 }
 
 // Roots go where they are carried; their velocity tells how they get there.
-LANE_INLINE void predict_root( const wisp_strand_motion_job* job, const motion_terms* terms, lane16v gain, int group,
-                               lane16m is_free, lane16v v )
+LANE_INLINE void predict_root( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain,
+                               int group, lane16m is_free, lane16v v )
 {
-    const size_t at = (size_t)job->group_row[group] * STRIDE;
-    const lane16v p = lane16v_load( job->position + at );
-    const lane16v root = job->root != NULL ? lane16v_load( job->root + (size_t)group * STRIDE ) : p;
+    const size_t at = (size_t)args->group_row[group] * STRIDE;
+    const lane16v p = lane16v_load( args->position + at );
+    const lane16v root = args->root != NULL ? lane16v_load( args->root + (size_t)group * STRIDE ) : p;
     const lane16v flies = lane16v_add( v, gain ),
                   carried = lane16v_scale( lane16v_sub( root, p ), terms->inverse_dt );
-    lane16v_store( job->previous + at, p );
-    lane16v_store( job->velocity + at, lane16v_select( is_free, flies, carried ) );
-    lane16v_store( job->position + at, lane16v_select( is_free, lane16v_mul_add( p, terms->dt, flies ), root ) );
+    lane16v_store( args->previous + at, p );
+    lane16v_store( args->velocity + at, lane16v_select( is_free, flies, carried ) );
+    lane16v_store( args->position + at, lane16v_select( is_free, lane16v_mul_add( p, terms->dt, flies ), root ) );
 }
 
 // Pinned vertices behind the roots stand at the end of their way already, and their velocity tells where they came from.
-LANE_INLINE void predict_row( const wisp_strand_motion_job* job, const motion_terms* terms, lane16v gain, int row,
+LANE_INLINE void predict_row( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain, int row,
                               lane16m is_free, lane16v v )
 {
     const size_t at = (size_t)row * STRIDE;
     const lane16 zero = lane16_zero();
     const lane16v none = { zero, zero, zero };
-    const lane16v p = lane16v_load( job->position + at );
+    const lane16v p = lane16v_load( args->position + at );
     const lane16v gained = lane16v_add( v, lane16v_select( is_free, gain, none ) );
     const lane16v way = lane16v_scale( gained, terms->dt );
     const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, way ) );
-    lane16v_store( job->previous + at, start );
-    lane16v_store( job->velocity + at, gained );
-    lane16v_store( job->position + at, lane16v_add( start, way ) );
+    lane16v_store( args->previous + at, start );
+    lane16v_store( args->velocity + at, gained );
+    lane16v_store( args->position + at, lane16v_add( start, way ) );
 }
 
 // With `takes_velocity` rows get the velocity of the substep before first.
-LANE_INLINE void predict_groups( const wisp_strand_motion_job* job, int begin, int end, bool takes_velocity )
+LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin, int end, bool takes_velocity )
 {
-    const motion_terms terms = motion_terms_of( job );
+    const motion_terms terms = motion_terms_of( args );
     for ( int g = begin; g < end; ++g )
     {
-        const lane16v gain = job->share != NULL
-                                 ? lane16v_scale( terms.gain, lane16_load( job->share + (size_t)g * WISP_LANES ) )
+        const lane16v gain = args->fraction != NULL
+                                 ? lane16v_scale( terms.gain, lane16_load( args->fraction + (size_t)g * WISP_LANES ) )
                                  : terms.gain;
-        const int first = job->group_row[g];
-        const lane16m is_free = is_free_row( job, first );
-        predict_root( job, &terms, gain, g, is_free,
-                      takes_velocity ? velocity_of_row( job, &terms, first, is_free )
-                                     : lane16v_load( job->velocity + (size_t)first * STRIDE ) );
-        for ( int row = first + 1; row < job->group_row[g + 1]; ++row )
+        const int first = args->group_row[g];
+        const lane16m is_free = is_free_row( args, first );
+        predict_root( args, &terms, gain, g, is_free,
+                      takes_velocity ? velocity_of_row( args, &terms, first, is_free )
+                                     : lane16v_load( args->velocity + (size_t)first * STRIDE ) );
+        for ( int row = first + 1; row < args->group_row[g + 1]; ++row )
         {
-            const lane16m free = is_free_row( job, row );
-            predict_row( job, &terms, gain, row, free,
-                         takes_velocity ? velocity_of_row( job, &terms, row, free )
-                                        : lane16v_load( job->velocity + (size_t)row * STRIDE ) );
+            const lane16m free = is_free_row( args, row );
+            predict_row( args, &terms, gain, row, free,
+                         takes_velocity ? velocity_of_row( args, &terms, row, free )
+                                        : lane16v_load( args->velocity + (size_t)row * STRIDE ) );
         }
     }
 }
 
-void KERNEL( strand_predict )( const wisp_strand_motion_job* job, int begin, int end )
+void KERNEL( strand_predict )( const wisp_strand_motion_args* args, int begin, int end )
 {
-    const wisp_strand_motion_job mine = *job;
+    const wisp_strand_motion_args mine = *args;
     predict_groups( &mine, begin, end, false );
 }
 
-void KERNEL( strand_advance )( const wisp_strand_motion_job* job, int begin, int end )
+void KERNEL( strand_advance )( const wisp_strand_motion_args* args, int begin, int end )
 {
-    const wisp_strand_motion_job mine = *job;
+    const wisp_strand_motion_args mine = *args;
     predict_groups( &mine, begin, end, true );
 }
 
-void KERNEL( strand_velocity )( const wisp_strand_motion_job* job, int begin, int end )
+void KERNEL( strand_velocity )( const wisp_strand_motion_args* args, int begin, int end )
 {
-    const wisp_strand_motion_job mine = *job;
+    const wisp_strand_motion_args mine = *args;
     const motion_terms terms = motion_terms_of( &mine );
     for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
     {
@@ -117,9 +117,9 @@ LANE_INLINE lane16m is_within( const float* row, lane16 bound )
                         lane16_le( lane16_abs( v.z ), bound ) );
 }
 
-int KERNEL( strand_first_beyond )( const wisp_strand_bound_job* job, int begin, int end )
+int KERNEL( strand_first_beyond )( const wisp_strand_bound_args* args, int begin, int end )
 {
-    const wisp_strand_bound_job mine = *job;
+    const wisp_strand_bound_args mine = *args;
     const lane16 bound = lane16_set1( mine.bound );
     for ( int row = begin; row < end; ++row )
     {
@@ -134,9 +134,9 @@ int KERNEL( strand_first_beyond )( const wisp_strand_bound_job* job, int begin, 
     return end;
 }
 
-void KERNEL( strand_damp )( const wisp_strand_damp_job* job, int begin, int end )
+void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int end )
 {
-    const wisp_strand_damp_job mine = *job;
+    const wisp_strand_damp_args mine = *args;
     const lane16v linear = lane16v_set1( mine.linear ), angular = lane16v_set1( mine.angular );
     const lane16v centre = lane16v_set1( mine.centre );
     const lane16 keep = lane16_set1( mine.keep );
@@ -154,9 +154,9 @@ void KERNEL( strand_damp )( const wisp_strand_damp_job* job, int begin, int end 
 
 // Half the length of both segments at a vertex meets the air; its direction is that from neighbour to neighbour. With the share
 // a = drag L |u| w dt of the normal wind u the vertex takes a / (1 + a) of it, however strong the wind.
-void KERNEL( strand_air )( const wisp_strand_air_job* job, int begin, int end )
+void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end )
 {
-    const wisp_strand_air_job mine = *job;
+    const wisp_strand_air_args mine = *args;
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), tiny = lane16_set1( 1e-30f );
     const lane16 half_drag_dt = lane16_set1( 0.5f * mine.drag * mine.dt );
     const lane16v wind = lane16v_set1( mine.wind );
@@ -173,9 +173,9 @@ void KERNEL( strand_air )( const wisp_strand_air_job* job, int begin, int end )
             const lane16v own = lane16v_load( mine.position + at );
             const lane16v along = lane16v_sub( lane16v_select( lane16_lt( zero, length ), to, own ), from );
             const lane16v v = lane16v_load( mine.velocity + at ), u = lane16v_sub( wind, v );
-            const lane16 share =
+            const lane16 fraction =
                 lane16_div( lane16v_dot( u, along ), lane16_max( lane16v_dot( along, along ), tiny ) );
-            const lane16v across = lane16v_sub( u, lane16v_scale( along, share ) );
+            const lane16v across = lane16v_sub( u, lane16v_scale( along, fraction ) );
             const lane16 reach = lane16_mul( half_drag_dt, lane16_add( length_before, length ) );
             const lane16 weight = lane16_load( mine.weight + lanes );
             const lane16 a = lane16_mul( lane16_mul( reach, weight ), lane16v_length( across ) );

@@ -28,43 +28,43 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
 }
 
 // Where a vertex goes by itself, without what accelerates it in this substep: at rest that is where it is.
-LANE_INLINE lane16v coasting( const wisp_strand_rod_job* job, int row, lane16 minus_dt2 )
+LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 minus_dt2 )
 {
-    const lane16v p = lane16v_load( job->position + (size_t)row * STRIDE );
-    const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( job->acceleration ) );
-    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( job->weight, row ) ), before, p );
+    const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
+    const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( args->acceleration ) );
+    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->weight, row ) ), before, p );
 }
 
 // What turns the acceleration into the way that it took, for that share of it which each strand feels.
-LANE_INLINE lane16 way_back( const wisp_strand_rod_job* job, int group )
+LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
 {
-    const lane16 minus_dt2 = lane16_set1( -job->dt * job->dt );
-    return job->share != NULL ? lane16_mul( minus_dt2, lanes_of( job->share, group ) ) : minus_dt2;
+    const lane16 minus_dt2 = lane16_set1( -args->dt * args->dt );
+    return args->fraction != NULL ? lane16_mul( minus_dt2, lanes_of( args->fraction, group ) ) : minus_dt2;
 }
 
 // ---- tension first ----
 
-static void pull( const wisp_strand_rod_job* job, int group, int first, int last )
+static void pull( const wisp_strand_rod_args* args, int group, int first, int last )
 {
-    const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -job->dt * job->dt );
-    const lane16 back = way_back( job, group );
-    lane16v p = coasting( job, first, back ), before = { zero, zero, zero };
+    const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -args->dt * args->dt );
+    const lane16 back = way_back( args, group );
+    lane16v p = coasting( args, first, back ), before = { zero, zero, zero };
     for ( int row = first; row < last; ++row )
     {
         lane16v behind = { zero, zero, zero }, next = p;
         if ( row + 1 < last )
         {
-            next = coasting( job, row + 1, back );
-            const lane16 most = lanes_of( job->most_tension, row );
-            float* at = job->tension + (size_t)row * WISP_LANES;
+            next = coasting( args, row + 1, back );
+            const lane16 most = lanes_of( args->max_tension, row );
+            float* at = args->tension + (size_t)row * WISP_LANES;
             const lane16 tension = lane16_max( lane16_neg( most ), lane16_min( most, lane16_load( at ) ) );
-            const lane16 share = lane16_mul( tension, lanes_of( job->inverse_length, row ) );
+            const lane16 fraction = lane16_mul( tension, lanes_of( args->inverse_length, row ) );
             lane16_store( at, tension );
-            behind = lane16v_scale( lane16v_sub( p, next ), lane16_mul( share, minus_dt2 ) );
+            behind = lane16v_scale( lane16v_sub( p, next ), lane16_mul( fraction, minus_dt2 ) );
         }
-        float* place = job->position + (size_t)row * STRIDE;
+        float* place = args->position + (size_t)row * STRIDE;
         const lane16v force = lane16v_sub( behind, before );
-        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( job->weight, row ), force ) );
+        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( args->weight, row ), force ) );
         before = behind;
         p = next;
     }
@@ -72,23 +72,23 @@ static void pull( const wisp_strand_rod_job* job, int group, int first, int last
 
 // ---- frames and twist ----
 
-static frame16 clamp_frame( const wisp_strand_rod_job* job, int group )
+static frame16 clamp_frame( const wisp_strand_rod_args* args, int group )
 {
-    return frame16_multiply( frame16_load( job->root + (size_t)group * QUATERNION ),
-                             frame16_load( job->clamp + (size_t)group * QUATERNION ) );
+    return frame16_multiply( frame16_load( args->root + (size_t)group * QUATERNION ),
+                             frame16_load( args->clamp + (size_t)group * QUATERNION ) );
 }
 
 // Turn a segment's frame to where the segment points now; without a length it keeps its direction.
-static frame16 carry_frame( const wisp_strand_rod_job* job, int row, lane16v e )
+static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e )
 {
-    const frame16 q = frame16_load( job->frame + (size_t)row * QUATERNION );
+    const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
     const lane16 squared = lane16v_dot( e, e );
     const lane16m has_length = lane16_lt( lane16_set1( 1e-30f ), squared );
     return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
 }
 
 // Vertex i between two frames: rest vector, twist moment, what bending and its slope ask of the twist.
-static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, frame16 b, lane16v from, lane16v to,
+static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from, lane16v to,
                             float* out )
 {
     const lane16v bend = lane16v_sub( to, from );
@@ -99,14 +99,14 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
     // |a + b|^2 = 2 + 2 a.b, and both were brought to one side, so it is 2 at least
     const frame16 middle = frame16_add( a, b );
     const lane16 shrink = lane16_div( lane16_set1( 0.5f ), lane16_add( lane16_set1( 1.0f ), rw ) );
-    const lane16v rest = lane16v_scale( lane16v_load( job->rest + (size_t)row * STRIDE ), shrink );
+    const lane16v rest = lane16v_scale( lane16v_load( args->rest + (size_t)row * STRIDE ), shrink );
     const lane16v k = frame16_turn( middle, rest );
     const lane16v turned = lane16v_scale( lane16v_cross( frame16_z( middle ), k ), shrink );
 
     // conj( a ) b about z, less the rest twist
     const lane16 rz = lane16_add( lane16_sub( lane16_mul( a.w, b.z ), lane16_mul( a.z, b.w ) ),
                                   lane16_sub( lane16_mul( a.y, b.x ), lane16_mul( a.x, b.y ) ) );
-    const float* rest_twist = job->rest_twist + (size_t)row * 2 * WISP_LANES;
+    const float* rest_twist = args->rest_twist + (size_t)row * 2 * WISP_LANES;
     const lane16 c = lane16_load( rest_twist ), s = lane16_load( rest_twist + WISP_LANES );
     const lane16 z = lane16_sub( lane16_mul( rz, c ), lane16_mul( rw, s ) );
     const lane16 w = lane16_add( lane16_mul( rw, c ), lane16_mul( rz, s ) );
@@ -117,13 +117,13 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
 
     // the binormal has no end where a strand folds back: it is cut at 154 degrees
     const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
-    const lane16 share = lane16_div( two, lane16_max( fold, lane16_set1( 0.1f ) ) );
-    lane16v_store( out + BINORMAL, lane16v_scale( lane16v_cross( from, to ), share ) );
+    const lane16 fraction = lane16_div( two, lane16_max( fold, lane16_set1( 0.1f ) ) );
+    lane16v_store( out + BINORMAL, lane16v_scale( lane16v_cross( from, to ), fraction ) );
 
-    const lane16 stiffness = lanes_of( job->stiffness, row );
+    const lane16 stiffness = lanes_of( args->stiffness, row );
     lane16v_store( out + REST_VECTOR, k );
     lane16v_store( out + TURNED, turned );
-    lane16_store( out + MOMENT, lane16_mul( lanes_of( job->twist_stiffness, row ), twist ) );
+    lane16_store( out + MOMENT, lane16_mul( lanes_of( args->twist_stiffness, row ), twist ) );
     lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, lane16v_dot( bend, turned ) ) ) );
     lane16_store( out + SLOPE, lane16_mul( lane16_set1( 0.25f ),
                                            lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
@@ -131,30 +131,30 @@ static void measure_vertex( const wisp_strand_rod_job* job, int row, frame16 a, 
 
 // Frames wait for nothing but their own segment, and go by themselves before what is measured between two of them: so many more of
 // them are under way at once.
-static void carry_frames( const wisp_strand_rod_job* job, lane16 back, int first, int last )
+static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
 {
-    lane16v p = coasting( job, first, back );
+    lane16v p = coasting( args, first, back );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const lane16v next = coasting( job, row + 1, back );
-        frame16_store( job->frame + (size_t)row * QUATERNION, carry_frame( job, row, lane16v_sub( next, p ) ) );
+        const lane16v next = coasting( args, row + 1, back );
+        frame16_store( args->frame + (size_t)row * QUATERNION, carry_frame( args, row, lane16v_sub( next, p ) ) );
         p = next;
     }
 }
 
-static void measure_frames( const wisp_strand_rod_job* job, int group, int first, int last )
+static void measure_frames( const wisp_strand_rod_args* args, int group, int first, int last )
 {
-    frame16 before = clamp_frame( job, group );
-    const lane16 back = way_back( job, group );
-    carry_frames( job, back, first, last );
-    lane16v p = coasting( job, first, back ), t_before = frame16_z( before );
-    float* out = job->scratch;
+    frame16 before = clamp_frame( args, group );
+    const lane16 back = way_back( args, group );
+    carry_frames( args, back, first, last );
+    lane16v p = coasting( args, first, back ), t_before = frame16_z( before );
+    float* out = args->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v next = coasting( job, row + 1, back );
-        const lane16v t = lane16v_scale( lane16v_sub( next, p ), lanes_of( job->inverse_length, row ) );
-        const frame16 q = frame16_load( job->frame + (size_t)row * QUATERNION );
-        measure_vertex( job, row, before, q, t_before, t, out );
+        const lane16v next = coasting( args, row + 1, back );
+        const lane16v t = lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) );
+        const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
+        measure_vertex( args, row, before, q, t_before, t, out );
         before = q;
         t_before = t;
         p = next;
@@ -162,23 +162,23 @@ static void measure_frames( const wisp_strand_rod_job* job, int group, int first
 }
 
 // One Newton step of T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0 over the turns of the segments; the clamp does not turn.
-static void balance_twist( const wisp_strand_rod_job* job, int first, int last )
+static void balance_twist( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), one = lane16_set1( 1.0f );
     const lane16 least = lane16_set1( 1e-30f );
     lane16 coupling = zero, eliminated = zero;
     for ( int row = first; row + 1 < last; ++row )
     {
-        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16 moment = zero, load = zero, twist = zero, slope = zero;
         if ( row + 2 < last )
         {
             moment = lane16_load( at + ROW + MOMENT );
             load = lane16_load( at + ROW + LOAD );
-            twist = lanes_of( job->twist_stiffness, row + 1 );
+            twist = lanes_of( args->twist_stiffness, row + 1 );
             slope = lane16_load( at + ROW + SLOPE );
         }
-        const lane16 own_twist = lanes_of( job->twist_stiffness, row ), own_slope = lane16_load( at + SLOPE );
+        const lane16 own_twist = lanes_of( args->twist_stiffness, row ), own_slope = lane16_load( at + SLOPE );
         const lane16 out_of_balance = lane16_add( lane16_sub( lane16_load( at + MOMENT ), moment ),
                                                   lane16_mul( half, lane16_add( lane16_load( at + LOAD ), load ) ) );
         const lane16 off = lane16_sub( own_slope, own_twist ); // to the segment before; none to the clamp
@@ -194,21 +194,21 @@ static void balance_twist( const wisp_strand_rod_job* job, int first, int last )
 }
 
 // Back from the tip: segments turn about themselves, and what was measured turns with them.
-static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
+static void turn_segments( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 half = lane16_set1( 0.5f );
     const lane16 most = lane16_set1( 1.0f );
     lane16 behind = lane16_zero();
     for ( int row = last - 2; row >= first; --row )
     {
-        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16 turn = lane16_sub( lane16_load( at + TURN ), lane16_mul( lane16_load( at + COUPLING ), behind ) );
         behind = turn;
         turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // a radian a substep: NaN becomes one
         lane16_store( at + TURN, turn );
         // times ( 0, 0, tan, 1 ): the length is made one again when the frame is carried
         const lane16 s = lane16_mul( half, turn );
-        float* frame = job->frame + (size_t)row * QUATERNION;
+        float* frame = args->frame + (size_t)row * QUATERNION;
         const frame16 q = frame16_load( frame );
         frame16_store( frame, ( frame16 ){ lane16_mul_add( s, q.y, q.x ), lane16_sub( q.y, lane16_mul( s, q.x ) ),
                                            lane16_mul_add( s, q.w, q.z ), lane16_sub( q.w, lane16_mul( s, q.z ) ) } );
@@ -216,11 +216,11 @@ static void turn_segments( const wisp_strand_rod_job* job, int first, int last )
     lane16 before = lane16_zero();
     for ( int row = first; row + 1 < last; ++row )
     {
-        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        float* at = args->scratch + (size_t)( row - first ) * ROW;
         const lane16 turn = lane16_load( at + TURN ), middle = lane16_mul( half, lane16_add( before, turn ) );
         lane16v_store( at + REST_VECTOR,
                        lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
-        const lane16 twisted = lane16_mul( lanes_of( job->twist_stiffness, row ), lane16_sub( turn, before ) );
+        const lane16 twisted = lane16_mul( lanes_of( args->twist_stiffness, row ), lane16_sub( turn, before ) );
         const lane16 moment = lane16_add( lane16_load( at + MOMENT ), twisted );
         lane16v_store( at + BINORMAL, lane16v_scale( lane16v_load( at + BINORMAL ), moment ) );
         before = turn;
@@ -236,67 +236,67 @@ typedef struct bending
 } bending;
 
 // A vertex between the directions a and b; `rate` is how fast that changes, times damping dt.
-LANE_INLINE bending bend_vertex( const wisp_strand_rod_job* job, int row, const float* scratch, lane16v a, lane16v b,
-                                 lane16v rate )
+LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
+                                 lane16v b, lane16v rate )
 {
-    const lane16 zero = lane16_zero(), dt2 = lane16_set1( job->dt * job->dt );
+    const lane16 zero = lane16_zero(), dt2 = lane16_set1( args->dt * args->dt );
     lane16v c = lane16v_sub( b, a );
     bending out = { .twist = { zero, zero, zero } };
-    if ( job->frame != NULL )
+    if ( args->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
         out.twist = lane16v_scale( lane16v_load( scratch + BINORMAL ), dt2 );
     }
-    out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( job->stiffness, row ) );
+    out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( args->stiffness, row ) );
     return out;
 }
 
 // How the direction of a segment has changed since the start of the substep.
-LANE_INLINE lane16v change_of( const wisp_strand_rod_job* job, int row, lane16v t )
+LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row, lane16v t )
 {
-    const lane16v p = lane16v_load( job->previous + (size_t)row * STRIDE );
-    const lane16v next = lane16v_load( job->previous + (size_t)( row + 1 ) * STRIDE );
-    return lane16v_sub( t, lane16v_scale( lane16v_sub( next, p ), lanes_of( job->inverse_length, row ) ) );
+    const lane16v p = lane16v_load( args->previous + (size_t)row * STRIDE );
+    const lane16v next = lane16v_load( args->previous + (size_t)( row + 1 ) * STRIDE );
+    return lane16v_sub( t, lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) ) );
 }
 
 // r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by e_s, and on the way y = r
 // with the two bands of L taken off.
-static void load_and_eliminate( const wisp_strand_rod_job* job, int group, int first, int last )
+static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
-    const lane16 damping = lane16_set1( job->damping * job->dt );
+    const lane16 damping = lane16_set1( args->damping * args->dt );
     const lane16v none = { zero, zero, zero };
-    lane16v p = lane16v_load( job->position + (size_t)( first + 1 ) * STRIDE );
-    lane16v t = lane16v_scale( lane16v_sub( p, lane16v_load( job->position + (size_t)first * STRIDE ) ),
-                               lanes_of( job->inverse_length, first ) );
-    lane16v change = job->damping > 0.0f ? change_of( job, first, t ) : none;
-    bending own = bend_vertex( job, first, job->scratch, frame16_z( clamp_frame( job, group ) ), t,
+    lane16v p = lane16v_load( args->position + (size_t)( first + 1 ) * STRIDE );
+    lane16v t = lane16v_scale( lane16v_sub( p, lane16v_load( args->position + (size_t)first * STRIDE ) ),
+                               lanes_of( args->inverse_length, first ) );
+    lane16v change = args->damping > 0.0f ? change_of( args, first, t ) : none;
+    bending own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
     {
-        float* at = job->scratch + (size_t)( row - first ) * ROW;
+        float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16v gradient = none;
         if ( row + 1 < last )
         {
             bending next = { none, none };
             if ( row + 2 < last )
             {
-                const lane16v q = lane16v_load( job->position + (size_t)( row + 2 ) * STRIDE );
-                const lane16v u = lane16v_scale( lane16v_sub( q, p ), lanes_of( job->inverse_length, row + 1 ) );
-                const lane16v now = job->damping > 0.0f ? change_of( job, row + 1, u ) : none;
+                const lane16v q = lane16v_load( args->position + (size_t)( row + 2 ) * STRIDE );
+                const lane16v u = lane16v_scale( lane16v_sub( q, p ), lanes_of( args->inverse_length, row + 1 ) );
+                const lane16v now = args->damping > 0.0f ? change_of( args, row + 1, u ) : none;
                 const lane16v rate = lane16v_scale( lane16v_sub( now, change ), damping );
-                next = bend_vertex( job, row + 1, at + ROW, t, u, rate );
+                next = bend_vertex( args, row + 1, at + ROW, t, u, rate );
                 p = q;
                 t = u;
                 change = now;
             }
             gradient =
                 lane16v_mul_add( lane16v_sub( own.moment, next.moment ), half, lane16v_add( own.twist, next.twist ) );
-            gradient = lane16v_scale( gradient, lanes_of( job->inverse_length, row ) );
+            gradient = lane16v_scale( gradient, lanes_of( args->inverse_length, row ) );
             own = next;
         }
-        const float* factor = job->factor + (size_t)row * STRIDE;
+        const float* factor = args->factor + (size_t)row * STRIDE;
         lane16v y = lane16v_sub( gradient, before );
         y = lane16v_sub( y, lane16v_scale( y1, lane16_load( factor + WISP_LANES ) ) );
         y = lane16v_sub( y, lane16v_scale( y2, lane16_load( factor + 2 * WISP_LANES ) ) );
@@ -307,16 +307,16 @@ static void load_and_eliminate( const wisp_strand_rod_job* job, int group, int f
     }
 }
 
-static void substitute( const wisp_strand_rod_job* job, int first, int last )
+static void substitute( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero();
     lane16v x1 = { zero, zero, zero }, x2 = x1;
     lane16 first_band = zero, second_band = zero, second_band_behind = zero;
     for ( int row = last - 1; row >= first; --row )
     {
-        const float* factor = job->factor + (size_t)row * STRIDE;
-        float* at = job->position + (size_t)row * STRIDE;
-        lane16v x = lane16v_scale( lane16v_load( job->scratch + (size_t)( row - first ) * ROW + SOLVED ),
+        const float* factor = args->factor + (size_t)row * STRIDE;
+        float* at = args->position + (size_t)row * STRIDE;
+        lane16v x = lane16v_scale( lane16v_load( args->scratch + (size_t)( row - first ) * ROW + SOLVED ),
                                    lane16_load( factor ) );
         x = lane16v_sub( x, lane16v_scale( x1, first_band ) );
         x = lane16v_sub( x, lane16v_scale( x2, second_band_behind ) );
@@ -329,9 +329,9 @@ static void substitute( const wisp_strand_rod_job* job, int first, int last )
     }
 }
 
-void KERNEL( strand_rod )( const wisp_strand_rod_job* job, int begin, int end )
+void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end )
 {
-    const wisp_strand_rod_job mine = *job;
+    const wisp_strand_rod_args mine = *args;
     for ( int g = begin; g < end; ++g )
     {
         const int first = mine.group_row[g], last = mine.group_row[g + 1];

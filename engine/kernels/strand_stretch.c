@@ -20,15 +20,15 @@ enum
 };
 _Static_assert( CHAINS* SEGMENT <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
 
-LANE_INLINE float* scratch_of( const wisp_strand_stretch_job* job, int chain, int rows )
+LANE_INLINE float* scratch_of( const wisp_strand_stretch_args* args, int chain, int rows )
 {
-    return job->scratch + (size_t)chain * (size_t)rows * SEGMENT;
+    return args->scratch + (size_t)chain * (size_t)rows * SEGMENT;
 }
 
 // Relative errors of the squared length: this is as good as single precision, no further pass is worth it.
 #define EXACT 4e-5f
 // A pivot below it, m^2/kg, belongs to a segment without length or between two pinned ends: nothing is to be done.
-#define LEAST_PIVOT 1e-30f
+#define MIN_PIVOT 1e-30f
 
 // Where an elimination has come to in one group.
 typedef struct elimination
@@ -37,22 +37,22 @@ typedef struct elimination
     lane16 w, inverse_before, multiplier_before;
 } elimination;
 
-LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_job* job, int first )
+LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args, int first )
 {
     const lane16 zero = lane16_zero();
-    return ( elimination ){ .p = lane16v_load( job->position + (size_t)first * STRIDE ),
+    return ( elimination ){ .p = lane16v_load( args->position + (size_t)first * STRIDE ),
                             .e_before = { zero, zero, zero }, // of what is behind a tip
-                            .w = lane16_load( job->weight + (size_t)first * WISP_LANES ),
+                            .w = lane16_load( args->weight + (size_t)first * WISP_LANES ),
                             .inverse_before = zero,
                             .multiplier_before = zero };
 }
 
-LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination* s, int row, float* out )
+LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, elimination* s, int row, float* out )
 {
     const lane16 zero = lane16_zero();
-    const lane16v next = lane16v_load( job->position + (size_t)( row + 1 ) * STRIDE ), none = { zero, zero, zero };
-    const lane16 w_next = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
-    const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+    const lane16v next = lane16v_load( args->position + (size_t)( row + 1 ) * STRIDE ), none = { zero, zero, zero };
+    const lane16 w_next = lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES );
+    const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
     const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
@@ -61,7 +61,7 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination*
     const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
     const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
     const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
-    const lane16m solvable = lane16_lt( lane16_set1( LEAST_PIVOT ), pivot );
+    const lane16m solvable = lane16_lt( lane16_set1( MIN_PIVOT ), pivot );
     const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
     const lane16 coupling = lane16_mul( off, s->inverse_before );
     const lane16 multiplier = lane16_mul( lane16_add( lacks, lane16_mul( off, s->multiplier_before ) ), inverse );
@@ -73,29 +73,29 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_job* job, elimination*
 
 // Groups of as many rows each, row by row in turns; what they leave stands in scratch one behind the other. Two rows at a time, so
 // that what one hands on to the next changes its registers without being moved: a tenth of this kernel.
-LANE_INLINE void eliminate( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
+LANE_INLINE void eliminate( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
 {
     elimination s[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
-        s[c] = begin_elimination( job, first[c] );
+        s[c] = begin_elimination( args, first[c] );
     }
     int row = 0;
     for ( ; row + 2 < rows; row += 2 )
     {
         for ( int c = 0; c < count; ++c )
         {
-            eliminate_row( job, &s[c], first[c] + row, scratch_of( job, c, rows ) + (size_t)row * SEGMENT );
+            eliminate_row( args, &s[c], first[c] + row, scratch_of( args, c, rows ) + (size_t)row * SEGMENT );
         }
         for ( int c = 0; c < count; ++c )
         {
-            eliminate_row( job, &s[c], first[c] + row + 1,
-                           scratch_of( job, c, rows ) + (size_t)( row + 1 ) * SEGMENT );
+            eliminate_row( args, &s[c], first[c] + row + 1,
+                           scratch_of( args, c, rows ) + (size_t)( row + 1 ) * SEGMENT );
         }
     }
     for ( int c = 0; c < count && row + 1 < rows; ++c )
     {
-        eliminate_row( job, &s[c], first[c] + row, scratch_of( job, c, rows ) + (size_t)row * SEGMENT );
+        eliminate_row( args, &s[c], first[c] + row, scratch_of( args, c, rows ) + (size_t)row * SEGMENT );
     }
 }
 
@@ -116,10 +116,11 @@ LANE_INLINE lane16m is_within( lane16v e, lane16 length, lane16 limit )
 }
 
 // A vertex moves by the multipliers of its two segments, and the segment behind it is judged.
-LANE_INLINE void move_row( const wisp_strand_stretch_job* job, substitution* s, int row, lane16v pull, lane16 limit )
+LANE_INLINE void move_row( const wisp_strand_stretch_args* args, substitution* s, int row, lane16v pull,
+                           lane16 limit )
 {
-    float* at = job->position + (size_t)row * STRIDE;
-    const lane16 w = lane16_load( job->weight + (size_t)row * WISP_LANES );
+    float* at = args->position + (size_t)row * STRIDE;
+    const lane16 w = lane16_load( args->weight + (size_t)row * WISP_LANES );
     const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( s->pull, pull ) );
     lane16v_store( at, moved );
     const lane16m exact = is_within( lane16v_sub( moved, s->moved ), s->length, limit );
@@ -137,18 +138,18 @@ typedef struct substitution_terms
 } substitution_terms;
 
 // The segment from the row before to this one, which has left `in`.
-LANE_INLINE void substitute_row( const wisp_strand_stretch_job* job, const substitution_terms* terms, substitution* s,
-                                 int row, const float* in )
+LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const substitution_terms* terms,
+                                 substitution* s, int row, const float* in )
 {
     const lane16 multiplier = lane16_add( lane16_load( in + MULTIPLIER ), lane16_mul( s->coupling, s->multiplier ) );
     const lane16v e = lane16v_load( in );
-    move_row( job, s, row, lane16v_scale( e, multiplier ), terms->limit );
+    move_row( args, s, row, lane16v_scale( e, multiplier ), terms->limit );
     s->multiplier = multiplier;
     s->coupling = lane16_load( in + COUPLING );
-    s->length = lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES );
+    s->length = lane16_load( args->length + (size_t)( row - 1 ) * WISP_LANES );
     if ( terms->has_tension )
     {
-        float* tension = job->tension + (size_t)( row - 1 ) * WISP_LANES;
+        float* tension = args->tension + (size_t)( row - 1 ) * WISP_LANES;
         const lane16 change = lane16_mul( lane16_mul( multiplier, lane16v_length( e ) ), terms->per_tension );
         lane16_store( tension, lane16_sub( lane16_load( tension ), change ) );
     }
@@ -156,41 +157,41 @@ LANE_INLINE void substitute_row( const wisp_strand_stretch_job* job, const subst
 
 // From the tip to the root: multipliers, and each vertex moves by those of its two segments. Two rows at a time, as above.
 // @return lanes with a segment that is not exact
-LANE_INLINE lane16m substitute( const wisp_strand_stretch_job* job, const float* scratch, int first, int last,
+LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const float* scratch, int first, int last,
                                 bool has_tension )
 {
     const lane16 zero = lane16_zero();
     const lane16v none = { zero, zero, zero };
-    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * job->tolerance ) ),
-                                       lane16_set1( 1.0f / ( job->dt * job->dt ) ), has_tension };
+    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ),
+                                       lane16_set1( 1.0f / ( args->dt * args->dt ) ), has_tension };
     // behind the tip there is no segment, so none is judged
     substitution s = { none, none, zero, zero, zero, lane16_lt( zero, zero ) };
     int row = last - 1;
     for ( ; row > first + 1; row -= 2 )
     {
         const float* in = scratch + (size_t)( row - 1 - first ) * SEGMENT;
-        substitute_row( job, &terms, &s, row, in );
-        substitute_row( job, &terms, &s, row - 1, in - SEGMENT );
+        substitute_row( args, &terms, &s, row, in );
+        substitute_row( args, &terms, &s, row - 1, in - SEGMENT );
     }
     if ( row > first )
     {
-        substitute_row( job, &terms, &s, row, scratch );
+        substitute_row( args, &terms, &s, row, scratch );
     }
-    move_row( job, &s, first, none, terms.limit );
+    move_row( args, &s, first, none, terms.limit );
     return s.inexact;
 }
 
 // ---- strands that Newton does not reach ----
 
 // Lanes with a segment that is not within the tolerance. Only asked of groups that are not exact.
-static lane16m find_bad( const wisp_strand_stretch_job* job, int first, int last )
+static lane16m find_bad( const wisp_strand_stretch_args* args, int first, int last )
 {
-    const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * job->tolerance );
+    const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * args->tolerance );
     lane16m bad = lane16_lt( zero, zero );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const float* at = job->position + (size_t)row * STRIDE;
-        const lane16 length = lane16_load( job->length + (size_t)row * WISP_LANES );
+        const float* at = args->position + (size_t)row * STRIDE;
+        const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
         const lane16v e = lane16v_sub( lane16v_load( at ), lane16v_load( at + STRIDE ) );
         const lane16m good = is_within( e, length, tolerance );
         bad = lane16m_or( bad, lane16m_and_not( lane16_lt( zero, length ), good ) );
@@ -199,57 +200,57 @@ static lane16m find_bad( const wisp_strand_stretch_job* job, int first, int last
 }
 
 // Lanes with a pin beyond the root cannot be laid out from it.
-static lane16m further_pins( const wisp_strand_stretch_job* job, int first, int last )
+static lane16m further_pins( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero();
     lane16m pinned = lane16_lt( zero, zero );
     for ( int row = first + 1; row < last; ++row )
     {
-        const lane16m is_vertex = lane16_lt( zero, lane16_load( job->length + (size_t)( row - 1 ) * WISP_LANES ) );
-        const lane16m holds = lane16_le( lane16_load( job->weight + (size_t)row * WISP_LANES ), zero );
+        const lane16m is_vertex = lane16_lt( zero, lane16_load( args->length + (size_t)( row - 1 ) * WISP_LANES ) );
+        const lane16m holds = lane16_le( lane16_load( args->weight + (size_t)row * WISP_LANES ), zero );
         pinned = lane16m_or( pinned, lane16m_and( is_vertex, holds ) );
     }
     return pinned;
 }
 
-static lane16 whole_length( const wisp_strand_stretch_job* job, int first, int last )
+static lane16 whole_length( const wisp_strand_stretch_args* args, int first, int last )
 {
     lane16 sum = lane16_zero();
     for ( int row = first; row + 1 < last; ++row )
     {
-        sum = lane16_add( sum, lane16_load( job->length + (size_t)row * WISP_LANES ) );
+        sum = lane16_add( sum, lane16_load( args->length + (size_t)row * WISP_LANES ) );
     }
     return sum;
 }
 
 // Where a vertex comes from that is laid out: being put in order makes it no faster than it was predicted to be, and it stands
 // still if it is put farther away than the strand is long.
-static lane16v start_of( const wisp_strand_stretch_job* job, int row, lane16v put, lane16 reach2 )
+static lane16v start_of( const wisp_strand_stretch_args* args, int row, lane16v put, lane16 reach2 )
 {
-    lane16v start = lane16v_load( job->previous + (size_t)row * STRIDE );
+    lane16v start = lane16v_load( args->previous + (size_t)row * STRIDE );
     const lane16v way = lane16v_sub( put, start );
     const lane16 squared = lane16v_dot( way, way );
-    if ( job->velocity != NULL )
+    if ( args->velocity != NULL )
     {
-        const lane16v v = lane16v_load( job->velocity + (size_t)row * STRIDE );
-        const lane16 predicted = lane16_mul( lane16v_dot( v, v ), lane16_set1( job->dt * job->dt ) );
-        const lane16 share = lane16_sqrt( lane16_div( predicted, squared ) );
-        start =
-            lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( way, share ) ), start );
+        const lane16v v = lane16v_load( args->velocity + (size_t)row * STRIDE );
+        const lane16 predicted = lane16_mul( lane16v_dot( v, v ), lane16_set1( args->dt * args->dt ) );
+        const lane16 fraction = lane16_sqrt( lane16_div( predicted, squared ) );
+        start = lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( way, fraction ) ),
+                                start );
     }
     return lane16v_select( lane16_le( squared, reach2 ), start, put );
 }
 
-static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int first, int last )
+static void lay_out( const wisp_strand_stretch_args* args, lane16m lanes, int first, int last )
 {
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
-    const lane16 reach = whole_length( job, first, last ), reach2 = lane16_mul( reach, reach );
-    lane16v before = lane16v_load( job->position + (size_t)first * STRIDE ), put = before;
+    const lane16 reach = whole_length( args, first, last ), reach2 = lane16_mul( reach, reach );
+    lane16v before = lane16v_load( args->position + (size_t)first * STRIDE ), put = before;
     lane16v direction = lane16v_set1( ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
     for ( int row = first; row + 1 < last; ++row )
     {
-        float* at = job->position + (size_t)( row + 1 ) * STRIDE;
-        float* from = job->previous + (size_t)( row + 1 ) * STRIDE;
+        float* at = args->position + (size_t)( row + 1 ) * STRIDE;
+        float* from = args->previous + (size_t)( row + 1 ) * STRIDE;
         const lane16v p = lane16v_load( at ), e = lane16v_sub( p, before );
         const lane16 squared = lane16v_dot( e, e );
         // neither too short to have a direction, nor so long that its square overflowed, nor NaN
@@ -257,17 +258,17 @@ static void lay_out( const wisp_strand_stretch_job* job, lane16m lanes, int firs
             lane16m_and( lane16_lt( lane16_set1( 1e-30f ), squared ), lane16_lt( squared, lane16_set1( FLT_MAX ) ) );
         const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
         direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
-        put = lane16v_mul_add( put, lane16_load( job->length + (size_t)row * WISP_LANES ), direction );
-        const lane16 weight = lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES );
+        put = lane16v_mul_add( put, lane16_load( args->length + (size_t)row * WISP_LANES ), direction );
+        const lane16 weight = lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES );
         const lane16m moves = lane16m_and( lanes, lane16_lt( zero, weight ) );
         lane16v_store( at, lane16v_select( moves, put, p ) );
-        lane16v_store( from, lane16v_select( moves, start_of( job, row + 1, put, reach2 ), lane16v_load( from ) ) );
+        lane16v_store( from, lane16v_select( moves, start_of( args, row + 1, put, reach2 ), lane16v_load( from ) ) );
         before = p;
     }
     // the multipliers of passes that came to nothing are no tensions
-    for ( int row = first; row < last && job->tension != NULL; ++row )
+    for ( int row = first; row < last && args->tension != NULL; ++row )
     {
-        float* at = job->tension + (size_t)row * WISP_LANES;
+        float* at = args->tension + (size_t)row * WISP_LANES;
         lane16_store( at, lane16_select( lanes, zero, lane16_load( at ) ) );
     }
 }
@@ -283,62 +284,62 @@ static int count_lanes( lane16m lanes )
     return count;
 }
 
-static void clear_tension( const wisp_strand_stretch_job* job, int first, int last )
+static void clear_tension( const wisp_strand_stretch_args* args, int first, int last )
 {
-    for ( int row = first; row < last && job->tension != NULL && job->keeps_tension == false; ++row )
+    for ( int row = first; row < last && args->tension != NULL && args->keeps_tension == false; ++row )
     {
-        lane16_store( job->tension + (size_t)row * WISP_LANES, lane16_zero() );
+        lane16_store( args->tension + (size_t)row * WISP_LANES, lane16_zero() );
     }
 }
 
 // @return how many strands had to be laid out
-static int mend( const wisp_strand_stretch_job* job, int first, int last )
+static int mend( const wisp_strand_stretch_args* args, int first, int last )
 {
-    const lane16m lost = lane16m_and_not( find_bad( job, first, last ), further_pins( job, first, last ) );
+    const lane16m lost = lane16m_and_not( find_bad( args, first, last ), further_pins( args, first, last ) );
     if ( lane16m_any( lost ) )
     {
-        lay_out( job, lost, first, last );
+        lay_out( args, lost, first, last );
     }
     return count_lanes( lost );
 }
 
 // One pass over groups in turns.
-LANE_INLINE void pass_over( const wisp_strand_stretch_job* job, const int* first, int rows, int count,
+LANE_INLINE void pass_over( const wisp_strand_stretch_args* args, const int* first, int rows, int count,
                             lane16m* inexact )
 {
-    eliminate( job, first, rows, count );
+    eliminate( args, first, rows, count );
     for ( int c = 0; c < count; ++c )
     {
-        const float* scratch = scratch_of( job, c, rows );
-        inexact[c] = job->tension != NULL ? substitute( job, scratch, first[c], first[c] + rows, true )
-                                          : substitute( job, scratch, first[c], first[c] + rows, false );
+        const float* scratch = scratch_of( args, c, rows );
+        inexact[c] = args->tension != NULL ? substitute( args, scratch, first[c], first[c] + rows, true )
+                                           : substitute( args, scratch, first[c], first[c] + rows, false );
     }
 }
 
 // Passes end where a group is exact, whatever the other one needs: what it gets depends on its own strands alone.
-LANE_INLINE int stretch_groups( const wisp_strand_stretch_job* job, const int* first, int rows, int count )
+LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
 {
     lane16m inexact[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
-        clear_tension( job, first[c], first[c] + rows );
+        clear_tension( args, first[c], first[c] + rows );
     }
-    pass_over( job, first, rows, count, inexact );
+    pass_over( args, first, rows, count, inexact );
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
-        for ( int pass = 1; pass < job->passes && lane16m_any( inexact[c] ); ++pass )
+        for ( int pass = 1; pass < args->passes && lane16m_any( inexact[c] ); ++pass )
         {
-            pass_over( job, first + c, rows, 1, inexact + c );
+            pass_over( args, first + c, rows, 1, inexact + c );
         }
-        laid += lane16m_any( inexact[c] ) ? mend( job, first[c], first[c] + rows ) : 0;
+        laid += lane16m_any( inexact[c] ) ? mend( args, first[c], first[c] + rows ) : 0;
     }
     return laid;
 }
 
-int KERNEL( strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end )
+int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end )
 {
-    const wisp_strand_stretch_job mine = *job;
+    const wisp_strand_stretch_args mine = *args;
     int laid = 0;
     for ( int g = begin; g < end; )
     {

@@ -5,7 +5,7 @@
 static const size_t STRIDE = 3 * WISP_LANES;
 
 // Below this squared length, m^2, a segment has no direction.
-#define LEAST_SQUARE 1e-30f
+#define MIN_SQUARE 1e-30f
 
 // Change of the multiplier over the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb + alpha)).
 typedef struct link_rule
@@ -21,37 +21,37 @@ typedef struct sweep
     lane16 w[2];
 } sweep;
 
-LANE_INLINE sweep begin_sweep( const wisp_strand_link_job* job, int first, int stride )
+LANE_INLINE sweep begin_sweep( const wisp_strand_link_args* args, int first, int stride )
 {
     sweep s;
     for ( int k = 0; k < 2; ++k )
     {
         const int row = k < stride ? first + k : first;
-        s.p[k] = lane16v_load( job->position + (size_t)row * STRIDE );
-        s.w[k] = lane16_load( job->weight + (size_t)row * WISP_LANES );
+        s.p[k] = lane16v_load( args->position + (size_t)row * STRIDE );
+        s.w[k] = lane16_load( args->weight + (size_t)row * WISP_LANES );
     }
     return s;
 }
 
 // The link from `row`, which is at place k.
-LANE_INLINE void sweep_row( const wisp_strand_link_job* job, const link_rule* rule, sweep* s, int k, int row,
+LANE_INLINE void sweep_row( const wisp_strand_link_args* args, const link_rule* rule, sweep* s, int k, int row,
                             int stride, bool has_lambda )
 {
     const lane16 zero = lane16_zero();
     const size_t lanes = (size_t)row * WISP_LANES, other = lanes + (size_t)stride * WISP_LANES;
-    const lane16v pa = s->p[k], pb = lane16v_load( job->position + (size_t)( row + stride ) * STRIDE );
-    const lane16 wa = s->w[k], wb = lane16_load( job->weight + other );
-    const lane16 rest = lane16_load( job->rest + lanes ), weight = lane16_add( wa, wb );
+    const lane16v pa = s->p[k], pb = lane16v_load( args->position + (size_t)( row + stride ) * STRIDE );
+    const lane16 wa = s->w[k], wb = lane16_load( args->weight + other );
+    const lane16 rest = lane16_load( args->rest + lanes ), weight = lane16_add( wa, wb );
     const lane16v along = lane16v_sub( pa, pb );
     const lane16 squared = lane16v_dot( along, along );
     // two pinned ends, no direction, or no link: nothing to say
     const lane16m holds = lane16m_and( lane16m_and( lane16_lt( zero, weight ), lane16_lt( zero, rest ) ),
-                                       lane16_lt( lane16_set1( LEAST_SQUARE ), squared ) );
+                                       lane16_lt( lane16_set1( MIN_SQUARE ), squared ) );
     const lane16 length = lane16_sqrt( squared );
     lane16 error = lane16_sub( rest, length ), lambda = zero;
     if ( has_lambda )
     {
-        lambda = lane16_load( job->lambda + lanes );
+        lambda = lane16_load( args->lambda + lanes );
         error = lane16_sub( error, lane16_mul( rule->alpha, lambda ) );
     }
     const lane16 denominator = lane16_mul( length, lane16_add( weight, rule->alpha ) );
@@ -59,21 +59,21 @@ LANE_INLINE void sweep_row( const wisp_strand_link_job* job, const link_rule* ru
         lane16_select( holds, lane16_div( lane16_mul( rule->stiffness, error ), denominator ), zero );
     if ( has_lambda )
     {
-        lane16_store( job->lambda + lanes, lane16_mul_add( change, length, lambda ) );
+        lane16_store( args->lambda + lanes, lane16_mul_add( change, length, lambda ) );
     }
-    lane16v_store( job->position + (size_t)row * STRIDE, lane16v_mul_add( pa, lane16_mul( wa, change ), along ) );
+    lane16v_store( args->position + (size_t)row * STRIDE, lane16v_mul_add( pa, lane16_mul( wa, change ), along ) );
     s->p[k] = lane16v_sub( pb, lane16v_scale( along, lane16_mul( wb, change ) ) );
     s->w[k] = wb;
 }
 
 // Groups of as many rows each, row by row in turns: their links do not wait for each other.
-LANE_INLINE void sweep_groups( const wisp_strand_link_job* job, const link_rule* rule, const int* first, int rows,
+LANE_INLINE void sweep_groups( const wisp_strand_link_args* args, const link_rule* rule, const int* first, int rows,
                                int stride, int count, bool has_lambda )
 {
     sweep s[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
-        s[c] = begin_sweep( job, first[c], stride );
+        s[c] = begin_sweep( args, first[c], stride );
     }
     int row = 0;
     for ( ; row + 2 * stride <= rows; row += stride )
@@ -82,7 +82,7 @@ LANE_INLINE void sweep_groups( const wisp_strand_link_job* job, const link_rule*
         {
             for ( int c = 0; c < count; ++c )
             {
-                sweep_row( job, rule, &s[c], k, first[c] + row + k, stride, has_lambda );
+                sweep_row( args, rule, &s[c], k, first[c] + row + k, stride, has_lambda );
             }
         }
     }
@@ -92,40 +92,40 @@ LANE_INLINE void sweep_groups( const wisp_strand_link_job* job, const link_rule*
     {
         if ( is_odd )
         {
-            sweep_row( job, rule, &s[c], 0, first[c] + row, stride, has_lambda );
+            sweep_row( args, rule, &s[c], 0, first[c] + row, stride, has_lambda );
         }
         for ( int k = 0; k < stride; ++k )
         {
             const int at = first[c] + row + k + ( is_odd && k == 0 ? stride : 0 );
-            lane16v_store( job->position + (size_t)at * STRIDE, s[c].p[k] );
+            lane16v_store( args->position + (size_t)at * STRIDE, s[c].p[k] );
         }
     }
 }
 
-LANE_INLINE void sweep_all( const wisp_strand_link_job* job, int begin, int end, int stride, bool has_lambda )
+LANE_INLINE void sweep_all( const wisp_strand_link_args* args, int begin, int end, int stride, bool has_lambda )
 {
-    const bool compliant = job->inverse_dt2 > 0.0f;
-    const link_rule rule = { lane16_set1( compliant ? 1.0f : job->stiffness ),
-                             lane16_set1( job->compliance * job->inverse_dt2 ) };
+    const bool compliant = args->inverse_dt2 > 0.0f;
+    const link_rule rule = { lane16_set1( compliant ? 1.0f : args->stiffness ),
+                             lane16_set1( args->compliance * args->inverse_dt2 ) };
     for ( int g = begin; g < end; )
     {
-        const int count = strand_groups_alike( job->group_row, g, end );
-        const int rows = job->group_row[g + 1] - job->group_row[g];
+        const int count = strand_groups_alike( args->group_row, g, end );
+        const int rows = args->group_row[g + 1] - args->group_row[g];
         if ( rows > stride && count == CHAINS )
         {
-            sweep_groups( job, &rule, job->group_row + g, rows, stride, CHAINS, has_lambda );
+            sweep_groups( args, &rule, args->group_row + g, rows, stride, CHAINS, has_lambda );
         }
         else if ( rows > stride )
         {
-            sweep_groups( job, &rule, job->group_row + g, rows, stride, 1, has_lambda );
+            sweep_groups( args, &rule, args->group_row + g, rows, stride, 1, has_lambda );
         }
         g += count;
     }
 }
 
-void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end )
+void KERNEL( strand_link )( const wisp_strand_link_args* args, int begin, int end )
 {
-    const wisp_strand_link_job mine = *job;
+    const wisp_strand_link_args mine = *args;
     if ( mine.stride == 1 && mine.lambda == NULL )
     {
         sweep_all( &mine, begin, end, 1, false );
@@ -145,36 +145,36 @@ void KERNEL( strand_link )( const wisp_strand_link_job* job, int begin, int end 
 }
 
 // The follower's correction d is added to where its leader came from: read back, the leader's velocity loses share d / dt.
-static void follow_group( const wisp_strand_follow_job* job, lane16 share, int first, int last )
+static void follow_group( const wisp_strand_follow_args* args, lane16 fraction, int first, int last )
 {
-    const lane16 zero = lane16_zero(), least = lane16_set1( LEAST_SQUARE );
-    lane16v leader = lane16v_load( job->position + (size_t)first * STRIDE );
-    lane16m leader_is_free = lane16_lt( zero, lane16_load( job->weight + (size_t)first * WISP_LANES ) );
+    const lane16 zero = lane16_zero(), least = lane16_set1( MIN_SQUARE );
+    lane16v leader = lane16v_load( args->position + (size_t)first * STRIDE );
+    lane16m leader_is_free = lane16_lt( zero, lane16_load( args->weight + (size_t)first * WISP_LANES ) );
     for ( int row = first; row + 1 < last; ++row )
     {
         const size_t at = (size_t)row * STRIDE, next = at + STRIDE;
-        const lane16v p = lane16v_load( job->position + next ), along = lane16v_sub( p, leader );
+        const lane16v p = lane16v_load( args->position + next ), along = lane16v_sub( p, leader );
         const lane16 squared = lane16v_dot( along, along );
-        const lane16m is_free = lane16_lt( zero, lane16_load( job->weight + (size_t)( row + 1 ) * WISP_LANES ) );
+        const lane16m is_free = lane16_lt( zero, lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES ) );
         const lane16m moves = lane16m_and( is_free, lane16_lt( least, squared ) );
         const lane16 scale =
-            lane16_div( lane16_load( job->length + (size_t)row * WISP_LANES ), lane16_sqrt( squared ) );
+            lane16_div( lane16_load( args->length + (size_t)row * WISP_LANES ), lane16_sqrt( squared ) );
         const lane16v put = lane16v_select( moves, lane16v_mul_add( leader, scale, along ), p );
-        const lane16v correction = lane16v_scale( lane16v_sub( put, p ), share );
-        const lane16v previous = lane16v_load( job->previous + at );
-        lane16v_store( job->previous + at,
+        const lane16v correction = lane16v_scale( lane16v_sub( put, p ), fraction );
+        const lane16v previous = lane16v_load( args->previous + at );
+        lane16v_store( args->previous + at,
                        lane16v_select( leader_is_free, lane16v_add( previous, correction ), previous ) );
-        lane16v_store( job->position + next, put );
+        lane16v_store( args->position + next, put );
         leader = put;
         leader_is_free = is_free;
     }
 }
 
-void KERNEL( strand_follow )( const wisp_strand_follow_job* job, int begin, int end )
+void KERNEL( strand_follow )( const wisp_strand_follow_args* args, int begin, int end )
 {
-    const wisp_strand_follow_job mine = *job;
+    const wisp_strand_follow_args mine = *args;
     for ( int g = begin; g < end; ++g )
     {
-        follow_group( &mine, lane16_set1( mine.share ), mine.group_row[g], mine.group_row[g + 1] );
+        follow_group( &mine, lane16_set1( mine.fraction ), mine.group_row[g], mine.group_row[g + 1] );
     }
 }

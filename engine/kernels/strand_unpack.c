@@ -38,16 +38,16 @@ static void unpack_eight( const float* from, float* const* to, int numbers )
     }
 }
 
-static void unpack_half( const wisp_strand_unpack_job* job, int group, int first_lane )
+static void unpack_half( const wisp_strand_unpack_args* args, int group, int first_lane )
 {
-    const float* from = job->position + (size_t)job->group_row[group] * 3 * WISP_LANES + (size_t)first_lane;
-    const int32_t* strands = job->lane_strand + group * WISP_LANES + first_lane;
-    const int32_t* counts = job->lane_count + group * WISP_LANES + first_lane;
+    const float* from = args->position + (size_t)args->group_row[group] * 3 * WISP_LANES + (size_t)first_lane;
+    const int32_t* strands = args->lane_strand + group * WISP_LANES + first_lane;
+    const int32_t* counts = args->lane_count + group * WISP_LANES + first_lane;
     float* to[EIGHT];
     bool alike = true;
     for ( int l = 0; l < EIGHT; ++l )
     {
-        to[l] = counts[l] > 0 ? job->points + 3 * (size_t)job->offsets[strands[l]] : NULL;
+        to[l] = counts[l] > 0 ? args->points + 3 * (size_t)args->offsets[strands[l]] : NULL;
         alike = alike && counts[l] == counts[0];
     }
     if ( alike )
@@ -61,13 +61,13 @@ static void unpack_half( const wisp_strand_unpack_job* job, int group, int first
     }
 }
 
-void KERNEL( strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end )
+void KERNEL( strand_unpack )( const wisp_strand_unpack_args* args, int group_begin, int group_end )
 {
     for ( int group = group_begin; group < group_end; ++group )
     {
         for ( int lane = 0; lane < WISP_LANES; lane += EIGHT )
         {
-            unpack_half( job, group, lane );
+            unpack_half( args, group, lane );
         }
     }
 }

@@ -6,12 +6,12 @@ enum
     LANES = 8,
 };
 
-LANE_INLINE lane8v way_of( const wisp_way_job* job, int point )
+LANE_INLINE lane8v way_of( const wisp_displacement_args* args, int point )
 {
     lane8v now, before;
     lane8 weight;
-    lane8_load_xyzw_contiguous( job->now + (size_t)point * 4, &now.x, &now.y, &now.z, &weight );
-    lane8_load_xyzw_contiguous( job->before + (size_t)point * 4, &before.x, &before.y, &before.z, &weight );
+    lane8_load_xyzw_contiguous( args->now + (size_t)point * 4, &now.x, &now.y, &now.z, &weight );
+    lane8_load_xyzw_contiguous( args->before + (size_t)point * 4, &before.x, &before.y, &before.z, &weight );
     return lane8v_sub( now, before );
 }
 
@@ -22,7 +22,7 @@ LANE_INLINE lane8 length_of( lane8v way )
     return lane8_select( lane8_lt( length, lane8_set1( 1e6f ) ), length, lane8_zero() );
 }
 
-bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum[3] )
+bool KERNEL( sum_displacements )( const wisp_displacement_args* args, int begin, int end, double sum[3] )
 {
     const lane8 zero = lane8_zero(), most = lane8_set1( 1e6f );
     lane8 lanes[3] = { zero, zero, zero };
@@ -30,7 +30,7 @@ bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum
     for ( int p = begin; p < end; p += LANES )
     {
         const lane8m there_is = lane8m_first( end - p );
-        const lane8v way = way_of( job, p );
+        const lane8v way = way_of( args, p );
         const lane8 each[3] = { way.x, way.y, way.z };
         for ( int k = 0; k < 3; ++k )
         {
@@ -38,7 +38,7 @@ bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum
             lanes[k] = lane8_add( lanes[k], lane8_select( counts, each[k], zero ) );
         }
         lane8 x, y, z, weight;
-        lane8_load_xyzw_contiguous( job->now + (size_t)p * 4, &x, &y, &z, &weight );
+        lane8_load_xyzw_contiguous( args->now + (size_t)p * 4, &x, &y, &z, &weight );
         fixed |= lane8m_bits( lane8m_and( there_is, lane8_eq( weight, zero ) ) );
     }
     for ( int k = 0; k < 3; ++k )
@@ -48,28 +48,28 @@ bool KERNEL( sum_ways )( const wisp_way_job* job, int begin, int end, double sum
     return fixed != 0;
 }
 
-void KERNEL( take_ways )( const wisp_way_job* job, int begin, int end )
+void KERNEL( measure_displacements )( const wisp_displacement_args* args, int begin, int end )
 {
-    const lane8v common = { lane8_set1( job->common[0] ), lane8_set1( job->common[1] ),
-                            lane8_set1( job->common[2] ) };
-    const lane8 share = lane8_set1( job->share ), spare = lane8_set1( job->spare );
+    const lane8v common = { lane8_set1( args->common[0] ), lane8_set1( args->common[1] ),
+                            lane8_set1( args->common[2] ) };
+    const lane8 fraction = lane8_set1( args->fraction ), spare = lane8_set1( args->spare );
     for ( int p = begin; p < end; p += LANES )
     {
-        const lane8v way = way_of( job, p );
-        const lane8 most = lane8_add( lane8_mul( share, length_of( lane8v_sub( way, common ) ) ), spare );
-        lane8_store_xyzw_contiguous( job->way + (size_t)p * 4, way.x, way.y, way.z, most );
+        const lane8v way = way_of( args, p );
+        const lane8 most = lane8_add( lane8_mul( fraction, length_of( lane8v_sub( way, common ) ) ), spare );
+        lane8_store_xyzw_contiguous( args->way + (size_t)p * 4, way.x, way.y, way.z, most );
     }
 }
 
-bool KERNEL( leave_ways )( const wisp_way_job* job, int begin, int end )
+bool KERNEL( exceeds_displacement )( const wisp_displacement_args* args, int begin, int end )
 {
     uint32_t bits = 0;
     for ( int p = begin; p < end; p += LANES )
     {
         lane8v expected;
         lane8 most;
-        lane8_load_xyzw_contiguous( job->way + (size_t)p * 4, &expected.x, &expected.y, &expected.z, &most );
-        const lane8m beyond = lane8_gt( length_of( lane8v_sub( way_of( job, p ), expected ) ), most );
+        lane8_load_xyzw_contiguous( args->way + (size_t)p * 4, &expected.x, &expected.y, &expected.z, &most );
+        const lane8m beyond = lane8_gt( length_of( lane8v_sub( way_of( args, p ), expected ) ), most );
         bits |= lane8m_bits( lane8m_and( beyond, lane8m_first( end - p ) ) );
     }
     return bits != 0;
@@ -82,16 +82,16 @@ LANE_INLINE lane8 closing_of( const lane8 p[4], const lane8 q[4] )
     return lane8_add( lane8_sqrt( lane8v_dot( between, between ) ), lane8_add( p[3], q[3] ) );
 }
 
-void KERNEL( closing )( const wisp_closing_job* job, int begin, int end )
+void KERNEL( closing )( const wisp_approach_args* args, int begin, int end )
 {
-    const int split = job->are_edges ? 2 : 1;
+    const int split = args->are_edges ? 2 : 1;
     for ( int pair = begin; pair < end; pair += LANES )
     {
         lane8 ahead[4][4], most = lane8_zero();
         for ( int i = 0; i < 4; ++i )
         {
             lane8* p = ahead[i];
-            lane8_load_xyzw( job->ahead, job->point4[i] + pair, p, p + 1, p + 2, p + 3 );
+            lane8_load_xyzw( args->ahead, args->point_x4[i] + pair, p, p + 1, p + 2, p + 3 );
         }
         for ( int i = 0; i < split; ++i )
         {
@@ -101,7 +101,7 @@ void KERNEL( closing )( const wisp_closing_job* job, int begin, int end )
                 most = lane8_select( lane8_gt( most, closing ), most, closing );
             }
         }
-        lane8_storeu( job->closing + pair, most );
+        lane8_storeu( args->closing + pair, most );
     }
 }
 
@@ -114,39 +114,39 @@ LANE_INLINE lane8 closing_of_sides( const float* ways, const int32_t first4[8], 
     return lane8_mul( lane8_set1( 1.0001f ), closing_of( a, b ) );
 }
 
-int KERNEL( slack_due )( const wisp_slack_job* job, int begin, int end )
+int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int end )
 {
     int count = 0;
     for ( int pair = begin; pair < end; pair += LANES )
     {
         int32_t first4[LANES], second4[LANES];
-        lane8i_storeu( first4, lane8i_shift_left( lane8i_loadu( job->first + pair ), 2 ) );
-        lane8i_storeu( second4, lane8i_shift_left( lane8i_loadu( job->second + pair ), 2 ) );
-        lane8 slack = lane8_loadu( job->slack + pair );
-        if ( job->gone != NULL )
+        lane8i_storeu( first4, lane8i_shift_left( lane8i_loadu( args->first + pair ), 2 ) );
+        lane8i_storeu( second4, lane8i_shift_left( lane8i_loadu( args->second + pair ), 2 ) );
+        lane8 slack = lane8_loadu( args->slack + pair );
+        if ( args->gone != NULL )
         {
-            slack = lane8_sub( slack, closing_of_sides( job->gone, first4, second4 ) );
-            lane8_storeu( job->slack + pair, slack );
+            slack = lane8_sub( slack, closing_of_sides( args->gone, first4, second4 ) );
+            lane8_storeu( args->slack + pair, slack );
         }
-        const lane8m left = lane8_gt( slack, closing_of_sides( job->ways, first4, second4 ) );
+        const lane8m left = lane8_gt( slack, closing_of_sides( args->ways, first4, second4 ) );
         const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - pair ), left ) );
         const lane8i numbers = lane8i_add( lane8i_set1( pair ), lane8i_iota() );
-        count += lane8i_compress_store( job->due + begin + count, numbers, bits );
+        count += lane8i_compress_store( args->due + begin + count, numbers, bits );
     }
     return count;
 }
 
-void KERNEL( quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
-                           float high[4] )
+void KERNEL( quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
+                           float upper[4] )
 {
     lane8 least = lane8_set1( INFINITY ), most = lane8_set1( -INFINITY );
     for ( int i = 0; i < count; i += LANES )
     {
         lane8 q[4], from[4];
-        lane8_load_quads( quads, point4 + i, q );
+        lane8_load_quads( xyzw, point_x4 + i, q );
         if ( less != NULL )
         {
-            lane8_load_quads( less, point4 + i, from );
+            lane8_load_quads( less, point_x4 + i, from );
         }
         for ( int k = 0; k < 4; ++k )
         {
@@ -160,7 +160,7 @@ void KERNEL( quad_range )( const float* quads, const float* less, const int32_t*
     lane8_storeu( both[1], most );
     for ( int k = 0; k < 4; ++k )
     {
-        low[k] = both[0][k] < both[0][k + 4] ? both[0][k] : both[0][k + 4];
-        high[k] = both[1][k] > both[1][k + 4] ? both[1][k] : both[1][k + 4];
+        lower[k] = both[0][k] < both[0][k + 4] ? both[0][k] : both[0][k + 4];
+        upper[k] = both[1][k] > both[1][k + 4] ? both[1][k] : both[1][k + 4];
     }
 }

@@ -142,10 +142,10 @@ LANE_INLINE int lane8_compress_store( float* out, lane8 v, uint32_t bits )
     return count;
 }
 
-LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
+LANE_INLINE void lane8_load_xyzw( const float* xyzw, const int32_t* index, lane8* x, lane8* y, lane8* z, lane8* w )
 {
     lane8 q[4];
-    lane8_load_quads( quads, index, q );
+    lane8_load_quads( xyzw, index, q );
     lane8_transpose_quads( q );
     *x = q[0];
     *y = q[1];
@@ -153,29 +153,29 @@ LANE_INLINE void lane8_load_xyzw( const float* quads, const int32_t* index, lane
     *w = q[3];
 }
 
-LANE_INLINE void lane8_load_xyz( const float* quads, const int32_t* index, lane8* x, lane8* y, lane8* z )
+LANE_INLINE void lane8_load_xyz( const float* xyzw, const int32_t* index, lane8* x, lane8* y, lane8* z )
 {
     lane8 w;
-    lane8_load_xyzw( quads, index, x, y, z, &w );
+    lane8_load_xyzw( xyzw, index, x, y, z, &w );
 }
 
-LANE_INLINE void lane8_store_xyzw( float* quads, const int32_t* index, lane8 x, lane8 y, lane8 z, lane8 w )
+LANE_INLINE void lane8_store_xyzw( float* xyzw, const int32_t* index, lane8 x, lane8 y, lane8 z, lane8 w )
 {
     lane8 q[4] = { x, y, z, w };
     lane8_transpose_quads( q );
-    lane8_store_quads( quads, index, q );
+    lane8_store_quads( xyzw, index, q );
 }
 
 static const int32_t lane_quad_iota[8] = { 0, 4, 8, 12, 16, 20, 24, 28 };
 
-LANE_INLINE void lane8_store_xyzw_contiguous( float* quads, lane8 x, lane8 y, lane8 z, lane8 w )
+LANE_INLINE void lane8_store_xyzw_contiguous( float* xyzw, lane8 x, lane8 y, lane8 z, lane8 w )
 {
-    lane8_store_xyzw( quads, lane_quad_iota, x, y, z, w );
+    lane8_store_xyzw( xyzw, lane_quad_iota, x, y, z, w );
 }
 
-LANE_INLINE void lane8_load_xyzw_contiguous( const float* quads, lane8* x, lane8* y, lane8* z, lane8* w )
+LANE_INLINE void lane8_load_xyzw_contiguous( const float* xyzw, lane8* x, lane8* y, lane8* z, lane8* w )
 {
-    lane8_load_xyzw( quads, lane_quad_iota, x, y, z, w );
+    lane8_load_xyzw( xyzw, lane_quad_iota, x, y, z, w );
 }
 
 #define LANE_P lane8

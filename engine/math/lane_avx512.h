@@ -60,14 +60,14 @@ typedef __m512 lane16;
 typedef __m512i lane16i;
 typedef __mmask16 lane16m;
 
-LANE_INLINE lane16 lane16_join( lane8 low, lane8 high )
+LANE_INLINE lane16 lane16_join( lane8 lower, lane8 upper )
 {
-    return _mm512_insertf32x8( _mm512_castps256_ps512( low ), high, 1 );
+    return _mm512_insertf32x8( _mm512_castps256_ps512( lower ), upper, 1 );
 }
 
-LANE_INLINE lane16i lane16i_join( lane8i low, lane8i high )
+LANE_INLINE lane16i lane16i_join( lane8i lower, lane8i upper )
 {
-    return _mm512_inserti32x8( _mm512_castsi256_si512( low ), high, 1 );
+    return _mm512_inserti32x8( _mm512_castsi256_si512( lower ), upper, 1 );
 }
 
 LANE_INLINE lane16 lane16_set1( float value )
@@ -177,9 +177,9 @@ LANE_INLINE lane16 lane16_cast_float( lane16i a )
 
 LANE_INLINE float lane16_sum_ordered( lane16 a )
 {
-    lane8 low = _mm512_castps512_ps256( a );
-    lane8 high = _mm256_castpd_ps( _mm512_extractf64x4_pd( _mm512_castps_pd( a ), 1 ) );
-    return lane8_sum_ordered( _mm256_add_ps( low, high ) );
+    lane8 lower = _mm512_castps512_ps256( a );
+    lane8 upper = _mm256_castpd_ps( _mm512_extractf64x4_pd( _mm512_castps_pd( a ), 1 ) );
+    return lane8_sum_ordered( _mm256_add_ps( lower, upper ) );
 }
 
 LANE_INLINE lane16i lane16i_set1( int32_t value )

@@ -10,35 +10,35 @@
 
 typedef struct F
 {
-    LANE_HALF low, high;
+    LANE_HALF lower, upper;
 } F;
 
 typedef struct I
 {
-    HALF( i ) low, high;
+    HALF( i ) lower, upper;
 } I;
 
 typedef struct M
 {
-    HALF( m ) low, high;
+    HALF( m ) lower, upper;
 } M;
 
 #define PAIR_1( R, A, name )                                                                                         \
     LANE_INLINE R WIDE( name )( A a )                                                                                \
     {                                                                                                                \
-        return ( R ){ HALF( name )( a.low ), HALF( name )( a.high ) };                                               \
+        return ( R ){ HALF( name )( a.lower ), HALF( name )( a.upper ) };                                            \
     }
 
 #define PAIR_2( R, A, B, name )                                                                                      \
     LANE_INLINE R WIDE( name )( A a, B b )                                                                           \
     {                                                                                                                \
-        return ( R ){ HALF( name )( a.low, b.low ), HALF( name )( a.high, b.high ) };                                \
+        return ( R ){ HALF( name )( a.lower, b.lower ), HALF( name )( a.upper, b.upper ) };                          \
     }
 
 #define PAIR_3( R, A, B, C, name )                                                                                   \
     LANE_INLINE R WIDE( name )( A a, B b, C c )                                                                      \
     {                                                                                                                \
-        return ( R ){ HALF( name )( a.low, b.low, c.low ), HALF( name )( a.high, b.high, c.high ) };                 \
+        return ( R ){ HALF( name )( a.lower, b.lower, c.lower ), HALF( name )( a.upper, b.upper, c.upper ) };        \
     }
 
 #define PAIR_SET( R, type, name )                                                                                    \
@@ -50,7 +50,7 @@ typedef struct M
 #define PAIR_SHIFT( R, name )                                                                                        \
     LANE_INLINE R WIDE( name )( R a, int count )                                                                     \
     {                                                                                                                \
-        return ( R ){ HALF( name )( a.low, count ), HALF( name )( a.high, count ) };                                 \
+        return ( R ){ HALF( name )( a.lower, count ), HALF( name )( a.upper, count ) };                              \
     }
 
 #define PAIR_LOAD( R, type, name )                                                                                   \
@@ -62,8 +62,8 @@ typedef struct M
 #define PAIR_STORE( R, type, name )                                                                                  \
     LANE_INLINE void WIDE( name )( type * to, R a )                                                                  \
     {                                                                                                                \
-        HALF( name )( to, a.low );                                                                                   \
-        HALF( name )( to + LANE_HALF_COUNT, a.high );                                                                \
+        HALF( name )( to, a.lower );                                                                                 \
+        HALF( name )( to + LANE_HALF_COUNT, a.upper );                                                               \
     }
 
 PAIR_SET( F, float, _set1 )
@@ -112,28 +112,28 @@ PAIR_1( M, M, m_not )
 
 LANE_INLINE uint32_t WIDE( m_bits )( M a )
 {
-    return HALF( m_bits )( a.low ) | HALF( m_bits )( a.high ) << LANE_HALF_COUNT;
+    return HALF( m_bits )( a.lower ) | HALF( m_bits )( a.upper ) << LANE_HALF_COUNT;
 }
 
 LANE_INLINE I WIDE( i_iota )( void )
 {
-    HALF( i ) low = HALF( i_iota )();
-    return ( I ){ low, HALF( i_add )( low, HALF( i_set1 )( LANE_HALF_COUNT ) ) };
+    HALF( i ) lower = HALF( i_iota )();
+    return ( I ){ lower, HALF( i_add )( lower, HALF( i_set1 )( LANE_HALF_COUNT ) ) };
 }
 
-LANE_INLINE F WIDE( _join )( LANE_HALF low, LANE_HALF high )
+LANE_INLINE F WIDE( _join )( LANE_HALF lower, LANE_HALF upper )
 {
-    return ( F ){ low, high };
+    return ( F ){ lower, upper };
 }
 
-LANE_INLINE I WIDE( i_join )( HALF( i ) low, HALF( i ) high )
+LANE_INLINE I WIDE( i_join )( HALF( i ) lower, HALF( i ) upper )
 {
-    return ( I ){ low, high };
+    return ( I ){ lower, upper };
 }
 
 LANE_INLINE float WIDE( _sum_ordered )( F a )
 {
-    return HALF( _sum_ordered )( HALF( _add )( a.low, a.high ) );
+    return HALF( _sum_ordered )( HALF( _add )( a.lower, a.upper ) );
 }
 
 #undef PAIR_1

@@ -175,21 +175,21 @@ LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
     }
 }
 
-LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
+LANE_INLINE void lane8_load_quads( const float* xyzw, const int32_t* index, lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        memcpy( q[r].v, quads + (ptrdiff_t)index[r], 4 * sizeof( float ) );
-        memcpy( q[r].v + 4, quads + (ptrdiff_t)index[r + 4], 4 * sizeof( float ) );
+        memcpy( q[r].v, xyzw + (ptrdiff_t)index[r], 4 * sizeof( float ) );
+        memcpy( q[r].v + 4, xyzw + (ptrdiff_t)index[r + 4], 4 * sizeof( float ) );
     }
 }
 
-LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
+LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        memcpy( quads + (ptrdiff_t)index[r], q[r].v, 4 * sizeof( float ) );
-        memcpy( quads + (ptrdiff_t)index[r + 4], q[r].v + 4, 4 * sizeof( float ) );
+        memcpy( xyzw + (ptrdiff_t)index[r], q[r].v, 4 * sizeof( float ) );
+        memcpy( xyzw + (ptrdiff_t)index[r + 4], q[r].v + 4, 4 * sizeof( float ) );
     }
 }
 

@@ -274,65 +274,65 @@ LANE_INLINE void lane4_transpose( lane4 q[4] )
 
 LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
 {
-    lane4 low[4] = { q[0].low, q[1].low, q[2].low, q[3].low };
-    lane4 high[4] = { q[0].high, q[1].high, q[2].high, q[3].high };
-    lane4_transpose( low );
-    lane4_transpose( high );
+    lane4 lower[4] = { q[0].lower, q[1].lower, q[2].lower, q[3].lower };
+    lane4 upper[4] = { q[0].upper, q[1].upper, q[2].upper, q[3].upper };
+    lane4_transpose( lower );
+    lane4_transpose( upper );
     for ( int r = 0; r < 4; ++r )
     {
-        q[r] = ( lane8 ){ low[r], high[r] };
+        q[r] = ( lane8 ){ lower[r], upper[r] };
     }
 }
 
-LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
+LANE_INLINE void lane8_load_quads( const float* xyzw, const int32_t* index, lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        q[r].low = _mm_load_ps( quads + (ptrdiff_t)index[r] );
-        q[r].high = _mm_load_ps( quads + (ptrdiff_t)index[r + 4] );
+        q[r].lower = _mm_load_ps( xyzw + (ptrdiff_t)index[r] );
+        q[r].upper = _mm_load_ps( xyzw + (ptrdiff_t)index[r + 4] );
     }
 }
 
-LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
+LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        _mm_store_ps( quads + (ptrdiff_t)index[r], q[r].low );
-        _mm_store_ps( quads + (ptrdiff_t)index[r + 4], q[r].high );
+        _mm_store_ps( xyzw + (ptrdiff_t)index[r], q[r].lower );
+        _mm_store_ps( xyzw + (ptrdiff_t)index[r + 4], q[r].upper );
     }
 }
 
 LANE_INLINE void lane8_spread_xyz( lane8 a, lane8 q[4] )
 {
     const lane4 xyz = _mm_castsi128_ps( _mm_setr_epi32( -1, -1, -1, 0 ) );
-    q[0] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x00 ), _mm_shuffle_ps( a.high, a.high, 0x00 ) };
-    q[1] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0x55 ), _mm_shuffle_ps( a.high, a.high, 0x55 ) };
-    q[2] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xaa ), _mm_shuffle_ps( a.high, a.high, 0xaa ) };
-    q[3] = ( lane8 ){ _mm_shuffle_ps( a.low, a.low, 0xff ), _mm_shuffle_ps( a.high, a.high, 0xff ) };
+    q[0] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0x00 ), _mm_shuffle_ps( a.upper, a.upper, 0x00 ) };
+    q[1] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0x55 ), _mm_shuffle_ps( a.upper, a.upper, 0x55 ) };
+    q[2] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0xaa ), _mm_shuffle_ps( a.upper, a.upper, 0xaa ) };
+    q[3] = ( lane8 ){ _mm_shuffle_ps( a.lower, a.lower, 0xff ), _mm_shuffle_ps( a.upper, a.upper, 0xff ) };
     for ( int r = 0; r < 4; ++r )
     {
-        q[r] = ( lane8 ){ _mm_and_ps( q[r].low, xyz ), _mm_and_ps( q[r].high, xyz ) };
+        q[r] = ( lane8 ){ _mm_and_ps( q[r].lower, xyz ), _mm_and_ps( q[r].upper, xyz ) };
     }
 }
 
 LANE_INLINE lane8 lane8_spread_first( lane8 row )
 {
-    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0x00 ), _mm_shuffle_ps( row.high, row.high, 0x00 ) };
+    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0x00 ), _mm_shuffle_ps( row.upper, row.upper, 0x00 ) };
 }
 
 LANE_INLINE lane8 lane8_spread_second( lane8 row )
 {
-    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0x55 ), _mm_shuffle_ps( row.high, row.high, 0x55 ) };
+    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0x55 ), _mm_shuffle_ps( row.upper, row.upper, 0x55 ) };
 }
 
 LANE_INLINE lane8 lane8_spread_third( lane8 row )
 {
-    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xaa ), _mm_shuffle_ps( row.high, row.high, 0xaa ) };
+    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0xaa ), _mm_shuffle_ps( row.upper, row.upper, 0xaa ) };
 }
 
 LANE_INLINE lane8 lane8_spread_last( lane8 row )
 {
-    return ( lane8 ){ _mm_shuffle_ps( row.low, row.low, 0xff ), _mm_shuffle_ps( row.high, row.high, 0xff ) };
+    return ( lane8 ){ _mm_shuffle_ps( row.lower, row.lower, 0xff ), _mm_shuffle_ps( row.upper, row.upper, 0xff ) };
 }
 
 LANE_INLINE int lane8i_compress_store( int32_t* out, lane8i v, uint32_t bits )

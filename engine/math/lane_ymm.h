@@ -179,22 +179,22 @@ LANE_INLINE void lane8_transpose_quads( lane8 q[4] )
     q[3] = _mm256_shuffle_ps( zw01, zw23, _MM_SHUFFLE( 3, 2, 3, 2 ) );
 }
 
-LANE_INLINE void lane8_load_quads( const float* quads, const int32_t* index, lane8 q[4] )
+LANE_INLINE void lane8_load_quads( const float* xyzw, const int32_t* index, lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        __m128 low = _mm_load_ps( quads + (ptrdiff_t)index[r] );
-        __m128 high = _mm_load_ps( quads + (ptrdiff_t)index[r + 4] );
-        q[r] = _mm256_insertf128_ps( _mm256_castps128_ps256( low ), high, 1 );
+        __m128 lower = _mm_load_ps( xyzw + (ptrdiff_t)index[r] );
+        __m128 upper = _mm_load_ps( xyzw + (ptrdiff_t)index[r + 4] );
+        q[r] = _mm256_insertf128_ps( _mm256_castps128_ps256( lower ), upper, 1 );
     }
 }
 
-LANE_INLINE void lane8_store_quads( float* quads, const int32_t* index, const lane8 q[4] )
+LANE_INLINE void lane8_store_quads( float* xyzw, const int32_t* index, const lane8 q[4] )
 {
     for ( int r = 0; r < 4; ++r )
     {
-        _mm_store_ps( quads + (ptrdiff_t)index[r], _mm256_castps256_ps128( q[r] ) );
-        _mm_store_ps( quads + (ptrdiff_t)index[r + 4], _mm256_extractf128_ps( q[r], 1 ) );
+        _mm_store_ps( xyzw + (ptrdiff_t)index[r], _mm256_castps256_ps128( q[r] ) );
+        _mm_store_ps( xyzw + (ptrdiff_t)index[r + 4], _mm256_extractf128_ps( q[r], 1 ) );
     }
 }
 

@@ -9,35 +9,35 @@
 // A kernel with its job, so that every constraint goes through the same loop over tiles.
 typedef struct link_call
 {
-    wisp_link_job job;
-    void ( *kernel )( const wisp_link_job* job, int begin, int end );
+    wisp_link_args args;
+    void ( *kernel )( const wisp_link_args* args, int begin, int end );
     bool first; // iteration of the substep: lambda starts at 0
 } link_call;
 
 static void run_links( const void* context, int begin, int end )
 {
     const link_call* call = context;
-    if ( call->first && call->job.lambda != NULL )
+    if ( call->first && call->args.lambda != NULL )
     {
-        memset( call->job.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
+        memset( call->args.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
     }
-    call->kernel( &call->job, begin, end );
+    call->kernel( &call->args, begin, end );
 }
 
 static void project_links( wisp_frame* frame, const wisp_span* span, link_call* call )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    call->job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    call->job.a4 = fabric->link_a4;
-    call->job.b4 = fabric->link_b4;
-    call->job.rest = fabric->link_rest;
+    call->args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    call->args.a_x4 = fabric->link_a_x4;
+    call->args.b_x4 = fabric->link_b_x4;
+    call->args.rest = fabric->link_rest;
     call->first = span->iteration == 0;
     passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
 }
 
 static float inverse_dt2( const wisp_frame* frame )
 {
-    float dt = wisp_frame_seconds( frame );
+    float dt = wisp_frame_dt( frame );
     return 1.0f / ( dt * dt );
 }
 
@@ -45,7 +45,7 @@ static void links_pbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_pbd };
-    call.job.stiffness = wisp_frame_column( frame, span->entity, WISP_LINK_STIFFNESS, 0 );
+    call.args.stiffness = wisp_frame_column( frame, span->entity, WISP_LINK_STIFFNESS, 0 );
     project_links( frame, span, &call );
 }
 
@@ -54,10 +54,10 @@ static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_xpbd };
-    call.job.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
-    call.job.lambda =
+    call.args.compliance = wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 0 );
+    call.args.lambda =
         wisp_frame_iterations( frame ) > 1 ? wisp_frame_column( frame, span->entity, WISP_LINK_COMPLIANCE, 1 ) : NULL;
-    call.job.inverse_dt2 = inverse_dt2( frame );
+    call.args.inverse_dt2 = inverse_dt2( frame );
     project_links( frame, span, &call );
 }
 
@@ -65,40 +65,40 @@ static void links_limit( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_limit };
-    call.job.minimum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 0 );
-    call.job.maximum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 1 );
+    call.args.minimum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 0 );
+    call.args.maximum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 1 );
     project_links( frame, span, &call );
 }
 
 typedef struct hinge_call
 {
-    wisp_hinge_job job;
-    void ( *kernel )( const wisp_hinge_job* job, int begin, int end );
+    wisp_hinge_args args;
+    void ( *kernel )( const wisp_hinge_args* args, int begin, int end );
     bool first;
 } hinge_call;
 
 static void run_hinges( const void* context, int begin, int end )
 {
     const hinge_call* call = context;
-    if ( call->first && call->job.lambda != NULL )
+    if ( call->first && call->args.lambda != NULL )
     {
-        memset( call->job.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
+        memset( call->args.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
     }
-    call->kernel( &call->job, begin, end );
+    call->kernel( &call->args, begin, end );
 }
 
 // Bending is soft (pbd) or has a compliance (xpbd), whichever column the entity has.
 static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call* call )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    call->job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    call->job.slot4 = fabric->hinge_slot4;
-    call->job.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
-    call->job.compliance = wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 0 );
-    call->job.lambda = call->job.compliance != NULL && wisp_frame_iterations( frame ) > 1
-                           ? wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 1 )
-                           : NULL;
-    call->job.inverse_dt2 = inverse_dt2( frame );
+    call->args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    call->args.slot_x4 = fabric->hinge_slot_x4;
+    call->args.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
+    call->args.compliance = wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 0 );
+    call->args.lambda = call->args.compliance != NULL && wisp_frame_iterations( frame ) > 1
+                            ? wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 1 )
+                            : NULL;
+    call->args.inverse_dt2 = inverse_dt2( frame );
     call->first = span->iteration == 0;
     passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
 }
@@ -107,7 +107,7 @@ static void hinges_dihedral( wisp_frame* frame, const wisp_span* span, void* use
 {
     (void)user;
     hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_dihedral };
-    call.job.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 );
+    call.args.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 );
     project_hinges( frame, span, &call );
 }
 
@@ -115,8 +115,8 @@ static void hinges_isometric( wisp_frame* frame, const wisp_span* span, void* us
 {
     (void)user;
     hinge_call call = { .kernel = wisp_frame_kernels( frame )->hinge_isometric };
-    call.job.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 0 );
-    call.job.scale = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 1 );
+    call.args.rest = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 0 );
+    call.args.scale = wisp_frame_column( frame, span->entity, WISP_HINGE_COTANGENT, 1 );
     project_hinges( frame, span, &call );
 }
 
@@ -124,7 +124,7 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
 {
 #define PROJECTION( text, function, ... )                                                                            \
     {                                                                                                                \
-        .name = text, .stage = WISP_STAGE_PROJECT, .domain = WISP_DOMAIN_ENTITY, .needs = { __VA_ARGS__ },           \
+        .name = text, .stage = WISP_STAGE_PROJECT, .domain = WISP_DOMAIN_ENTITY, .required = { __VA_ARGS__ },        \
         .reads = { WISP_PARTICLE_POSITION, __VA_ARGS__ }, .writes = { WISP_PARTICLE_POSITION }, .run = function,     \
     }
     const wisp_pass passes[] = {

@@ -9,7 +9,7 @@
 
 typedef struct tether_loop
 {
-    wisp_tether_job job;
+    wisp_tether_args args;
     const wisp_kernels* kernels;
 } tether_loop;
 
@@ -24,7 +24,7 @@ static void run_tethers( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const tether_loop* loop = context;
-    loop->kernels->tether( &loop->job, begin * 8, end * 8 );
+    loop->kernels->tether( &loop->args, begin * 8, end * 8 );
 }
 
 static void project_tethers( wisp_frame* frame, const wisp_span* span, void* user )
@@ -32,12 +32,12 @@ static void project_tethers( wisp_frame* frame, const wisp_span* span, void* use
     (void)user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     tether_loop loop = { .kernels = wisp_frame_kernels( frame ) };
-    loop.job.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    loop.job.slack = *(float*)wisp_frame_column( frame, span->entity, WISP_SURFACE_TETHERS, 0 );
-    loop.job.anchor4 = fabric->tether4;
-    loop.job.rest = fabric->tether_rest;
-    loop.job.layer_count = fabric->tether_count;
-    loop.job.slot_count = fabric->slot_count;
+    loop.args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    loop.args.slack = *(float*)wisp_frame_column( frame, span->entity, WISP_SURFACE_TETHERS, 0 );
+    loop.args.anchor_x4 = fabric->tether_x4;
+    loop.args.rest = fabric->tether_rest;
+    loop.args.layer_count = fabric->tether_count;
+    loop.args.slot_count = fabric->slot_count;
     wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->slot_count / 8, SLOT_GRAIN / 8, run_tethers,
                        &loop );
 }
@@ -46,19 +46,19 @@ static void project_tethers( wisp_frame* frame, const wisp_span* span, void* use
 
 typedef struct link_call
 {
-    wisp_link_job job;
+    wisp_link_args args;
     const wisp_kernels* kernels;
 } link_call;
 
 static void run_links( const void* context, int begin, int end )
 {
     const link_call* call = context;
-    call->kernels->link_unilateral( &call->job, begin, end );
+    call->kernels->link_unilateral( &call->args, begin, end );
 }
 
 typedef struct prolong_loop
 {
-    wisp_prolong_job job;
+    wisp_prolong_args args;
     const wisp_kernels* kernels;
 } prolong_loop;
 
@@ -66,7 +66,7 @@ static void run_prolong( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const prolong_loop* loop = context;
-    loop->kernels->prolong( &loop->job, begin, end );
+    loop->kernels->prolong( &loop->args, begin, end );
 }
 
 // Where the vertices of a level are, were and how far they have come.
@@ -83,8 +83,8 @@ static void remember( void* context, int begin, int end, int worker )
     const vertex_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        const int32_t vertex4 = loop->level->vertex4[i];
-        memcpy( loop->before + vertex4, loop->position + vertex4, 4 * sizeof( float ) );
+        const int32_t vertex_x4 = loop->level->vertex_x4[i];
+        memcpy( loop->before + vertex_x4, loop->position + vertex_x4, 4 * sizeof( float ) );
     }
 }
 
@@ -95,10 +95,10 @@ static void measure( void* context, int begin, int end, int worker )
     const vertex_loop* loop = context;
     for ( int i = begin; i < end; ++i )
     {
-        const int32_t vertex4 = loop->level->vertex4[i];
-        const float *p = loop->position + vertex4, *q = loop->before + vertex4;
+        const int32_t vertex_x4 = loop->level->vertex_x4[i];
+        const float *p = loop->position + vertex_x4, *q = loop->before + vertex_x4;
         const float moved[4] = { p[0] - q[0], p[1] - q[1], p[2] - q[2], p[3] - q[3] };
-        memcpy( loop->moved + vertex4, moved, sizeof( moved ) );
+        memcpy( loop->moved + vertex_x4, moved, sizeof( moved ) );
     }
 }
 
@@ -130,7 +130,7 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
     {
         const wisp_fabric_level* level = fabric->levels + l;
         const link_call links = {
-            { .position = position, .a4 = level->a4, .b4 = level->b4, .rest = level->rest },
+            { .position = position, .a_x4 = level->a_x4, .b_x4 = level->b_x4, .rest = level->rest },
             kernels,
         };
         for ( int pass = 0; pass < passes; ++pass )
@@ -140,7 +140,7 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
         vertices.level = level;
         wisp_parallel_for( parallel, level->vertex_count, VERTEX_GRAIN, measure, &vertices );
         prolong_loop children = {
-            { position, vertices.moved, level->child4, level->parent4, level->weight },
+            { position, vertices.moved, level->child_x4, level->parent_x4, level->weight },
             kernels,
         };
         wisp_parallel_for( parallel, ( level->child_count + 7 ) / 8, CHILD_GRAIN, run_prolong, &children );
@@ -154,7 +154,7 @@ wisp_status passes_declare_far( wisp_registry* registry )
             .name = "surface.tethers",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { WISP_SURFACE_TETHERS },
+            .required = { WISP_SURFACE_TETHERS },
             .reads = { WISP_SURFACE_TETHERS, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
             .run = project_tethers,
@@ -163,7 +163,7 @@ wisp_status passes_declare_far( wisp_registry* registry )
             .name = "surface.levels",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { WISP_SURFACE_LEVELS },
+            .required = { WISP_SURFACE_LEVELS },
             .reads = { WISP_SURFACE_LEVELS, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
             .run = project_levels,

@@ -24,8 +24,8 @@ static void look( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
-    const wisp_bound_job job = { loop->position, loop->velocity, BOUND };
-    int slot = loop->kernels->first_beyond( &job, begin * 8, end * 8 );
+    const wisp_bound_args args = { loop->position, loop->velocity, BOUND };
+    int slot = loop->kernels->first_beyond( &args, begin * 8, end * 8 );
     int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
     while ( slot < end * 8 && slot < lowest &&
             atomic_compare_exchange_weak( &loop->first_bad, &lowest, slot ) == false )
@@ -46,9 +46,9 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
 {
     int slot = atomic_load( &loop->first_bad );
     const float* p = loop->position + (size_t)slot * 4;
-    char sentence[300];
+    char message[300];
     snprintf(
-        sentence, sizeof( sentence ),
+        message, sizeof( message ),
         "entity %u: vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is halted in the state of "
         "the previous step",
         entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
@@ -59,7 +59,7 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
         memcpy( loop->position + i, loop->good_position + i, 3 * sizeof( float ) );
         memcpy( loop->velocity + i, loop->good_velocity + i, 4 * sizeof( float ) );
     }
-    wisp_frame_halt( frame, entity, sentence );
+    wisp_frame_halt( frame, entity, message );
 }
 
 static void guard( wisp_frame* frame, const wisp_span* span, void* user )
@@ -74,8 +74,8 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .good_position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GOOD, 0 ),
-        .good_velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GOOD, 1 ),
+        .good_position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_LAST_VALID, 0 ),
+        .good_velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_LAST_VALID, 1 ),
         .slot_count = wisp_frame_fabric( frame, span->entity )->slot_count,
     };
     atomic_init( &loop.first_bad, loop.slot_count );
@@ -90,15 +90,15 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-wisp_status passes_declare_guard( wisp_registry* registry )
+wisp_status passes_declare_state_check( wisp_registry* registry )
 {
     const wisp_pass pass = {
-        .name = "particles.guard",
+        .name = "particles.state_check",
         .stage = WISP_STAGE_DERIVE,
         .domain = WISP_DOMAIN_ENTITY,
-        .needs = { WISP_PARTICLE_GOOD, WISP_PARTICLE_VELOCITY },
-        .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD },
-        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD },
+        .required = { WISP_PARTICLE_LAST_VALID, WISP_PARTICLE_VELOCITY },
+        .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID },
+        .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID },
         .run = guard,
     };
     return wisp_declare_pass( registry, &pass );

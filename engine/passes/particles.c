@@ -8,13 +8,13 @@ static float* position_of( wisp_frame* frame, const wisp_span* span )
     return wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
 }
 
-static wisp_particle_job particle_job( wisp_frame* frame, const wisp_span* span )
+static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* span )
 {
-    return ( wisp_particle_job ){
+    return ( wisp_particle_args ){
         .position = position_of( frame, span ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .dt = wisp_frame_seconds( frame ),
+        .dt = wisp_frame_dt( frame ),
     };
 }
 
@@ -26,13 +26,13 @@ static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
     const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
     int left = wisp_frame_substeps( frame ) - span->substep;
-    float share = 1.0f / (float)left;
+    float fraction = 1.0f / (float)left;
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {
         for ( int k = 0; k < 3 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
         {
             position[i + k] =
-                left == 1 ? target[i + k] : position[i + k] + share * ( target[i + k] - position[i + k] );
+                left == 1 ? target[i + k] : position[i + k] + fraction * ( target[i + k] - position[i + k] );
         }
     }
 }
@@ -41,26 +41,26 @@ static void accelerate( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
-    wisp_particle_job job = particle_job( frame, span );
-    job.acceleration = *gravity;
+    wisp_particle_args args = particle_args( frame, span );
+    args.acceleration = *gravity;
     const wisp_span s = wisp_frame_particles( frame, span );
-    wisp_frame_kernels( frame )->accelerate( &job, s.begin, s.end );
+    wisp_frame_kernels( frame )->accelerate( &args, s.begin, s.end );
 }
 
 static void predict( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_particle_job job = particle_job( frame, span );
+    wisp_particle_args args = particle_args( frame, span );
     const wisp_span s = wisp_frame_particles( frame, span );
-    wisp_frame_kernels( frame )->predict( &job, s.begin, s.end );
+    wisp_frame_kernels( frame )->predict( &args, s.begin, s.end );
 }
 
 static void read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    wisp_particle_job job = particle_job( frame, span );
+    wisp_particle_args args = particle_args( frame, span );
     const wisp_span s = wisp_frame_particles( frame, span );
-    wisp_frame_kernels( frame )->velocity( &job, s.begin, s.end );
+    wisp_frame_kernels( frame )->velocity( &args, s.begin, s.end );
 }
 
 // The decay of v' = -rate v by one implicit step: it never turns a velocity round, however large the rate.
@@ -70,7 +70,7 @@ static void damp( wisp_frame* frame, const wisp_span* span, void* user )
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const float* rate = wisp_frame_column( frame, span->entity, WISP_PARTICLE_DAMPING, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    float keep = 1.0f / ( 1.0f + *rate * wisp_frame_seconds( frame ) );
+    float keep = 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame ) );
     for ( int i = 4 * s.begin; i < 4 * s.end; ++i )
     {
         velocity[i] *= keep;
@@ -84,8 +84,8 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .name = "particles.gravity",
             .stage = WISP_STAGE_PREDICT, // after all forces, which are functions of the velocity before it
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_VELOCITY },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
             .run = accelerate,
@@ -94,8 +94,8 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .name = "particles.targets",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_TARGET },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { WISP_PARTICLE_TARGET },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_TARGET, WISP_PARTICLE_POSITION },
             .writes = { WISP_PARTICLE_POSITION },
             .run = carry_pins,
@@ -104,8 +104,8 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .name = "particles.predict",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = predict,
@@ -114,8 +114,8 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .name = "particles.velocity",
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
             .run = read_velocity,
@@ -124,8 +124,8 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .name = "particles.damping",
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { WISP_PARTICLE_DAMPING, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_VELOCITY },
             .run = damp,

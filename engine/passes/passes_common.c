@@ -3,7 +3,7 @@
 typedef struct tile_loop
 {
     passes_schedule_fn* run;
-    const void* job;
+    const void* args;
     const int32_t* tile_begin; // of the first tile of the colour
 } tile_loop;
 
@@ -11,16 +11,16 @@ static void run_tiles( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const tile_loop* loop = context;
-    loop->run( loop->job, loop->tile_begin[begin], loop->tile_begin[end] );
+    loop->run( loop->args, loop->tile_begin[begin], loop->tile_begin[end] );
 }
 
 void passes_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, passes_schedule_fn* run,
-                          const void* job )
+                          const void* args )
 {
     for ( int colour = 0; colour < schedule->colour_count; ++colour )
     {
         int first = schedule->colour_tile[colour];
-        tile_loop loop = { run, job, schedule->tile_begin + first };
+        tile_loop loop = { run, args, schedule->tile_begin + first };
         wisp_parallel_for( parallel, schedule->colour_tile[colour + 1] - first, 1, run_tiles, &loop );
     }
 }

@@ -4,8 +4,8 @@
 #include "wisp/module/module.h"
 
 /// A range of a fabric's schedule on one worker: groups of eight constraints [begin, end).
-typedef void passes_schedule_fn( const void* job, int begin, int end );
+typedef void passes_schedule_fn( const void* args, int begin, int end );
 
 /// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
 void passes_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, passes_schedule_fn* run,
-                          const void* job );
+                          const void* args );

@@ -63,14 +63,14 @@ static void hand_out_slice_normals( void* context, int begin, int end, int worke
     for ( int slice = begin; slice < end; ++slice )
     {
         _Alignas( 64 ) float normal[3][8];
-        wisp_ring_job job = {
+        wisp_ring_args args = {
             .position = loop->position,
             .ring_begin = loop->fabric->ring_begin,
-            .ring4 = loop->fabric->ring4,
+            .ring_x4 = loop->fabric->ring_x4,
             .gradient = normal[0],
             .first_slice = slice,
         };
-        loop->kernels->ring_normal( &job, slice, slice + 1 );
+        loop->kernels->ring_normal( &args, slice, slice + 1 );
         for ( int lane = 0; lane < 8; ++lane )
         {
             int vertex = loop->fabric->slot_vertex[slice * 8 + lane];
@@ -117,7 +117,7 @@ static void hand_out_slice_strain( void* context, int begin, int end, int worker
         float largest = 0.0f;
         for ( int e = f->ring_begin[slot / 8]; e < f->ring_begin[slot / 8 + 1]; ++e )
         {
-            int other = f->ring4[e][slot % 8] / 4;
+            int other = f->ring_x4[e][slot % 8] / 4;
             float strain = other != slot ? edge_strain( f, loop->position, slot, other ) : 0.0f;
             largest = strain > largest ? strain : largest;
         }
@@ -139,7 +139,7 @@ static void hand_out_strain( wisp_frame* frame, const wisp_span* span, void* use
 
 // ---- figures of quality: asked for rarely, so plain loops in double ----
 
-static void sum_particles( const wisp_fabric* f, const float* position, const float* velocity, wisp_quality* q )
+static void sum_particles( const wisp_fabric* f, const float* position, const float* velocity, wisp_motion_stats* q )
 {
     double speed2 = 0.0;
     for ( int slot = 0; slot < f->vertex_count; ++slot )
@@ -164,7 +164,7 @@ static void sum_particles( const wisp_fabric* f, const float* position, const fl
 }
 
 static void sum_angular_momentum( const wisp_fabric* f, const float* position, const float* velocity,
-                                  wisp_quality* q )
+                                  wisp_motion_stats* q )
 {
     for ( int slot = 0; slot < f->vertex_count; ++slot )
     {
@@ -200,7 +200,7 @@ static double sum_volume( const wisp_fabric* f, const float* position )
     return volume / 6.0;
 }
 
-static void sum_strain( const wisp_fabric* f, const float* position, wisp_quality* q )
+static void sum_strain( const wisp_fabric* f, const float* position, wisp_motion_stats* q )
 {
     for ( int e = 0; e < f->edge_count; ++e )
     {
@@ -211,15 +211,15 @@ static void sum_strain( const wisp_fabric* f, const float* position, wisp_qualit
     q->strain_mean /= f->edge_count > 0 ? f->edge_count : 1;
 }
 
-static void take_quality( wisp_frame* frame, const wisp_span* span, void* user )
+static void take_motion_stats( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const float* position = position_of( frame, span );
     const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_vec3* gravity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
-    wisp_quality* out = wisp_frame_column( frame, span->entity, WISP_QUALITY, 0 );
-    wisp_quality q = { 0 };
+    wisp_motion_stats* out = wisp_frame_column( frame, span->entity, WISP_MOTION_STATS, 0 );
+    wisp_motion_stats q = { 0 };
     sum_particles( fabric, position, velocity, &q );
     sum_angular_momentum( fabric, position, velocity, &q );
     sum_strain( fabric, position, &q );
@@ -239,7 +239,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .name = "surface.points",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_POSITION },
+            .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_POINTS },
             .run = hand_out_points,
@@ -248,7 +248,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .name = "surface.speed",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { WISP_PARTICLE_VELOCITY },
+            .required = { WISP_PARTICLE_VELOCITY },
             .reads = { WISP_PARTICLE_VELOCITY },
             .writes = { WISP_POINT_SPEED },
             .run = hand_out_speed,
@@ -257,7 +257,7 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .name = "surface.normals",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { WISP_PARTICLE_POSITION },
+            .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_SURFACE_NORMALS },
             .run = hand_out_normals,
@@ -266,19 +266,19 @@ wisp_status passes_declare_surface( wisp_registry* registry )
             .name = "surface.strain",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { WISP_PARTICLE_POSITION },
+            .required = { WISP_PARTICLE_POSITION },
             .reads = { WISP_PARTICLE_POSITION },
             .writes = { WISP_POINT_STRAIN },
             .run = hand_out_strain,
         },
         {
-            .name = "entity.quality",
+            .name = "entity.motion_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+            .required = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .writes = { WISP_QUALITY },
-            .run = take_quality,
+            .writes = { WISP_MOTION_STATS },
+            .run = take_motion_stats,
         },
     };
     return wisp_declare_passes( registry, passes, WISP_COUNT( passes ), NULL );

@@ -28,8 +28,8 @@ store_mask plan_mask( const wisp_component* uses )
 
 static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 {
-    store_mask a_writes = plan_mask( a->writes ) | plan_mask( a->across );
-    store_mask b_writes = plan_mask( b->writes ) | plan_mask( b->across );
+    store_mask a_writes = plan_mask( a->writes ) | plan_mask( a->foreign );
+    store_mask b_writes = plan_mask( b->writes ) | plan_mask( b->foreign );
     return ( a_writes & ( b_writes | plan_mask( b->reads ) ) ) != 0 || ( b_writes & plan_mask( a->reads ) ) != 0;
 }
 
@@ -39,20 +39,20 @@ static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 // pass. Repeats until nothing is added.
 static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 {
-    store_mask live = 0, wanted = e->alive ? e->wants : 0, components = e->components & ~e->derived;
+    store_mask live = 0, requested = e->alive ? e->requests : 0, components = e->components & ~e->derived;
     for ( bool grew = true; grew; )
     {
         grew = false;
         for ( int i = 0; i < r->pass_count; ++i )
         {
             const wisp_pass* pass = r->passes + i;
-            store_mask needs = plan_mask( pass->needs );
+            store_mask required = plan_mask( pass->required );
             bool lives = ( live >> i & 1 ) != 0;
-            bool fits = ( needs & ~components ) == 0 && ( plan_mask( pass->lacks ) & components ) == 0;
-            if ( lives == false && fits && ( plan_mask( pass->writes ) & wanted ) != 0 )
+            bool fits = ( required & ~components ) == 0 && ( plan_mask( pass->excluded ) & components ) == 0;
+            if ( lives == false && fits && ( plan_mask( pass->writes ) & requested ) != 0 )
             {
                 live |= store_bit( i );
-                wanted |= plan_mask( pass->reads );
+                requested |= plan_mask( pass->reads );
                 grew = true;
             }
         }
@@ -71,7 +71,7 @@ static wisp_status check_supply( const wisp_registry* r, store_mask live, int sl
     }
     for ( int c = 1; c < r->store->component_count; ++c )
     {
-        if ( ( e->wants & ~supplied & store_bit( c ) ) != 0 )
+        if ( ( e->requests & ~supplied & store_bit( c ) ) != 0 )
         {
             return wisp_fail( error, WISP_CONFLICT, "'%s': requested of entity %d, but no pass can write it there",
                               r->store->components[c].def.name, slot + 1 );
@@ -204,7 +204,7 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
         if ( ( live & ~loop & store_bit( i ) ) != 0 && section > PLAN_BEFORE && section < PLAN_ITEM_LOOP )
         {
             possible = possible &&
-                       ( ( plan_mask( pass->writes ) | plan_mask( pass->across ) ) & ( writes | reads ) ) == 0 &&
+                       ( ( plan_mask( pass->writes ) | plan_mask( pass->foreign ) ) & ( writes | reads ) ) == 0 &&
                        ( plan_mask( pass->reads ) & writes ) == 0;
         }
     }
@@ -294,7 +294,7 @@ int plan_item_count( const store_entity* e, wisp_domain domain )
 }
 
 // Find the join that can run all selected passes of an entity.
-static int find_join( const wisp_registry* r, const plan_node* node, uint32_t passes )
+static int find_fusion( const wisp_registry* r, const plan_node* node, uint32_t passes )
 {
     store_mask live = 0;
     for ( int i = 0; i < node->pass_count; ++i )
@@ -304,8 +304,8 @@ static int find_join( const wisp_registry* r, const plan_node* node, uint32_t pa
     int found = -1;
     for ( int i = 0; i < r->join_count && node->section == PLAN_ITEM_LOOP; ++i )
     {
-        const plan_join* f = r->joins + i;
-        found = ( f->needs & ~live ) == 0 && ( live & ~( f->needs | f->allows ) ) == 0 ? i : found;
+        const plan_fusion* f = r->joins + i;
+        found = ( f->required & ~live ) == 0 && ( live & ~( f->required | f->allows ) ) == 0 ? i : found;
     }
     return found;
 }
@@ -329,7 +329,7 @@ static void fill_targets( plan* p, const wisp_registry* r )
             }
             if ( passes != 0 )
             {
-                p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_join( r, node, passes ) };
+                p->targets[p->target_count++] = ( plan_target ){ slot, passes, find_fusion( r, node, passes ) };
             }
         }
         node->target_count = p->target_count - node->first_target;
@@ -416,7 +416,7 @@ static bool fit_rows( store* s, const wisp_registry* r, store_mask live, int slo
             }
             e->derived |= bit;
         }
-        if ( ( e->derived & ~e->wants & ~used & bit ) != 0 )
+        if ( ( e->derived & ~e->requests & ~used & bit ) != 0 )
         {
             store_detach( s, entity, (wisp_component)c );
         }

@@ -53,7 +53,7 @@ wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span )
     return particles;
 }
 
-float wisp_frame_seconds( const wisp_frame* frame )
+float wisp_frame_dt( const wisp_frame* frame )
 {
     return frame->seconds;
 }
@@ -73,13 +73,13 @@ bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity )
     return entity_of( frame, entity )->halted != 0;
 }
 
-void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence )
+void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message )
 {
     entity_of( frame, entity )->halted = 1; // only passes that run on the entity halt it, one at a time
     wisp_frame_count( frame, WISP_COUNT_HALTED, 1 );
     if ( atomic_flag_test_and_set( &frame->halting ) == false )
     {
-        snprintf( frame->halted_sentence, sizeof( frame->halted_sentence ), "%s", sentence );
+        snprintf( frame->halted_message, sizeof( frame->halted_message ), "%s", message );
     }
 }
 
@@ -112,7 +112,7 @@ void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format,
     }
     va_list arguments;
     va_start( arguments, format );
-    vsnprintf( frame->error.sentence, sizeof( frame->error.sentence ), format, arguments );
+    vsnprintf( frame->error.message, sizeof( frame->error.message ), format, arguments );
     va_end( arguments );
     frame->error.status = status;
     atomic_store( &frame->failed, true );
@@ -343,7 +343,7 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
     }
     else if ( begin < end )
     {
-        const plan_join* join = frame->registry->joins + block->join;
+        const plan_fusion* join = frame->registry->joins + block->join;
         span.substep = begin;
         span.iteration = 0;
         join->run( frame, &span, end, join->user );

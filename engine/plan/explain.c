@@ -11,7 +11,7 @@ _Static_assert( WISP_PLAN_USES == WISP_MAX_USES, "explain.h and module.h count t
 // The report and all that it points to are one block of memory.
 typedef struct report_block
 {
-    wisp_plan_report report;
+    wisp_plan_info report;
     const wisp_allocator* allocator;
     size_t size;
 } report_block;
@@ -64,7 +64,7 @@ static uint64_t across_bytes( const store* s, const wisp_pass* pass )
     for ( int slot = 0; slot < s->entity_count; ++slot )
     {
         const store_entity* e = s->entities + slot;
-        bytes += e->alive ? 2 * row_bytes( s, e, pass->across ) : 0;
+        bytes += e->alive ? 2 * row_bytes( s, e, pass->foreign ) : 0;
     }
     return bytes;
 }
@@ -95,7 +95,7 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
             const store_entity* e = s->entities + target->slot;
             const int items = plan_item_count( e, node->domain );
             p->entities += 1;
-            p->joined = target->join >= 0 && w->iterations == 1 ? w->registry->joins[target->join].name : p->joined;
+            p->fusion = target->join >= 0 && w->iterations == 1 ? w->registry->joins[target->join].name : p->fusion;
             p->items += items;
             p->blocks += ( items + node->grain - 1 ) / node->grain;
             p->bytes += row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
@@ -103,22 +103,22 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
     }
 }
 
-static void predict_shares( wisp_plan_report* report, wisp_plan_pass* passes )
+static void predict_fractions( wisp_plan_info* report, wisp_plan_pass* passes )
 {
     double sum = 0.0;
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
         sum += (double)passes[i].bytes * passes[i].runs;
     }
-    for ( int i = 0; i < report->kept_count; ++i )
+    for ( int i = 0; i < report->active_count; ++i )
     {
-        passes[i].share = sum > 0.0 ? (double)passes[i].bytes * passes[i].runs / sum : 1.0 / report->kept_count;
+        passes[i].fraction = sum > 0.0 ? (double)passes[i].bytes * passes[i].runs / sum : 1.0 / report->active_count;
     }
 }
 
 // ---- passes ----
 
-static wisp_plan_pass* begin_pass( writer* w, wisp_plan_report* report, int number )
+static wisp_plan_pass* begin_pass( writer* w, wisp_plan_info* report, int number )
 {
     static const char* const STAGES[WISP_STAGE_COUNT] = { "input",    "force",  "predict", "contact", "project",
                                                           "velocity", "derive", "shape",   "observe" };
@@ -132,25 +132,25 @@ static wisp_plan_pass* begin_pass( writer* w, wisp_plan_report* report, int numb
         .domain = DOMAINS[pass->domain],
         .wave = -1,
         .node = -1,
-        .share = (double)NAN,
+        .fraction = (double)NAN,
         .reasons = w->reasons + w->reason_count,
     };
-    fill_names( w, pass->needs, p->needs );
-    fill_names( w, pass->lacks, p->lacks );
+    fill_names( w, pass->required, p->required );
+    fill_names( w, pass->excluded, p->excluded );
     fill_names( w, pass->reads, p->reads );
     fill_names( w, pass->writes, p->writes );
-    fill_names( w, pass->across, p->across );
+    fill_names( w, pass->foreign, p->foreign );
     return p;
 }
 
-static void add_kept( writer* w, wisp_plan_report* report, int n, int i )
+static void add_kept( writer* w, wisp_plan_info* report, int n, int i )
 {
     static const char* const LOOPS[PLAN_SECTION_COUNT] = { "before",      "substep",   "iteration",
                                                            "substep end", "item loop", "after" };
     const plan_node* node = w->plan->nodes + n;
     const wisp_pass* pass = w->registry->passes + node->passes[i];
     wisp_plan_pass* p = begin_pass( w, report, node->passes[i] );
-    p->state = WISP_PLAN_KEPT;
+    p->state = WISP_PLAN_ACTIVE;
     p->loop = LOOPS[node->section];
     p->wave = node->wave;
     p->node = n;
@@ -162,7 +162,7 @@ static void add_kept( writer* w, wisp_plan_report* report, int n, int i )
     explain_reasons( p );
 }
 
-static void add_kept_in_order( writer* w, wisp_plan_report* report )
+static void add_kept_in_order( writer* w, wisp_plan_info* report )
 {
     const plan* p = w->plan;
     for ( int section = 0; section < PLAN_SECTION_COUNT; ++section )
@@ -181,7 +181,7 @@ static void add_kept_in_order( writer* w, wisp_plan_report* report )
     }
 }
 
-static void add_absent( writer* w, wisp_plan_report* report, int number )
+static void add_absent( writer* w, wisp_plan_info* report, int number )
 {
     const wisp_pass* pass = w->registry->passes + number;
     wisp_plan_pass* p = begin_pass( w, report, number );
@@ -191,7 +191,7 @@ static void add_absent( writer* w, wisp_plan_report* report, int number )
 // ---- modules ----
 
 // Component that most passes of a module need and no entity has.
-static wisp_component most_missed( const writer* w, const char* module )
+static wisp_component max_missed( const writer* w, const char* module )
 {
     wisp_component most = 0;
     for ( int c = 1, highest = 0; c < w->registry->store->component_count; ++c )
@@ -210,7 +210,7 @@ static wisp_component most_missed( const writer* w, const char* module )
 }
 
 // The reason of a module is that of its pass that is nearest to being active.
-static void tell_module( const writer* w, const wisp_plan_report* report, wisp_plan_module* m )
+static void tell_module( const writer* w, const wisp_plan_info* report, wisp_plan_module* m )
 {
     const wisp_plan_pass* nearest = NULL;
     for ( int i = 0; i < report->pass_count; ++i )
@@ -221,7 +221,7 @@ static void tell_module( const writer* w, const wisp_plan_report* report, wisp_p
     }
     if ( nearest->state == WISP_PLAN_MISSING )
     {
-        m->missing = explain_name( w->registry, most_missed( w, m->name ) );
+        m->missing = explain_name( w->registry, max_missed( w, m->name ) );
         snprintf( m->because, sizeof( m->because ), "needs component %s, which no entity has", m->missing );
     }
     else
@@ -231,7 +231,7 @@ static void tell_module( const writer* w, const wisp_plan_report* report, wisp_p
 }
 
 // The passes of a module are consecutive in the registry.
-static void add_modules( writer* w, wisp_plan_report* report )
+static void add_modules( writer* w, wisp_plan_info* report )
 {
     for ( int i = 0; i < w->registry->pass_count; ++i )
     {
@@ -242,11 +242,11 @@ static void add_modules( writer* w, wisp_plan_report* report )
         }
         wisp_plan_module* m = w->modules + report->module_count - 1;
         m->pass_count += 1;
-        m->kept_count += is_live( w, i ) ? 1 : 0;
+        m->active_count += is_live( w, i ) ? 1 : 0;
     }
     for ( int i = 0; i < report->module_count; ++i )
     {
-        if ( w->modules[i].kept_count == 0 )
+        if ( w->modules[i].active_count == 0 )
         {
             tell_module( w, report, w->modules + i );
         }
@@ -284,7 +284,7 @@ static report_block* make_block( writer* w )
     return block;
 }
 
-wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
+wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations )
 {
     writer w = { .plan = p, .registry = r, .iterations = iterations };
     report_block* block = make_block( &w );
@@ -292,10 +292,10 @@ wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int subst
     {
         return NULL;
     }
-    wisp_plan_report* report = &block->report;
-    *report = ( wisp_plan_report ){
+    wisp_plan_info* report = &block->report;
+    *report = ( wisp_plan_info ){
         .hash = p->hash,
-        .kept_count = p->pass_count,
+        .active_count = p->pass_count,
         .node_count = p->node_count,
         .substeps = substeps,
         .iterations = iterations,
@@ -317,12 +317,12 @@ wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int subst
             add_absent( &w, report, i );
         }
     }
-    predict_shares( report, w.passes );
+    predict_fractions( report, w.passes );
     add_modules( &w, report );
     return report;
 }
 
-void wisp_plan_report_release( wisp_plan_report* report )
+void wisp_plan_info_release( wisp_plan_info* report )
 {
     if ( report != NULL )
     {

@@ -17,14 +17,14 @@ void explain_append( char* text, size_t size, const char* more )
 
 // ---- why a pass is selected ----
 
-static bool is_wished( const wisp_registry* r, wisp_component c )
+static bool is_requested( const wisp_registry* r, wisp_component c )
 {
-    bool wished = false;
+    bool requested = false;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        wished = wished || ( r->store->entities[slot].wants & store_bit( c ) ) != 0;
+        requested = requested || ( r->store->entities[slot].requests & store_bit( c ) ) != 0;
     }
-    return wished;
+    return requested;
 }
 
 static bool is_reader( const plan* p, const wisp_pass* reader, int number, const wisp_pass* of, wisp_component c )
@@ -40,7 +40,7 @@ int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass
         const wisp_component c = pass->writes[i];
         for ( int k = -1; k < r->pass_count; ++k )
         {
-            if ( k < 0 ? is_wished( r, c ) : is_reader( p, r->passes + k, k, pass, c ) )
+            if ( k < 0 ? is_requested( r, c ) : is_reader( p, r->passes + k, k, pass, c ) )
             {
                 if ( out != NULL )
                 {
@@ -113,30 +113,30 @@ store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass )
     {
         anybody_has |= given( r->store->entities + slot );
     }
-    return plan_mask( pass->needs ) & ~anybody_has;
+    return plan_mask( pass->required ) & ~anybody_has;
 }
 
 static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
 {
-    const store_mask needs = plan_mask( pass->needs ), lacks = plan_mask( pass->lacks );
+    const store_mask required = plan_mask( pass->required ), excluded = plan_mask( pass->excluded );
     bool suits = false, is_free = false;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         const store_entity* e = r->store->entities + slot;
-        const bool has_all = e->alive && ( needs & ~given( e ) ) == 0;
+        const bool has_all = e->alive && ( required & ~given( e ) ) == 0;
         suits = suits || has_all;
-        is_free = is_free || ( has_all && ( lacks & given( e ) ) == 0 );
+        is_free = is_free || ( has_all && ( excluded & given( e ) ) == 0 );
     }
     if ( explain_missing( r, pass ) != 0 )
     {
         return WISP_PLAN_MISSING;
     }
     // A pass without needs suits every entity; in a world without entities it counts as unrequested.
-    if ( is_free || ( suits == false && needs == 0 ) )
+    if ( is_free || ( suits == false && required == 0 ) )
     {
-        return WISP_PLAN_UNWANTED;
+        return WISP_PLAN_UNREQUESTED;
     }
-    return suits ? WISP_PLAN_KEPT_OUT : WISP_PLAN_APART;
+    return suits ? WISP_PLAN_EXCLUDED : WISP_PLAN_SPLIT;
 }
 
 // Append " X", or "s X, Y and Z" of several names.
@@ -153,11 +153,11 @@ static void append_list( wisp_plan_pass* p, const char* const* names )
 void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_pass* out )
 {
     const store_mask missing = explain_missing( r, pass );
-    for ( int i = 0, count = 0; i < WISP_MAX_USES && pass->needs[i] != 0; ++i )
+    for ( int i = 0, count = 0; i < WISP_MAX_USES && pass->required[i] != 0; ++i )
     {
-        if ( ( missing & store_bit( pass->needs[i] ) ) != 0 )
+        if ( ( missing & store_bit( pass->required[i] ) ) != 0 )
         {
-            out->missing[count++] = explain_name( r, pass->needs[i] );
+            out->missing[count++] = explain_name( r, pass->required[i] );
         }
     }
     static const struct
@@ -165,17 +165,17 @@ void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_p
         const char *before, *after;
     } WORDS[] = {
         [WISP_PLAN_MISSING] = { "needs component", ", which no entity has" },
-        [WISP_PLAN_APART] = { "needs component", ", which no single entity has together" },
-        [WISP_PLAN_KEPT_OUT] = { "excluded by component", "" },
-        [WISP_PLAN_UNWANTED] = { "neither requested nor read: component", "" },
+        [WISP_PLAN_SPLIT] = { "needs component", ", which no single entity has together" },
+        [WISP_PLAN_EXCLUDED] = { "excluded by component", "" },
+        [WISP_PLAN_UNREQUESTED] = { "neither requested nor read: component", "" },
     };
     out->state = state_of( r, pass );
     const char* const first_write[] = { out->writes[0], NULL };
     const char* const* lists[] = {
         [WISP_PLAN_MISSING] = out->missing,
-        [WISP_PLAN_APART] = out->needs,
-        [WISP_PLAN_KEPT_OUT] = out->lacks,
-        [WISP_PLAN_UNWANTED] = first_write,
+        [WISP_PLAN_SPLIT] = out->required,
+        [WISP_PLAN_EXCLUDED] = out->excluded,
+        [WISP_PLAN_UNREQUESTED] = first_write,
     };
     explain_append( out->because, sizeof( out->because ), WORDS[out->state].before );
     append_list( out, lists[out->state] );

@@ -17,7 +17,7 @@ enum
 {
     PLAN_MAX_PASSES = 128, // one bit each in a mask
     PLAN_MAX_FUSED = 32,   // one bit each in a mask
-    PLAN_MAX_JOINS = 8,
+    PLAN_MAX_FUSIONS = 8,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
 };
@@ -37,13 +37,13 @@ typedef struct plan_state
     wisp_state_hooks hooks;
 } plan_state;
 
-typedef struct plan_join
+typedef struct plan_fusion
 {
     const char* name;
-    store_mask needs, allows; // passes
-    wisp_joined_fn* run;
+    store_mask required, allows; // passes
+    wisp_fused_fn* run;
     void* user;
-} plan_join;
+} plan_fusion;
 
 struct wisp_registry
 {
@@ -52,7 +52,7 @@ struct wisp_registry
     wisp_pass passes[PLAN_MAX_PASSES];
     const char* pass_modules[PLAN_MAX_PASSES]; // that declared it
     int pass_count;
-    plan_join joins[PLAN_MAX_JOINS];
+    plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
     plan_state states[PLAN_MAX_STATES];
     int state_count;
@@ -133,10 +133,10 @@ wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 
 /// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
-wisp_plan_report* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
+wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
 
 /// Print line by line: selected passes with their reasons, absent ones with what they lack.
-void plan_print( const wisp_plan_report* report, void ( *write )( void* user, const char* line ), void* user );
+void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
 
 /// Section of a stage.
 plan_section plan_section_of( wisp_stage stage );
@@ -174,7 +174,7 @@ struct wisp_frame
     _Atomic bool failed;
     wisp_error error;
     atomic_flag halting;
-    char halted_sentence[300]; // of the first entity that was halted in this step
+    char halted_message[300]; // of the first entity that was halted in this step
 };
 
 /// Samples of a worker: seconds that passes of fused nodes took on the first item of its blocks.

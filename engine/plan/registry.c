@@ -90,12 +90,12 @@ static bool find_passes( const wisp_registry* r, const char* const* names, store
     return found;
 }
 
-wisp_status wisp_declare_join( wisp_registry* registry, const wisp_join* join )
+wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* join )
 {
-    plan_join f = { .name = join->name, .run = join->run, .user = join->user };
+    plan_fusion f = { .name = join->name, .run = join->run, .user = join->user };
     const bool found =
-        find_passes( registry, join->needs, &f.needs ) && find_passes( registry, join->allows, &f.allows );
-    if ( found == false || f.needs == 0 || f.run == NULL || registry->join_count == PLAN_MAX_JOINS )
+        find_passes( registry, join->required, &f.required ) && find_passes( registry, join->allows, &f.allows );
+    if ( found == false || f.required == 0 || f.run == NULL || registry->join_count == PLAN_MAX_FUSIONS )
     {
         fail_declaration( registry, "too many fusions, or one without declared passes:", join->name );
         return WISP_BAD_INPUT;

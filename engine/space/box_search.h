@@ -2,7 +2,7 @@
 /// depend neither on the search nor on the number of workers.
 #pragma once
 
-#include "wisp/module/box_pairs.h"
+#include "wisp/module/aabb_pairs.h"
 
 #include <float.h>
 #include <math.h>
@@ -15,20 +15,20 @@ enum
 };
 
 /// Is a box one that can overlap another? False where a number is not finite.
-static inline bool box_is_valid( const wisp_box* box )
+static inline bool box_is_valid( const wisp_aabb* box )
 {
     bool is_valid = true;
     for ( int k = 0; k < 3; ++k )
     {
-        is_valid &= box->low[k] <= box->high[k] && box->low[k] >= -FLT_MAX && box->high[k] <= FLT_MAX;
+        is_valid &= box->lower[k] <= box->upper[k] && box->lower[k] >= -FLT_MAX && box->upper[k] <= FLT_MAX;
     }
     return is_valid;
 }
 
-/// A few questions at once: for each of some askers, the boxes that overlap it.
+/// A few questions at once: for each of some queries, the boxes that overlap it.
 typedef struct box_question
 {
-    wisp_box_group group;
+    wisp_aabb_group group;
     uint64_t tested; ///< boxes compared
 } box_question;
 
@@ -36,7 +36,7 @@ typedef struct box_question
 
 enum
 {
-    BOX_LEVELS_MOST = 12,
+    MAX_BOX_LEVELS = 12,
 };
 
 /// Boxes of about one size, by the cell of their low corner.
@@ -54,32 +54,32 @@ typedef struct box_level
 
 typedef struct box_grid
 {
-    wisp_box_stream stream; ///< slots: by level, cell, number
-    const int32_t* begin;   ///< [cells of all levels + 1] first slot
-    const int32_t* cell_of; ///< [box] -1 for one that overlaps nothing
+    wisp_aabb_stream stream; ///< slots: by level, cell, number
+    const int32_t* begin;    ///< [cells of all levels + 1] first slot
+    const int32_t* cell_of;  ///< [box] -1 for one that overlaps nothing
     int slot_count, level_count;
-    box_level levels[BOX_LEVELS_MOST];
+    box_level levels[MAX_BOX_LEVELS];
     const wisp_kernels* kernels; ///< may be null
 } box_grid;
 
 /// @param buffers four of them
 wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_parallel* parallel,
-                            const wisp_box_job* job );
-/// @return false if several askers would be compared with too many boxes at once, and nothing was found: ask one by one
+                            const wisp_aabb_args* args );
+/// @return false if several queries would be compared with too many boxes at once, and nothing was found: ask one by one
 bool box_grid_find( const box_grid* grid, box_question* question );
 
 // ---- the tree ----
 
 /// Take the boxes over: refit, or build. @return WISP_CONFLICT in a library without Embree
-wisp_status box_tree_update( struct wisp_box_tree** tree, const wisp_allocator* allocator, const wisp_box_job* job,
-                             wisp_error* error );
-/// One asker. Thread-safe.
-void box_tree_find( const struct wisp_box_tree* tree, box_question* question );
+wisp_status box_tree_update( struct wisp_aabb_tree** tree, const wisp_allocator* allocator,
+                             const wisp_aabb_args* args, wisp_error* error );
+/// One query. Thread-safe.
+void box_tree_find( const struct wisp_aabb_tree* tree, box_question* question );
 /// Cost of the queries since the last update, which tells whether the search has decayed.
-void box_tree_note( struct wisp_box_tree* tree, uint64_t tested, uint64_t answers );
-void box_tree_counts( const struct wisp_box_tree* tree, int* build_count, int* refit_count );
-size_t box_tree_bytes( const struct wisp_box_tree* tree );
+void box_tree_note( struct wisp_aabb_tree* tree, uint64_t tested, uint64_t answers );
+void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* refit_count );
+size_t box_tree_bytes( const struct wisp_aabb_tree* tree );
 /// Null is allowed.
-void box_tree_release( struct wisp_box_tree* tree, const wisp_allocator* allocator );
+void box_tree_release( struct wisp_aabb_tree* tree, const wisp_allocator* allocator );
 /// Can this library make one?
 bool box_tree_exists( void );

@@ -43,14 +43,14 @@ void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )
 // The fourth of each is what the owners' bits make of it.
 typedef struct grid_bounds
 {
-    float low[4], high[4];
+    float lower[4], upper[4];
 } grid_bounds;
 
 // What the loops of a build share.
 typedef struct grid_build
 {
     wisp_grid* grid;
-    const float* quads;
+    const float* xyzw;
     grid_bounds* bounds; // [block]
     int32_t* cell_of;    // [item]
     int32_t* begin;      // [cell + 1]
@@ -59,12 +59,12 @@ typedef struct grid_build
     int32_t* owner;
 } grid_build;
 
-static void widen( grid_bounds* bounds, const float* low, const float* high )
+static void widen( grid_bounds* bounds, const float* lower, const float* upper )
 {
     for ( int axis = 0; axis < 4; ++axis )
     {
-        bounds->low[axis] = low[axis] < bounds->low[axis] ? low[axis] : bounds->low[axis];
-        bounds->high[axis] = high[axis] > bounds->high[axis] ? high[axis] : bounds->high[axis];
+        bounds->lower[axis] = lower[axis] < bounds->lower[axis] ? lower[axis] : bounds->lower[axis];
+        bounds->upper[axis] = upper[axis] > bounds->upper[axis] ? upper[axis] : bounds->upper[axis];
     }
 }
 
@@ -72,10 +72,10 @@ static void find_bounds( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const grid_build* b = context;
-    const float* q = b->quads + 4 * (size_t)begin;
+    const float* q = b->xyzw + 4 * (size_t)begin;
     grid_bounds bounds;
-    memcpy( bounds.low, q, sizeof( bounds.low ) );
-    memcpy( bounds.high, q, sizeof( bounds.high ) );
+    memcpy( bounds.lower, q, sizeof( bounds.lower ) );
+    memcpy( bounds.upper, q, sizeof( bounds.upper ) );
     for ( int i = begin + 1; i < end; ++i )
     {
         q += 4;
@@ -89,7 +89,7 @@ static grid_bounds join_bounds( const grid_bounds* bounds, int count )
     grid_bounds all = bounds[0];
     for ( int i = 1; i < count; ++i )
     {
-        widen( &all, bounds[i].low, bounds[i].high );
+        widen( &all, bounds[i].lower, bounds[i].upper );
     }
     return all;
 }
@@ -120,7 +120,7 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
 {
     const int fastest = grid->axis[0];
     const double rows = (double)grid->dims[grid->axis[1]] * (double)grid->dims[grid->axis[2]];
-    double extent = (double)bounds.high[fastest] - (double)bounds.low[fastest], dims;
+    double extent = (double)bounds.upper[fastest] - (double)bounds.lower[fastest], dims;
     for ( ;; --fine )
     {
         dims = 1.0 + (double)(int64_t)( extent * (double)fine / (double)grid->cell );
@@ -142,24 +142,24 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
 static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int fine )
 {
     // Subtracting the origin and dividing round: together by less than 3 units in the last place of the extent.
-    double extent_most = 0.0;
+    double max_extent = 0.0;
     for ( int axis = 0; axis < 3; ++axis )
     {
-        double extent = (double)bounds.high[axis] - (double)bounds.low[axis];
-        extent_most = extent > extent_most ? extent : extent_most;
+        double extent = (double)bounds.upper[axis] - (double)bounds.lower[axis];
+        max_extent = extent > max_extent ? extent : max_extent;
     }
-    grid->slack = (float)( 4e-7 * extent_most );
+    grid->slack = (float)( 4e-7 * max_extent );
     cell = ( cell + grid->slack ) * 1.000001f;
 
     const double most = (double)GRID_CELLS_PER_ITEM * grid->count + 64.0;
-    const float wanted = cell;
+    const float requested = cell;
     double dims[3];
     for ( ;; cell *= 1.25f )
     {
         double cells = 1.0, along = 0.0;
         for ( int axis = 0; axis < 3; ++axis )
         {
-            double extent = (double)bounds.high[axis] - (double)bounds.low[axis];
+            double extent = (double)bounds.upper[axis] - (double)bounds.lower[axis];
             dims[axis] = 1.0 + (double)(int64_t)( extent / (double)cell );
             cells *= dims[axis];
             along = dims[axis] > along ? dims[axis] : along;
@@ -171,12 +171,12 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
     }
     for ( int axis = 0; axis < 3; ++axis )
     {
-        grid->origin[axis] = bounds.low[axis];
+        grid->origin[axis] = bounds.lower[axis];
         grid->dims[axis] = (int)dims[axis];
     }
     grid->cell = cell;
-    grid->coarse = cell > 1.5f * wanted;
-    grid->planar = bounds.low[2] == bounds.high[2];
+    grid->coarse = cell > 1.5f * requested;
+    grid->planar = bounds.lower[2] == bounds.upper[2];
     order_axes( grid );
     cut_cells( grid, bounds, fine, most );
 }
@@ -198,7 +198,7 @@ static void find_cells( void* context, int begin, int end, int worker )
     const float last[4] = { (float)( g->dims[0] - 1 ), (float)( g->dims[1] - 1 ), (float)( g->dims[2] - 1 ), 0.0f };
     for ( int i = begin; i < end; ++i )
     {
-        const float* q = b->quads + 4 * (size_t)i;
+        const float* q = b->xyzw + 4 * (size_t)i;
         int cell[4];
         for ( int axis = 0; axis < 4; ++axis )
         {
@@ -238,7 +238,7 @@ static void copy_slots( void* context, int begin, int end, int worker )
     const grid_build* b = context;
     for ( int slot = begin; slot < end; ++slot )
     {
-        const float* q = b->quads + 4 * (size_t)b->item[slot];
+        const float* q = b->xyzw + 4 * (size_t)b->item[slot];
         b->x[slot] = q[0];
         b->y[slot] = q[1];
         b->z[slot] = q[2];
@@ -274,12 +274,12 @@ static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
     return true;
 }
 
-wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
-                             float cell, int fine )
+wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* xyzw, int count, float cell,
+                             int fine )
 {
     WISP_ASSERT( cell > 0.0f && fine > 0 && count >= 0 );
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
-    grid_build b = { .grid = grid, .quads = quads };
+    grid_build b = { .grid = grid, .xyzw = xyzw };
     grid->count = count;
     if ( reserve_items( &b, allocator ) == false )
     {

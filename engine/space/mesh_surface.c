@@ -9,7 +9,7 @@
 
 static bool is_within_reach( float x )
 {
-    return x >= -WISP_MESH_TREE_REACH && x <= WISP_MESH_TREE_REACH; // false for NaN
+    return x >= -WISP_COLLISION_MESH_REACH && x <= WISP_COLLISION_MESH_REACH; // false for NaN
 }
 
 wisp_status mesh_surface_check_points( const wisp_vec3* points, int count, wisp_error* error )
@@ -21,13 +21,13 @@ wisp_status mesh_surface_check_points( const wisp_vec3* points, int count, wisp_
         {
             return wisp_fail( error, WISP_BAD_INPUT,
                               "mesh point %d: got (%g, %g, %g), expected finite coordinates within %g m", i,
-                              (double)p.x, (double)p.y, (double)p.z, (double)WISP_MESH_TREE_REACH );
+                              (double)p.x, (double)p.y, (double)p.z, (double)WISP_COLLISION_MESH_REACH );
         }
     }
     return WISP_OK;
 }
 
-static wisp_status check_def( const wisp_mesh_tree_def* def, wisp_error* error )
+static wisp_status check_def( const wisp_collision_mesh_def* def, wisp_error* error )
 {
     if ( def->point_count < 1 || def->triangle_count < 1 || def->points == NULL || def->triangles == NULL )
     {
@@ -63,7 +63,7 @@ static size_t size_of( int count, size_t size )
 
 // The blocks of a surface, listed once for reserve, release and the sum.
 #define SURFACE_BLOCKS( X )                                                                                          \
-    X( quads, size_of( s->point_count, 4 * sizeof( float ) ) )                                                       \
+    X( xyzw, size_of( s->point_count, 4 * sizeof( float ) ) )                                                        \
     X( triangles, size_of( 3 * s->triangle_count, sizeof( int32_t ) ) )                                              \
     X( ring_begin, size_of( s->point_count + 1, sizeof( int32_t ) ) )                                                \
     X( ring, size_of( 3 * s->triangle_count, sizeof( int32_t ) ) )
@@ -126,16 +126,16 @@ void mesh_surface_find_extent( mesh_surface* s )
     s->largest = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        float low = s->quads[k], high = low;
+        float lower = s->xyzw[k], upper = lower;
         for ( int i = 1; i < s->point_count; ++i )
         {
-            float c = s->quads[4 * (size_t)i + (size_t)k];
-            low = c < low ? c : low;
-            high = c > high ? c : high;
+            float c = s->xyzw[4 * (size_t)i + (size_t)k];
+            lower = c < lower ? c : lower;
+            upper = c > upper ? c : upper;
         }
-        s->low[k] = low;
-        s->high[k] = high;
-        s->largest = fmax( s->largest, fmax( fabs( (double)low ), fabs( (double)high ) ) );
+        s->lower[k] = lower;
+        s->upper[k] = upper;
+        s->largest = fmax( s->largest, fmax( fabs( (double)lower ), fabs( (double)upper ) ) );
     }
 }
 
@@ -143,7 +143,7 @@ void mesh_surface_set_points( mesh_surface* s, const wisp_vec3* points )
 {
     for ( int i = 0; i < s->point_count; ++i )
     {
-        float* quad = s->quads + 4 * (size_t)i;
+        float* quad = s->xyzw + 4 * (size_t)i;
         quad[0] = points[i].x;
         quad[1] = points[i].y;
         quad[2] = points[i].z;
@@ -154,7 +154,7 @@ void mesh_surface_set_points( mesh_surface* s, const wisp_vec3* points )
 
 static double3 find_corner_normal( const mesh_surface* s, int32_t point );
 
-wisp_status mesh_surface_build( mesh_surface* s, const wisp_mesh_tree_def* def, const wisp_allocator* allocator,
+wisp_status mesh_surface_build( mesh_surface* s, const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
                                 wisp_error* error )
 {
     *s = ( mesh_surface ){ 0 };
@@ -199,7 +199,7 @@ static double3 find_corner_normal( const mesh_surface* s, int32_t point )
     double3 sum = { 0.0, 0.0, 0.0 };
     for ( int32_t k = s->ring_begin[point]; k < s->ring_begin[point + 1]; ++k )
     {
-        triangle_corners t = triangle_load( s->quads, s->triangles, s->ring[k] );
+        triangle_corners t = triangle_load( s->xyzw, s->triangles, s->ring[k] );
         double3 normal = double3_unit_or_zero( triangle_normal( &t ) );
         sum = double3_mul_add( sum, angle_at( &t, point ), normal );
     }
@@ -223,7 +223,7 @@ static double3 find_edge_normal( const mesh_surface* s, int32_t u, int32_t v )
     {
         if ( has_point( s->triangles + 3 * (size_t)s->ring[k], rim ) )
         {
-            triangle_corners t = triangle_load( s->quads, s->triangles, s->ring[k] );
+            triangle_corners t = triangle_load( s->xyzw, s->triangles, s->ring[k] );
             sum = double3_mul_add( sum, 1.0, double3_unit_or_zero( triangle_normal( &t ) ) );
         }
     }
@@ -234,7 +234,7 @@ static double3 find_pseudonormal( const mesh_surface* s, int32_t triangle, const
 {
     if ( nearest->first < 0 )
     {
-        triangle_corners t = triangle_load( s->quads, s->triangles, triangle );
+        triangle_corners t = triangle_load( s->xyzw, s->triangles, triangle );
         return double3_unit_or_zero( triangle_normal( &t ) );
     }
     if ( nearest->second >= 0 )
@@ -313,7 +313,7 @@ int mesh_surface_count_flat_triangles( const mesh_surface* s )
     int count = 0;
     for ( int32_t k = 0; k < s->triangle_count; ++k )
     {
-        triangle_corners t = triangle_load( s->quads, s->triangles, k );
+        triangle_corners t = triangle_load( s->xyzw, s->triangles, k );
         double3 normal = triangle_normal( &t );
         count += double3_dot( normal, normal ) == 0.0 ? 1 : 0;
     }

@@ -3,18 +3,18 @@
 
 #include "mesh_triangle.h"
 
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 
 typedef struct mesh_surface
 {
     wisp_allocator allocator;
     int point_count, triangle_count;
-    float* quads;          ///< [point_count][4] x, y, z, 0
-    int32_t* triangles;    ///< [triangle_count][3]
-    float low[3], high[3]; ///< m, box around all points
-    double largest;        ///< m, coordinate
-    int32_t* ring_begin;   ///< [point_count + 1]
-    int32_t* ring;         ///< [3 triangle_count] triangles around a point, ascending
+    float* xyzw;              ///< [point_count][4] x, y, z, 0
+    int32_t* triangles;       ///< [triangle_count][3]
+    float lower[3], upper[3]; ///< m, box around all points
+    double largest;           ///< m, coordinate
+    int32_t* ring_begin;      ///< [point_count + 1]
+    int32_t* ring;            ///< [3 triangle_count] triangles around a point, ascending
     wisp_vec3*
         corner_normals; ///< [point_count] angle-weighted; null for a mesh that deforms, where they are computed
                         ///< when asked for: most never are before the points move again
@@ -22,8 +22,8 @@ typedef struct mesh_surface
 } mesh_surface;
 
 /// Check and copy a mesh. A failed call leaves the surface zero.
-wisp_status mesh_surface_build( mesh_surface* surface, const wisp_mesh_tree_def* def, const wisp_allocator* allocator,
-                                wisp_error* error );
+wisp_status mesh_surface_build( mesh_surface* surface, const wisp_collision_mesh_def* def,
+                                const wisp_allocator* allocator, wisp_error* error );
 void mesh_surface_release( mesh_surface* surface );
 
 /// Check that all points are finite and within range. The message names the first that is not.

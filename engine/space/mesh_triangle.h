@@ -16,13 +16,13 @@ typedef struct triangle_corners
 } triangle_corners;
 
 /// @param quads [point][4] @param triangles [triangle][3]
-static inline triangle_corners triangle_load( const float* quads, const int32_t* triangles, int32_t triangle )
+static inline triangle_corners triangle_load( const float* xyzw, const int32_t* triangles, int32_t triangle )
 {
     const int32_t* number = triangles + 3 * (size_t)triangle;
     return ( triangle_corners ){ number,
-                                 { double3_from( quads + 4 * (size_t)number[0] ),
-                                   double3_from( quads + 4 * (size_t)number[1] ),
-                                   double3_from( quads + 4 * (size_t)number[2] ) } };
+                                 { double3_from( xyzw + 4 * (size_t)number[0] ),
+                                   double3_from( xyzw + 4 * (size_t)number[1] ),
+                                   double3_from( xyzw + 4 * (size_t)number[2] ) } };
 }
 
 /// Twice the area along the normal, or zero for a triangle that is flat.
@@ -59,20 +59,20 @@ static inline void triangle_at_corner( triangle_nearest* n, const triangle_corne
 
 static inline void triangle_at_edge( triangle_nearest* n, const triangle_corners* t, int i, int j, double3 p )
 {
-    int low = t->number[i] < t->number[j] ? i : j, high = i + j - low;
-    double3 along = double3_sub( t->at[high], t->at[low] );
-    double run = double3_dot( double3_sub( p, t->at[low] ), along ), squared = double3_dot( along, along );
+    int lower = t->number[i] < t->number[j] ? i : j, upper = i + j - lower;
+    double3 along = double3_sub( t->at[upper], t->at[lower] );
+    double run = double3_dot( double3_sub( p, t->at[lower] ), along ), squared = double3_dot( along, along );
     if ( !( run > 0.0 ) || run >= squared )
     {
-        triangle_at_corner( n, t, run > 0.0 ? high : low, p );
+        triangle_at_corner( n, t, run > 0.0 ? upper : lower, p );
         return;
     }
     double s = run / squared;
-    *n = ( triangle_nearest ){ .point = double3_mul_add( t->at[low], s, along ),
-                               .first = t->number[low],
-                               .second = t->number[high] };
-    n->weights[low] = 1.0 - s;
-    n->weights[high] = s;
+    *n = ( triangle_nearest ){ .point = double3_mul_add( t->at[lower], s, along ),
+                               .first = t->number[lower],
+                               .second = t->number[upper] };
+    n->weights[lower] = 1.0 - s;
+    n->weights[upper] = s;
     triangle_measure( n, p );
 }
 
@@ -139,26 +139,27 @@ static inline void triangle_find_nearest( triangle_nearest* n, const triangle_co
 }
 
 /// Where a path crosses a triangle.
-typedef struct triangle_crossing
+typedef struct triangle_intersection
 {
     double time;
     double weights[3];
     bool from_front;
-} triangle_crossing;
+} triangle_intersection;
 
 // Which way round the path the edge i -> j runs; the edge j -> i of a neighbour gets the opposite to the last bit.
 static inline double triangle_edge_turn( const triangle_corners* t, int i, int j, double3 from, double3 step )
 {
     bool is_ordered = t->number[i] < t->number[j];
-    double3 low = double3_sub( t->at[is_ordered ? i : j], from ),
-            high = double3_sub( t->at[is_ordered ? j : i], from );
-    double turn = double3_dot( step, double3_cross( low, high ) );
+    double3 lower = double3_sub( t->at[is_ordered ? i : j], from ),
+            upper = double3_sub( t->at[is_ordered ? j : i], from );
+    double turn = double3_dot( step, double3_cross( lower, upper ) );
     return is_ordered ? turn : -turn;
 }
 
 /// Sides are those of the ends, each from its own coordinates alone, so that paths end to end agree about the point they
 /// share. Zero is in front.
-static inline bool triangle_cross( const triangle_corners* t, double3 from, double3 to, triangle_crossing* crossing )
+static inline bool triangle_cross( const triangle_corners* t, double3 from, double3 to,
+                                   triangle_intersection* intersection )
 {
     double3 normal = triangle_normal( t ), step = double3_sub( to, from );
     double before = double3_dot( double3_sub( from, t->at[0] ), normal );
@@ -176,8 +177,8 @@ static inline bool triangle_cross( const triangle_corners* t, double3 from, doub
     {
         return false;
     }
-    *crossing = ( triangle_crossing ){ .time = before / ( before - after ),
-                                       .weights = { a / sum, b / sum, c / sum },
-                                       .from_front = before >= 0.0 };
+    *intersection = ( triangle_intersection ){ .time = before / ( before - after ),
+                                               .weights = { a / sum, b / sum, c / sum },
+                                               .from_front = before >= 0.0 };
     return true;
 }

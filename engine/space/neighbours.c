@@ -32,7 +32,7 @@ typedef struct neighbour_search
     const wisp_kernels* kernels;
     const wisp_parallel* parallel;
     const wisp_neighbour_query* query;
-    wisp_range_search_job job;
+    wisp_range_search_args args;
     int32_t *begin, *near_length, *length; // [slice]
     int32_t* near_count;                   // [slice][8]
     int32_t* entries;
@@ -43,29 +43,29 @@ typedef struct neighbour_search
 // Memory of a worker: lists as a search leaves them, and those of a block as they shall lie.
 typedef struct neighbour_scratch
 {
-    int32_t *lists, *shell, *packed;
+    int32_t *lists, *skin, *packed;
     int stride; // ints from a query's list to the next one's
 } neighbour_scratch;
 
 static bool take_scratch( const neighbour_search* s, int worker, neighbour_scratch* out )
 {
     const size_t limit = (size_t)s->query->limit, stride = 2 * limit + WISP_SEARCH_SLACK;
-    const size_t lists = WISP_SLICE * stride, shell = WISP_SLICE * ( limit + WISP_SEARCH_SLACK );
+    const size_t lists = WISP_SLICE * stride, skin = WISP_SLICE * ( limit + WISP_SEARCH_SLACK );
     const size_t packed = NEIGHBOURS_SLICES * WISP_SLICE * 2 * limit;
-    int32_t* ints = wisp_parallel_scratch( s->parallel, worker, ( lists + shell + packed ) * sizeof( int32_t ) );
-    *out = ( neighbour_scratch ){ ints, ints + lists, ints + lists + shell, (int)stride };
+    int32_t* ints = wisp_parallel_scratch( s->parallel, worker, ( lists + skin + packed ) * sizeof( int32_t ) );
+    *out = ( neighbour_scratch ){ ints, ints + lists, ints + lists + skin, (int)stride };
     return ints != NULL;
 }
 
 // @return entries of all slices of the block, side by side in `packed`
 static size_t search_slices( neighbour_search* s, const neighbour_scratch* scratch, int begin, int end )
 {
-    wisp_range_search_result found = { .lists = scratch->lists, .shell = scratch->shell };
+    wisp_range_search_result found = { .lists = scratch->lists, .skin = scratch->skin };
     size_t entries = 0;
     for ( int slice = begin; slice < end; ++slice )
     {
         int left = s->query->query_count - slice * WISP_SLICE;
-        s->kernels->range_search( &s->job, slice, left < WISP_SLICE ? left : WISP_SLICE, &found );
+        s->kernels->range_search( &s->args, slice, left < WISP_SLICE ? left : WISP_SLICE, &found );
         s->kernels->interleave( found.lists, scratch->stride, found.count, slice, s->query->rename,
                                 scratch->packed + entries * WISP_SLICE );
         memcpy( s->near_count + (size_t)slice * WISP_SLICE, found.near_count, sizeof( found.near_count ) );
@@ -119,11 +119,11 @@ static int count_cells( float radius, const wisp_grid* grid, int fine )
     return cells < 1e6f ? (int)ceilf( cells ) : 1000000;
 }
 
-static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbour_query* query )
+static wisp_range_search_args make_args( const wisp_grid* grid, const wisp_neighbour_query* query )
 {
-    float radius = query->shell_radius > query->near_radius ? query->shell_radius : query->near_radius;
+    float radius = query->skin_radius > query->near_radius ? query->skin_radius : query->near_radius;
     const int reach = count_cells( radius, grid, 1 );
-    wisp_range_search_job job = {
+    wisp_range_search_args args = {
         .x = grid->x,
         .y = grid->y,
         .z = grid->z,
@@ -131,16 +131,16 @@ static wisp_range_search_job make_job( const wisp_grid* grid, const wisp_neighbo
         .cell_begin = grid->cell_begin,
         .reach = { count_cells( radius, grid, grid->fine ), reach, reach },
         .near_radius = query->near_radius,
-        .shell_radius = query->shell_radius,
+        .skin_radius = query->skin_radius,
         .limit = query->limit,
-        .quads = query->quads,
+        .xyzw = query->xyzw,
         .planar = grid->planar,
     };
-    memcpy( job.origin, grid->origin, sizeof( job.origin ) );
-    memcpy( job.inverse_cell, grid->inverse_cell, sizeof( job.inverse_cell ) );
-    memcpy( job.dims, grid->dims, sizeof( job.dims ) );
-    memcpy( job.axis, grid->axis, sizeof( job.axis ) );
-    return job;
+    memcpy( args.origin, grid->origin, sizeof( args.origin ) );
+    memcpy( args.inverse_cell, grid->inverse_cell, sizeof( args.inverse_cell ) );
+    memcpy( args.dims, grid->dims, sizeof( args.dims ) );
+    memcpy( args.axis, grid->axis, sizeof( args.axis ) );
+    return args;
 }
 
 // The first search measures, the second fills; warm buffers need one.
@@ -189,7 +189,7 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
         .kernels = kernels,
         .parallel = parallel,
         .query = query,
-        .job = make_job( grid, query ),
+        .args = make_args( grid, query ),
         .begin = place,
         .near_length = place + rows,
         .length = place + 2 * rows,

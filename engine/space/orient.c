@@ -5,7 +5,7 @@
 // most 838 bits: there is no range in which the answer is not exact. The filter neither overflows nor underflows: a
 // product of three differences lies between 2^-447 and 2^388. It takes subnormal floats for what they are, as C does;
 // a host that has told its processor to read them as zero may get the answer for zeros.
-#include "wisp/module/crossings.h"
+#include "wisp/module/intersections.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,15 +16,15 @@ enum
 {
     FLOAT_FRACTION_BITS = 23,
     FLOAT_LOWEST_POWER = -149,
-    FLOAT_BITS = 277,                                    // from 2^-149 up to below 2^128
-    WHOLE_LIMBS_MOST = ( 3 * FLOAT_BITS + 7 + 31 ) / 32, // see limbs_for()
+    FLOAT_BITS = 277,                                   // from 2^-149 up to below 2^128
+    MAX_WHOLE_LIMBS = ( 3 * FLOAT_BITS + 7 + 31 ) / 32, // see limbs_for()
 };
 
 // A number in two's complement, lowest limb first. Sums and products drop what overflows, which is right as long as
 // the number that is wanted at the end fits.
 typedef struct whole
 {
-    uint32_t limb[WHOLE_LIMBS_MOST];
+    uint32_t limb[MAX_WHOLE_LIMBS];
 } whole;
 
 static void whole_subtract( whole* out, const whole* a, const whole* b, int limbs )
@@ -136,19 +136,19 @@ static int limbs_for( int span )
 // The lowest and the highest power of two in any coordinate that is not zero. @return false when all are zero
 static bool find_span( float_parts parts[4][3], int* lowest, int* span )
 {
-    int low = INT32_MAX, high = INT32_MIN;
+    int lower = INT32_MAX, upper = INT32_MIN;
     for ( int i = 0; i < 4 * 3; ++i )
     {
         const float_parts* part = &parts[i / 3][i % 3];
         if ( part->magnitude != 0 )
         {
-            low = part->power < low ? part->power : low;
-            high = part->power + part->bits > high ? part->power + part->bits : high;
+            lower = part->power < lower ? part->power : lower;
+            upper = part->power + part->bits > upper ? part->power + part->bits : upper;
         }
     }
-    *lowest = low;
-    *span = low <= high ? high - low : 0;
-    return low <= high;
+    *lowest = lower;
+    *span = lower <= upper ? upper - lower : 0;
+    return lower <= upper;
 }
 
 // (b - a) x (c - a) . (d - a) in whole numbers as short as the coordinates allow.
@@ -241,7 +241,7 @@ int wisp_side_of_plane( const float* a, const float* b, const float* c, const fl
     return all_finite( points ) ? side_in_whole_numbers( points ) : 0;
 }
 
-bool wisp_segment_crosses( const float* p, const float* q, const float* a, const float* b, const float* c )
+bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
     // the ends on two sides of the plane; a point that is not finite is on neither
     const int side = wisp_side_of_plane( a, b, c, p );

@@ -51,8 +51,8 @@ static void lay_group( samples_group* g, layout* l, int count, int first, int ex
     g->axis = take( l, padded, sizeof( int32_t ) );
     g->next_extent = take( l, padded * (size_t)extents, sizeof( float ) );
     g->next_axis = take( l, padded, sizeof( int32_t ) );
-    g->low = take( l, padded, sizeof( float ) );
-    g->high = take( l, padded, sizeof( float ) );
+    g->lower = take( l, padded, sizeof( float ) );
+    g->upper = take( l, padded, sizeof( float ) );
     g->low_height = take( l, padded, sizeof( float ) );
     g->high_height = take( l, padded, sizeof( float ) );
     g->held = take( l, padded / 8, 1 );
@@ -63,27 +63,27 @@ static int blocks_of( int count )
     return ( count + SAMPLES_BLOCK - 1 ) / SAMPLES_BLOCK;
 }
 
-static void lay_memory( layout* l, const wisp_samples_job* job, samples_memory* m )
+static void lay_memory( layout* l, const wisp_samples_args* args, samples_memory* m )
 {
-    const size_t edges = (size_t)job->edge_count, triangles = (size_t)job->triangle_count;
-    const size_t blocks = (size_t)( blocks_of( job->edge_count ) + blocks_of( job->triangle_count ) );
+    const size_t edges = (size_t)args->edge_count, triangles = (size_t)args->triangle_count;
+    const size_t blocks = (size_t)( blocks_of( args->edge_count ) + blocks_of( args->triangle_count ) );
     take( l, 1, sizeof( samples_memory ) );
-    lay_group( &m->edges, l, job->edge_count, 0, 1 );
-    lay_group( &m->triangles, l, job->triangle_count, job->edge_count, 2 );
+    lay_group( &m->edges, l, args->edge_count, 0, 1 );
+    lay_group( &m->triangles, l, args->triangle_count, args->edge_count, 2 );
     m->begin = take( l, edges + triangles + 1, sizeof( int32_t ) );
     m->next = take( l, edges + triangles + 1, sizeof( int32_t ) );
     m->changed = take( l, edges + triangles, 1 );
-    m->pair4 = take( l, ( edges + 7 ) / 8, sizeof( *m->pair4 ) );
-    m->corner4 = take( l, ( triangles + 7 ) / 8, sizeof( *m->corner4 ) );
+    m->pair_x4 = take( l, ( edges + 7 ) / 8, sizeof( *m->pair_x4 ) );
+    m->corner_x4 = take( l, ( triangles + 7 ) / 8, sizeof( *m->corner_x4 ) );
     m->tallies = take( l, blocks, sizeof( samples_tally ) );
     m->block_begin = take( l, blocks, sizeof( int64_t ) );
     m->around_begin = take( l, edges + 1, sizeof( int32_t ) );
     m->around = take( l, 3 * triangles, sizeof( int32_t ) );
 }
 
-static int shorter_end( const wisp_samples_job* job, int e )
+static int shorter_end( const wisp_samples_args* args, int e )
 {
-    const int32_t a = job->edges[2 * (size_t)e], b = job->edges[2 * (size_t)e + 1];
+    const int32_t a = args->edges[2 * (size_t)e], b = args->edges[2 * (size_t)e + 1];
     return a < b ? a : b;
 }
 
@@ -92,17 +92,17 @@ static int shorter_end( const wisp_samples_job* job, int e )
 // Edges by their lower slot in chains, so that the edge of a triangle's side is found among few.
 typedef struct edge_chains
 {
-    const wisp_samples_job* job;
+    const wisp_samples_args* args;
     int32_t *head, *next; // [slots], [edges]
 } edge_chains;
 
 static int find_edge( const edge_chains* c, int32_t a, int32_t b )
 {
-    const int32_t low = a < b ? a : b, high = a < b ? b : a;
-    for ( int e = c->head[low]; e >= 0; e = c->next[e] )
+    const int32_t lower = a < b ? a : b, upper = a < b ? b : a;
+    for ( int e = c->head[lower]; e >= 0; e = c->next[e] )
     {
-        const int32_t p = c->job->edges[2 * (size_t)e], q = c->job->edges[2 * (size_t)e + 1];
-        if ( ( p == low && q == high ) || ( p == high && q == low ) )
+        const int32_t p = c->args->edges[2 * (size_t)e], q = c->args->edges[2 * (size_t)e + 1];
+        if ( ( p == lower && q == upper ) || ( p == upper && q == lower ) )
         {
             return e;
         }
@@ -110,16 +110,16 @@ static int find_edge( const edge_chains* c, int32_t a, int32_t b )
     return -1;
 }
 
-static int most_slots( const wisp_samples_job* job )
+static int max_slots( const wisp_samples_args* args )
 {
     int most = 0;
-    for ( int64_t i = 0; i < 2 * (int64_t)job->edge_count; ++i )
+    for ( int64_t i = 0; i < 2 * (int64_t)args->edge_count; ++i )
     {
-        most = job->edges[i] >= most ? job->edges[i] + 1 : most;
+        most = args->edges[i] >= most ? args->edges[i] + 1 : most;
     }
-    for ( int64_t i = 0; i < 3 * (int64_t)job->triangle_count; ++i )
+    for ( int64_t i = 0; i < 3 * (int64_t)args->triangle_count; ++i )
     {
-        most = job->triangles[i] >= most ? job->triangles[i] + 1 : most;
+        most = args->triangles[i] >= most ? args->triangles[i] + 1 : most;
     }
     return most;
 }
@@ -127,12 +127,12 @@ static int most_slots( const wisp_samples_job* job )
 // Counting sort of sides by their edges: triangles around an edge rise.
 static void list_around( samples_memory* m, const edge_chains* c )
 {
-    const wisp_samples_job* job = c->job;
+    const wisp_samples_args* args = c->args;
     for ( int pass = 0; pass < 2; ++pass )
     {
-        for ( int64_t side = 0; side < 3 * (int64_t)job->triangle_count; ++side )
+        for ( int64_t side = 0; side < 3 * (int64_t)args->triangle_count; ++side )
         {
-            const int32_t* slots = job->triangles + side / 3 * 3;
+            const int32_t* slots = args->triangles + side / 3 * 3;
             const int e = find_edge( c, slots[side % 3], slots[( side + 1 ) % 3] );
             if ( e >= 0 && pass == 0 )
             {
@@ -145,13 +145,13 @@ static void list_around( samples_memory* m, const edge_chains* c )
         }
         // after the first pass sums become places, after the second places that ran ahead go back
         int32_t sum = 0;
-        for ( int e = 0; e < job->edge_count && pass == 0; ++e )
+        for ( int e = 0; e < args->edge_count && pass == 0; ++e )
         {
             const int32_t count = m->around_begin[e];
             m->around_begin[e] = sum;
             sum += count;
         }
-        for ( int e = job->edge_count; e > 0 && pass == 1; --e )
+        for ( int e = args->edge_count; e > 0 && pass == 1; --e )
         {
             m->around_begin[e] = m->around_begin[e - 1];
         }
@@ -159,21 +159,21 @@ static void list_around( samples_memory* m, const edge_chains* c )
     m->around_begin[0] = 0;
 }
 
-static bool find_around( samples_memory* m, const wisp_samples_job* job, const wisp_allocator* allocator )
+static bool find_around( samples_memory* m, const wisp_samples_args* args, const wisp_allocator* allocator )
 {
-    const int slots = most_slots( job );
-    const size_t bytes = ( (size_t)slots + (size_t)job->edge_count + 1 ) * sizeof( int32_t );
+    const int slots = max_slots( args );
+    const size_t bytes = ( (size_t)slots + (size_t)args->edge_count + 1 ) * sizeof( int32_t );
     int32_t* scratch = base_allocate( allocator, bytes, BASE_BUFFER_ALIGNMENT );
     if ( scratch == NULL )
     {
         return false;
     }
     memset( scratch, 0xff, bytes );
-    edge_chains chains = { job, scratch, scratch + slots };
-    for ( int e = job->edge_count - 1; e >= 0; --e )
+    edge_chains chains = { args, scratch, scratch + slots };
+    for ( int e = args->edge_count - 1; e >= 0; --e )
     {
-        chains.next[e] = chains.head[shorter_end( job, e )];
-        chains.head[shorter_end( job, e )] = e;
+        chains.next[e] = chains.head[shorter_end( args, e )];
+        chains.head[shorter_end( args, e )] = e;
     }
     list_around( m, &chains );
     base_release( allocator, scratch, bytes );
@@ -182,18 +182,18 @@ static bool find_around( samples_memory* m, const wisp_samples_job* job, const w
 
 // ---- a new layer ----
 
-static void fill_pairs( samples_memory* m, const wisp_samples_job* job )
+static void fill_pairs( samples_memory* m, const wisp_samples_args* args )
 {
-    for ( int e = 0; e < job->edge_count; ++e )
+    for ( int e = 0; e < args->edge_count; ++e )
     {
-        m->pair4[e / 8][0][e % 8] = 4 * job->edges[2 * (size_t)e];
-        m->pair4[e / 8][1][e % 8] = 4 * job->edges[2 * (size_t)e + 1];
+        m->pair_x4[e / 8][0][e % 8] = 4 * args->edges[2 * (size_t)e];
+        m->pair_x4[e / 8][1][e % 8] = 4 * args->edges[2 * (size_t)e + 1];
     }
-    for ( int t = 0; t < job->triangle_count; ++t )
+    for ( int t = 0; t < args->triangle_count; ++t )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            m->corner4[t / 8][k][t % 8] = 4 * job->triangles[3 * (size_t)t + (size_t)k];
+            m->corner_x4[t / 8][k][t % 8] = 4 * args->triangles[3 * (size_t)t + (size_t)k];
         }
     }
 }
@@ -203,8 +203,8 @@ static void open_bounds( samples_group* g )
 {
     for ( int i = 0; i < g->count; ++i )
     {
-        g->low[i] = g->low_height[i] = 1.0f;
-        g->high[i] = g->high_height[i] = 0.0f;
+        g->lower[i] = g->low_height[i] = 1.0f;
+        g->upper[i] = g->high_height[i] = 0.0f;
     }
 }
 
@@ -214,11 +214,11 @@ static samples_memory* memory_of( const wisp_samples* samples )
 }
 
 // Memory for these elements, without a point. What was there before is gone.
-static bool make_memory( wisp_samples* samples, const wisp_samples_job* job, const wisp_allocator* allocator )
+static bool make_memory( wisp_samples* samples, const wisp_samples_args* args, const wisp_allocator* allocator )
 {
     samples_memory measured = { 0 };
     layout l = { 0 };
-    lay_memory( &l, job, &measured );
+    lay_memory( &l, args, &measured );
     if ( wisp_buffer_reserve( samples->buffers + BUFFER_MEMORY, allocator, l.used ) == false )
     {
         return false;
@@ -226,8 +226,8 @@ static bool make_memory( wisp_samples* samples, const wisp_samples_job* job, con
     memset( samples->buffers[BUFFER_MEMORY].data, 0, l.used );
     l = ( layout ){ .base = samples->buffers[BUFFER_MEMORY].data };
     samples_memory* m = memory_of( samples );
-    lay_memory( &l, job, m );
-    fill_pairs( m, job );
+    lay_memory( &l, args, m );
+    fill_pairs( m, args );
     open_bounds( &m->edges );
     open_bounds( &m->triangles );
     samples->count = samples->edge_count = 0;
@@ -236,38 +236,38 @@ static bool make_memory( wisp_samples* samples, const wisp_samples_job* job, con
     return true;
 }
 
-static bool fits( const samples_memory* m, const wisp_samples_job* job )
+static bool fits( const samples_memory* m, const wisp_samples_args* args )
 {
-    return m != NULL && m->edges.count == job->edge_count && m->triangles.count == job->triangle_count;
+    return m != NULL && m->edges.count == args->edge_count && m->triangles.count == args->triangle_count;
 }
 
-static bool is_sampled_alike( const samples_memory* m, const wisp_samples_job* job )
+static bool is_sampled_alike( const samples_memory* m, const wisp_samples_args* args )
 {
-    return m->policy == job->policy && m->rounding == job->rounding && m->hysteresis == job->hysteresis &&
-           m->scanline == job->scanline;
+    return m->policy == args->policy && m->rounding == args->rounding && m->hysteresis == args->hysteresis &&
+           m->scanline == args->scanline;
 }
 
-static bool prepare( wisp_samples* samples, const wisp_samples_job* job, const wisp_allocator* allocator )
+static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const wisp_allocator* allocator )
 {
-    if ( fits( memory_of( samples ), job ) == false )
+    if ( fits( memory_of( samples ), args ) == false )
     {
-        if ( make_memory( samples, job, allocator ) == false )
+        if ( make_memory( samples, args, allocator ) == false )
         {
             return false;
         }
-        if ( find_around( memory_of( samples ), job, allocator ) == false )
+        if ( find_around( memory_of( samples ), args, allocator ) == false )
         {
             memory_of( samples )->edges.count = -1; // incomplete, so it fits no job
             return false;
         }
     }
     samples_memory* m = memory_of( samples );
-    m->anew = m->anew || is_sampled_alike( m, job ) == false || ( job->normal != NULL ) != m->has_normals;
-    m->has_normals = job->normal != NULL;
-    m->policy = job->policy;
-    m->rounding = job->rounding;
-    m->hysteresis = job->hysteresis;
-    m->scanline = job->scanline;
+    m->anew = m->anew || is_sampled_alike( m, args ) == false || ( args->normal != NULL ) != m->has_normals;
+    m->has_normals = args->normal != NULL;
+    m->policy = args->policy;
+    m->rounding = args->rounding;
+    m->hysteresis = args->hysteresis;
+    m->scanline = args->scanline;
     return true;
 }
 
@@ -278,7 +278,7 @@ static samples_points points_of( const wisp_samples* samples, int turn, bool nor
     const size_t rows = (size_t)m->capacity[turn] + 8, row = 4 * sizeof( float );
     layout l = { .base = samples->buffers[BUFFER_POINTS + turn].data };
     samples_points p = { 0 };
-    p.quads = take( &l, rows, row );
+    p.xyzw = take( &l, rows, row );
     p.parents = take( &l, rows, row );
     p.weights = take( &l, rows, row );
     p.normals = normals ? take( &l, rows, row ) : NULL;
@@ -336,7 +336,7 @@ static void pad_points( const samples_update* u )
     const size_t row = 4 * sizeof( float );
     for ( int p = u->count; u->count > 0 && p % 8 != 0; ++p )
     {
-        memcpy( u->to.quads + 4 * (size_t)p, u->to.quads + 4 * (size_t)( p - 1 ), row );
+        memcpy( u->to.xyzw + 4 * (size_t)p, u->to.xyzw + 4 * (size_t)( p - 1 ), row );
         memcpy( u->to.parents + p, u->to.parents + p - 1, row );
         if ( u->to.normals != NULL )
         {
@@ -363,7 +363,7 @@ static void show_points( wisp_samples* samples, const samples_update* u )
     samples->count = u->count;
     samples->edge_count = u->edge_points;
     samples->begin = u->memory->begin;
-    samples->quads = u->to.quads;
+    samples->xyzw = u->to.xyzw;
     samples->normals = u->to.normals;
     samples->parents = (const int32_t( * )[4])u->to.parents;
     samples->weights = (const float( * )[4])u->to.weights;
@@ -374,7 +374,7 @@ static bool fill_all( wisp_samples* samples, samples_update* u, const totals* su
 {
     samples_memory* m = u->memory;
     const int turn = 1 - m->turn, elements = m->edges.count + m->triangles.count;
-    const bool normals = u->job->normal != NULL, scanline = u->job->scanline;
+    const bool normals = u->args->normal != NULL, scanline = u->args->scanline;
     if ( reserve_points( samples, turn, (int)sum->points, normals, scanline, wisp_parallel_allocator( parallel ) ) ==
          false )
     {
@@ -401,19 +401,19 @@ static void place_block( void* context, int begin, int end, int worker )
 {
     (void)worker;
     samples_update* u = context;
-    const wisp_blend_job job = {
-        .position = u->job->position,
-        .normal = u->to.normals != NULL ? u->job->normal : NULL,
+    const wisp_blend_args args = {
+        .position = u->args->position,
+        .normal = u->to.normals != NULL ? u->args->normal : NULL,
         .parents = (const int32_t( * )[4])u->to.parents,
         .weights = (const float( * )[4])u->to.weights,
         .normal_weights = (const float( * )[4])u->to.normal_weights,
-        .quads = u->to.quads,
+        .xyzw = u->to.xyzw,
         .normals = u->to.normals,
     };
     const int edges = u->edge_points / 8 * 8, first = begin * 8, last = end * 8;
     const int middle = edges < first ? first : ( edges > last ? last : edges );
-    int unknown = u->kernels->blend_two( &job, first, middle );
-    unknown += u->kernels->blend_three( &job, middle, last );
+    int unknown = u->kernels->blend_two( &args, first, middle );
+    unknown += u->kernels->blend_three( &args, middle, last );
     if ( unknown > 0 )
     {
         // a sum of whole numbers, so the order does not matter
@@ -428,13 +428,13 @@ typedef struct face_sum
     double x, y, z;
 } face_sum;
 
-static void add_face( face_sum* sum, const wisp_samples_job* job, int t )
+static void add_face( face_sum* sum, const wisp_samples_args* args, int t )
 {
     double e[2][3];
-    const float* a = job->position + (size_t)job->triangles[3 * (size_t)t] * 4;
+    const float* a = args->position + (size_t)args->triangles[3 * (size_t)t] * 4;
     for ( int k = 0; k < 2; ++k )
     {
-        const float* b = job->position + (size_t)job->triangles[3 * (size_t)t + (size_t)k + 1] * 4;
+        const float* b = args->position + (size_t)args->triangles[3 * (size_t)t + (size_t)k + 1] * 4;
         for ( int i = 0; i < 3; ++i )
         {
             e[k][i] = (double)b[i] - (double)a[i];
@@ -454,16 +454,16 @@ static void replace_normal( const samples_update* u, int point )
 {
     const samples_memory* m = u->memory;
     int32_t element;
-    memcpy( &element, u->to.quads + 4 * (size_t)point + 3, sizeof( element ) );
+    memcpy( &element, u->to.xyzw + 4 * (size_t)point + 3, sizeof( element ) );
     face_sum sum = { 0.0, 0.0, 0.0 };
     const bool edge = element < m->edges.count;
     for ( int i = edge ? m->around_begin[element] : 0; i < ( edge ? m->around_begin[element + 1] : 1 ); ++i )
     {
-        add_face( &sum, u->job, edge ? m->around[i] : element - m->edges.count );
+        add_face( &sum, u->args, edge ? m->around[i] : element - m->edges.count );
     }
     const double length = sqrt( sum.x * sum.x + sum.y * sum.y + sum.z * sum.z );
     float* n = u->to.normals + 4 * (size_t)point;
-    if ( length >= (double)WISP_BLEND_LEAST )
+    if ( length >= (double)WISP_MIN_BLEND_LENGTH )
     {
         n[0] = (float)( sum.x / length );
         n[1] = (float)( sum.y / length );
@@ -475,7 +475,7 @@ static void replace_normal( const samples_update* u, int point )
 static void place_all( samples_update* u, const wisp_parallel* parallel, bool weighs )
 {
     const int elements = u->memory->edges.count + u->memory->triangles.count;
-    if ( weighs && ( u->job->policy == WISP_SPACING_EXACT || u->to.normal_weights != NULL ) )
+    if ( weighs && ( u->args->policy == WISP_SPACING_EXACT || u->to.normal_weights != NULL ) )
     {
         wisp_parallel_for( parallel, elements, WEIGH_GRAIN, samples_weigh_block, u );
         pad_weights( u );
@@ -493,27 +493,27 @@ static void place_all( samples_update* u, const wisp_parallel* parallel, bool we
 // ---- the public face ----
 
 wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel, const wisp_kernels* kernels,
-                                 const wisp_samples_job* job )
+                                 const wisp_samples_args* args )
 {
-    if ( prepare( samples, job, wisp_parallel_allocator( parallel ) ) == false )
+    if ( prepare( samples, args, wisp_parallel_allocator( parallel ) ) == false )
     {
         return WISP_NO_MEMORY;
     }
     samples_memory* m = memory_of( samples );
     samples_update u = {
-        .job = job,
+        .args = args,
         .kernels = kernels,
         .memory = m,
         .from = m->shown,
         .to = m->shown,
-        .edge_blocks = blocks_of( job->edge_count ),
-        .triangle_blocks = blocks_of( job->triangle_count ),
-        .most = 4.0 * (double)job->limit + 1000.0, // more than there may be, and soon counted
+        .edge_blocks = blocks_of( args->edge_count ),
+        .triangle_blocks = blocks_of( args->triangle_count ),
+        .most = 4.0 * (double)args->limit + 1000.0, // more than there may be, and soon counted
         .count = samples->count,
         .edge_points = samples->edge_count,
     };
     const totals sum = count_all( &u, parallel );
-    const bool refused = sum.beyond > 0.0 || sum.points > (int64_t)job->limit;
+    const bool refused = sum.beyond > 0.0 || sum.points > (int64_t)args->limit;
     if ( refused == false && ( sum.changed > 0 || m->anew ) && fill_all( samples, &u, &sum, parallel ) == false )
     {
         return WISP_NO_MEMORY;
@@ -521,7 +521,7 @@ wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* par
     samples->changed_elements = refused ? 0 : sum.changed;
     samples->skipped_elements = sum.skipped;
     samples->refused = refused;
-    samples->wanted = (double)sum.points + sum.beyond;
+    samples->requested = (double)sum.points + sum.beyond;
     place_all( &u, parallel, refused == false );
     return WISP_OK;
 }

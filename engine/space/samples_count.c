@@ -13,35 +13,35 @@ static const double HEIGHT_WINDOW = 0.05;
 
 // ---- bounds ----
 
-static float above( double low )
+static float above( double lower )
 {
-    const float f = low < -1.0 ? -1.0f : ( low > 1e30 ? 1e30f : (float)low );
+    const float f = lower < -1.0 ? -1.0f : ( lower > 1e30 ? 1e30f : (float)lower );
     return f + BOUND_ROUNDING * fabsf( f );
 }
 
-static float below( double high )
+static float below( double upper )
 {
-    const float f = high > 1e30 ? 1e30f : (float)high;
+    const float f = upper > 1e30 ? 1e30f : (float)upper;
     return f - BOUND_ROUNDING * fabsf( f );
 }
 
 static void keep_nothing( samples_group* g, int i )
 {
-    g->low[i] = 1.0f;
-    g->high[i] = 0.0f;
+    g->lower[i] = 1.0f;
+    g->upper[i] = 0.0f;
 }
 
 // Length that a count is made from: with hysteresis the remembered one, as a float; else the present one.
-static double made_from( const wisp_samples_job* job, float remembered, double now )
+static double made_from( const wisp_samples_args* args, float remembered, double now )
 {
-    return job->hysteresis > 0.0f ? (double)remembered : now;
+    return args->hysteresis > 0.0f ? (double)remembered : now;
 }
 
 static samples_extent triangle_made_from( const samples_update* u, int t, const float* extent,
                                           const samples_extent* now )
 {
-    return ( samples_extent ){ now->axis, made_from( u->job, extent[2 * (size_t)t], now->base ),
-                               made_from( u->job, extent[2 * (size_t)t + 1], now->height ) };
+    return ( samples_extent ){ now->axis, made_from( u->args, extent[2 * (size_t)t], now->base ),
+                               made_from( u->args, extent[2 * (size_t)t + 1], now->height ) };
 }
 
 void samples_keep_edge( const samples_update* u, int edge )
@@ -49,24 +49,24 @@ void samples_keep_edge( const samples_update* u, int edge )
     samples_group* g = &u->memory->edges;
     double length;
     keep_nothing( g, edge );
-    if ( samples_measure_edge( u->job, edge, &length ) )
+    if ( samples_measure_edge( u->args, edge, &length ) )
     {
-        const double n = samples_count_of( u->job, made_from( u->job, g->extent[edge], length ) );
-        const samples_bounds b = samples_bounds_of( u->job, n, (double)g->points[edge] );
-        g->low[edge] = above( b.low );
-        g->high[edge] = below( b.high );
+        const double n = samples_count_of( u->args, made_from( u->args, g->extent[edge], length ) );
+        const samples_bounds b = samples_bounds_of( u->args, n, (double)g->points[edge] );
+        g->lower[edge] = above( b.lower );
+        g->upper[edge] = below( b.upper );
     }
 }
 
 // Lengths of the base for which line k is as it is at every height of the window.
 static samples_bounds base_bounds( const samples_lines* lines, samples_bounds window )
 {
-    const bool merges = lines->job->policy == WISP_SPACING_EVEN && lines->m < 1.0;
-    const samples_bounds b = samples_bounds_of( lines->job, merges ? 1.0 : lines->m, lines->points );
-    const double least = 1.0 - samples_share( lines->job, lines->k, lines->n, window.low );
-    const double most = 1.0 - samples_share( lines->job, lines->k, lines->n, window.high );
-    const double low = b.low <= 0.0 ? -1.0 : ( least > 0.0 ? b.low / least : INFINITY );
-    return ( samples_bounds ){ low, most > 0.0 ? b.high / most : INFINITY };
+    const bool merges = lines->args->policy == WISP_SPACING_EVEN && lines->m < 1.0;
+    const samples_bounds b = samples_bounds_of( lines->args, merges ? 1.0 : lines->m, lines->points );
+    const double least = 1.0 - samples_fraction( lines->args, lines->k, lines->n, window.lower );
+    const double most = 1.0 - samples_fraction( lines->args, lines->k, lines->n, window.upper );
+    const double lower = b.lower <= 0.0 ? -1.0 : ( least > 0.0 ? b.lower / least : INFINITY );
+    return ( samples_bounds ){ lower, most > 0.0 ? b.upper / most : INFINITY };
 }
 
 void samples_keep_triangle( const samples_update* u, int triangle )
@@ -76,45 +76,45 @@ void samples_keep_triangle( const samples_update* u, int triangle )
     keep_nothing( g, triangle );
     for ( int k = 0; k < 3; ++k )
     {
-        const int32_t slot = u->job->triangles[3 * (size_t)triangle + (size_t)( ( g->axis[triangle] + k ) % 3 )];
-        u->memory->corner4[triangle / 8][k][triangle % 8] = 4 * slot;
+        const int32_t slot = u->args->triangles[3 * (size_t)triangle + (size_t)( ( g->axis[triangle] + k ) % 3 )];
+        u->memory->corner_x4[triangle / 8][k][triangle % 8] = 4 * slot;
     }
-    if ( samples_measure_triangle( u->job, triangle, &now ) == false )
+    if ( samples_measure_triangle( u->args, triangle, &now ) == false )
     {
         return;
     }
     const samples_extent made = triangle_made_from( u, triangle, g->extent, &now );
-    samples_lines lines = samples_lines_of( u->job, &made, &now );
-    samples_bounds window = samples_bounds_of( u->job, lines.n, lines.most ), base = { -1.0, INFINITY };
-    if ( u->job->policy == WISP_SPACING_EXACT )
+    samples_lines lines = samples_lines_of( u->args, &made, &now );
+    samples_bounds window = samples_bounds_of( u->args, lines.n, lines.most ), base = { -1.0, INFINITY };
+    if ( u->args->policy == WISP_SPACING_EXACT )
     {
-        window.low = fmax( window.low, now.height - HEIGHT_WINDOW );
-        window.high = fmin( window.high, now.height + HEIGHT_WINDOW );
+        window.lower = fmax( window.lower, now.height - HEIGHT_WINDOW );
+        window.upper = fmin( window.upper, now.height + HEIGHT_WINDOW );
     }
     for ( bool more = lines.most > 0.0; more; )
     {
         // the first line without points bounds those above it, too
         more = samples_next_line( &lines );
         const samples_bounds b = base_bounds( &lines, window );
-        base.low = more ? fmax( base.low, b.low ) : base.low;
-        base.high = fmin( base.high, b.high );
+        base.lower = more ? fmax( base.lower, b.lower ) : base.lower;
+        base.upper = fmin( base.upper, b.upper );
         more = more && lines.k < lines.most;
     }
-    g->low[triangle] = above( base.low );
-    g->high[triangle] = below( base.high );
-    g->low_height[triangle] = above( window.low );
-    g->high_height[triangle] = below( window.high );
+    g->lower[triangle] = above( base.lower );
+    g->upper[triangle] = below( base.upper );
+    g->low_height[triangle] = above( window.lower );
+    g->high_height[triangle] = below( window.upper );
 }
 
 // ---- elements ----
 
 static void count_edge( const samples_update* u, int e, samples_tally* tally )
 {
-    const wisp_samples_job* job = u->job;
+    const wisp_samples_args* args = u->args;
     samples_memory* m = u->memory;
     double length, points = 0.0;
     float kept = 0.0f;
-    if ( samples_measure_edge( job, e, &length ) == false )
+    if ( samples_measure_edge( args, e, &length ) == false )
     {
         tally->skipped += 1;
     }
@@ -124,13 +124,13 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     }
     else
     {
-        kept = job->hysteresis > 0.0f ? job->edge_length[e] : 0.0f;
-        if ( job->hysteresis > 0.0f &&
-             !( kept > 0.0f && samples_may_stay( job, samples_count_of( job, (double)kept ), length ) ) )
+        kept = args->hysteresis > 0.0f ? args->edge_length[e] : 0.0f;
+        if ( args->hysteresis > 0.0f &&
+             !( kept > 0.0f && samples_may_stay( args, samples_count_of( args, (double)kept ), length ) ) )
         {
             kept = (float)length;
         }
-        points = samples_points_of( job, samples_count_of( job, made_from( job, kept, length ) ), length );
+        points = samples_points_of( args, samples_count_of( args, made_from( args, kept, length ) ), length );
     }
     m->next[e] = (int32_t)points;
     m->edges.next_extent[e] = kept;
@@ -138,8 +138,8 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     tally->changed += m->changed[e];
     if ( m->changed[e] == 0 )
     {
-        job->edge_length[e] = m->edges.extent[e] = kept;
-        job->edge_points[e] = m->edges.points[e] = m->next[e];
+        args->edge_length[e] = m->edges.extent[e] = kept;
+        args->edge_points[e] = m->edges.points[e] = m->next[e];
         samples_keep_edge( u, e );
     }
 }
@@ -147,15 +147,15 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
 // A line without points, and with it those above, may get shorter; of even spacing one part and none are the same.
 static bool line_stays( const samples_lines* lines )
 {
-    const bool merges = lines->job->policy == WISP_SPACING_EVEN && lines->m < 1.0;
-    return samples_may_stay( lines->job, merges ? 1.0 : lines->m, lines->length ) ||
+    const bool merges = lines->args->policy == WISP_SPACING_EVEN && lines->m < 1.0;
+    return samples_may_stay( lines->args, merges ? 1.0 : lines->m, lines->length ) ||
            ( lines->points == 0.0 && lines->length < 1.0 );
 }
 
 static bool triangle_stays( const samples_update* u, const samples_extent* made, const samples_extent* now )
 {
-    samples_lines lines = samples_lines_of( u->job, made, now );
-    bool stays = samples_may_stay( u->job, lines.n, now->height );
+    samples_lines lines = samples_lines_of( u->args, made, now );
+    bool stays = samples_may_stay( u->args, lines.n, now->height );
     for ( bool more = lines.most > 0.0; more && stays; )
     {
         more = samples_next_line( &lines );
@@ -176,7 +176,7 @@ static bool has_lines( const samples_update* u, int t, samples_lines lines )
     while ( samples_next_line( &lines ) )
     {
         const float there = p < end ? u->from.weights[p][across] : -1.0f;
-        if ( u->job->policy == WISP_SPACING_EVEN && there != (float)lines.share )
+        if ( u->args->policy == WISP_SPACING_EVEN && there != (float)lines.fraction )
         {
             return false;
         }
@@ -197,18 +197,18 @@ static void commit_triangle( const samples_update* u, int t )
 {
     samples_group* g = &u->memory->triangles;
     memcpy( g->extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
-    memcpy( u->job->triangle_extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
-    u->job->triangle_axis[t] = g->axis[t] = g->next_axis[t];
-    u->job->triangle_points[t] = g->points[t] = u->memory->next[g->first + t];
+    memcpy( u->args->triangle_extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
+    u->args->triangle_axis[t] = g->axis[t] = g->next_axis[t];
+    u->args->triangle_points[t] = g->points[t] = u->memory->next[g->first + t];
     samples_keep_triangle( u, t );
 }
 
 // With hysteresis, what counts are made from: as before while they may stay.
 static void remember_triangle( const samples_update* u, int t, const samples_extent* now, float kept[2] )
 {
-    const float* before = u->job->triangle_extent + 2 * (size_t)t;
+    const float* before = u->args->triangle_extent + 2 * (size_t)t;
     const samples_extent made = { now->axis, (double)before[0], (double)before[1] };
-    const bool known = before[0] > 0.0f && u->job->triangle_axis[t] == now->axis;
+    const bool known = before[0] > 0.0f && u->args->triangle_axis[t] == now->axis;
     const bool stays = known && triangle_stays( u, &made, now );
     kept[0] = stays ? before[0] : (float)now->base;
     kept[1] = stays ? before[1] : (float)now->height;
@@ -216,7 +216,7 @@ static void remember_triangle( const samples_update* u, int t, const samples_ext
 
 static void count_triangle( const samples_update* u, int t, samples_tally* tally )
 {
-    const wisp_samples_job* job = u->job;
+    const wisp_samples_args* args = u->args;
     samples_memory* m = u->memory;
     samples_group* g = &m->triangles;
     const int element = g->first + t;
@@ -225,7 +225,7 @@ static void count_triangle( const samples_update* u, int t, samples_tally* tally
     double points = 0.0;
     bool same = false;
     kept[0] = kept[1] = 0.0f;
-    const bool finite = samples_measure_triangle( job, t, &now );
+    const bool finite = samples_measure_triangle( args, t, &now );
     const double estimate = 0.5 * now.base * now.height;
     if ( finite == false )
     {
@@ -239,12 +239,12 @@ static void count_triangle( const samples_update* u, int t, samples_tally* tally
     }
     else
     {
-        if ( job->hysteresis > 0.0f )
+        if ( args->hysteresis > 0.0f )
         {
             remember_triangle( u, t, &now, kept );
         }
         const samples_extent made = triangle_made_from( u, t, g->next_extent, &now );
-        samples_lines lines = samples_lines_of( job, &made, &now );
+        samples_lines lines = samples_lines_of( args, &made, &now );
         same = now.axis == g->axis[t] && has_lines( u, t, lines );
         while ( samples_next_line( &lines ) )
         {
@@ -273,40 +273,40 @@ static bool edges_are_remembered( const samples_update* u, int begin, int end )
 {
     const samples_group* g = &u->memory->edges;
     return u->memory->anew == false &&
-           is_remembered( u->job->edge_points, g->points, begin, end, sizeof( int32_t ) ) &&
-           is_remembered( u->job->edge_length, g->extent, begin, end, sizeof( float ) );
+           is_remembered( u->args->edge_points, g->points, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->args->edge_length, g->extent, begin, end, sizeof( float ) );
 }
 
 static bool triangles_are_remembered( const samples_update* u, int begin, int end )
 {
     const samples_group* g = &u->memory->triangles;
     return u->memory->anew == false &&
-           is_remembered( u->job->triangle_points, g->points, begin, end, sizeof( int32_t ) ) &&
-           is_remembered( u->job->triangle_axis, g->axis, begin, end, sizeof( int32_t ) ) &&
-           is_remembered( u->job->triangle_extent, g->extent, begin, end, 2 * sizeof( float ) );
+           is_remembered( u->args->triangle_points, g->points, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->args->triangle_axis, g->axis, begin, end, sizeof( int32_t ) ) &&
+           is_remembered( u->args->triangle_extent, g->extent, begin, end, 2 * sizeof( float ) );
 }
 
 // Bits of the slices that a kernel is sure of. The caller's spacings have no padding, so their last slice is left to the others.
 static void hold( const samples_update* u, samples_group* g, int begin, int end )
 {
     const bool edges = g == &u->memory->edges;
-    const float* each = edges ? u->job->edge_spacing : u->job->triangle_spacing;
+    const float* each = edges ? u->args->edge_spacing : u->args->triangle_spacing;
     const int first = begin / 8, last = each != NULL ? end / 8 : ( end + 7 ) / 8;
-    const wisp_hold_job job = {
-        .position = u->job->position,
-        .pair4 = (const int32_t( * )[2][8])u->memory->pair4,
-        .corner4 = (const int32_t( * )[3][8])u->memory->corner4,
-        .spacing = u->job->spacing,
+    const wisp_hold_args args = {
+        .position = u->args->position,
+        .pair_x4 = (const int32_t( * )[2][8])u->memory->pair_x4,
+        .corner_x4 = (const int32_t( * )[3][8])u->memory->corner_x4,
+        .spacing = u->args->spacing,
         .each = each,
-        .low = g->low,
-        .high = g->high,
+        .lower = g->lower,
+        .upper = g->upper,
         .low_height = g->low_height,
         .high_height = g->high_height,
         .held = g->held,
     };
     if ( edges ? edges_are_remembered( u, begin, end ) : triangles_are_remembered( u, begin, end ) )
     {
-        ( edges ? u->kernels->hold_edges : u->kernels->hold_triangles )( &job, first, last );
+        ( edges ? u->kernels->hold_edges : u->kernels->hold_triangles )( &args, first, last );
     }
 }
 

@@ -9,7 +9,7 @@
 static samples_extent made_from( const samples_update* u, int t, const samples_extent* now )
 {
     const float* kept = u->memory->triangles.extent + 2 * (size_t)t;
-    return u->job->hysteresis > 0.0f ? ( samples_extent ){ now->axis, (double)kept[0], (double)kept[1] } : *now;
+    return u->args->hysteresis > 0.0f ? ( samples_extent ){ now->axis, (double)kept[0], (double)kept[1] } : *now;
 }
 
 // ---- weights ----
@@ -17,12 +17,12 @@ static samples_extent made_from( const samples_update* u, int t, const samples_e
 static void weigh_edge( const samples_update* u, int e, int begin, int end, float ( *weights )[4] )
 {
     double length;
-    samples_measure_edge( u->job, e, &length );
+    samples_measure_edge( u->args, e, &length );
     for ( int p = begin; p < end; ++p )
     {
-        const double share = samples_share( u->job, p - begin + 1, end - begin + 1, length );
-        weights[p][0] = (float)( 1.0 - share );
-        weights[p][1] = (float)share;
+        const double fraction = samples_fraction( u->args, p - begin + 1, end - begin + 1, length );
+        weights[p][0] = (float)( 1.0 - fraction );
+        weights[p][1] = (float)fraction;
         weights[p][2] = weights[p][3] = 0.0f;
     }
 }
@@ -30,10 +30,10 @@ static void weigh_edge( const samples_update* u, int e, int begin, int end, floa
 static void weigh_line( const samples_lines* line, int axis, int first, float ( *weights )[4] )
 {
     const int a = axis, b = ( axis + 1 ) % 3, c = ( axis + 2 ) % 3;
-    const double q = line->share;
+    const double q = line->fraction;
     for ( int j = 1; j <= (int)line->points; ++j )
     {
-        const double r = samples_share( line->job, j, line->m, line->length );
+        const double r = samples_fraction( line->args, j, line->m, line->length );
         float* w = weights[first + j - 1];
         w[a] = (float)( ( 1.0 - q ) * ( 1.0 - r ) );
         w[b] = (float)( ( 1.0 - q ) * r );
@@ -42,12 +42,12 @@ static void weigh_line( const samples_lines* line, int axis, int first, float ( 
     }
 }
 
-static double length_of_blend( const float* a, const float* b, double share )
+static double length_of_blend( const float* a, const float* b, double fraction )
 {
     double sum = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        const double n = ( 1.0 - share ) * (double)a[k] + share * (double)b[k];
+        const double n = ( 1.0 - fraction ) * (double)a[k] + fraction * (double)b[k];
         sum += n * n;
     }
     return sqrt( sum );
@@ -57,20 +57,20 @@ static double length_of_blend( const float* a, const float* b, double share )
 // corners are divided by the length of the interpolated ends. An end whose normals cancel adds nothing.
 static void weigh_normals( const samples_update* u, int t, const samples_lines* line, int axis, int first )
 {
-    const int32_t* slots = u->job->triangles + 3 * (size_t)t;
+    const int32_t* slots = u->args->triangles + 3 * (size_t)t;
     const int a = axis, b = ( axis + 1 ) % 3, c = ( axis + 2 ) % 3;
     const float* n[3];
     for ( int k = 0; k < 3; ++k )
     {
-        n[k] = u->job->normal + (size_t)slots[k] * 4;
+        n[k] = u->args->normal + (size_t)slots[k] * 4;
     }
-    const double q = line->share;
+    const double q = line->fraction;
     const double left = length_of_blend( n[a], n[c], q ), right = length_of_blend( n[b], n[c], q );
-    const double per_left = left >= (double)WISP_BLEND_LEAST ? 1.0 / left : 0.0;
-    const double per_right = right >= (double)WISP_BLEND_LEAST ? 1.0 / right : 0.0;
+    const double per_left = left >= (double)WISP_MIN_BLEND_LENGTH ? 1.0 / left : 0.0;
+    const double per_right = right >= (double)WISP_MIN_BLEND_LENGTH ? 1.0 / right : 0.0;
     for ( int j = 1; j <= (int)line->points; ++j )
     {
-        const double r = samples_share( line->job, j, line->m, line->length );
+        const double r = samples_fraction( line->args, j, line->m, line->length );
         const double on_left = ( 1.0 - r ) * per_left, on_right = r * per_right;
         float* w = u->to.normal_weights[first + j - 1];
         w[a] = (float)( on_left * ( 1.0 - q ) );
@@ -83,9 +83,9 @@ static void weigh_normals( const samples_update* u, int t, const samples_lines* 
 static void weigh_triangle( const samples_update* u, int t, int begin, bool places, bool normals )
 {
     samples_extent now;
-    samples_measure_triangle( u->job, t, &now );
+    samples_measure_triangle( u->args, t, &now );
     const samples_extent made = made_from( u, t, &now );
-    samples_lines line = samples_lines_of( u->job, &made, &now );
+    samples_lines line = samples_lines_of( u->args, &made, &now );
     while ( samples_next_line( &line ) )
     {
         if ( places )
@@ -105,7 +105,7 @@ void samples_weigh_block( void* context, int begin, int end, int worker )
     (void)worker;
     const samples_update* u = context;
     const samples_memory* m = u->memory;
-    const bool places = u->job->policy == WISP_SPACING_EXACT, normals = u->to.normal_weights != NULL;
+    const bool places = u->args->policy == WISP_SPACING_EXACT, normals = u->to.normal_weights != NULL;
     for ( int element = begin; element < end; ++element )
     {
         const int first = m->begin[element], last = m->begin[element + 1], t = element - m->edges.count;
@@ -139,7 +139,7 @@ static void name_parents( const samples_update* u, int element, const int32_t sl
     for ( int p = begin; p < end; ++p )
     {
         memcpy( u->to.parents[p], parents, sizeof( parents ) );
-        memcpy( u->to.quads + 4 * (size_t)p + 3, &name, sizeof( name ) );
+        memcpy( u->to.xyzw + 4 * (size_t)p + 3, &name, sizeof( name ) );
         if ( u->to.normals != NULL )
         {
             memcpy( u->to.normals + 4 * (size_t)p, NOTHING, sizeof( NOTHING ) );
@@ -150,22 +150,22 @@ static void name_parents( const samples_update* u, int element, const int32_t sl
 static void make_edge( const samples_update* u, int e, int begin, int end )
 {
     samples_group* g = &u->memory->edges;
-    const int32_t a = u->job->edges[2 * (size_t)e], b = u->job->edges[2 * (size_t)e + 1];
+    const int32_t a = u->args->edges[2 * (size_t)e], b = u->args->edges[2 * (size_t)e + 1];
     name_parents( u, e, ( const int32_t[3] ){ a, b, a }, begin, end );
     weigh_edge( u, e, begin, end, u->to.weights );
-    u->job->edge_length[e] = g->extent[e] = g->next_extent[e];
-    u->job->edge_points[e] = g->points[e] = end - begin;
+    u->args->edge_length[e] = g->extent[e] = g->next_extent[e];
+    u->args->edge_points[e] = g->points[e] = end - begin;
     samples_keep_edge( u, e );
 }
 
 static void make_triangle( const samples_update* u, int t, int begin, int end )
 {
     samples_group* g = &u->memory->triangles;
-    name_parents( u, g->first + t, u->job->triangles + 3 * (size_t)t, begin, end );
+    name_parents( u, g->first + t, u->args->triangles + 3 * (size_t)t, begin, end );
     memcpy( g->extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
-    memcpy( u->job->triangle_extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
-    u->job->triangle_axis[t] = g->axis[t] = g->next_axis[t];
-    u->job->triangle_points[t] = g->points[t] = end - begin;
+    memcpy( u->args->triangle_extent + 2 * (size_t)t, g->next_extent + 2 * (size_t)t, 2 * sizeof( float ) );
+    u->args->triangle_axis[t] = g->axis[t] = g->next_axis[t];
+    u->args->triangle_points[t] = g->points[t] = end - begin;
     samples_keep_triangle( u, t );
     if ( end > begin )
     {
@@ -179,7 +179,7 @@ static void move_points( const samples_update* u, int from, int to, int count )
     const size_t bytes = (size_t)count * 4 * sizeof( float );
     if ( count > 0 )
     {
-        memcpy( u->to.quads + 4 * (size_t)to, u->from.quads + 4 * (size_t)from, bytes );
+        memcpy( u->to.xyzw + 4 * (size_t)to, u->from.xyzw + 4 * (size_t)from, bytes );
         memcpy( u->to.parents + to, u->from.parents + from, bytes );
         memcpy( u->to.weights + to, u->from.weights + from, bytes );
         if ( u->to.normals != NULL )

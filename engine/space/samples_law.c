@@ -8,14 +8,14 @@
 static const double END = 1e-6;
 
 // Lengths from which on, and up to which, the count is n = 0.
-static double first_length( const wisp_samples_job* job )
+static double first_length( const wisp_samples_args* args )
 {
-    return job->rounding == WISP_ROUND_DOWN ? 0.0 : ( job->rounding == WISP_ROUND_NEAREST ? -0.5 : -1.0 );
+    return args->rounding == WISP_ROUND_DOWN ? 0.0 : ( args->rounding == WISP_ROUND_NEAREST ? -0.5 : -1.0 );
 }
 
-double samples_count_of( const wisp_samples_job* job, double length )
+double samples_count_of( const wisp_samples_args* args, double length )
 {
-    switch ( job->rounding )
+    switch ( args->rounding )
     {
         case WISP_ROUND_NEAREST:
             return floor( length + 0.5 );
@@ -26,44 +26,44 @@ double samples_count_of( const wisp_samples_job* job, double length )
     }
 }
 
-double samples_points_of( const wisp_samples_job* job, double n, double length )
+double samples_points_of( const wisp_samples_args* args, double n, double length )
 {
-    const double inside = job->policy == WISP_SPACING_EVEN ? n - 1.0 : ceil( length - END ) - 1.0;
+    const double inside = args->policy == WISP_SPACING_EVEN ? n - 1.0 : ceil( length - END ) - 1.0;
     const double points = inside < n ? inside : n;
     return points > 0.0 ? points : 0.0;
 }
 
-double samples_share( const wisp_samples_job* job, double i, double n, double length )
+double samples_fraction( const wisp_samples_args* args, double i, double n, double length )
 {
-    return job->policy == WISP_SPACING_EVEN ? i / n : i / length;
+    return args->policy == WISP_SPACING_EVEN ? i / n : i / length;
 }
 
-bool samples_may_stay( const wisp_samples_job* job, double n, double length )
+bool samples_may_stay( const wisp_samples_args* args, double n, double length )
 {
-    const double from = n + first_length( job ), h = (double)job->hysteresis;
+    const double from = n + first_length( args ), h = (double)args->hysteresis;
     return length > from - h && length < from + 1.0 + h;
 }
 
-samples_bounds samples_bounds_of( const wisp_samples_job* job, double n, double points )
+samples_bounds samples_bounds_of( const wisp_samples_args* args, double n, double points )
 {
     // without a memory only points count, so that n = 0 and n = 1 of the even policy are one
-    const double h = (double)job->hysteresis;
+    const double h = (double)args->hysteresis;
     samples_bounds b = { -1.0, DBL_MAX };
     if ( h > 0.0 )
     {
-        const double from = n + first_length( job );
+        const double from = n + first_length( args );
         b = ( samples_bounds ){ from - h, from + 1.0 + h };
     }
-    else if ( job->policy == WISP_SPACING_EVEN )
+    else if ( args->policy == WISP_SPACING_EVEN )
     {
-        const double from = points + 1.0 + first_length( job );
+        const double from = points + 1.0 + first_length( args );
         b = ( samples_bounds ){ points > 0.0 ? from : -1.0, from + 1.0 };
     }
-    if ( job->policy == WISP_SPACING_EXACT )
+    if ( args->policy == WISP_SPACING_EXACT )
     {
-        const double low = points > 0.0 ? points + END : -1.0, high = points + 1.0 + END;
-        b.low = low > b.low ? low : b.low;
-        b.high = points == n && h > 0.0 ? b.high : ( high < b.high ? high : b.high );
+        const double lower = points > 0.0 ? points + END : -1.0, upper = points + 1.0 + END;
+        b.lower = lower > b.lower ? lower : b.lower;
+        b.upper = points == n && h > 0.0 ? b.upper : ( upper < b.upper ? upper : b.upper );
     }
     return b;
 }
@@ -90,26 +90,26 @@ static bool is_finite( const float* p )
     return fabsf( p[0] ) <= FLT_MAX && fabsf( p[1] ) <= FLT_MAX && fabsf( p[2] ) <= FLT_MAX;
 }
 
-bool samples_measure_edge( const wisp_samples_job* job, int edge, double* length )
+bool samples_measure_edge( const wisp_samples_args* args, int edge, double* length )
 {
-    const float* a = job->position + (size_t)job->edges[2 * (size_t)edge] * 4;
-    const float* b = job->position + (size_t)job->edges[2 * (size_t)edge + 1] * 4;
-    const double d = (double)( job->edge_spacing != NULL ? job->edge_spacing[edge] : job->spacing );
+    const float* a = args->position + (size_t)args->edges[2 * (size_t)edge] * 4;
+    const float* b = args->position + (size_t)args->edges[2 * (size_t)edge + 1] * 4;
+    const double d = (double)( args->edge_spacing != NULL ? args->edge_spacing[edge] : args->spacing );
     const double_vector along = between( a, b );
     *length = sqrt( dot( along, along ) ) / d;
     return is_finite( a ) && is_finite( b );
 }
 
-bool samples_measure_triangle( const wisp_samples_job* job, int triangle, samples_extent* out )
+bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samples_extent* out )
 {
-    const int32_t* slots = job->triangles + 3 * (size_t)triangle;
-    const double d = (double)( job->triangle_spacing != NULL ? job->triangle_spacing[triangle] : job->spacing );
+    const int32_t* slots = args->triangles + 3 * (size_t)triangle;
+    const double d = (double)( args->triangle_spacing != NULL ? args->triangle_spacing[triangle] : args->spacing );
     const float* p[3];
     double_vector side[3];
     bool finite = true;
     for ( int k = 0; k < 3; ++k )
     {
-        p[k] = job->position + (size_t)slots[k] * 4;
+        p[k] = args->position + (size_t)slots[k] * 4;
         finite = finite && is_finite( p[k] );
     }
     double squared[3];
@@ -135,17 +135,17 @@ bool samples_measure_triangle( const wisp_samples_job* job, int triangle, sample
 
 // ---- lines ----
 
-samples_lines samples_lines_of( const wisp_samples_job* job, const samples_extent* made, const samples_extent* now )
+samples_lines samples_lines_of( const wisp_samples_args* args, const samples_extent* made, const samples_extent* now )
 {
-    const double n = samples_count_of( job, made->height );
+    const double n = samples_count_of( args, made->height );
     return ( samples_lines ){
-        .job = job,
+        .args = args,
         .made_base = made->base,
         .made_height = made->height,
         .base = now->base,
         .height = now->height,
         .n = n,
-        .most = samples_points_of( job, n, now->height ),
+        .most = samples_points_of( args, n, now->height ),
     };
 }
 
@@ -155,12 +155,12 @@ bool samples_next_line( samples_lines* lines )
     {
         return false;
     }
-    const wisp_samples_job* job = lines->job;
+    const wisp_samples_args* args = lines->args;
     lines->k += 1.0;
-    lines->share = samples_share( job, lines->k, lines->n, lines->height );
-    lines->length = lines->base * ( 1.0 - lines->share );
-    lines->m = samples_count_of( job, lines->made_base *
-                                          ( 1.0 - samples_share( job, lines->k, lines->n, lines->made_height ) ) );
-    lines->points = samples_points_of( job, lines->m, lines->length );
+    lines->fraction = samples_fraction( args, lines->k, lines->n, lines->height );
+    lines->length = lines->base * ( 1.0 - lines->fraction );
+    lines->m = samples_count_of(
+        args, lines->made_base * ( 1.0 - samples_fraction( args, lines->k, lines->n, lines->made_height ) ) );
+    lines->points = samples_points_of( args, lines->m, lines->length );
     return lines->points > 0.0;
 }

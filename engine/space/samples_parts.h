@@ -11,7 +11,7 @@ enum
 /// Points of one layer: two of these take turns, so that a layer is there until the next one is complete.
 typedef struct samples_points
 {
-    float* quads;
+    float* xyzw;
     float* normals;
     int32_t ( *parents )[4];
     float ( *weights )[4];
@@ -36,7 +36,7 @@ typedef struct samples_group
     int32_t* axis;    // [count] of triangles
     float* next_extent;
     int32_t* next_axis;
-    float *low, *high, *low_height, *high_height;
+    float *lower, *upper, *low_height, *high_height;
     uint8_t* held; // [slice]
 } samples_group;
 
@@ -55,8 +55,8 @@ typedef struct samples_memory
     int32_t* begin;   // [elements + 1]
     int32_t* next;    // [elements + 1] counts, then where they begin
     uint8_t* changed; // [elements]
-    int32_t ( *pair4 )[2][8];
-    int32_t ( *corner4 )[3][8];
+    int32_t ( *pair_x4 )[2][8];
+    int32_t ( *corner_x4 )[3][8];
     samples_tally* tallies; // [block]
     int64_t* block_begin;   // [block]
     int32_t* around_begin;  // [edge + 1] triangles around an edge
@@ -66,7 +66,7 @@ typedef struct samples_memory
 /// What the blocks of an update share.
 typedef struct samples_update
 {
-    const wisp_samples_job* job;
+    const wisp_samples_args* args;
     const wisp_kernels* kernels;
     samples_memory* memory;
     samples_points from, to;
@@ -87,40 +87,41 @@ typedef struct samples_extent
 
 typedef struct samples_bounds
 {
-    double low, high;
+    double lower, upper;
 } samples_bounds;
 
 /// Number of spacings in a length, rounded.
-double samples_count_of( const wisp_samples_job* job, double length );
+double samples_count_of( const wisp_samples_args* args, double length );
 /// Points that n gives on a length.
-double samples_points_of( const wisp_samples_job* job, double n, double length );
+double samples_points_of( const wisp_samples_args* args, double n, double length );
 /// Where point i of n stands, as a share of the length.
-double samples_share( const wisp_samples_job* job, double i, double n, double length );
+double samples_fraction( const wisp_samples_args* args, double i, double n, double length );
 /// May n stay on this length?
-bool samples_may_stay( const wisp_samples_job* job, double n, double length );
+bool samples_may_stay( const wisp_samples_args* args, double n, double length );
 /// Lengths between which n, and its points, are the same.
-samples_bounds samples_bounds_of( const wisp_samples_job* job, double n, double points );
+samples_bounds samples_bounds_of( const wisp_samples_args* args, double n, double points );
 
 /// An edge's length over its spacing. @return false: a corner is not finite
-bool samples_measure_edge( const wisp_samples_job* job, int edge, double* length );
+bool samples_measure_edge( const wisp_samples_args* args, int edge, double* length );
 /// @return false: a corner is not finite
-bool samples_measure_triangle( const wisp_samples_job* job, int triangle, samples_extent* out );
+bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samples_extent* out );
 
 /// A triangle's lines one after another: counts come from the extents they are made from, points from those of now.
 typedef struct samples_lines
 {
-    const wisp_samples_job* job;
+    const wisp_samples_args* args;
     double made_base, made_height, base, height;
     double n;    // of lines
     double most; // lines that there are
     // of the line that was last come to
     double k;         // from 1
-    double share;     // of the height
+    double fraction;  // of the height
     double length, m; // over the spacing, and its count
     double points;
 } samples_lines;
 
-samples_lines samples_lines_of( const wisp_samples_job* job, const samples_extent* made, const samples_extent* now );
+samples_lines samples_lines_of( const wisp_samples_args* args, const samples_extent* made,
+                                const samples_extent* now );
 /// Go to the next line with points. @return false behind the last: lines only get shorter
 bool samples_next_line( samples_lines* lines );
 

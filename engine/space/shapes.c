@@ -2,9 +2,9 @@
 
 #include "double3.h"
 
-static double clamp( double x, double low, double high )
+static double clamp( double x, double lower, double upper )
 {
-    return x < low ? low : ( x > high ? high : x );
+    return x < lower ? lower : ( x > upper ? upper : x );
 }
 
 static bool is_finite( wisp_vec3 v )
@@ -234,7 +234,7 @@ static double enter_time( const wisp_shape* shape, double3 from, double3 step, i
     return NEVER;
 }
 
-bool wisp_shape_sweep( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit )
+bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit )
 {
     *hit = ( wisp_shape_hit ){ .normal = { 0.0f, 1.0f, 0.0f } };
     wisp_surface_point first, last;

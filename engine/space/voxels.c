@@ -7,9 +7,9 @@ enum
 {
     VOXELS_A_TRIANGLE = 16,
     PLACES_A_TRIANGLE = 64, // in lists
-    VOXELS_MOST = 1 << 24,
-    ALONG_MOST = 1 << 20, // voxels along an axis: so few that their product fits
-    SMALL_BOX = 27,       // voxels: a triangle with a box of no more is not looked at edge by edge
+    MAX_VOXELS = 1 << 24,
+    MAX_ALONG = 1 << 20, // voxels along an axis: so few that their product fits
+    SMALL_BOX = 27,      // voxels: a triangle with a box of no more is not looked at edge by edge
 };
 
 // Of the mesh's extent and of its largest coordinate. Inputs are floats and their differences nearly exact in double; the
@@ -32,7 +32,7 @@ static double find_mean_edge( const mesh_surface* s )
     double sum = 0.0;
     for ( int32_t t = 0; t < s->triangle_count; ++t )
     {
-        triangle_corners c = triangle_load( s->quads, s->triangles, t );
+        triangle_corners c = triangle_load( s->xyzw, s->triangles, t );
         for ( int i = 0; i < 3; ++i )
         {
             double3 edge = double3_sub( c.at[( i + 1 ) % 3], c.at[i] );
@@ -51,9 +51,9 @@ static int64_t lay_out( voxels* v, const mesh_surface* s, double size )
     for ( int k = 0; k < 3; ++k )
     {
         // twice the widening, so that what is within it of a triangle is within the grid
-        v->low[k] = (double)s->low[k] - 2.0 * v->widening;
-        double edges = ceil( ( (double)s->high[k] + 2.0 * v->widening - v->low[k] ) / size );
-        v->count[k] = (int)fmin( fmax( edges, 1.0 ), (double)ALONG_MOST );
+        v->lower[k] = (double)s->lower[k] - 2.0 * v->widening;
+        double edges = ceil( ( (double)s->upper[k] + 2.0 * v->widening - v->lower[k] ) / size );
+        v->count[k] = (int)fmin( fmax( edges, 1.0 ), (double)MAX_ALONG );
         v->blocks[k] = ( v->count[k] + VOXELS_BLOCK - 1 ) / VOXELS_BLOCK;
         product *= v->count[k];
     }
@@ -82,7 +82,7 @@ static int64_t count_places( const voxels* v, const mesh_surface* s, int64_t mos
     for ( int32_t t = 0; t < s->triangle_count && sum <= most; ++t )
     {
         int first[3], last[3];
-        triangle_corners c = triangle_load( s->quads, s->triangles, t );
+        triangle_corners c = triangle_load( s->xyzw, s->triangles, t );
         sum += find_range( v, &c, first, last );
     }
     return sum;
@@ -96,7 +96,7 @@ static int64_t count_blocks( const voxels* v )
 static bool is_within( const voxels* v, const mesh_surface* s, int64_t count )
 {
     int64_t triangles = s->triangle_count, most = PLACES_A_TRIANGLE * triangles;
-    if ( count > VOXELS_MOST || count > VOXELS_A_TRIANGLE * triangles )
+    if ( count > MAX_VOXELS || count > VOXELS_A_TRIANGLE * triangles )
     {
         return count == 1;
     }
@@ -104,7 +104,7 @@ static bool is_within( const voxels* v, const mesh_surface* s, int64_t count )
     int64_t places = count_places( v, s, most );
     uint64_t bytes =
         sizeof( int32_t ) * (uint64_t)( count + 1 + places ) + sizeof( uint64_t ) * (uint64_t)count_blocks( v );
-    return places <= most && ( v->bytes_most == 0 || bytes <= v->bytes_most );
+    return places <= most && ( v->max_bytes == 0 || bytes <= v->max_bytes );
 }
 
 // Choose the smallest voxels, of the requested size or coarser, that are not too many.
@@ -113,13 +113,13 @@ static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* er
     double extent = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        extent = fmax( extent, (double)s->high[k] - (double)s->low[k] );
+        extent = fmax( extent, (double)s->upper[k] - (double)s->lower[k] );
     }
-    v->widening = WIDENING * extent + WIDENING_PLACE * s->largest + SEARCH_SLACK_LEAST;
+    v->widening = WIDENING * extent + WIDENING_PLACE * s->largest + MIN_SEARCH_SLACK;
     double span = extent + 4.0 * v->widening;
-    double wanted = v->size_asked > 0.0 ? v->size_asked : fmax( find_mean_edge( s ), v->widening );
+    double requested = v->size_queried > 0.0 ? v->size_queried : fmax( find_mean_edge( s ), v->widening );
 
-    double size = fmax( wanted, span / ( 0.5 * (double)ALONG_MOST ) );
+    double size = fmax( requested, span / ( 0.5 * (double)MAX_ALONG ) );
     int64_t count = lay_out( v, s, size );
     while ( !is_within( v, s, count ) )
     {
@@ -128,14 +128,14 @@ static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* er
             return wisp_fail(
                 error, WISP_NO_MEMORY,
                 "mesh collider: the voxels of %d triangles need more than %zu bytes, which is the limit",
-                s->triangle_count, v->bytes_most );
+                s->triangle_count, v->max_bytes );
         }
         size *= GROWTH;
         count = lay_out( v, s, size );
     }
     v->voxel_count = (int)count;
     v->block_count = (int)count_blocks( v );
-    v->coarse = size > wanted;
+    v->coarse = size > requested;
     return WISP_OK;
 }
 
@@ -192,8 +192,8 @@ static voxel_finder make_finder( const voxels* v, const triangle_corners* t, int
 
 static bool is_touched( const voxels* v, const voxel_finder* f, int x, int y, int z )
 {
-    double3 centre = { v->low[0] + ( (double)x + 0.5 ) * v->size, v->low[1] + ( (double)y + 0.5 ) * v->size,
-                       v->low[2] + ( (double)z + 0.5 ) * v->size };
+    double3 centre = { v->lower[0] + ( (double)x + 0.5 ) * v->size, v->lower[1] + ( (double)y + 0.5 ) * v->size,
+                       v->lower[2] + ( (double)z + 0.5 ) * v->size };
     return fabs( double3_dot( double3_sub( centre, f->t.at[0] ), f->normal ) ) <= f->reach &&
            !( f->is_large && is_apart_by_edges( &f->t, &centre, f->half ) );
 }
@@ -202,7 +202,7 @@ static bool is_touched( const voxels* v, const voxel_finder* f, int x, int y, in
 static void list_triangle( voxels* v, const mesh_surface* s, int32_t triangle, int32_t* begins, int32_t* lists )
 {
     int first[3], last[3];
-    triangle_corners t = triangle_load( s->quads, s->triangles, triangle );
+    triangle_corners t = triangle_load( s->xyzw, s->triangles, triangle );
     int64_t box = find_range( v, &t, first, last );
     voxel_finder finder = make_finder( v, &t, box );
     for ( int z = first[2]; z <= last[2]; ++z )

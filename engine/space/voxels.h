@@ -13,11 +13,11 @@
 /// as wide as small voxels.
 typedef struct voxels
 {
-    double size_asked; ///< m; 0: the mean edge
-    size_t bytes_most; ///< 0: no limit
-    double low[3];     ///< m, where the first voxel begins
-    double size;       ///< m, edge of a voxel
-    double per_metre;  ///< voxels, the inverse
+    double size_queried; ///< m; 0: the mean edge
+    size_t max_bytes;    ///< 0: no limit
+    double lower[3];     ///< m, where the first voxel begins
+    double size;         ///< m, edge of a voxel
+    double per_metre;    ///< voxels, the inverse
     double
         widening; ///< m: triangles are in the lists of all voxels that are so near, more than all roundings come to
     int count[3]; ///< voxels along each axis
@@ -39,12 +39,12 @@ void voxels_release( voxels* v, const wisp_allocator* allocator );
 size_t voxels_bytes( const voxels* v );
 
 void voxels_find_closest( const voxels* v, mesh_closest* search );
-void voxels_find_crossing( const voxels* v, mesh_sweep* search );
+void voxels_find_intersection( const voxels* v, mesh_cast* search );
 
 /// The voxel of a coordinate along an axis; what is outside belongs to the first or the last.
 static inline int voxels_at( const voxels* v, int axis, double x )
 {
-    double at = ( x - v->low[axis] ) * v->per_metre, last = (double)( v->count[axis] - 1 );
+    double at = ( x - v->lower[axis] ) * v->per_metre, last = (double)( v->count[axis] - 1 );
     return at > 0.0 ? (int)( at < last ? at : last ) : 0;
 }
 

@@ -50,7 +50,7 @@ typedef struct ring_walk
     int centre[3], first[3], last[3];
 } ring_walk;
 
-static void set_most( closest_walk* w )
+static void max_set( closest_walk* w )
 {
     double radius = mesh_closest_radius( w->search );
     w->most = radius * radius;
@@ -59,8 +59,8 @@ static void set_most( closest_walk* w )
 // m^2 along one axis, from the point to the `unit` voxels that begin at `first`.
 static double square_gap( const closest_walk* w, int axis, int first, int unit )
 {
-    double low = w->v->low[axis] + (double)first * w->v->size, high = low + (double)unit * w->v->size;
-    double gap = fmax( 0.0, fmax( low - w->point[axis], w->point[axis] - high ) );
+    double lower = w->v->lower[axis] + (double)first * w->v->size, upper = lower + (double)unit * w->v->size;
+    double gap = fmax( 0.0, fmax( lower - w->point[axis], w->point[axis] - upper ) );
     return gap * gap;
 }
 
@@ -70,15 +70,15 @@ static bool is_far( const closest_walk* w, int32_t triangle )
 {
     const mesh_surface* s = w->search->surface;
     const int32_t* number = s->triangles + 3 * (size_t)triangle;
-    const float *a = s->quads + 4 * (size_t)number[0], *b = s->quads + 4 * (size_t)number[1],
-                *c = s->quads + 4 * (size_t)number[2];
+    const float *a = s->xyzw + 4 * (size_t)number[0], *b = s->xyzw + 4 * (size_t)number[1],
+                *c = s->xyzw + 4 * (size_t)number[2];
     double sum = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        float ab_low = a[k] < b[k] ? a[k] : b[k], low = ab_low < c[k] ? ab_low : c[k];
-        float ab_high = a[k] > b[k] ? a[k] : b[k], high = ab_high > c[k] ? ab_high : c[k];
-        double below = (double)low - w->v->widening - w->point[k],
-               above = w->point[k] - (double)high - w->v->widening;
+        float ab_low = a[k] < b[k] ? a[k] : b[k], lower = ab_low < c[k] ? ab_low : c[k];
+        float ab_high = a[k] > b[k] ? a[k] : b[k], upper = ab_high > c[k] ? ab_high : c[k];
+        double below = (double)lower - w->v->widening - w->point[k],
+               above = w->point[k] - (double)upper - w->v->widening;
         double gap = below > above ? below : above;
         sum += gap > 0.0 ? gap * gap : 0.0;
     }
@@ -92,7 +92,7 @@ static void look_into( closest_walk* w, int32_t voxel )
     {
         if ( is_new( &w->seen, lists[i] ) && !is_far( w, lists[i] ) && mesh_closest_propose( w->search, lists[i] ) )
         {
-            set_most( w );
+            max_set( w );
         }
     }
 }
@@ -184,12 +184,12 @@ static double square_beyond( const closest_walk* w, const ring_walk* r, int ring
     double outside = 0.0, inside = (double)INFINITY;
     for ( int k = 0; k < 3; ++k )
     {
-        double low = v->low[k], high = low + (double)v->count[k] * v->size, p = w->point[k];
-        double nearest = fmin( fmax( p, low ), high ), edge = v->size * (double)r->unit;
+        double lower = v->lower[k], upper = lower + (double)v->count[k] * v->size, p = w->point[k];
+        double nearest = fmin( fmax( p, lower ), upper ), edge = v->size * (double)r->unit;
         outside += ( p - nearest ) * ( p - nearest );
         int first = r->centre[k] - ring, last = r->centre[k] + ring + 1;
-        inside = first > r->first[k] ? fmin( inside, nearest - ( low + (double)first * edge ) ) : inside;
-        inside = last <= r->last[k] ? fmin( inside, low + (double)last * edge - nearest ) : inside;
+        inside = first > r->first[k] ? fmin( inside, nearest - ( lower + (double)first * edge ) ) : inside;
+        inside = last <= r->last[k] ? fmin( inside, lower + (double)last * edge - nearest ) : inside;
     }
     inside = fmax( inside, 0.0 );
     return outside + inside * inside;
@@ -226,7 +226,7 @@ static bool walk_rings( closest_walk* w, const ring_walk* r, int rings )
 void voxels_find_closest( const voxels* v, mesh_closest* search )
 {
     closest_walk w = { .v = v, .search = search, .point = { search->point.x, search->point.y, search->point.z } };
-    set_most( &w );
+    max_set( &w );
     double gap = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
@@ -263,10 +263,10 @@ static double leaving_time( const path_walk* w, int axis )
         return (double)INFINITY;
     }
     double side = (double)( w->at[axis] + ( w->step[axis] > 0.0 ? 1 : 0 ) );
-    return ( w->v->low[axis] + side * w->v->size - w->from[axis] ) / w->step[axis];
+    return ( w->v->lower[axis] + side * w->v->size - w->from[axis] ) / w->step[axis];
 }
 
-static path_walk make_path_walk( const voxels* v, const mesh_sweep* search, double begin )
+static path_walk make_path_walk( const voxels* v, const mesh_cast* search, double begin )
 {
     path_walk w = { .v = v,
                     .from = { search->from.x, search->from.y, search->from.z },
@@ -281,7 +281,7 @@ static path_walk make_path_walk( const voxels* v, const mesh_sweep* search, doub
 
 // Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing". Where a path runs through an edge of a
 // voxel it may miss the neighbour across: what is crossed there is in the lists of both, because they are widened.
-static void walk_path( path_walk* w, mesh_sweep* search, double end )
+static void walk_path( path_walk* w, mesh_cast* search, double end )
 {
     const int32_t *begins = w->v->begins.data, *lists = w->v->lists.data;
     double leaving[3] = { leaving_time( w, 0 ), leaving_time( w, 1 ), leaving_time( w, 2 ) };
@@ -295,7 +295,7 @@ static void walk_path( path_walk* w, mesh_sweep* search, double end )
         {
             if ( is_new( &seen, lists[i] ) )
             {
-                mesh_sweep_propose( search, lists[i] );
+                mesh_cast_propose( search, lists[i] );
             }
         }
         int axis = leaving[0] <= leaving[1] ? 0 : 1;
@@ -311,15 +311,15 @@ static void walk_path( path_walk* w, mesh_sweep* search, double end )
     }
 }
 
-void voxels_find_crossing( const voxels* v, mesh_sweep* search )
+void voxels_find_intersection( const voxels* v, mesh_cast* search )
 {
-    double low[3], high[3], begin, end;
+    double lower[3], upper[3], begin, end;
     for ( int k = 0; k < 3; ++k )
     {
-        low[k] = v->low[k];
-        high[k] = low[k] + (double)v->count[k] * v->size;
+        lower[k] = v->lower[k];
+        upper[k] = lower[k] + (double)v->count[k] * v->size;
     }
-    if ( mesh_sweep_clip( search, low, high, &begin, &end ) )
+    if ( mesh_cast_clip( search, lower, upper, &begin, &end ) )
     {
         path_walk walk = make_path_walk( v, search, begin );
         walk_path( &walk, search, end );

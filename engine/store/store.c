@@ -290,7 +290,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
         memset( (char*)c->columns[k] + (size_t)rows.begin * row_size, 0, (size_t)rows.count * row_size );
     }
     e->components &= ~store_bit( component );
-    e->wants &= ~store_bit( component );
+    e->requests &= ~store_bit( component );
     e->derived &= ~store_bit( component );
     c->entity_count -= 1;
     if ( c->entity_count == 0 )

@@ -30,7 +30,7 @@ typedef struct store_entity
     uint32_t generation;
     bool alive;
     store_mask components; // bit c: has component c
-    store_mask wants;      // bit c: somebody asked for component c
+    store_mask requests;   // bit c: somebody asked for component c
     store_mask derived;    // bit c: rows are there only because somebody asked; a pass must fill them
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands; // null without strands
@@ -53,7 +53,7 @@ typedef struct store
     store_mask writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
     store_mask transient;                      // components whose rows mean nothing between steps
     uint64_t passes;                           // hash of the passes' names in order: what the bits mean
-    uint32_t structure;                        // grows whenever an entity, a component or a wish comes or goes
+    uint32_t structure;                        // grows whenever an entity, a component or a request comes or goes
 } store;
 
 void store_init( store* s, const wisp_allocator* allocator );

@@ -6,46 +6,45 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const uint32_t TUNE_JOB_MADE = 0x54554e45;
+static const uint32_t TUNE_JOB_COOKIE = 0x54554e45;
 
-wisp_tune_job wisp_default_tune_job( void )
+wisp_tune_def wisp_default_tune_def( void )
 {
-    return (
-        wisp_tune_job ){ .max_runs = 100, .max_seconds = INFINITY, .repeats = 3, .made_by_default = TUNE_JOB_MADE };
+    return ( wisp_tune_def ){ .max_runs = 100, .max_seconds = INFINITY, .repeats = 3, .cookie = TUNE_JOB_COOKIE };
 }
 
 // ---- what a job may say ----
 
-static wisp_status check_knob( const wisp_tune_knob* knob, int number, wisp_error* error )
+static wisp_status check_parameter( const wisp_tune_parameter* parameter, int number, wisp_error* error )
 {
-    if ( !knob->name || !knob->name[0] )
+    if ( !parameter->name || !parameter->name[0] )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "parameter %d: got no name", number );
     }
-    if ( knob->value_count < 1 || knob->value_count > WISP_TUNE_MAX_VALUES || !knob->values )
+    if ( parameter->value_count < 1 || parameter->value_count > WISP_TUNE_MAX_VALUES || !parameter->values )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "parameter '%s': got %d values, expected 1 to %d", knob->name,
-                          knob->values ? knob->value_count : 0, WISP_TUNE_MAX_VALUES );
+        return wisp_fail( error, WISP_BAD_INPUT, "parameter '%s': got %d values, expected 1 to %d", parameter->name,
+                          parameter->values ? parameter->value_count : 0, WISP_TUNE_MAX_VALUES );
     }
     return WISP_OK;
 }
 
-static wisp_status check_knobs( const wisp_tune_job* job, int* setting_count, wisp_error* error )
+static wisp_status check_parameters( const wisp_tune_def* args, int* setting_count, wisp_error* error )
 {
-    if ( job->knob_count < 1 || job->knob_count > WISP_TUNE_MAX_KNOBS || !job->knobs )
+    if ( args->parameter_count < 1 || args->parameter_count > WISP_TUNE_MAX_PARAMETERS || !args->parameters )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "got %d parameters, expected 1 to %d",
-                          job->knobs ? job->knob_count : 0, WISP_TUNE_MAX_KNOBS );
+                          args->parameters ? args->parameter_count : 0, WISP_TUNE_MAX_PARAMETERS );
     }
     *setting_count = 1;
-    for ( int k = 0; k < job->knob_count; ++k )
+    for ( int k = 0; k < args->parameter_count; ++k )
     {
-        wisp_status status = check_knob( &job->knobs[k], k, error );
+        wisp_status status = check_parameter( &args->parameters[k], k, error );
         if ( status != WISP_OK )
         {
             return status;
         }
-        *setting_count *= job->knobs[k].value_count;
+        *setting_count *= args->parameters[k].value_count;
     }
     if ( *setting_count > WISP_TUNE_MAX_SETTINGS )
     {
@@ -55,31 +54,31 @@ static wisp_status check_knobs( const wisp_tune_job* job, int* setting_count, wi
     return WISP_OK;
 }
 
-wisp_status tune_check_job( const wisp_tune_job* job, int* setting_count, wisp_error* error )
+wisp_status tune_check_def( const wisp_tune_def* args, int* setting_count, wisp_error* error )
 {
-    WISP_ASSERT( job->made_by_default == TUNE_JOB_MADE );
-    if ( !isfinite( job->error ) || !isfinite( job->budget_ms ) || job->error < 0.0 || job->budget_ms < 0.0 ||
-         ( job->error > 0.0 ) == ( job->budget_ms > 0.0 ) )
+    WISP_ASSERT( args->cookie == TUNE_JOB_COOKIE );
+    if ( !isfinite( args->error ) || !isfinite( args->budget_ms ) || args->error < 0.0 || args->budget_ms < 0.0 ||
+         ( args->error > 0.0 ) == ( args->budget_ms > 0.0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "error, budget_ms: got %g and %g, expected one of them above 0 and the other 0", job->error,
-                          job->budget_ms );
+                          "error, budget_ms: got %g and %g, expected one of them above 0 and the other 0",
+                          args->error, args->budget_ms );
     }
-    if ( job->max_runs < 1 || !( job->max_seconds > 0.0 ) )
+    if ( args->max_runs < 1 || !( args->max_seconds > 0.0 ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "max_runs, max_seconds: got %d and %g, expected both above 0",
-                          job->max_runs, job->max_seconds );
+                          args->max_runs, args->max_seconds );
     }
-    if ( job->repeats < 1 || job->repeats > WISP_TUNE_MAX_REPEATS )
+    if ( args->repeats < 1 || args->repeats > WISP_TUNE_MAX_REPEATS )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "repeats: got %d, expected 1 to %d", job->repeats,
+        return wisp_fail( error, WISP_BAD_INPUT, "repeats: got %d, expected 1 to %d", args->repeats,
                           WISP_TUNE_MAX_REPEATS );
     }
-    if ( ( job->allocator.allocate == NULL ) != ( job->allocator.release == NULL ) )
+    if ( ( args->allocator.allocate == NULL ) != ( args->allocator.release == NULL ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "allocator: got one function, expected both or neither" );
     }
-    return check_knobs( job, setting_count, error );
+    return check_parameters( args, setting_count, error );
 }
 
 // ---- from a job to a result ----
@@ -88,26 +87,26 @@ static void number_settings( tune_search* s )
 {
     for ( int i = 0; i < s->setting_count; ++i )
     {
-        s->settings[i] = ( tune_setting ){ .is_open = true, .visit = -1 };
+        s->settings[i] = ( tune_setting ){ .is_open = true, .trial = -1 };
         int rest = i;
-        for ( int k = s->job->knob_count; k-- > 0; )
+        for ( int k = s->args->parameter_count; k-- > 0; )
         {
-            s->settings[i].choice[k] = (int8_t)( rest % s->job->knobs[k].value_count );
-            rest /= s->job->knobs[k].value_count;
+            s->settings[i].configuration[k] = (int8_t)( rest % s->args->parameters[k].value_count );
+            rest /= s->args->parameters[k].value_count;
         }
     }
 }
 
 static wisp_status search( tune_search* s, wisp_error* error )
 {
-    // Among many knobs ruling out takes more runs than there are. What it has found by then is far from the best, which
+    // Among many parameters ruling out takes more runs than there are. What it has found by then is far from the best, which
     // its neighbours lead to: a third of what there is is theirs.
     const int reserve = s->reserve;
-    s->reserve += s->job->max_runs / 3;
-    s->seconds = s->job->max_seconds * 2.0 / 3.0;
+    s->reserve += s->args->max_runs / 3;
+    s->seconds = s->args->max_seconds * 2.0 / 3.0;
     wisp_status status = tune_bisect( s, error );
     s->reserve = reserve;
-    s->seconds = s->job->max_seconds;
+    s->seconds = s->args->max_seconds;
     status = status == WISP_OK ? tune_look_around( s, error ) : status;
     // A time that was measured again may have made another one the best, which has neighbours of its own.
     s->reserve = 0;
@@ -123,26 +122,26 @@ static wisp_status search( tune_search* s, wisp_error* error )
 // The visits move out of the search's room into a block whose size the result can tell when it is released.
 static wisp_status hand_over( const tune_search* s, wisp_tune_result* out, wisp_error* error )
 {
-    const size_t bytes = (size_t)s->visit_count * sizeof( wisp_tune_visit );
-    wisp_tune_visit* visits = base_allocate( &s->job->allocator, bytes, _Alignof( wisp_tune_visit ) );
-    if ( !visits )
+    const size_t bytes = (size_t)s->trial_count * sizeof( wisp_tune_trial );
+    wisp_tune_trial* trials = base_allocate( &s->args->allocator, bytes, _Alignof( wisp_tune_trial ) );
+    if ( !trials )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d trials", s->visit_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d trials", s->trial_count );
     }
-    memcpy( visits, s->visits, bytes );
-    const wisp_tune_visit* best = &s->visits[s->best];
-    *out = ( wisp_tune_result ){ .is_met = tune_meets( s->job, &best->sample ),
-                                 .is_cut = s->is_cut,
+    memcpy( trials, s->trials, bytes );
+    const wisp_tune_trial* best = &s->trials[s->best];
+    *out = ( wisp_tune_result ){ .meets_target = tune_meets( s->args, &best->sample ),
+                                 .stopped_early = s->stopped_early,
                                  .achieved = best->sample,
-                                 .visits = visits,
-                                 .visit_count = s->visit_count,
+                                 .trials = trials,
+                                 .trial_count = s->trial_count,
                                  .run_count = s->run_count,
                                  .seconds = wisp_clock_seconds() - s->start,
-                                 .allocator = s->job->allocator };
-    for ( int k = 0; k < s->job->knob_count; ++k )
+                                 .allocator = s->args->allocator };
+    for ( int k = 0; k < s->args->parameter_count; ++k )
     {
-        out->choice[k] = best->choice[k];
-        out->values[k] = s->job->knobs[k].values[best->choice[k]];
+        out->configuration[k] = best->configuration[k];
+        out->values[k] = s->args->parameters[k].values[best->configuration[k]];
     }
     return WISP_OK;
 }
@@ -151,12 +150,12 @@ static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_resul
 {
     const size_t count = (size_t)s->setting_count;
     s->times = room;
-    s->visits = (wisp_tune_visit*)( s->times + count * (size_t)s->job->repeats );
-    s->settings = (tune_setting*)( s->visits + count );
+    s->trials = (wisp_tune_trial*)( s->times + count * (size_t)s->args->repeats );
+    s->settings = (tune_setting*)( s->trials + count );
     number_settings( s );
     // A fourth of the runs at most waits for the finalists; a search that has none to spare measures once.
-    const int wanted = 2 * ( s->job->repeats - 1 );
-    s->reserve = wanted < s->job->max_runs / 4 ? wanted : s->job->max_runs / 4;
+    const int requested = 2 * ( s->args->repeats - 1 );
+    s->reserve = requested < s->args->max_runs / 4 ? requested : s->args->max_runs / 4;
     wisp_status status = search( s, error );
     if ( status == WISP_OK )
     {
@@ -166,12 +165,12 @@ static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_resul
     return status;
 }
 
-wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_error* error )
+wisp_status wisp_tune( const wisp_tune_def* args, wisp_tune_result* out, wisp_error* error )
 {
     *out = ( wisp_tune_result ){ 0 };
-    tune_search s = { .job = job, .best = -1, .start = wisp_clock_seconds() };
-    wisp_status status = tune_check_job( job, &s.setting_count, error );
-    if ( status == WISP_OK && !job->run )
+    tune_search s = { .args = args, .best = -1, .start = wisp_clock_seconds() };
+    wisp_status status = tune_check_def( args, &s.setting_count, error );
+    if ( status == WISP_OK && !args->run )
     {
         status = wisp_fail( error, WISP_BAD_INPUT, "expected a callback that runs a configuration" );
     }
@@ -179,15 +178,15 @@ wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_err
     {
         return status;
     }
-    const size_t each = (size_t)job->repeats * sizeof( double ) + sizeof( wisp_tune_visit ) + sizeof( tune_setting );
+    const size_t each = (size_t)args->repeats * sizeof( double ) + sizeof( wisp_tune_trial ) + sizeof( tune_setting );
     const size_t bytes = each * (size_t)s.setting_count;
-    void* room = base_allocate( &job->allocator, bytes, BASE_BUFFER_ALIGNMENT );
+    void* room = base_allocate( &args->allocator, bytes, BASE_BUFFER_ALIGNMENT );
     if ( !room )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory to search %d configurations", s.setting_count );
     }
     status = search_with_room( &s, room, out, error );
-    base_release( &job->allocator, room, bytes );
+    base_release( &args->allocator, room, bytes );
     return status;
 }
 
@@ -195,7 +194,7 @@ void wisp_tune_release( wisp_tune_result* result )
 {
     if ( result )
     {
-        base_release( &result->allocator, result->visits, (size_t)result->visit_count * sizeof( wisp_tune_visit ) );
+        base_release( &result->allocator, result->trials, (size_t)result->trial_count * sizeof( wisp_tune_trial ) );
         *result = ( wisp_tune_result ){ 0 };
     }
 }

@@ -6,66 +6,66 @@
 // ---- neighbours ----
 
 // Run a choice unless it was run, or lies outside.
-static wisp_status run_neighbour( tune_search* s, const int* choice, wisp_error* error )
+static wisp_status run_neighbour( tune_search* s, const int* configuration, wisp_error* error )
 {
-    for ( int k = 0; k < s->job->knob_count; ++k )
+    for ( int k = 0; k < s->args->parameter_count; ++k )
     {
-        if ( choice[k] < 0 || choice[k] >= s->job->knobs[k].value_count )
+        if ( configuration[k] < 0 || configuration[k] >= s->args->parameters[k].value_count )
         {
             return WISP_OK;
         }
     }
-    const int setting = tune_setting_number( s, choice );
-    return s->settings[setting].visit < 0 && tune_may_run( s, s->reserve ) ? tune_visit( s, setting, error )
+    const int setting = tune_setting_number( s, configuration );
+    return s->settings[setting].trial < 0 && tune_may_run( s, s->reserve ) ? tune_visit( s, setting, error )
                                                                            : WISP_OK;
 }
 
-// One knob changes: to the next values where they are ordered, to all others where they are not.
-static wisp_status run_along( tune_search* s, const int* centre, int knob, wisp_error* error )
+// One parameter changes: to the next values where they are ordered, to all others where they are not.
+static wisp_status run_along( tune_search* s, const int* centre, int parameter, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int v = 0; v < s->job->knobs[knob].value_count && status == WISP_OK; ++v )
+    for ( int v = 0; v < s->args->parameters[parameter].value_count && status == WISP_OK; ++v )
     {
-        const int away = v - centre[knob];
-        if ( s->job->knobs[knob].is_unordered || away == 1 || away == -1 )
+        const int away = v - centre[parameter];
+        if ( s->args->parameters[parameter].is_unordered || away == 1 || away == -1 )
         {
-            int choice[WISP_TUNE_MAX_KNOBS];
-            for ( int k = 0; k < WISP_TUNE_MAX_KNOBS; ++k )
+            int configuration[WISP_TUNE_MAX_PARAMETERS];
+            for ( int k = 0; k < WISP_TUNE_MAX_PARAMETERS; ++k )
             {
-                choice[k] = k == knob ? v : centre[k];
+                configuration[k] = k == parameter ? v : centre[k];
             }
-            status = run_neighbour( s, choice, error );
+            status = run_neighbour( s, configuration, error );
         }
     }
     return status;
 }
 
-// One knob gets finer and another one rougher.
+// One parameter gets finer and another one rougher.
 static wisp_status run_trade( tune_search* s, const int* centre, int finer, int rougher, wisp_error* error )
 {
-    const wisp_tune_knob* knobs = s->job->knobs;
-    if ( finer == rougher || knobs[finer].is_unordered || knobs[rougher].is_unordered )
+    const wisp_tune_parameter* parameters = s->args->parameters;
+    if ( finer == rougher || parameters[finer].is_unordered || parameters[rougher].is_unordered )
     {
         return WISP_OK;
     }
-    int choice[WISP_TUNE_MAX_KNOBS];
-    for ( int k = 0; k < WISP_TUNE_MAX_KNOBS; ++k )
+    int configuration[WISP_TUNE_MAX_PARAMETERS];
+    for ( int k = 0; k < WISP_TUNE_MAX_PARAMETERS; ++k )
     {
-        choice[k] = centre[k] + ( k == finer ) - ( k == rougher );
+        configuration[k] = centre[k] + ( k == finer ) - ( k == rougher );
     }
-    return run_neighbour( s, choice, error );
+    return run_neighbour( s, configuration, error );
 }
 
-// Goes on from what is better at once, along the same knob first: where one step helps, the next one often does.
+// Goes on from what is better at once, along the same parameter first: where one step helps, the next one often does.
 static wisp_status run_all_along( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int k = 0; k < s->job->knob_count; ++k )
+    for ( int k = 0; k < s->args->parameter_count; ++k )
     {
         for ( int centre = -1; status == WISP_OK && centre != s->best; )
         {
             centre = s->best;
-            status = run_along( s, s->visits[centre].choice, k, error );
+            status = run_along( s, s->trials[centre].configuration, k, error );
         }
     }
     return status;
@@ -73,7 +73,7 @@ static wisp_status run_all_along( tune_search* s, wisp_error* error )
 
 static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error* error )
 {
-    const int count = s->job->knob_count;
+    const int count = s->args->parameter_count;
     wisp_status status = WISP_OK;
     for ( int pair = 0; pair < count * count && status == WISP_OK; ++pair )
     {
@@ -82,7 +82,7 @@ static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error
     return status;
 }
 
-// Trades are many where knobs are: they wait until no single knob makes the best better.
+// Trades are many where parameters are: they wait until no single parameter makes the best better.
 wisp_status tune_look_around( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -92,7 +92,7 @@ wisp_status tune_look_around( tune_search* s, wisp_error* error )
         status = run_all_along( s, error );
         if ( status == WISP_OK && centre == s->best )
         {
-            status = run_all_trades( s, s->visits[centre].choice, error );
+            status = run_all_trades( s, s->trials[centre].configuration, error );
         }
     }
     return status;
@@ -103,18 +103,18 @@ wisp_status tune_look_around( tune_search* s, wisp_error* error )
 // Whether another measurement may put this one in the best one's place.
 static bool may_win( const tune_search* s, const wisp_tune_sample* sample )
 {
-    const wisp_tune_job* job = s->job;
-    const wisp_tune_sample* best = &s->visits[s->best].sample;
-    const bool best_meets = tune_meets( job, best );
-    if ( sample->is_halted || ( job->error > 0.0 && !best_meets ) )
+    const wisp_tune_def* args = s->args;
+    const wisp_tune_sample* best = &s->trials[s->best].sample;
+    const bool best_meets = tune_meets( args, best );
+    if ( sample->is_halted || ( args->error > 0.0 && !best_meets ) )
     {
         return false; // errors have no noise
     }
-    if ( job->error > 0.0 )
+    if ( args->error > 0.0 )
     {
-        return tune_meets( job, sample ) && sample->ms <= TUNE_NOISE * best->ms;
+        return tune_meets( args, sample ) && sample->ms <= TUNE_NOISE * best->ms;
     }
-    return best_meets ? sample->error < best->error && sample->ms <= TUNE_NOISE * job->budget_ms
+    return best_meets ? sample->error < best->error && sample->ms <= TUNE_NOISE * args->budget_ms
                       : sample->ms <= TUNE_NOISE * best->ms;
 }
 
@@ -123,14 +123,14 @@ static int find_finalists( const tune_search* s, int* finalists )
 {
     int count = 0;
     finalists[count++] = s->best;
-    for ( int v = 0; v < s->visit_count; ++v )
+    for ( int v = 0; v < s->trial_count; ++v )
     {
-        if ( v == s->best || !may_win( s, &s->visits[v].sample ) )
+        if ( v == s->best || !may_win( s, &s->trials[v].sample ) )
         {
             continue;
         }
         int place = count < FINALISTS_MAX ? count++ : FINALISTS_MAX;
-        for ( ; place > 1 && s->visits[v].sample.ms < s->visits[finalists[place - 1]].sample.ms; --place )
+        for ( ; place > 1 && s->trials[v].sample.ms < s->trials[finalists[place - 1]].sample.ms; --place )
         {
             if ( place < FINALISTS_MAX )
             {
@@ -151,14 +151,14 @@ wisp_status tune_measure_again( tune_search* s, wisp_error* error )
     int finalists[FINALISTS_MAX];
     const int count = find_finalists( s, finalists );
     wisp_status status = WISP_OK;
-    for ( int turn = 1; turn < s->job->repeats; ++turn )
+    for ( int turn = 1; turn < s->args->repeats; ++turn )
     {
         for ( int i = 0; i < count && status == WISP_OK; ++i )
         {
-            const wisp_tune_visit* visit = &s->visits[finalists[i]];
-            if ( visit->run_count <= turn && tune_may_run( s, 0 ) )
+            const wisp_tune_trial* trial = &s->trials[finalists[i]];
+            if ( trial->run_count <= turn && tune_may_run( s, 0 ) )
             {
-                status = tune_visit( s, tune_setting_number( s, visit->choice ), error );
+                status = tune_visit( s, tune_setting_number( s, trial->configuration ), error );
             }
         }
     }
@@ -174,13 +174,13 @@ static bool beats( const wisp_tune_sample* a, const wisp_tune_sample* b )
 
 void tune_mark_front( tune_search* s )
 {
-    for ( int v = 0; v < s->visit_count; ++v )
+    for ( int v = 0; v < s->trial_count; ++v )
     {
-        bool is_front = !s->visits[v].sample.is_halted;
-        for ( int other = 0; other < s->visit_count && is_front; ++other )
+        bool is_pareto = !s->trials[v].sample.is_halted;
+        for ( int other = 0; other < s->trial_count && is_pareto; ++other )
         {
-            is_front = !beats( &s->visits[other].sample, &s->visits[v].sample );
+            is_pareto = !beats( &s->trials[other].sample, &s->trials[v].sample );
         }
-        s->visits[v].is_front = is_front;
+        s->trials[v].is_pareto = is_pareto;
     }
 }

@@ -3,12 +3,12 @@
 // a list by bisection.
 #include "tune.h"
 
-static bool is_below( const wisp_tune_job* job, const tune_setting* low, const tune_setting* high )
+static bool is_below( const wisp_tune_def* args, const tune_setting* lower, const tune_setting* upper )
 {
-    for ( int k = 0; k < job->knob_count; ++k )
+    for ( int k = 0; k < args->parameter_count; ++k )
     {
-        const int8_t a = low->choice[k], b = high->choice[k];
-        if ( job->knobs[k].is_unordered ? a != b : a > b )
+        const int8_t a = lower->configuration[k], b = upper->configuration[k];
+        if ( args->parameters[k].is_unordered ? a != b : a > b )
         {
             return false;
         }
@@ -21,23 +21,23 @@ static bool is_below( const wisp_tune_job* job, const tune_setting* low, const t
 // Finer ones cannot win: they meet the error at a higher cost, or are beyond the budget like this one.
 static bool closes_above( const tune_search* s, const wisp_tune_sample* sample )
 {
-    const wisp_tune_sample* best = &s->visits[s->best].sample;
-    if ( s->job->budget_ms > 0.0 )
+    const wisp_tune_sample* best = &s->trials[s->best].sample;
+    if ( s->args->budget_ms > 0.0 )
     {
-        return !tune_meets( s->job, sample );
+        return !tune_meets( s->args, sample );
     }
-    return tune_meets( s->job, sample ) || ( tune_meets( s->job, best ) && sample->ms >= TUNE_NOISE * best->ms );
+    return tune_meets( s->args, sample ) || ( tune_meets( s->args, best ) && sample->ms >= TUNE_NOISE * best->ms );
 }
 
 // Rougher ones cannot win: they miss the error like this one, or are no more accurate than the best within the budget.
 static bool closes_below( const tune_search* s, const wisp_tune_sample* sample )
 {
-    const wisp_tune_sample* best = &s->visits[s->best].sample;
-    if ( s->job->budget_ms > 0.0 )
+    const wisp_tune_sample* best = &s->trials[s->best].sample;
+    if ( s->args->budget_ms > 0.0 )
     {
-        return tune_meets( s->job, sample ) || ( tune_meets( s->job, best ) && sample->error >= best->error );
+        return tune_meets( s->args, sample ) || ( tune_meets( s->args, best ) && sample->error >= best->error );
     }
-    return !tune_meets( s->job, sample );
+    return !tune_meets( s->args, sample );
 }
 
 // All visits are asked again after every run, since a better best closes more.
@@ -46,17 +46,17 @@ static void close_settings( tune_search* s )
     for ( int i = 0; i < s->setting_count; ++i )
     {
         const tune_setting* run = &s->settings[i];
-        if ( run->visit < 0 || s->visits[run->visit].sample.is_halted )
+        if ( run->trial < 0 || s->trials[run->trial].sample.is_halted )
         {
             continue;
         }
-        const bool above = closes_above( s, &s->visits[run->visit].sample );
-        const bool below = closes_below( s, &s->visits[run->visit].sample );
+        const bool above = closes_above( s, &s->trials[run->trial].sample );
+        const bool below = closes_below( s, &s->trials[run->trial].sample );
         for ( int j = 0; j < s->setting_count; ++j )
         {
             tune_setting* other = &s->settings[j];
             if ( other->is_open &&
-                 ( ( above && is_below( s->job, run, other ) ) || ( below && is_below( s->job, other, run ) ) ) )
+                 ( ( above && is_below( s->args, run, other ) ) || ( below && is_below( s->args, other, run ) ) ) )
             {
                 other->is_open = false;
             }
@@ -75,8 +75,8 @@ static int worth_of( const tune_search* s, const tune_setting* candidate )
         const tune_setting* other = &s->settings[j];
         if ( other->is_open )
         {
-            above += is_below( s->job, candidate, other );
-            below += is_below( s->job, other, candidate );
+            above += is_below( s->args, candidate, other );
+            below += is_below( s->args, other, candidate );
         }
     }
     return above < below ? above : below;

@@ -1,4 +1,4 @@
-// Runs of worlds: the truth once, then each choice against it.
+// Runs of worlds: the reference once, then each choice against it.
 #include "tune.h"
 
 #include "alloc.h"
@@ -6,37 +6,37 @@
 #include <float.h>
 #include <math.h>
 
-static const uint32_t TUNE_WORLDS_DEF_MADE = 0x54554e57;
+static const uint32_t TUNE_WORLDS_DEF_COOKIE = 0x54554e57;
 
 wisp_tune_worlds_def wisp_default_tune_worlds_def( void )
 {
-    return ( wisp_tune_worlds_def ){ .step_seconds = 1.0f / 60.0f,
+    return ( wisp_tune_worlds_def ){ .dt = 1.0f / 60.0f,
                                      .step_count = 120,
-                                     .look_count = 12,
-                                     .truth_factor = 16,
-                                     .made_by_default = TUNE_WORLDS_DEF_MADE };
+                                     .sample_count = 12,
+                                     .reference_factor = 16,
+                                     .cookie = TUNE_WORLDS_DEF_COOKIE };
 }
 
 static wisp_status check_def( const wisp_tune_worlds_def* def, wisp_error* error )
 {
-    WISP_ASSERT( def->made_by_default == TUNE_WORLDS_DEF_MADE );
+    WISP_ASSERT( def->cookie == TUNE_WORLDS_DEF_COOKIE );
     if ( !def->build )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "expected a callback that builds the world of a configuration" );
     }
-    if ( !( def->step_seconds > 0.0f ) || !isfinite( def->step_seconds ) )
+    if ( !( def->dt > 0.0f ) || !isfinite( def->dt ) )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "step_seconds: got %g, expected a number above 0",
-                          (double)def->step_seconds );
+        return wisp_fail( error, WISP_BAD_INPUT, "dt: got %g, expected a number above 0", (double)def->dt );
     }
-    if ( def->look_count < 1 || def->look_count > def->step_count )
+    if ( def->sample_count < 1 || def->sample_count > def->step_count )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "sample_count: got %d, expected 1 to step_count, which is %d",
-                          def->look_count, def->step_count );
+                          def->sample_count, def->step_count );
     }
-    if ( def->truth_factor < 2 )
+    if ( def->reference_factor < 2 )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "reference_factor: got %d, expected at least 2", def->truth_factor );
+        return wisp_fail( error, WISP_BAD_INPUT, "reference_factor: got %d, expected at least 2",
+                          def->reference_factor );
     }
     return WISP_OK;
 }
@@ -46,11 +46,11 @@ static wisp_status check_def( const wisp_tune_worlds_def* def, wisp_error* error
 typedef struct worlds_run
 {
     const wisp_tune_worlds_def* def;
-    const wisp_tune_job* job;
-    wisp_vec3* truth;   // [look][total]
-    size_t truth_bytes; // 0: the truth was not seen yet
-    int total;          // points of a look
-    double* times;      // [step_count] ms
+    const wisp_tune_def* args;
+    wisp_vec3* reference;   // [look][total]
+    size_t reference_bytes; // 0: the reference was not seen yet
+    int total;              // points of a look
+    double* times;          // [step_count] ms
 } worlds_run;
 
 /// What a run of one world has shown so far.
@@ -73,7 +73,7 @@ static wisp_status step_world( const worlds_run* r, wisp_tune_world* w, int step
     {
         return r->def->step( r->def->user, w, step, error );
     }
-    wisp_status status = wisp_world_step( w->world, r->def->step_seconds );
+    wisp_status status = wisp_world_step( w->world, r->def->dt );
     return status == WISP_OK ? WISP_OK : fail_in_world( w, status, error );
 }
 
@@ -113,32 +113,33 @@ static wisp_status make_room( worlds_run* r, const wisp_tune_world* w, wisp_erro
     }
     size_t bytes;
     const bool fits =
-        base_size_multiply( (size_t)r->total * sizeof( wisp_vec3 ), (size_t)r->def->look_count, &bytes );
-    r->truth = fits ? base_allocate( &r->job->allocator, bytes, _Alignof( wisp_vec3 ) ) : NULL;
-    if ( !r->truth )
+        base_size_multiply( (size_t)r->total * sizeof( wisp_vec3 ), (size_t)r->def->sample_count, &bytes );
+    r->reference = fits ? base_allocate( &r->args->allocator, bytes, _Alignof( wisp_vec3 ) ) : NULL;
+    if ( !r->reference )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d points in %d samples", r->total,
-                          r->def->look_count );
+                          r->def->sample_count );
     }
-    r->truth_bytes = bytes;
+    r->reference_bytes = bytes;
     return WISP_OK;
 }
 
-static void compare( wisp_vec3 is, wisp_vec3 truth, world_sums* sums )
+static void compare( wisp_vec3 is, wisp_vec3 reference, world_sums* sums )
 {
-    const double x = (double)is.x - (double)truth.x;
-    const double y = (double)is.y - (double)truth.y;
-    const double z = (double)is.z - (double)truth.z;
+    const double x = (double)is.x - (double)reference.x;
+    const double y = (double)is.y - (double)reference.y;
+    const double z = (double)is.z - (double)reference.z;
     const double square = x * x + y * y + z * z;
     sums->squares += square;
     sums->largest = fmax( sums->largest, sqrt( square ) );
     sums->is_halted |= !isfinite( square );
 }
 
-// Keep what the truth shows, or compare with it.
-static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_truth, world_sums* sums, wisp_error* error )
+// Keep what the reference shows, or compare with it.
+static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_reference, world_sums* sums,
+                         wisp_error* error )
 {
-    wisp_status status = is_truth && r->truth_bytes == 0 ? make_room( r, w, error ) : WISP_OK;
+    wisp_status status = is_reference && r->reference_bytes == 0 ? make_room( r, w, error ) : WISP_OK;
     int total = 0;
     status = status == WISP_OK ? count_points( w, &total, error ) : status;
     if ( status == WISP_OK && total != r->total )
@@ -146,19 +147,19 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_truth,
         status = wisp_fail( error, WISP_CONFLICT, "got a world of %d points and one of %d, which cannot be compared",
                             r->total, total );
     }
-    wisp_vec3* truth = r->truth + (size_t)sums->looks * (size_t)r->total;
+    wisp_vec3* reference = r->reference + (size_t)sums->looks * (size_t)r->total;
     for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
     {
         wisp_view view;
         status = view_points( w, i, &view, error );
-        for ( int v = 0; v < view.count && status == WISP_OK; ++v, ++truth )
+        for ( int v = 0; v < view.count && status == WISP_OK; ++v, ++reference )
         {
             const wisp_vec3* point = (const wisp_vec3*)( (const char*)view.data + (size_t)v * view.stride );
-            if ( is_truth )
+            if ( is_reference )
             {
-                *truth = *point;
+                *reference = *point;
             }
-            compare( *point, *truth, sums );
+            compare( *point, *reference, sums );
         }
     }
     ++sums->looks;
@@ -168,11 +169,11 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_truth,
 // Looks are spread evenly, and the last step is one of them.
 static bool is_look( const wisp_tune_worlds_def* def, int step )
 {
-    const int64_t looks = def->look_count, steps = def->step_count;
+    const int64_t looks = def->sample_count, steps = def->step_count;
     return ( step + 1 ) * looks / steps > step * looks / steps;
 }
 
-static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_truth, wisp_tune_sample* out,
+static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_reference, wisp_tune_sample* out,
                               wisp_error* error )
 {
     world_sums sums = { 0 };
@@ -186,7 +187,7 @@ static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_truth, 
         sums.is_halted |= wisp_world_counter( w->world, WISP_COUNT_HALTED ) > 0;
         if ( status == WISP_OK && !sums.is_halted && is_look( r->def, step ) )
         {
-            status = look( r, w, is_truth, &sums, error );
+            status = look( r, w, is_reference, &sums, error );
         }
     }
     if ( status == WISP_OK )
@@ -200,7 +201,7 @@ static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_truth, 
     return status;
 }
 
-static wisp_status want_points( const wisp_tune_world* w, wisp_error* error )
+static wisp_status request_points( const wisp_tune_world* w, wisp_error* error )
 {
     if ( !w->world || w->point_count < 1 || !w->points )
     {
@@ -216,21 +217,22 @@ static wisp_status want_points( const wisp_tune_world* w, wisp_error* error )
                               "points[%d]: got component %d, expected surface.points or strand.points", i,
                               component );
         }
-        status = wisp_want( w->world, w->points[i].entity, component );
+        status = wisp_request( w->world, w->points[i].entity, component );
     }
     return status == WISP_OK ? WISP_OK : fail_in_world( w, status, error );
 }
 
-static wisp_status run_world( worlds_run* r, const int* choice, int factor, wisp_tune_sample* out, wisp_error* error )
+static wisp_status run_world( worlds_run* r, const int* configuration, int factor, wisp_tune_sample* out,
+                              wisp_error* error )
 {
     const wisp_tune_worlds_def* def = r->def;
     wisp_tune_world w = { 0 };
-    wisp_status status = def->build( def->user, choice, factor, &w, error );
+    wisp_status status = def->build( def->user, configuration, factor, &w, error );
     if ( status != WISP_OK )
     {
         return status;
     }
-    status = want_points( &w, error );
+    status = request_points( &w, error );
     status = status == WISP_OK ? run_steps( r, &w, factor > 1, out, error ) : status;
     if ( def->let_go )
     {
@@ -243,28 +245,28 @@ static wisp_status run_world( worlds_run* r, const int* choice, int factor, wisp
     return status;
 }
 
-static wisp_status run_choice( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error )
+static wisp_status run_choice( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
 {
-    return run_world( user, choice, 1, out, error );
+    return run_world( user, configuration, 1, out, error );
 }
 
-// ---- the truth, and the search ----
+// ---- the reference, and the search ----
 
-static wisp_status run_truth( worlds_run* r, wisp_error* error )
+static wisp_status run_reference( worlds_run* r, wisp_error* error )
 {
-    int finest[WISP_TUNE_MAX_KNOBS] = { 0 };
-    for ( int k = 0; k < r->job->knob_count; ++k )
+    int finest[WISP_TUNE_MAX_PARAMETERS] = { 0 };
+    for ( int k = 0; k < r->args->parameter_count; ++k )
     {
-        finest[k] = r->job->knobs[k].value_count - 1;
+        finest[k] = r->args->parameters[k].value_count - 1;
     }
     wisp_tune_sample sample;
-    wisp_status status = run_world( r, finest, r->def->truth_factor, &sample, error );
+    wisp_status status = run_world( r, finest, r->def->reference_factor, &sample, error );
     if ( status == WISP_OK && sample.is_halted )
     {
         status = wisp_fail( error, WISP_CONFLICT,
                             "the reference, with %d times the substeps of the finest configuration, became unstable: "
                             "there is nothing to compare with",
-                            r->def->truth_factor );
+                            r->def->reference_factor );
     }
     return status;
 }
@@ -272,39 +274,39 @@ static wisp_status run_truth( worlds_run* r, wisp_error* error )
 static wisp_status search_worlds( worlds_run* r, wisp_tune_result* out, wisp_error* error )
 {
     const double start = wisp_clock_seconds();
-    wisp_status status = run_truth( r, error );
+    wisp_status status = run_reference( r, error );
     if ( status != WISP_OK )
     {
         return status;
     }
     const double spent = wisp_clock_seconds() - start;
-    wisp_tune_job job = *r->job;
-    job.run = run_choice;
-    job.user = r;
-    // Time that the truth has used up leaves the one run that every search makes.
-    job.max_seconds = job.max_seconds > spent ? job.max_seconds - spent : DBL_MIN;
-    status = wisp_tune( &job, out, error );
+    wisp_tune_def args = *r->args;
+    args.run = run_choice;
+    args.user = r;
+    // Time that the reference has used up leaves the one run that every search makes.
+    args.max_seconds = args.max_seconds > spent ? args.max_seconds - spent : DBL_MIN;
+    status = wisp_tune( &args, out, error );
     out->seconds += status == WISP_OK ? spent : 0.0;
     return status;
 }
 
-wisp_status wisp_tune_worlds( const wisp_tune_job* job, const wisp_tune_worlds_def* def, wisp_tune_result* out,
+wisp_status wisp_tune_worlds( const wisp_tune_def* args, const wisp_tune_worlds_def* def, wisp_tune_result* out,
                               wisp_error* error )
 {
     *out = ( wisp_tune_result ){ 0 };
     int setting_count;
-    wisp_status status = tune_check_job( job, &setting_count, error );
+    wisp_status status = tune_check_def( args, &setting_count, error );
     status = status == WISP_OK ? check_def( def, error ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    worlds_run r = { .def = def, .job = job };
+    worlds_run r = { .def = def, .args = args };
     const size_t bytes = (size_t)def->step_count * sizeof( double );
-    r.times = base_allocate( &job->allocator, bytes, _Alignof( double ) );
+    r.times = base_allocate( &args->allocator, bytes, _Alignof( double ) );
     status = r.times ? search_worlds( &r, out, error )
                      : wisp_fail( error, WISP_NO_MEMORY, "out of memory for the times of %d steps", def->step_count );
-    base_release( &job->allocator, r.truth, r.truth_bytes );
-    base_release( &job->allocator, r.times, bytes );
+    base_release( &args->allocator, r.reference, r.reference_bytes );
+    base_release( &args->allocator, r.times, bytes );
     return status;
 }

@@ -5,11 +5,11 @@
 #include <stdio.h>
 #include <string.h>
 
-static const uint32_t WORLD_DEF_MADE = 0x57495350;
+static const uint32_t WORLD_DEF_COOKIE = 0x57495350;
 
 wisp_world_def wisp_default_world_def( void )
 {
-    return ( wisp_world_def ){ .substeps = 1, .iterations = 1, .made_by_default = WORLD_DEF_MADE };
+    return ( wisp_world_def ){ .substeps = 1, .iterations = 1, .cookie = WORLD_DEF_COOKIE };
 }
 
 static void* counted_allocate( void* user, size_t size, size_t alignment )
@@ -85,7 +85,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     wisp_status status = register_modules( world, def );
     if ( status != WISP_OK )
     {
-        return wisp_fail( error, status, "%s", world->registry.error.sentence );
+        return wisp_fail( error, status, "%s", world->registry.error.message );
     }
     size_t clock_bytes = (size_t)workers * sizeof( plan_clock );
     world->pool = jobs_create( &world->allocator, workers, def->parallel_for, def->parallel_for_user );
@@ -106,7 +106,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
 
 wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error )
 {
-    WISP_ASSERT( def->made_by_default == WORLD_DEF_MADE );
+    WISP_ASSERT( def->cookie == WORLD_DEF_COOKIE );
     *out = NULL;
     wisp_status status = check_def( def, error );
     if ( status != WISP_OK )
@@ -168,7 +168,7 @@ static wisp_status compile_if_changed( wisp_world* world )
     wisp_error error = { 0 };
     wisp_status status = plan_compile( &world->plan, &world->registry, &error );
     wisp_frame_count( &world->frame, WISP_COUNT_PLANS, 1 );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.sentence );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
 static void drive( void* context )
@@ -221,7 +221,7 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     atomic_flag_clear( &frame->failing );
     atomic_store( &frame->failed, false );
     atomic_flag_clear( &frame->halting );
-    frame->halted_sentence[0] = '\0';
+    frame->halted_message[0] = '\0';
     frame->seconds = seconds / (float)frame->substeps;
     if ( world->plan.node_count > 0 )
     {
@@ -231,13 +231,13 @@ wisp_status wisp_world_step( wisp_world* world, float seconds )
     frame->step += 1;
     wisp_frame_count( frame, WISP_COUNT_STEPS, 1 );
     world->seconds = wisp_clock_seconds() - begin;
-    if ( frame->halted_sentence[0] != '\0' )
+    if ( frame->halted_message[0] != '\0' )
     {
-        base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->halted_sentence );
+        base_log_write( &world->log, WISP_LOG_WARNING, "%s", frame->halted_message );
     }
     if ( atomic_load( &frame->failed ) )
     {
-        return wisp_world_fail( world, frame->error.status, "%s", frame->error.sentence );
+        return wisp_world_fail( world, frame->error.status, "%s", frame->error.message );
     }
     return WISP_OK;
 }
@@ -290,7 +290,7 @@ const char* wisp_world_isa( const wisp_world* world )
     return world->frame.kernels->isa;
 }
 
-wisp_status wisp_world_explain( wisp_world* world, wisp_plan_report** out )
+wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
 {
     *out = NULL;
     wisp_status status = compile_if_changed( world );
@@ -305,13 +305,13 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_report** out )
 
 wisp_status wisp_world_plan( wisp_world* world, void ( *write )( void* user, const char* line ), void* user )
 {
-    wisp_plan_report* report;
+    wisp_plan_info* report;
     wisp_status status = wisp_world_explain( world, &report );
     if ( status == WISP_OK )
     {
         plan_print( report, write, user );
     }
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     return status;
 }
 
@@ -346,5 +346,5 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
 {
     wisp_error error = { 0 };
     wisp_status status = store_restore( &world->store, bytes, size, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.sentence );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }

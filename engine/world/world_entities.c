@@ -1,4 +1,4 @@
-// Entities: what is said of a call that failed, components on and off, wishes, views out.
+// Entities: what is said of a call that failed, components on and off, requests, views out.
 #include "world.h"
 
 #include "wisp/module/components.h"
@@ -11,17 +11,17 @@
 
 const char* wisp_world_message( const wisp_world* world )
 {
-    return world->error.sentence;
+    return world->error.message;
 }
 
 wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
 {
     va_list arguments;
     va_start( arguments, format );
-    vsnprintf( world->error.sentence, sizeof( world->error.sentence ), format, arguments );
+    vsnprintf( world->error.message, sizeof( world->error.message ), format, arguments );
     va_end( arguments );
     world->error.status = status;
-    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.sentence );
+    base_log_write( &world->log, WISP_LOG_ERROR, "%s", world->error.message );
     return status;
 }
 
@@ -31,7 +31,7 @@ wisp_status world_stale( wisp_world* world, wisp_entity entity )
                             entity.index, entity.generation );
 }
 
-wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out )
+wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out )
 {
     const int rows[WISP_TABLE_COUNT] = { [WISP_TABLE_ENTITY] = 1 };
     *out = ( wisp_entity ){ 0, 0 };
@@ -86,7 +86,7 @@ wisp_status wisp_world_attach( wisp_world* world, wisp_entity entity, wisp_compo
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for the rows of '%s'",
                                 world->store.components[component].def.name );
     }
-    // rows that were there only for a wish are given now, so passes may need them
+    // rows that were there only for a request are given now, so passes may need them
     world->store.structure += ( e->derived & store_bit( component ) ) != 0 ? 1 : 0;
     e->derived &= ~store_bit( component );
     return WISP_OK;
@@ -162,16 +162,16 @@ wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, con
     for ( int i = 0; i < count; ++i )
     {
         const wisp_number_range* r = ranges + i;
-        if ( !( r->value >= r->low && r->value <= r->high ) )
+        if ( !( r->value >= r->lower && r->value <= r->upper ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "%s: %s: got %g, expected %g to %g", subject, r->name,
-                                    (double)r->value, (double)r->low, (double)r->high );
+                                    (double)r->value, (double)r->lower, (double)r->upper );
         }
     }
     return WISP_OK;
 }
 
-// ---- wishes and views ----
+// ---- requests and views ----
 
 static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_component component )
 {
@@ -187,7 +187,7 @@ static wisp_status check_component( wisp_world* world, wisp_entity entity, wisp_
     return WISP_OK;
 }
 
-wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component component )
+wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     wisp_status status = check_component( world, entity, component );
     if ( status != WISP_OK )
@@ -202,12 +202,12 @@ wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component com
                                 world->store.components[component].def.name );
     }
     e->derived |= had ? 0 : store_bit( component );
-    world->store.structure += ( e->wants & store_bit( component ) ) == 0 ? 1 : 0;
-    e->wants |= store_bit( component );
+    world->store.structure += ( e->requests & store_bit( component ) ) == 0 ? 1 : 0;
+    e->requests |= store_bit( component );
     return WISP_OK;
 }
 
-wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component component )
+wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component )
 {
     wisp_status status = check_component( world, entity, component );
     if ( status != WISP_OK )
@@ -215,11 +215,11 @@ wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component c
         return status;
     }
     store_entity* e = store_find( &world->store, entity );
-    if ( ( e->wants & store_bit( component ) ) == 0 )
+    if ( ( e->requests & store_bit( component ) ) == 0 )
     {
         return WISP_OK;
     }
-    e->wants &= ~store_bit( component );
+    e->requests &= ~store_bit( component );
     world->store.structure += 1;
     if ( ( e->derived & store_bit( component ) ) != 0 )
     {
@@ -242,7 +242,7 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
     if ( def == NULL || def->table != WISP_TABLE_POINT || ( e->components & store_bit( component ) ) == 0 )
     {
         return wisp_fail( error, WISP_CONFLICT,
-                          "component '%s': has no rows in the user's order, request it with wisp_want first",
+                          "component '%s': has no rows in the user's order, request it with wisp_request first",
                           def != NULL ? def->name : "unknown" );
     }
     *out = ( wisp_view ){ store_column( &world->store, e, component, 0 ), e->rows[WISP_TABLE_POINT].count,
@@ -254,7 +254,7 @@ wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_compone
 {
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, out, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.sentence );
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }
 
 wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* out )

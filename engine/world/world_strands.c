@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t STRANDS_DEF_MADE = 0x53545244;
+static const uint32_t STRANDS_DEF_COOKIE = 0x53545244;
 
 enum
 {
@@ -15,7 +15,7 @@ enum
 
 wisp_strands_def wisp_default_strands_def( void )
 {
-    return ( wisp_strands_def ){ .dimension = 3, .made_by_default = STRANDS_DEF_MADE };
+    return ( wisp_strands_def ){ .dimension = 3, .cookie = STRANDS_DEF_COOKIE };
 }
 
 // ---- the pass that hands points out ----
@@ -24,7 +24,7 @@ static void unpack_points( wisp_frame* frame, const wisp_span* span, void* user 
 {
     (void)user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_strand_unpack_job job = {
+    wisp_strand_unpack_args job = {
         .group_row = t->group_row,
         .lane_strand = t->lane_strand,
         .lane_count = t->lane_count,
@@ -41,7 +41,7 @@ wisp_status world_declare_strands( wisp_registry* registry )
                                             .name = "strands.points",
                                             .stage = WISP_STAGE_OBSERVE,
                                             .domain = WISP_DOMAIN_STRAND_GROUP,
-                                            .needs = { WISP_STRAND_POSITION },
+                                            .required = { WISP_STRAND_POSITION },
                                             .reads = { WISP_STRAND_POSITION },
                                             .writes = { WISP_STRAND_POINTS },
                                             .run = unpack_points,
@@ -142,7 +142,7 @@ static size_t row_bytes( const wisp_strand_topology* t )
 
 wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out )
 {
-    WISP_ASSERT( def->made_by_default == STRANDS_DEF_MADE );
+    WISP_ASSERT( def->cookie == STRANDS_DEF_COOKIE );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_strands( world, def );
     if ( status != WISP_OK )

@@ -7,11 +7,11 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t SURFACE_DEF_MADE = 0x53555246;
+static const uint32_t SURFACE_DEF_COOKIE = 0x53555246;
 
 wisp_surface_def wisp_default_surface_def( void )
 {
-    return ( wisp_surface_def ){ .area_density = 0.15f, .made_by_default = SURFACE_DEF_MADE };
+    return ( wisp_surface_def ){ .area_density = 0.15f, .cookie = SURFACE_DEF_COOKIE };
 }
 
 // ---- a new surface ----
@@ -81,7 +81,7 @@ static float inverse_mass( const wisp_fabric* fabric, int slot, float area_densi
 
 static bool attach_all( store* s, wisp_entity entity )
 {
-    static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_GOOD,
+    static const wisp_component GIVEN[] = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID,
                                             WISP_PARTICLE_MASS };
     for ( int i = 0; i < WISP_COUNT( GIVEN ); ++i )
     {
@@ -148,14 +148,14 @@ static int fill_particles( wisp_world* world, wisp_entity entity, const wisp_sur
     {
         position[(size_t)fabric->vertex_slot[def->pins[i]] * 4 + 3] = 0.0f;
     }
-    memcpy( store_column( &world->store, e, WISP_PARTICLE_GOOD, 0 ), position,
+    memcpy( store_column( &world->store, e, WISP_PARTICLE_LAST_VALID, 0 ), position,
             (size_t)fabric->slot_count * 4 * sizeof( float ) );
     return weightless;
 }
 
 wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out )
 {
-    WISP_ASSERT( def->made_by_default == SURFACE_DEF_MADE );
+    WISP_ASSERT( def->cookie == SURFACE_DEF_COOKIE );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check_surface( world, def );
     status = status == WISP_OK ? add_entity( world, def->fabric, out ) : status;
@@ -294,7 +294,7 @@ wisp_status wisp_move_pins( wisp_world* world, wisp_entity surface, const int32_
 // ---- properties of all effects ----
 
 // Attach the component if the value is not the neutral one, else detach it: no value, no pass.
-static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool wanted )
+static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_component component, bool requested )
 {
     store_entity* e;
     wisp_status status = find_surface( world, surface, &e );
@@ -302,7 +302,8 @@ static wisp_status set_component( wisp_world* world, wisp_entity surface, wisp_c
     {
         return status;
     }
-    return wanted ? wisp_world_attach( world, surface, component ) : wisp_world_detach( world, surface, component );
+    return requested ? wisp_world_attach( world, surface, component )
+                     : wisp_world_detach( world, surface, component );
 }
 
 wisp_status wisp_set_gravity( wisp_world* world, wisp_entity surface, wisp_vec3 gravity )
@@ -345,14 +346,14 @@ wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surface, float
                                 "strain limits: got %g and %g times the rest length, expected 0 to 1 and at least 1",
                                 (double)minimum, (double)maximum );
     }
-    bool wanted = minimum > 0.0f || maximum < INFINITY;
-    if ( wanted && wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) )
+    bool requested = minimum > 0.0f || maximum < INFINITY;
+    if ( requested && wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "entity %u: has an external solver, which does not support strain limits",
                                 surface.index );
     }
-    wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, wanted );
+    wisp_status status = set_component( world, surface, WISP_LINK_LIMIT, requested );
     float* column = wisp_world_column( world, surface, WISP_LINK_LIMIT, 0 );
     if ( status == WISP_OK && column != NULL )
     {
@@ -407,20 +408,20 @@ wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3
 
 // ---- reading ----
 
-wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_quality* out )
+wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out )
 {
-    *out = ( wisp_quality ){ 0 };
+    *out = ( wisp_motion_stats ){ 0 };
     const store_entity* e = store_find( &world->store, entity );
     if ( e == NULL )
     {
         return wisp_world_fail( world, WISP_STALE_ID, "entity %u of generation %u: does not exist or was removed",
                                 entity.index, entity.generation );
     }
-    const wisp_quality* column = store_column( &world->store, e, WISP_QUALITY, 0 );
-    if ( column == NULL || ( e->wants & store_bit( WISP_QUALITY ) ) == 0 )
+    const wisp_motion_stats* column = store_column( &world->store, e, WISP_MOTION_STATS, 0 );
+    if ( column == NULL || ( e->requests & store_bit( WISP_MOTION_STATS ) ) == 0 )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
-                                "entity %u: has no statistics, request them with wisp_want first", entity.index );
+                                "entity %u: has no statistics, request them with wisp_request first", entity.index );
     }
     *out = *column;
     return WISP_OK;

@@ -40,17 +40,17 @@ typedef enum wisp_balloon_spin
 /// Fill from wisp_default_balloon_def(). Copied.
 typedef struct wisp_balloon_def
 {
-    wisp_solver solver;    ///< of the skin, default xpbd
-    float edge_stiffness;  ///< N/m, > 0, default 2000: of structural edges (xpbd), and of the virial reading
-    float cross_stiffness; ///< N/m, > 0, default 20: the same of the links across edges
-    float stretch_share;   ///< pbd, in [0, 1], default 0.9
-    float bend_share;      ///< pbd, in [0, 1], default 0.1
+    wisp_solver solver;        ///< of the skin, default xpbd
+    float edge_stiffness;      ///< N/m, > 0, default 2000: of structural edges (xpbd), and of the virial reading
+    float bend_link_stiffness; ///< N/m, > 0, default 20: the same of the links across edges
+    float stretch_stiffness;   ///< pbd, in [0, 1], default 0.9
+    float bend_stiffness;      ///< pbd, in [0, 1], default 0.1
 
-    wisp_solver volume;   ///< how the volume is held, default xpbd: a gas of compliance V_0 / P_atm
-    float volume_share;   ///< pbd, in (0, 1], default 1
-    float fill;           ///< V_0 / V_rest at the start, >= least_fill, default 1; V_0: volume of the gas at P_atm
+    wisp_solver volume;     ///< how the volume is held, default xpbd: a gas of compliance V_0 / P_atm
+    float volume_stiffness; ///< pbd, in (0, 1], default 1
+    float gas_ratio;      ///< V_0 / V_rest at the start, >= min_gas_ratio, default 1; V_0: volume of the gas at P_atm
     float inflation_rate; ///< m^3/s of gas at atmospheric pressure, negative lets it out; default 0
-    float least_fill;     ///< V_0 never falls below this times V_rest, in [0.001, 1], default 1: the skin is slack
+    float min_gas_ratio;  ///< V_0 never falls below this times V_rest, in [0.001, 1], default 1: the skin is slack
 
     float atmospheric_pressure;     ///< Pa, default 101325
     float temperature;              ///< K, default 293.15
@@ -73,27 +73,27 @@ typedef struct wisp_balloon_def
     /// Default false: an open mesh is refused. True: each hole is closed by a virtual fan about the mean of its border, for
     /// the volume alone; a fan has no mass, no links, no normal and no drag.
     bool allow_open;
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_balloon_def;
 
 WISP_API wisp_balloon_def wisp_default_balloon_def( void );
 
 /// Make a surface a balloon, or change the balloon it is; what the gas did so far is forgotten.
 /// @return WISP_CONFLICT the module is not registered or the entity is not a surface; WISP_BAD_INPUT a value is out of
-///         range, or the mesh has a border (without allow_open; with it, one that is no simple loop), wild edges,
-///         several shells or encloses no volume (the sentence says which); WISP_NO_MEMORY
-/// @note links across edges are projected only if the fabric has cross links
+///         range, or the mesh has a border (without allow_open; with it, one that is no simple loop), nonmanifold edges,
+///         several shells or encloses no volume (the message says which); WISP_NO_MEMORY
+/// @note links across edges are projected only if the fabric has bend links
 WISP_API wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def );
 
 /// Control while it runs; each takes effect with the next step.
-/// @param fill V_0 / V_rest, >= least_fill
-WISP_API wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity balloon, float fill );
+/// @param fill V_0 / V_rest, >= min_gas_ratio
+WISP_API wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float gas_ratio );
 /// @param rate m^3/s at atmospheric pressure
 WISP_API wisp_status wisp_set_balloon_inflation( wisp_world* world, wisp_entity balloon, float rate );
 WISP_API wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open );
 
 /// What a balloon shows after a step (balloon paper, fig. 4-7): the last substep's forces, and the body at its start.
-typedef struct wisp_balloon_figures
+typedef struct wisp_balloon_stats
 {
     double rest_volume;                              ///< V_rest, m^3
     double target_volume;                            ///< V_0, m^3
@@ -108,11 +108,11 @@ typedef struct wisp_balloon_figures
     double orientation[4]; ///< unit quaternion w, x, y, z, turned by that velocity since figures were asked for
     double centre[3];      ///< m
     double jet_starts;     ///< how often the jet came on
-} wisp_balloon_figures;
+} wisp_balloon_stats;
 
 /// Ask for figures; their passes exist from the next step on. @param wanted false ends it
-WISP_API wisp_status wisp_want_balloon_figures( wisp_world* world, wisp_entity balloon, bool wanted );
+WISP_API wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested );
 /// @return WISP_CONFLICT unless figures are wanted and a step was made since
-WISP_API wisp_status wisp_read_balloon_figures( wisp_world* world, wisp_entity balloon, wisp_balloon_figures* out );
+WISP_API wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out );
 
 WISP_END_C

@@ -8,7 +8,7 @@
 // Entry e of the ring of a slot.
 static int32_t ring_entry( const wisp_fabric* f, int slot, int e )
 {
-    return f->ring4[e][slot % WISP_FABRIC_LANES] / 4;
+    return f->ring_x4[e][slot % WISP_FABRIC_LANES] / 4;
 }
 
 // Count the triangles at the edge between two slots: each pair of consecutive ring entries without the own slot is one.
@@ -53,12 +53,12 @@ wisp_status balloon_refuse_open( wisp_world* world, const wisp_fabric* f )
     return wisp_world_fail( world, WISP_BAD_INPUT,
                             "balloon: got %d open edges, the first from vertex %d to vertex %d, expected a closed "
                             "mesh; allow_open closes holes",
-                            f->border_edge_count, f->slot_vertex[from], f->slot_vertex[to] );
+                            f->open_edge_count, f->slot_vertex[from], f->slot_vertex[to] );
 }
 
 wisp_status balloon_check_border( wisp_world* world, const wisp_fabric* f )
 {
-    for ( int v = 0; v < f->vertex_count && f->border_edge_count > 0; ++v )
+    for ( int v = 0; v < f->vertex_count && f->open_edge_count > 0; ++v )
     {
         int edges = border_edges_at( f, f->vertex_slot[v] );
         if ( edges != 0 && edges != 2 )
@@ -78,10 +78,10 @@ void balloon_find_loops( const wisp_fabric* f, int32_t* vertex, int32_t* size )
     int count = 0;
     memset( size, 0, (size_t)f->slot_count * sizeof( int32_t ) );
     memset( vertex, 0, (size_t)f->slot_count * sizeof( int32_t ) );
-    for ( int first = 0; first < f->vertex_count && count < f->border_edge_count; ++first )
+    for ( int first = 0; first < f->vertex_count && count < f->open_edge_count; ++first )
     {
-        bool border = border_edges_at( f, first ) > 0;
-        for ( int slot = first; border && size[slot] == 0; slot = border_after( f, slot ) )
+        bool open_edge = border_edges_at( f, first ) > 0;
+        for ( int slot = first; open_edge && size[slot] == 0; slot = border_after( f, slot ) )
         {
             vertex[count++] = slot;
             size[slot] = 1;
@@ -175,21 +175,21 @@ static void add_to_gradient( const border_fan* fan, const float* position, float
         int32_t slot = fan->vertex[i];
         int32_t before = fan->vertex[( i + fan->count - 1 ) % fan->count],
                 after = fan->vertex[( i + 1 ) % fan->count];
-        double share[3], here[3], last[3], next[3], rim[3];
+        double fraction[3], here[3], last[3], next[3], rim[3];
         subtract( point_of( position, 4, slot ), position, fan->mean, here );
         subtract( point_of( position, 4, before ), position, fan->mean, last );
         subtract( point_of( position, 4, after ), position, fan->mean, next );
         for ( int k = 0; k < 3; ++k )
         {
             rim[k] = last[k] - next[k];
-            share[k] = fan->hub[k] / fan->count; // moving a vertex moves the mean along
+            fraction[k] = fan->hub[k] / fan->count; // moving a vertex moves the mean along
         }
-        add_cross( here, rim, 1.0 / 6.0, share );
+        add_cross( here, rim, 1.0 / 6.0, fraction );
         float* g = gradient + (size_t)( slot / 8 ) * 24 + slot % 8;
         for ( int k = 0; k < 3; ++k )
         {
             double old = (double)g[8 * k];
-            g[8 * k] = (float)( old + share[k] );
+            g[8 * k] = (float)( old + fraction[k] );
             *weighted += (double)position[4 * (size_t)slot + 3] * ( (double)g[8 * k] * (double)g[8 * k] - old * old );
         }
     }

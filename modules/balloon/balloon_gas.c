@@ -11,7 +11,7 @@ enum
 
 typedef struct ring_loop
 {
-    wisp_ring_job job;
+    wisp_ring_args args;
     const wisp_kernels* kernels;
     wisp_ring_sums* sums; // [block]
     int slice_count;
@@ -25,7 +25,7 @@ static void sum_blocks( void* context, int begin, int end, int worker )
     {
         int first = block * RING_GRAIN, last = first + RING_GRAIN;
         last = last < loop->slice_count ? last : loop->slice_count;
-        loop->kernels->ring_gradient( &loop->job, first, last, loop->sums + block );
+        loop->kernels->ring_gradient( &loop->args, first, last, loop->sums + block );
     }
 }
 
@@ -38,12 +38,12 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
     int blocks = ( fabric->ring_slice_count + RING_GRAIN - 1 ) / RING_GRAIN;
     wisp_ring_sums total = { 0.0, 0.0 };
     ring_loop loop = {
-        .job = { .position = position,
-                 .ring_begin = fabric->ring_begin,
-                 .ring4 = fabric->ring4,
-                 .origin = { position[0], position[1], position[2] },
-                 .gradient = gradient,
-                 .area = area },
+        .args = { .position = position,
+                  .ring_begin = fabric->ring_begin,
+                  .ring_x4 = fabric->ring_x4,
+                  .origin = { position[0], position[1], position[2] },
+                  .gradient = gradient,
+                  .area = area },
         .kernels = wisp_frame_kernels( frame ),
         .sums = wisp_parallel_scratch( parallel, span->worker, (size_t)blocks * sizeof( wisp_ring_sums ) ),
         .slice_count = fabric->ring_slice_count,
@@ -66,8 +66,8 @@ static wisp_ring_sums sum_rings( wisp_frame* frame, const wisp_span* span, float
 // @return false: the mesh is closed
 static bool find_border( wisp_frame* frame, const wisp_span* span, const balloon_state* state, balloon_loops* out )
 {
-    *out = ( balloon_loops ){ wisp_frame_column( frame, span->entity, state->border, 0 ),
-                              wisp_frame_column( frame, span->entity, state->border, 1 ),
+    *out = ( balloon_loops ){ wisp_frame_column( frame, span->entity, state->open_edge, 0 ),
+                              wisp_frame_column( frame, span->entity, state->open_edge, 1 ),
                               wisp_frame_fabric( frame, span->entity )->slot_count };
     return out->vertex != NULL;
 }
@@ -88,11 +88,11 @@ void balloon_measure( wisp_frame* frame, const wisp_span* span, void* user )
     float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
     float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
     double volume = sum_rings( frame, span, vectors, areas ).volume;
-    balloon_loops border;
-    if ( find_border( frame, span, state, &border ) )
+    balloon_loops open_edge;
+    if ( find_border( frame, span, state, &open_edge ) )
     {
         volume +=
-            balloon_fan_volume( &border, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), 4 );
+            balloon_fan_volume( &open_edge, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ), 4 );
     }
     extent->volume = usable_volume( volume, gas );
 }
@@ -102,8 +102,8 @@ void balloon_inflate( wisp_frame* frame, const wisp_span* span, void* user )
     const balloon_state* state = user;
     balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
     float rate = *(float*)wisp_frame_column( frame, span->entity, state->inflation, 0 );
-    double grown = gas->target_volume + (double)rate * (double)wisp_frame_seconds( frame );
-    gas->target_volume = fmax( grown, gas->least_volume );
+    double grown = gas->target_volume + (double)rate * (double)wisp_frame_dt( frame );
+    gas->target_volume = fmax( grown, gas->min_volume );
 }
 
 // ---- pressure ----
@@ -135,11 +135,11 @@ static void sum_tensions( void* context, int begin, int end, int worker )
         for ( int slot = block * LINK_GRAIN; slot < last; ++slot )
         {
             int link = f->link_order.constraint[slot];
-            const float *a = loop->position + f->link_a4[slot], *b = loop->position + f->link_b4[slot];
+            const float *a = loop->position + f->link_a_x4[slot], *b = loop->position + f->link_b_x4[slot];
             double x = (double)a[0] - (double)b[0], y = (double)a[1] - (double)b[1], z = (double)a[2] - (double)b[2];
             double length = sqrt( x * x + y * y + z * z );
             double stiffness =
-                (double)( link < f->edge_count ? loop->skin.edge_stiffness : loop->skin.cross_stiffness );
+                (double)( link < f->edge_count ? loop->skin.edge_stiffness : loop->skin.bend_link_stiffness );
             sum += link >= 0 ? stiffness * ( length - (double)f->link_rest[slot] ) * length : 0.0;
         }
         loop->sums[block] = sum;
@@ -196,7 +196,7 @@ void balloon_read_pressure( wisp_frame* frame, const wisp_span* span, void* user
 
 typedef struct push_loop
 {
-    wisp_push_job job;
+    wisp_push_args args;
     const wisp_kernels* kernels;
 } push_loop;
 
@@ -204,20 +204,20 @@ static void push_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const push_loop* loop = context;
-    loop->kernels->push( &loop->job, begin, end );
+    loop->kernels->push( &loop->args, begin, end );
 }
 
 // Change of lambda for C = V - V_0: a part k of the error, as printed, or the gas's compliance V_0 / P_atm.
-static double change_of_lambda( balloon_gas* gas, float share, wisp_ring_sums sums, double dt )
+static double change_of_lambda( balloon_gas* gas, float fraction, wisp_ring_sums sums, double dt )
 {
     double error = sums.volume - gas->target_volume;
     if ( !( sums.weighted > 0.0 && isfinite( error ) && isfinite( sums.weighted ) ) )
     {
         return 0.0; // all pinned, collapsed to a point, or not finite, which the state check repairs
     }
-    if ( share >= 0.0f )
+    if ( fraction >= 0.0f )
     {
-        return -(double)share * error / sums.weighted;
+        return -(double)fraction * error / sums.weighted;
     }
     double alpha = gas->target_volume / gas->atmosphere / ( dt * dt );
     return -( error + alpha * gas->lambda ) / ( sums.weighted + alpha );
@@ -227,7 +227,7 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
 {
     const balloon_state* state = user;
     balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
-    float share = *(float*)wisp_frame_column( frame, span->entity, state->volume, 0 );
+    float fraction = *(float*)wisp_frame_column( frame, span->entity, state->volume, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
@@ -240,12 +240,12 @@ void balloon_project_volume( wisp_frame* frame, const wisp_span* span, void* use
     }
     gas->lambda = span->iteration == 0 ? 0.0 : gas->lambda;
     wisp_ring_sums sums = sum_rings( frame, span, gradient, NULL );
-    balloon_loops border;
-    if ( find_border( frame, span, state, &border ) )
+    balloon_loops open_edge;
+    if ( find_border( frame, span, state, &open_edge ) )
     {
-        balloon_add_fans( &border, position, gradient, &sums );
+        balloon_add_fans( &open_edge, position, gradient, &sums );
     }
-    double dt = (double)wisp_frame_seconds( frame ), change = change_of_lambda( gas, share, sums, dt );
+    double dt = (double)wisp_frame_dt( frame ), change = change_of_lambda( gas, fraction, sums, dt );
     gas->lambda += change;
     gas->multiplier = gas->lambda / ( dt * dt );
     push_loop loop = {

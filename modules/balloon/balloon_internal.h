@@ -14,7 +14,7 @@ typedef struct balloon_gas
 {
     double rest_volume;              // V_rest, m^3
     double target_volume;            // V_0
-    double least_volume;             // lower bound of V_0
+    double min_volume;               // lower bound of V_0
     double atmosphere;               // Pa
     double gas_density, air_density; // kg/m^3 at atmospheric pressure
     double lambda;                   // of the volume constraint, in this substep
@@ -70,7 +70,7 @@ typedef struct balloon_air
 
 typedef struct balloon_skin
 {
-    float edge_stiffness, cross_stiffness; // N/m, for tensions
+    float edge_stiffness, bend_link_stiffness; // N/m, for tensions
 } balloon_skin;
 
 typedef struct balloon_state
@@ -81,7 +81,7 @@ typedef struct balloon_state
     wisp_component volume;    // float share, in (0, 1]; negative: xpbd
     wisp_component extent;    // balloon_extent
     wisp_component rings;     // per particle: area vectors [slice][3][8], areas [slice][8]
-    wisp_component border;    // present if the mesh has holes; per particle: balloon_loops
+    wisp_component open_edge; // present if the mesh has holes; per particle: balloon_loops
     wisp_component reading;   // int32 wisp_balloon_pressure
     wisp_component gauge;     // balloon_gauge
     wisp_component buoyancy;  // present if it acts
@@ -92,7 +92,7 @@ typedef struct balloon_state
     wisp_component kick;      // present if the spin is a kick
     wisp_component turn;      // balloon_turn: spin as printed
     wisp_component angular;   // present if angular momentum is kept
-    wisp_component figures;   // wisp_balloon_figures
+    wisp_component stats;     // wisp_balloon_stats
 } balloon_state;
 
 /// Loops of open edges, concatenated: vertices along the triangles of the skin, each loop from its lowest slot, loops in
@@ -144,5 +144,5 @@ void balloon_turn_printed( wisp_frame* frame, const wisp_span* span, void* user 
 void balloon_spin_of( const balloon_body* body, const double torque[3], double out[3] );
 void balloon_torque_of( const balloon_body* body, const balloon_outlet* outlet, double out[3] );
 
-// balloon_figures.c
-void balloon_take_figures( wisp_frame* frame, const wisp_span* span, void* user );
+// balloon_stats.c
+void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user );

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t BALLOON_DEF_MADE = 0x42414c4c;
+static const uint32_t BALLOON_DEF_COOKIE = 0x42414c4c;
 
 #define ONE_COLUMN( name, type ) static const wisp_column_def name##_COLUMNS[] = { { "value", sizeof( type ) } };
 ONE_COLUMN( GAS, balloon_gas )
@@ -18,7 +18,7 @@ ONE_COLUMN( AIR, balloon_air )
 ONE_COLUMN( BODY, balloon_body )
 ONE_COLUMN( OUTLET, balloon_outlet )
 ONE_COLUMN( TURN, balloon_turn )
-ONE_COLUMN( FIGURES, wisp_balloon_figures )
+ONE_COLUMN( STATS, wisp_balloon_stats )
 #undef ONE_COLUMN
 static const wisp_column_def RING_COLUMNS[] = { { "vectors", 3 * sizeof( float ) }, { "areas", sizeof( float ) } };
 static const wisp_column_def BORDER_COLUMNS[] = { { "vertex", sizeof( int32_t ) }, { "size", sizeof( int32_t ) } };
@@ -28,13 +28,13 @@ wisp_balloon_def wisp_default_balloon_def( void )
     return ( wisp_balloon_def ){
         .solver = WISP_SOLVER_XPBD,
         .edge_stiffness = 2000.0f,
-        .cross_stiffness = 20.0f,
-        .stretch_share = 0.9f,
-        .bend_share = 0.1f,
+        .bend_link_stiffness = 20.0f,
+        .stretch_stiffness = 0.9f,
+        .bend_stiffness = 0.1f,
         .volume = WISP_SOLVER_XPBD,
-        .volume_share = 1.0f,
-        .fill = 1.0f,
-        .least_fill = 1.0f,
+        .volume_stiffness = 1.0f,
+        .gas_ratio = 1.0f,
+        .min_gas_ratio = 1.0f,
         .atmospheric_pressure = 101325.0f,
         .temperature = 293.15f,
         .gas_molar_mass = 4.0026e-3f,
@@ -46,7 +46,7 @@ wisp_balloon_def wisp_default_balloon_def( void )
         .outlet_area = 1e-4f,
         .spin = WISP_BALLOON_SPIN_KICK,
         .keep_angular_momentum = true,
-        .made_by_default = BALLOON_DEF_MADE,
+        .cookie = BALLOON_DEF_COOKIE,
     };
 }
 
@@ -65,7 +65,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->volume, { "balloon.volume", WISP_TABLE_ENTITY, VOLUME_COLUMNS, 1 } },
         { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
         { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
-        { &s->border, { "balloon.border", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
+        { &s->open_edge, { "balloon.border", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
         { &s->reading, { "balloon.reading", WISP_TABLE_ENTITY, READING_COLUMNS, 1 } },
         { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
         { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
@@ -76,7 +76,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->kick, { "balloon.kick", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->turn, { "balloon.turn", WISP_TABLE_ENTITY, TURN_COLUMNS, 1 } },
         { &s->angular, { "balloon.angular", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->figures, { "balloon.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
+        { &s->stats, { "balloon.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
     {
@@ -94,83 +94,83 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
     const wisp_pass passes[] = {
         { .name = "balloon.measure",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->gas },
+          .required = { s->gas },
           .reads = { x, s->gas },
           .writes = { s->rings, s->extent },
           .run = balloon_measure },
         { .name = "balloon.body",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->gas },
+          .required = { s->gas },
           .reads = { x, v },
           .writes = { s->body },
           .run = balloon_measure_body },
         { .name = "balloon.inflate",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->inflation },
+          .required = { s->inflation },
           .reads = { s->inflation, s->gas },
           .writes = { s->gas },
           .run = balloon_inflate },
         { .name = "balloon.pressure",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->gas },
+          .required = { s->gas },
           .reads = { x, s->gas, s->extent, s->skin, s->reading },
           .writes = { s->gauge },
           .run = balloon_read_pressure },
         { .name = "balloon.outlet",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->outlet },
+          .required = { s->outlet },
           .reads = { x, s->gas, s->gauge, s->rings, s->outlet },
           .writes = { s->outlet, s->gas, s->jet },
           .run = balloon_let_out },
         { .name = "balloon.turn",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->outlet, s->turn },
+          .required = { s->outlet, s->turn },
           .reads = { x, s->jet, s->outlet, s->body, s->turn },
           .writes = { x, s->turn },
           .run = balloon_turn_printed },
         { .name = "balloon.figures",
           .stage = WISP_STAGE_FORCE,
-          .needs = { s->gas },
+          .required = { s->gas },
           .reads = { x, v, s->gas, s->extent, s->rings, s->gauge, s->body },
-          .writes = { s->figures },
-          .run = balloon_take_figures },
+          .writes = { s->stats },
+          .run = balloon_take_stats },
         { .name = "balloon.drag",
           .stage = WISP_STAGE_FORCE,
           .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .needs = { s->air },
+          .required = { s->air },
           .reads = { x, v, s->air, s->rings },
           .writes = { v },
           .run = balloon_drag },
         { .name = "balloon.buoyancy",
           .stage = WISP_STAGE_FORCE,
           .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .needs = { s->buoyancy, g },
+          .required = { s->buoyancy, g },
           .reads = { x, v, g, s->gas, s->extent, s->body },
           .writes = { v },
           .run = balloon_float },
         { .name = "balloon.jet",
           .stage = WISP_STAGE_FORCE,
           .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .needs = { s->outlet },
+          .required = { s->outlet },
           .reads = { x, v, s->jet, s->outlet, s->body },
           .writes = { v },
           .run = balloon_jet },
         { .name = "balloon.spin",
           .stage = WISP_STAGE_FORCE,
           .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-          .needs = { s->outlet, s->kick },
+          .required = { s->outlet, s->kick },
           .reads = { x, v, s->jet, s->outlet, s->body },
           .writes = { v },
           .run = balloon_kick },
         { .name = "balloon.volume",
           .stage = WISP_STAGE_PROJECT,
-          .needs = { s->gas, s->volume },
+          .required = { s->gas, s->volume },
           .reads = { x, s->gas, s->volume },
           .writes = { x, s->gas },
           .run = balloon_project_volume },
         { .name = "balloon.angular",
           .stage = WISP_STAGE_PROJECT,
-          .needs = { s->gas, s->angular },
+          .required = { s->gas, s->angular },
           .reads = { x, v, WISP_PARTICLE_PREVIOUS },
           .writes = { x },
           .run = balloon_keep_angular },
@@ -198,13 +198,13 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
     const wisp_number_range ranges[] = {
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
         { "edge_stiffness", d->edge_stiffness, 1e-6f, 1e12f },
-        { "cross_stiffness", d->cross_stiffness, 1e-6f, 1e12f },
-        { "stretch_share", d->stretch_share, 0.0f, 1.0f },
-        { "bend_share", d->bend_share, 0.0f, 1.0f },
+        { "bend_link_stiffness", d->bend_link_stiffness, 1e-6f, 1e12f },
+        { "stretch_stiffness", d->stretch_stiffness, 0.0f, 1.0f },
+        { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
         { "volume", (float)d->volume, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
-        { "volume_share", d->volume_share, 1e-6f, 1.0f },
-        { "least_fill", d->least_fill, 1e-3f, 1.0f },
-        { "fill", d->fill, d->least_fill, 1e6f },
+        { "volume_stiffness", d->volume_stiffness, 1e-6f, 1.0f },
+        { "min_gas_ratio", d->min_gas_ratio, 1e-3f, 1.0f },
+        { "fill", d->gas_ratio, d->min_gas_ratio, 1e6f },
         { "inflation_rate", d->inflation_rate, -1e6f, 1e6f },
         { "atmospheric_pressure", d->atmospheric_pressure, 1e-3f, 1e12f },
         { "temperature", d->temperature, 1e-3f, 1e6f },
@@ -258,7 +258,7 @@ static double rest_volume( const wisp_fabric* f, const balloon_loops* loops )
 // Count connected components by union-find; unreferenced vertices do not count.
 static int count_shells( const wisp_fabric* f, int32_t* parent )
 {
-    int shells = 0;
+    int components = 0;
     for ( int v = 0; v < f->vertex_count; ++v )
     {
         parent[v] = v;
@@ -279,26 +279,27 @@ static int count_shells( const wisp_fabric* f, int32_t* parent )
     }
     for ( int v = 0; v < f->vertex_count; ++v )
     {
-        shells += parent[v] == v && f->area[v] > 0.0f ? 1 : 0;
+        components += parent[v] == v && f->area[v] > 0.0f ? 1 : 0;
     }
-    return shells;
+    return components;
 }
 
 // @param scratch [2][slot_count]
 static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t* scratch )
 {
-    if ( f->wild_edge_count > 0 )
+    if ( f->nonmanifold_edge_count > 0 )
     {
         return wisp_world_fail(
             world, WISP_BAD_INPUT,
             "balloon: got %d nonmanifold edges, expected each edge in at most two triangles of equal winding",
-            f->wild_edge_count );
+            f->nonmanifold_edge_count );
     }
-    int shells = count_shells( f, scratch );
-    if ( shells != 1 )
+    int components = count_shells( f, scratch );
+    if ( components != 1 )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
-                                "balloon: got %d components, expected one: make each a surface of its own", shells );
+                                "balloon: got %d components, expected one: make each a surface of its own",
+                                components );
     }
     wisp_status status = balloon_check_border( world, f );
     if ( status != WISP_OK )
@@ -320,22 +321,22 @@ static wisp_status check_mesh( wisp_world* world, const wisp_fabric* f, int32_t*
 
 // ---- components ----
 
-typedef struct wanted_component
+typedef struct requested_component
 {
     wisp_component component;
-    bool wanted;
-} wanted_component;
+    bool requested;
+} requested_component;
 
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_balloon_def* d, const balloon_state* s )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD, jet = d->outlet_count > 0;
-    const bool open = wisp_world_fabric( world, surface )->border_edge_count > 0;
-    const wanted_component all[] = {
+    const bool open = wisp_world_fabric( world, surface )->open_edge_count > 0;
+    const requested_component all[] = {
         { s->gas, true },
         { s->volume, true },
         { s->skin, true },
         { s->reading, true },
-        { s->border, open },
+        { s->open_edge, open },
         { s->inflation, d->inflation_rate != 0.0f },
         { s->buoyancy, d->buoyancy },
         { s->air, d->drag_coefficient > 0.0f },
@@ -351,7 +352,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
     {
-        given[i] = all[i].wanted && wisp_world_has( world, surface, all[i].component ) == false;
+        given[i] = all[i].requested && wisp_world_has( world, surface, all[i].component ) == false;
         status = given[i] ? wisp_world_attach( world, surface, all[i].component ) : WISP_OK;
         for ( int k = 0; k < i && status != WISP_OK; ++k )
         {
@@ -363,7 +364,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
     }
     for ( int i = 0; i < WISP_COUNT( all ) && status == WISP_OK; ++i )
     {
-        status = all[i].wanted ? WISP_OK : wisp_world_detach( world, surface, all[i].component );
+        status = all[i].requested ? WISP_OK : wisp_world_detach( world, surface, all[i].component );
     }
     return status;
 }
@@ -377,8 +378,8 @@ static void fill_links( wisp_world* world, wisp_entity surface, const wisp_ballo
     {
         int link = f->link_order.constraint[slot];
         bool edge = link < f->edge_count;
-        float value = pbd ? ( edge ? d->stretch_share : d->bend_share )
-                          : 1.0f / ( edge ? d->edge_stiffness : d->cross_stiffness );
+        float value = pbd ? ( edge ? d->stretch_stiffness : d->bend_stiffness )
+                          : 1.0f / ( edge ? d->edge_stiffness : d->bend_link_stiffness );
         column[slot] = link >= 0 ? value : 0.0f;
     }
 }
@@ -404,26 +405,26 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
     balloon_loops loops = { 0 };
-    int32_t* border = wisp_world_column( world, surface, s->border, 0 );
-    if ( border != NULL )
+    int32_t* open_edge = wisp_world_column( world, surface, s->open_edge, 0 );
+    if ( open_edge != NULL )
     {
-        int32_t* size = wisp_world_column( world, surface, s->border, 1 );
-        balloon_find_loops( f, border, size );
-        loops = ( balloon_loops ){ border, size, f->slot_count };
+        int32_t* size = wisp_world_column( world, surface, s->open_edge, 1 );
+        balloon_find_loops( f, open_edge, size );
+        loops = ( balloon_loops ){ open_edge, size, f->slot_count };
     }
     double volume = rest_volume( f, &loops );
     *(balloon_gas*)wisp_world_column( world, surface, s->gas, 0 ) = ( balloon_gas ){
         .rest_volume = volume,
-        .target_volume = (double)d->fill * volume,
-        .least_volume = (double)d->least_fill * volume,
+        .target_volume = (double)d->gas_ratio * volume,
+        .min_volume = (double)d->min_gas_ratio * volume,
         .atmosphere = (double)d->atmospheric_pressure,
         .gas_density = density_of( d, d->gas_molar_mass ),
         .air_density = density_of( d, d->air_molar_mass ),
     };
     *(balloon_skin*)wisp_world_column( world, surface, s->skin, 0 ) =
-        ( balloon_skin ){ d->edge_stiffness, d->cross_stiffness };
+        ( balloon_skin ){ d->edge_stiffness, d->bend_link_stiffness };
     *(float*)wisp_world_column( world, surface, s->volume, 0 ) =
-        d->volume == WISP_SOLVER_PBD ? d->volume_share : -1.0f;
+        d->volume == WISP_SOLVER_PBD ? d->volume_stiffness : -1.0f;
     *(int32_t*)wisp_world_column( world, surface, s->reading, 0 ) = (int32_t)d->pressure;
     float* rate = wisp_world_column( world, surface, s->inflation, 0 );
     if ( rate != NULL )
@@ -475,7 +476,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
                                const balloon_state* s )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    if ( f->border_edge_count > 0 && d->allow_open == false )
+    if ( f->open_edge_count > 0 && d->allow_open == false )
     {
         return balloon_refuse_open( world, f );
     }
@@ -494,7 +495,7 @@ static wisp_status check_skin( wisp_world* world, wisp_entity surface, const wis
 
 static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 {
-    return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
+    return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
                ? wisp_world_fail( world, WISP_CONFLICT, "balloon: entity %u already has another solver",
                                   surface.index )
                : WISP_OK;
@@ -502,7 +503,7 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 
 wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp_balloon_def* def )
 {
-    WISP_ASSERT( def->made_by_default == BALLOON_DEF_MADE );
+    WISP_ASSERT( def->cookie == BALLOON_DEF_COOKIE );
     const balloon_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;
@@ -517,7 +518,7 @@ wisp_status wisp_set_balloon( wisp_world* world, wisp_entity surface, const wisp
     return status;
 }
 
-wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity balloon, float fill_share )
+wisp_status wisp_set_balloon_gas_ratio( wisp_world* world, wisp_entity balloon, float fill_fraction )
 {
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
@@ -526,13 +527,13 @@ wisp_status wisp_set_balloon_fill( wisp_world* world, wisp_entity balloon, float
         return status;
     }
     balloon_gas* gas = wisp_world_column( world, balloon, state->gas, 0 );
-    double least = gas->least_volume / gas->rest_volume;
-    if ( !( (double)fill_share >= least * ( 1.0 - 1e-6 ) && fill_share <= 1e6f ) )
+    double least = gas->min_volume / gas->rest_volume;
+    if ( !( (double)fill_fraction >= least * ( 1.0 - 1e-6 ) && fill_fraction <= 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "balloon: fill: got %g, expected %g to 1e6",
-                                (double)fill_share, least );
+                                (double)fill_fraction, least );
     }
-    gas->target_volume = fmax( (double)fill_share * gas->rest_volume, gas->least_volume );
+    gas->target_volume = fmax( (double)fill_fraction * gas->rest_volume, gas->min_volume );
     return WISP_OK;
 }
 
@@ -578,7 +579,7 @@ wisp_status wisp_open_balloon( wisp_world* world, wisp_entity balloon, bool open
     return WISP_OK;
 }
 
-wisp_status wisp_want_balloon_figures( wisp_world* world, wisp_entity balloon, bool wanted )
+wisp_status wisp_request_balloon_stats( wisp_world* world, wisp_entity balloon, bool requested )
 {
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
@@ -586,26 +587,27 @@ wisp_status wisp_want_balloon_figures( wisp_world* world, wisp_entity balloon, b
     {
         return status;
     }
-    return wanted ? wisp_want( world, balloon, state->figures ) : wisp_unwant( world, balloon, state->figures );
+    return requested ? wisp_request( world, balloon, state->stats )
+                     : wisp_cancel_request( world, balloon, state->stats );
 }
 
-wisp_status wisp_read_balloon_figures( wisp_world* world, wisp_entity balloon, wisp_balloon_figures* out )
+wisp_status wisp_read_balloon_stats( wisp_world* world, wisp_entity balloon, wisp_balloon_stats* out )
 {
-    *out = ( wisp_balloon_figures ){ 0 };
+    *out = ( wisp_balloon_stats ){ 0 };
     const balloon_state* state;
     wisp_status status = find_balloon( world, balloon, &state );
     if ( status != WISP_OK )
     {
         return status;
     }
-    const wisp_balloon_figures* figures = wisp_world_column( world, balloon, state->figures, 0 );
-    if ( figures == NULL || figures->rest_volume == 0.0 )
+    const wisp_balloon_stats* stats = wisp_world_column( world, balloon, state->stats, 0 );
+    if ( stats == NULL || stats->rest_volume == 0.0 )
     {
         return wisp_world_fail(
             world, WISP_CONFLICT,
-            "balloon: entity %u has no statistics: request them with wisp_want_balloon_figures, then step",
+            "balloon: entity %u has no statistics: request them with wisp_request_balloon_stats, then step",
             balloon.index );
     }
-    *out = *figures;
+    *out = *stats;
     return WISP_OK;
 }

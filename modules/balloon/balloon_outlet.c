@@ -32,9 +32,9 @@ static bool aim( const float* position, const float* vectors, balloon_outlet* ou
 static void flow( balloon_outlet* outlet, balloon_gas* gas, double pressure, double dt )
 {
     outlet->speed = sqrt( 2.0 * fmax( 0.0, pressure ) / gas->gas_density );
-    double wanted = gas->gas_density * outlet->area * outlet->speed;
-    double most = gas->gas_density * fmax( 0.0, gas->target_volume - gas->least_volume ) / dt;
-    outlet->mass_flow = fmin( wanted, most );
+    double requested = gas->gas_density * outlet->area * outlet->speed;
+    double most = gas->gas_density * fmax( 0.0, gas->target_volume - gas->min_volume ) / dt;
+    outlet->mass_flow = fmin( requested, most );
     gas->target_volume -= outlet->mass_flow / gas->gas_density * dt;
     outlet->gas_lost += outlet->mass_flow * dt;
 }
@@ -47,15 +47,15 @@ void balloon_let_out( wisp_frame* frame, const wisp_span* span, void* user )
     const balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
     const float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
-    double share = gauge->pressure / gas->atmosphere;
-    bool runs = outlet->open != 0 && share > ( outlet->running != 0 ? CLOSE_AT : OPEN_AT );
+    double fraction = gauge->pressure / gas->atmosphere;
+    bool runs = outlet->open != 0 && fraction > ( outlet->running != 0 ? CLOSE_AT : OPEN_AT );
     bool starts = runs && outlet->running == 0;
     outlet->running = runs ? 1 : 0;
     outlet->jet_starts += starts ? 1 : 0;
     outlet->speed = outlet->mass_flow = 0.0;
     if ( runs && aim( position, vectors, outlet ) )
     {
-        flow( outlet, gas, gauge->pressure, (double)wisp_frame_seconds( frame ) );
+        flow( outlet, gas, gauge->pressure, (double)wisp_frame_dt( frame ) );
     }
 }
 
@@ -72,7 +72,7 @@ void balloon_jet( wisp_frame* frame, const wisp_span* span, void* user )
     const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_seconds( frame );
+    double factor = -outlet->mass_flow * outlet->speed / body->mass * (double)wisp_frame_dt( frame );
     const float change[3] = { (float)( factor * outlet->normal[0] ), (float)( factor * outlet->normal[1] ),
                               (float)( factor * outlet->normal[2] ) };
     for ( int slot = s.begin; slot < s.end; ++slot )

@@ -23,8 +23,8 @@ typedef struct wisp_boundary_def
 
     // Local spacing (not in the paper), one value an edge: d_e = clamp( the least that a criterion asks for, least, most ).
     // A triangle has the least of its three edges: what an edge asks for holds beside it, too.
-    float least_spacing;  ///< m; default 0: a quarter of the spacing
-    float most_spacing;   ///< m; default 0: four times the spacing
+    float min_spacing;    ///< m; default 0: a quarter of the spacing
+    float max_spacing;    ///< m; default 0: four times the spacing
     float curvature_gain; ///< 1/rad: the spacing is divided by 1 + gain times the angle between the normals of the
                           ///< edge's ends; default 0: off
     float strain_gain;    ///< the spacing is divided by 1 + gain |l/l0 - 1|, or times it where the gain is negative;
@@ -33,15 +33,15 @@ typedef struct wisp_boundary_def
     wisp_vec3 eye;        ///< m, with by_screen
     float pixel_angle;    ///< rad that a pixel spans, > 0; default 0.001
     float pixels;         ///< default 4
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_boundary_def;
 
 WISP_API wisp_boundary_def wisp_default_boundary_def( void );
 
 /// Give a surface its layer, or change how it is sampled: the next step samples everything anew.
-/// @return WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_CONFLICT the module is not registered, or
+/// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered, or
 ///         the entity is not a surface; WISP_NO_MEMORY
-/// @note A mesh may be open; an edge of more than two triangles is sampled once; a loose vertex has no points
+/// @note A mesh may be open; an edge of more than two triangles is sampled once; a unreferenced vertex has no points
 WISP_API wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def );
 /// Take the layer away, and its passes with it.
 WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface );
@@ -62,18 +62,18 @@ typedef struct wisp_boundary_view
 WISP_API wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out );
 
 /// What the last update did.
-typedef struct wisp_boundary_figures
+typedef struct wisp_boundary_stats
 {
     int points, edge_points, inner_points;
     int elements;         ///< edges and triangles of the mesh
     int changed_elements; ///< sampled anew: case B
     int skipped_elements; ///< with a corner that is not finite
     bool refused;         ///< the limit was met
-    double wanted;        ///< points that would have been needed
+    double requested;     ///< points that would have been needed
     size_t bytes;         ///< of the layer
-} wisp_boundary_figures;
+} wisp_boundary_stats;
 
 /// @return WISP_CONFLICT as wisp_read_boundary()
-WISP_API wisp_status wisp_read_boundary_figures( wisp_world* world, wisp_entity surface, wisp_boundary_figures* out );
+WISP_API wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wisp_boundary_stats* out );
 
 WISP_END_C

@@ -36,7 +36,7 @@ typedef struct boundary_settings
 {
     float spacing;
     int32_t policy, rounding, scanline, limit, by_screen;
-    float hysteresis, least_spacing, most_spacing, curvature_gain, strain_gain, pixel_angle, pixels;
+    float hysteresis, min_spacing, max_spacing, curvature_gain, strain_gain, pixel_angle, pixels;
     wisp_vec3 eye;
 } boundary_settings;
 

@@ -9,15 +9,15 @@
 // Index of the first layer whose entity is not below `index`.
 static int place_of( const boundary_state* state, uint32_t index )
 {
-    int low = 0, high = state->layer_count;
-    while ( low < high )
+    int lower = 0, upper = state->layer_count;
+    while ( lower < upper )
     {
-        const int middle = low + ( high - low ) / 2;
+        const int middle = lower + ( upper - lower ) / 2;
         const bool below = state->layers[middle]->entity.index < index;
-        low = below ? middle + 1 : low;
-        high = below ? high : middle;
+        lower = below ? middle + 1 : lower;
+        upper = below ? upper : middle;
     }
-    return low;
+    return lower;
 }
 
 static bool is_at( const boundary_state* state, int place, wisp_entity entity )
@@ -83,9 +83,9 @@ static void name_edges( boundary_layer* layer, const wisp_fabric* fabric )
 
 static int32_t find_edge( const boundary_layer* layer, int32_t a, int32_t b )
 {
-    const int32_t wanted[2] = { a < b ? a : b, a < b ? b : a };
+    const int32_t requested[2] = { a < b ? a : b, a < b ? b : a };
     const int32_t* found =
-        bsearch( wanted, layer->edges, (size_t)layer->edge_count, 2 * sizeof( int32_t ), compare_pairs );
+        bsearch( requested, layer->edges, (size_t)layer->edge_count, 2 * sizeof( int32_t ), compare_pairs );
     WISP_ASSERT( found != NULL );
     return (int32_t)( ( found - layer->edges ) / 2 );
 }

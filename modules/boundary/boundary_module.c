@@ -4,11 +4,11 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t BOUNDARY_DEF_MADE = 0x424f554e;
+static const uint32_t BOUNDARY_DEF_COOKIE = 0x424f554e;
 
 enum
 {
-    BOUNDARY_MOST_POINTS = 1 << 27, // rows of four floats stay addressable by 32-bit numbers
+    BOUNDARY_MAX_POINTS = 1 << 27, // rows of four floats stay addressable by 32-bit numbers
 };
 
 #define SETTINGS_LIST( X ) X( boundary_settings, settings, 1 )
@@ -34,7 +34,7 @@ wisp_boundary_def wisp_default_boundary_def( void )
         .limit = 4000000,
         .pixel_angle = 1e-3f,
         .pixels = 4.0f,
-        .made_by_default = BOUNDARY_DEF_MADE,
+        .cookie = BOUNDARY_DEF_COOKIE,
     };
 }
 
@@ -83,19 +83,19 @@ static wisp_status declare_passes( wisp_registry* r, boundary_state* s )
     const wisp_pass passes[] = {
         { .name = "boundary.normals",
           .stage = WISP_STAGE_DERIVE,
-          .needs = { s->settings },
+          .required = { s->settings },
           .reads = { x },
           .writes = { s->normals },
           .run = boundary_find_normals },
         { .name = "boundary.spacing",
           .stage = WISP_STAGE_DERIVE,
-          .needs = { s->settings, s->local },
+          .required = { s->settings, s->local },
           .reads = { x, s->settings, s->normals },
           .writes = { s->edges, s->triangles },
           .run = boundary_find_spacing },
         { .name = "boundary.points",
           .stage = WISP_STAGE_DERIVE,
-          .needs = { s->settings },
+          .required = { s->settings },
           .reads = { x, s->settings, s->normals, s->edges, s->triangles },
           .writes = { s->edges, s->triangles },
           .run = boundary_place_points },
@@ -138,10 +138,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
     {
         return status;
     }
-    if ( d->limit < 1 || d->limit > BOUNDARY_MOST_POINTS )
+    if ( d->limit < 1 || d->limit > BOUNDARY_MAX_POINTS )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: limit: got %d points, expected 1 to %d", d->limit,
-                                BOUNDARY_MOST_POINTS );
+                                BOUNDARY_MAX_POINTS );
     }
     return WISP_OK;
 }
@@ -155,8 +155,8 @@ static wisp_status check_spacing( wisp_world* world, const boundary_settings* s,
         float value;
     } lengths[] = {
         { "spacing", s->spacing },
-        { "least_spacing", s->least_spacing },
-        { "most_spacing", s->most_spacing },
+        { "min_spacing", s->min_spacing },
+        { "max_spacing", s->max_spacing },
     };
     if ( fabric->edge_count == 0 )
     {
@@ -171,11 +171,11 @@ static wisp_status check_spacing( wisp_world* world, const boundary_settings* s,
                                     lengths[i].name, (double)lengths[i].value );
         }
     }
-    if ( s->least_spacing > s->most_spacing )
+    if ( s->min_spacing > s->max_spacing )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "boundary: min_spacing: got %g m, expected at most max_spacing, which is %g m",
-                                (double)s->least_spacing, (double)s->most_spacing );
+                                (double)s->min_spacing, (double)s->max_spacing );
     }
     return WISP_OK;
 }
@@ -203,8 +203,8 @@ static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_f
         .limit = d->limit,
         .by_screen = d->by_screen,
         .hysteresis = d->hysteresis,
-        .least_spacing = d->least_spacing == 0.0f ? 0.25f * spacing : d->least_spacing,
-        .most_spacing = d->most_spacing == 0.0f ? 4.0f * spacing : d->most_spacing,
+        .min_spacing = d->min_spacing == 0.0f ? 0.25f * spacing : d->min_spacing,
+        .max_spacing = d->max_spacing == 0.0f ? 4.0f * spacing : d->max_spacing,
         .curvature_gain = d->curvature_gain,
         .strain_gain = d->strain_gain,
         .pixel_angle = d->pixel_angle,
@@ -248,7 +248,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const boundary
     {
         status = given[i] != state->local || local ? wisp_world_attach( world, surface, given[i] ) : WISP_OK;
     }
-    status = status == WISP_OK ? wisp_want( world, surface, state->triangles ) : status;
+    status = status == WISP_OK ? wisp_request( world, surface, state->triangles ) : status;
     if ( status != WISP_OK && had == false )
     {
         undress( world, surface, state );
@@ -304,7 +304,7 @@ static wisp_status provide_layer( wisp_world* world, wisp_entity surface, bounda
 
 wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def )
 {
-    WISP_ASSERT( def->made_by_default == BOUNDARY_DEF_MADE );
+    WISP_ASSERT( def->cookie == BOUNDARY_DEF_COOKIE );
     boundary_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
@@ -418,15 +418,15 @@ static size_t bytes_of( const boundary_layer* layer )
     return bytes;
 }
 
-wisp_status wisp_read_boundary_figures( wisp_world* world, wisp_entity surface, wisp_boundary_figures* out )
+wisp_status wisp_read_boundary_stats( wisp_world* world, wisp_entity surface, wisp_boundary_stats* out )
 {
-    *out = ( wisp_boundary_figures ){ 0 };
+    *out = ( wisp_boundary_stats ){ 0 };
     boundary_layer* layer;
     wisp_status status = find_made( world, surface, &layer );
     if ( status == WISP_OK )
     {
         const wisp_samples* s = &layer->samples;
-        *out = ( wisp_boundary_figures ){
+        *out = ( wisp_boundary_stats ){
             .points = s->count,
             .edge_points = s->edge_count,
             .inner_points = s->count - s->edge_count,
@@ -434,7 +434,7 @@ wisp_status wisp_read_boundary_figures( wisp_world* world, wisp_entity surface, 
             .changed_elements = s->changed_elements,
             .skipped_elements = s->skipped_elements,
             .refused = s->refused,
-            .wanted = s->wanted,
+            .requested = s->requested,
             .bytes = bytes_of( layer ),
         };
     }

@@ -9,15 +9,15 @@ enum
 typedef struct normal_loop
 {
     const wisp_kernels* kernels;
-    wisp_ring_job job;
-    float* quads;
+    wisp_ring_args args;
+    float* xyzw;
 } normal_loop;
 
 static void find_normals( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const normal_loop* loop = context;
-    loop->kernels->ring_mean_normal( &loop->job, begin, end, loop->quads );
+    loop->kernels->ring_mean_normal( &loop->args, begin, end, loop->xyzw );
 }
 
 void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user )
@@ -26,10 +26,10 @@ void boundary_find_normals( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     normal_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
-        .job = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-                 .ring_begin = fabric->ring_begin,
-                 .ring4 = fabric->ring4 },
-        .quads = wisp_frame_column( frame, span->entity, state->normals, 0 ),
+        .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                  .ring_begin = fabric->ring_begin,
+                  .ring_x4 = fabric->ring_x4 },
+        .xyzw = wisp_frame_column( frame, span->entity, state->normals, 0 ),
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->ring_slice_count, NORMAL_GRAIN, find_normals,
                        &loop );
@@ -42,7 +42,7 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
     const wisp_entity e = span->entity;
     const boundary_settings* s = wisp_frame_column( frame, e, state->settings, 0 );
     const bool local = wisp_frame_has( frame, e, state->local );
-    const wisp_samples_job job = {
+    const wisp_samples_args args = {
         .position = wisp_frame_column( frame, e, WISP_PARTICLE_POSITION, 0 ),
         .normal = wisp_frame_column( frame, e, state->normals, 0 ),
         .edges = layer->edge_slots,
@@ -63,12 +63,12 @@ void boundary_place_points( wisp_frame* frame, const wisp_span* span, void* user
         .triangle_axis = wisp_frame_column( frame, e, state->triangles, BOUNDARY_AXIS ),
         .triangle_points = wisp_frame_column( frame, e, state->triangles, BOUNDARY_POINTS ),
     };
-    const wisp_status status =
-        wisp_samples_update( &layer->samples, wisp_frame_parallel( frame, span ), wisp_frame_kernels( frame ), &job );
+    const wisp_status status = wisp_samples_update( &layer->samples, wisp_frame_parallel( frame, span ),
+                                                    wisp_frame_kernels( frame ), &args );
     if ( status != WISP_OK )
     {
         wisp_frame_fail( frame, status, "boundary: out of memory for the %.0f points of entity %u",
-                         layer->samples.wanted, e.index );
+                         layer->samples.requested, e.index );
     }
     layer->made = true;
 }

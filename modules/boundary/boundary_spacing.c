@@ -19,9 +19,9 @@ typedef struct spacing_loop
     float *edge, *triangle;
 } spacing_loop;
 
-static wisp_vec3 load( const float* quads, int slot )
+static wisp_vec3 load( const float* xyzw, int slot )
 {
-    const float* p = quads + (size_t)slot * 4;
+    const float* p = xyzw + (size_t)slot * 4;
     return ( wisp_vec3 ){ p[0], p[1], p[2] };
 }
 
@@ -37,13 +37,13 @@ static float distance( wisp_vec3 a, wisp_vec3 b )
 static float angle_between( wisp_vec3 a, wisp_vec3 b )
 {
     const wisp_vec3 minus = { -b.x, -b.y, -b.z };
-    const float across = distance( a, b ), along = distance( a, minus );
-    const float low = across < along ? across : along, high = across < along ? along : across;
-    if ( !( high > 0.0f ) )
+    const float foreign = distance( a, b ), along = distance( a, minus );
+    const float lower = foreign < along ? foreign : along, upper = foreign < along ? along : foreign;
+    if ( !( upper > 0.0f ) )
     {
         return 0.0f;
     }
-    float t = low / high, turned = 0.0f;
+    float t = lower / upper, turned = 0.0f;
     if ( t > 0.41421356f )
     {
         t = ( t - 1.0f ) / ( t + 1.0f );
@@ -57,7 +57,7 @@ static float angle_between( wisp_vec3 a, wisp_vec3 b )
                                  s * ( 1.0f / 9.0f +
                                        s * ( -1.0f / 11.0f + s * ( 1.0f / 13.0f - s * ( 1.0f / 15.0f ) ) ) ) ) ) );
     const float half = turned + t * series;
-    return 2.0f * ( across < along ? half : 1.57079633f - half );
+    return 2.0f * ( foreign < along ? half : 1.57079633f - half );
 }
 
 static float by_curvature( const spacing_loop* loop, int a, int b )
@@ -86,9 +86,9 @@ static float by_screen( const spacing_loop* loop, int a, int b )
 }
 
 // NaN, from an end that is not finite, changes nothing: such an edge is not sampled.
-static float finer( float asked, float spacing )
+static float finer( float queried, float spacing )
 {
-    return asked < spacing ? asked : spacing;
+    return queried < spacing ? queried : spacing;
 }
 
 static void find_edge_spacing( void* context, int begin, int end, int worker )
@@ -99,12 +99,12 @@ static void find_edge_spacing( void* context, int begin, int end, int worker )
     for ( int e = begin; e < end; ++e )
     {
         const int a = loop->layer->edge_slots[2 * (size_t)e], b = loop->layer->edge_slots[2 * (size_t)e + 1];
-        float asked = FLT_MAX;
-        asked = s->curvature_gain > 0.0f ? finer( by_curvature( loop, a, b ), asked ) : asked;
-        asked = s->strain_gain != 0.0f ? finer( by_strain( loop, a, b ), asked ) : asked;
-        asked = s->by_screen != 0 ? finer( by_screen( loop, a, b ), asked ) : asked;
-        asked = asked > s->least_spacing ? asked : s->least_spacing;
-        loop->edge[e] = asked < s->most_spacing ? asked : s->most_spacing;
+        float queried = FLT_MAX;
+        queried = s->curvature_gain > 0.0f ? finer( by_curvature( loop, a, b ), queried ) : queried;
+        queried = s->strain_gain != 0.0f ? finer( by_strain( loop, a, b ), queried ) : queried;
+        queried = s->by_screen != 0 ? finer( by_screen( loop, a, b ), queried ) : queried;
+        queried = queried > s->min_spacing ? queried : s->min_spacing;
+        loop->edge[e] = queried < s->max_spacing ? queried : s->max_spacing;
     }
 }
 

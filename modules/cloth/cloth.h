@@ -10,8 +10,8 @@ WISP_API extern const wisp_module wisp_cloth_module;
 /// How cloth bends.
 typedef enum wisp_cloth_bending
 {
-    WISP_CLOTH_BENDING_CROSS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. The
-                              ///< fabric must have cross links
+    WISP_CLOTH_BENDING_LINKS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. The
+                              ///< fabric must have bend links
     WISP_CLOTH_BENDING_DIHEDRAL, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
     WISP_CLOTH_BENDING_ISOMETRIC, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
                                   ///< where the cloth hardly stretches; the fabric must have hinges
@@ -37,7 +37,7 @@ typedef struct wisp_cloth_def
 
     wisp_cloth_bending bending; ///< default cross
     float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
-    float bend_compliance;      ///< xpbd, cross links only, m/N, default 0.1
+    float bend_compliance;      ///< xpbd, bend links only, m/N, default 0.1
     /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet where it is rolled up, exact for equilateral
     /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
     float bend_rigidity;
@@ -53,14 +53,14 @@ typedef struct wisp_cloth_def
     float tether_slack; ///< times the rest distance, >= 1, default 1
     int level_passes;   ///< passes over each coarse level of the fabric a substep, 0 .. 16, default 0: none. A fabric
                         ///< without levels has no such pass
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_cloth_def;
 
 WISP_API wisp_cloth_def wisp_default_cloth_def( void );
 
 /// Make a surface a cloth, or change the cloth it is.
 /// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what the
-///         definition asks for; WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_NO_MEMORY
+///         definition asks for; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 
 /// Change the wind alone; cheap enough for every step. @param wind m/s

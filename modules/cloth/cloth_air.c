@@ -6,7 +6,7 @@
 typedef struct air_loop
 {
     const wisp_kernels* kernels;
-    wisp_ring_air_job job;
+    wisp_ring_air_args args;
     float* copy; // of the velocities
 } air_loop;
 
@@ -15,14 +15,14 @@ static void copy_slices( void* context, int begin, int end, int worker )
     (void)worker;
     const air_loop* loop = context;
     const size_t first = (size_t)begin * 32, count = (size_t)( end - begin ) * 32;
-    memcpy( loop->copy + first, loop->job.velocity + first, count * sizeof( float ) );
+    memcpy( loop->copy + first, loop->args.velocity + first, count * sizeof( float ) );
 }
 
 static void blow_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const air_loop* loop = context;
-    loop->kernels->ring_air( &loop->job, begin, end );
+    loop->kernels->ring_air( &loop->args, begin, end );
 }
 
 void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
@@ -44,16 +44,16 @@ void cloth_blow( wisp_frame* frame, const wisp_span* span, void* user )
     }
     air_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
-        .job = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
-                 .old_velocity = copy,
-                 .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-                 .ring_begin = fabric->ring_begin,
-                 .ring4 = fabric->ring4,
-                 .wind = air->wind,
-                 .density = air->density,
-                 .drag = air->drag,
-                 .lift = air->lift,
-                 .dt = wisp_frame_seconds( frame ) },
+        .args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                  .old_velocity = copy,
+                  .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
+                  .ring_begin = fabric->ring_begin,
+                  .ring_x4 = fabric->ring_x4,
+                  .wind = air->wind,
+                  .density = air->density,
+                  .drag = air->drag,
+                  .lift = air->lift,
+                  .dt = wisp_frame_dt( frame ) },
         .copy = copy,
     };
     wisp_parallel_for( parallel, fabric->ring_slice_count, GRAIN, copy_slices, &loop );

@@ -39,14 +39,14 @@ static void solve_inertia( const double i[6], const double l[3], double w[3] )
 
 enum
 {
-    MOST_BLOCKS = 64,
-    LEAST_BLOCK = 1024, // slots
+    MAX_BLOCKS = 64,
+    MIN_BLOCK = 1024, // slots
 };
 
 typedef struct damping_loop
 {
     const wisp_kernels* kernels;
-    wisp_rigid_job job;
+    wisp_rigid_args args;
     int slot_count, block; // slots of a block
     wisp_rigid_sums* sums; // [block]
 } damping_loop;
@@ -63,7 +63,7 @@ static void sum_blocks( void* context, int begin, int end, int worker )
     damping_loop* loop = context;
     for ( int b = begin; b < end; ++b )
     {
-        loop->kernels->rigid_sums( &loop->job, b * loop->block, end_of( loop, b ), loop->sums + b );
+        loop->kernels->rigid_sums( &loop->args, b * loop->block, end_of( loop, b ), loop->sums + b );
     }
 }
 
@@ -92,7 +92,7 @@ static wisp_rigid_sums add_up( const damping_loop* loop, int blocks )
 }
 
 // From sums about the origin to sums about the centre of mass, and to the rigid motion with the same momenta.
-static void find_motion( const wisp_rigid_sums* s, wisp_rigid_job* job )
+static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
 {
     double centre[3], velocity[3], angular[3], turning[3], back[3];
     for ( int k = 0; k < 3; ++k )
@@ -111,22 +111,22 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_job* job )
     const double inertia[6] = { yy + zz, xx + zz, xx + yy, -xy, -xz, -yz };
     solve_inertia( inertia, angular, turning );
     cross_product( turning, centre, back );
-    job->drift.x += (float)( velocity[0] - back[0] );
-    job->drift.y += (float)( velocity[1] - back[1] );
-    job->drift.z += (float)( velocity[2] - back[2] );
-    job->turning = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
+    args->drift.x += (float)( velocity[0] - back[0] );
+    args->drift.y += (float)( velocity[1] - back[1] );
+    args->drift.z += (float)( velocity[2] - back[2] );
+    args->turning = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
 }
 
-static wisp_vec3 vector_at( const float* quads, int slot )
+static wisp_vec3 vector_at( const float* xyzw, int slot )
 {
-    const float* q = quads + (size_t)slot * 4;
+    const float* q = xyzw + (size_t)slot * 4;
     return ( wisp_vec3 ){ q[0], q[1], q[2] };
 }
 
 // Measure relative to a free vertex and its mass, so that floats keep their digits far from the origin.
 static void measure( damping_loop* loop, const wisp_parallel* parallel )
 {
-    const float* position = loop->job.position;
+    const float* position = loop->args.position;
     int first = 0;
     while ( first < loop->slot_count && !( position[(size_t)first * 4 + 3] > 0.0f ) )
     {
@@ -136,15 +136,15 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
     {
         return; // nothing moves
     }
-    wisp_rigid_sums sums[MOST_BLOCKS];
+    wisp_rigid_sums sums[MAX_BLOCKS];
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
-    loop->job.origin = vector_at( position, first );
-    loop->job.drift = vector_at( loop->job.velocity, first );
-    loop->job.inverse_mass = position[(size_t)first * 4 + 3];
+    loop->args.origin = vector_at( position, first );
+    loop->args.drift = vector_at( loop->args.velocity, first );
+    loop->args.inverse_mass = position[(size_t)first * 4 + 3];
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );
     const wisp_rigid_sums all = add_up( loop, blocks );
-    find_motion( &all, &loop->job );
+    find_motion( &all, &loop->args );
 }
 
 // ---- damping ----
@@ -152,7 +152,7 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
 static bool has_triangle( const wisp_fabric* f, int slot )
 {
     int first = f->ring_begin[slot / 8];
-    return first < f->ring_begin[slot / 8 + 1] && f->ring4[first][slot % 8] != 4 * slot;
+    return first < f->ring_begin[slot / 8 + 1] && f->ring_x4[first][slot % 8] != 4 * slot;
 }
 
 // The rigid motion of a pinned cloth is rest. An unreferenced vertex has no mass and counts as pinned, but holds nothing.
@@ -172,7 +172,7 @@ static void approach( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const damping_loop* loop = context;
-    loop->kernels->rigid_approach( &loop->job, begin, end );
+    loop->kernels->rigid_approach( &loop->args, begin, end );
 }
 
 void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
@@ -185,21 +185,21 @@ void cloth_damp( wisp_frame* frame, const wisp_span* span, void* user )
     const cloth_state* state = user;
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const float rate = *(float*)wisp_frame_column( frame, span->entity, state->damping, 0 );
-    const float lost = rate * wisp_frame_seconds( frame );
+    const float lost = rate * wisp_frame_dt( frame );
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
-    const int most = ( fabric->slot_count / MOST_BLOCKS + LANES ) / LANES * LANES;
+    const int most = ( fabric->slot_count / MAX_BLOCKS + LANES ) / LANES * LANES;
     damping_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
         .slot_count = fabric->slot_count,
-        .block = most > LEAST_BLOCK ? most : LEAST_BLOCK,
+        .block = most > MIN_BLOCK ? most : MIN_BLOCK,
     };
     // a pinned cloth comes to rest
-    loop.job = ( wisp_rigid_job ){
+    loop.args = ( wisp_rigid_args ){
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 ),
-        .share = lost / ( 1.0f + lost ),
+        .fraction = lost / ( 1.0f + lost ),
     };
-    if ( is_pinned( fabric, loop.job.position ) == false )
+    if ( is_pinned( fabric, loop.args.position ) == false )
     {
         measure( &loop, parallel );
     }

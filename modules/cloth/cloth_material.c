@@ -69,11 +69,11 @@ static float link_value( const wisp_fabric* f, const wisp_cloth_def* def, int sl
     }
     if ( link < f->edge_count )
     {
-        float c2 = cosine2( f, f->link_a4[slot] / 4, f->link_b4[slot] / 4, def->warp );
+        float c2 = cosine2( f, f->link_a_x4[slot] / 4, f->link_b_x4[slot] / 4, def->warp );
         return pbd ? stretch_stiffness( def, c2 ) : stretch_compliance( def, c2 );
     }
     // A bend link without bending must not stretch either: no stiffness, or a very large compliance.
-    const bool bends = def->bending == WISP_CLOTH_BENDING_CROSS;
+    const bool bends = def->bending == WISP_CLOTH_BENDING_LINKS;
     return pbd ? ( bends ? def->bend_stiffness : 0.0f ) : ( bends ? def->bend_compliance : NOTHING );
 }
 

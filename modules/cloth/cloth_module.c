@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t CLOTH_DEF_MADE = 0x434c4f54;
+static const uint32_t CLOTH_DEF_COOKIE = 0x434c4f54;
 
 #define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
 #define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
@@ -18,13 +18,13 @@ wisp_cloth_def wisp_default_cloth_def( void )
         .stretch_stiffness = 1.0f,
         .shear_stiffness = 1.0f,
         .warp = { 1.0f, 0.0f, 0.0f },
-        .bending = WISP_CLOTH_BENDING_CROSS,
+        .bending = WISP_CLOTH_BENDING_LINKS,
         .bend_stiffness = 0.2f,
         .bend_compliance = 0.1f,
         .bend_rigidity = 5e-6f,
         .air_density = 1.204f,
         .tether_slack = 1.0f,
-        .made_by_default = CLOTH_DEF_MADE,
+        .cookie = CLOTH_DEF_COOKIE,
     };
 }
 
@@ -44,7 +44,7 @@ static wisp_status declare( wisp_registry* r )
                                   .name = "cloth.air",
                                   .stage = WISP_STAGE_FORCE,
                                   .domain = WISP_DOMAIN_ENTITY,
-                                  .needs = { state->air },
+                                  .required = { state->air },
                                   .reads = { state->air, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                   .writes = { WISP_PARTICLE_VELOCITY },
                                   .run = cloth_blow,
@@ -58,7 +58,7 @@ static wisp_status declare( wisp_registry* r )
                                      .name = "cloth.damping",
                                      .stage = WISP_STAGE_VELOCITY,
                                      .domain = WISP_DOMAIN_ENTITY,
-                                     .needs = { state->damping },
+                                     .required = { state->damping },
                                      .reads = { state->damping, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
                                      .writes = { WISP_PARTICLE_VELOCITY },
                                      .run = cloth_damp,
@@ -117,41 +117,41 @@ static wisp_status check_vectors( wisp_world* world, const wisp_cloth_def* d )
 // Name what the fabric lacks when the cloth is set, not in a step.
 static wisp_status check_fabric( wisp_world* world, const wisp_fabric* f, const wisp_cloth_def* d )
 {
-    const char* lacks = NULL;
-    if ( d->bending == WISP_CLOTH_BENDING_CROSS && f->hinge_count > 0 && f->link_count == f->edge_count )
+    const char* excluded = NULL;
+    if ( d->bending == WISP_CLOTH_BENDING_LINKS && f->hinge_count > 0 && f->link_count == f->edge_count )
     {
-        lacks = "bend links, which this bending model needs";
+        excluded = "bend links, which this bending model needs";
     }
     bool by_hinges = d->bending == WISP_CLOTH_BENDING_DIHEDRAL || d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     if ( by_hinges && f->hinge_count > 0 && f->hinge_order.slot_count == 0 )
     {
-        lacks = "hinges, which this bending model needs";
+        excluded = "hinges, which this bending model needs";
     }
     if ( d->tethers && f->tether_count == 0 )
     {
-        lacks = f->attachment_count > 0 ? "tethers" : "attachments, which tethers need";
+        excluded = f->attachment_count > 0 ? "tethers" : "attachments, which tethers need";
     }
-    if ( lacks != NULL )
+    if ( excluded != NULL )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "cloth: the fabric was cooked without %s", lacks );
+        return wisp_world_fail( world, WISP_CONFLICT, "cloth: the fabric was cooked without %s", excluded );
     }
     return WISP_OK;
 }
 
 static wisp_status check_alone( wisp_world* world, wisp_entity surface )
 {
-    return wisp_world_has( world, surface, WISP_PARTICLE_SOLVED )
+    return wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER )
                ? wisp_world_fail( world, WISP_CONFLICT, "cloth: entity %u already has another solver", surface.index )
                : WISP_OK;
 }
 
 // ---- components ----
 
-typedef struct wanted_component
+typedef struct requested_component
 {
     wisp_component component;
-    bool wanted;
-} wanted_component;
+    bool requested;
+} requested_component;
 
 enum
 {
@@ -161,12 +161,12 @@ enum
 // List the components of the definition for which the fabric has rows. A mesh too small for a coarse level has no level pass,
 // and one without interior edges no hinges.
 static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, const cloth_state* state,
-                             wanted_component all[COMPONENT_COUNT] )
+                             requested_component all[COMPONENT_COUNT] )
 {
     const bool pbd = d->solver == WISP_SOLVER_PBD, hinged = f->hinge_order.slot_count > 0;
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
-    const wanted_component list[COMPONENT_COUNT] = {
+    const requested_component list[COMPONENT_COUNT] = {
         { state->air, d->drag > 0.0f || d->lift > 0.0f },
         { state->damping, d->damping > 0.0f },
         { WISP_LINK_STIFFNESS, pbd },
@@ -185,13 +185,13 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
 // out.
 static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_cloth_def* d, const cloth_state* state )
 {
-    wanted_component all[COMPONENT_COUNT];
+    requested_component all[COMPONENT_COUNT];
     bool came[COMPONENT_COUNT] = { false };
     list_components( wisp_world_fabric( world, surface ), d, state, all );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
     {
-        if ( all[i].wanted && wisp_world_has( world, surface, all[i].component ) == false )
+        if ( all[i].requested && wisp_world_has( world, surface, all[i].component ) == false )
         {
             status = wisp_world_attach( world, surface, all[i].component );
             came[i] = status == WISP_OK;
@@ -199,7 +199,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_clo
     }
     for ( int i = 0; i < COMPONENT_COUNT; ++i )
     {
-        if ( status == WISP_OK ? all[i].wanted == false : came[i] )
+        if ( status == WISP_OK ? all[i].requested == false : came[i] )
         {
             (void)wisp_world_detach( world, surface, all[i].component ); // only frees memory
         }
@@ -249,7 +249,7 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, const clo
 
 wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
-    WISP_ASSERT( def->made_by_default == CLOTH_DEF_MADE );
+    WISP_ASSERT( def->cookie == CLOTH_DEF_COOKIE );
     const cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;

@@ -7,47 +7,48 @@
 
 #include <string.h>
 
-static wisp_swarm swarm_of( collision_block* b )
+static wisp_particle_batch particle_batch_of( collision_block* b )
 {
-    return ( wisp_swarm ){ b->slot, { b->now[0], b->now[1], b->now[2] }, { b->old[0], b->old[1], b->old[2] } };
+    return (
+        wisp_particle_batch ){ b->slot, { b->now[0], b->now[1], b->now[2] }, { b->old[0], b->old[1], b->old[2] } };
 }
 
-void collision_begin_block( const collision_find_job* job, int begin, int end, collision_block* block )
+void collision_begin_block( const collision_find_args* args, int begin, int end, collision_block* block )
 {
     WISP_ASSERT( end - begin <= COLLISION_BLOCK );
-    float low[3], high[3];
-    const wisp_swarm_job take = {
-        .position = job->position,
-        .previous = job->previous,
-        .place = job->found,
-        .swarm = swarm_of( block ),
-        .low = low,
-        .high = high,
+    float lower[3], upper[3];
+    const wisp_gather_args take = {
+        .position = args->position,
+        .previous = args->previous,
+        .place = args->found,
+        .particle_batch = particle_batch_of( block ),
+        .lower = lower,
+        .upper = upper,
     };
-    block->count = job->kernels->swarm_take( &take, begin, end );
-    block->low = collision_load( low );
-    block->high = collision_load( high );
-    memset( job->count + begin, 0, (size_t)( end - begin ) * sizeof( *job->count ) );
+    block->count = args->kernels->gather_particles( &take, begin, end );
+    block->lower = collision_load( lower );
+    block->upper = collision_load( upper );
+    memset( args->count + begin, 0, (size_t)( end - begin ) * sizeof( *args->count ) );
     for ( int i = 0; i < COLLISION_BLOCK; ++i )
     {
         block->clear[i] = INFINITY;
     }
 }
 
-static wisp_swarm_bound bound_of( const collision_body* body )
+static wisp_cull_shape bound_of( const collision_body* body )
 {
     if ( body->tree != NULL || body->shape.kind == WISP_SHAPE_BOX )
     {
-        return WISP_SWARM_BOX;
+        return WISP_CULL_BOX;
     }
-    return body->shape.kind == WISP_SHAPE_PLANE ? WISP_SWARM_HALF_SPACE : WISP_SWARM_ROUND;
+    return body->shape.kind == WISP_SHAPE_PLANE ? WISP_CULL_HALF_SPACE : WISP_CULL_ROUND;
 }
 
 void collision_cull_block( const wisp_kernels* kernels, const collision_view* view, collision_block* block )
 {
     const collision_body* body = view->body;
-    const wisp_swarm_sight sight = {
-        .swarm = swarm_of( block ),
+    const wisp_cull_args sight = {
+        .particle_batch = particle_batch_of( block ),
         .before = view->before,
         .after = view->after,
         .bound = bound_of( body ),
@@ -61,7 +62,7 @@ void collision_cull_block( const wisp_kernels* kernels, const collision_view* vi
         .path = block->path,
         .reach = block->reach,
         .clear = block->clear,
-        .asked = block->candidates,
+        .queried = block->candidates,
     };
-    block->candidate_count = kernels->swarm_see( &sight, block->count );
+    block->candidate_count = kernels->cull_particles( &sight, block->count );
 }

@@ -4,7 +4,7 @@
 #include "particle_contacts.h"
 
 /// Gather the particles that move and are finite. Their contacts are cleared.
-void collision_begin_block( const collision_find_job* job, int begin, int end, collision_block* block );
+void collision_begin_block( const collision_find_args* args, int begin, int end, collision_block* block );
 
 /// Compute the paths relative to a body, and list the particles that may be within reach. All others are surely
 /// beyond it.

@@ -1,5 +1,5 @@
 // Queries on bodies. In: points or paths in the frame of a body. Out: closest points and first hits. Closed forms are
-// answered by wisp/shapes.h, meshes by a tree or voxels (wisp/mesh_tree.h), which give the same bits.
+// answered by wisp/shapes.h, meshes by a tree or voxels (wisp/collision_mesh.h), which give the same bits.
 #include "body_queries.h"
 
 #include <string.h>
@@ -14,24 +14,24 @@ static void turn_to_point( wisp_surface_point* nearest )
     }
 }
 
-static float apart( float low, float high, float other_low, float other_high )
+static float apart( float lower, float upper, float other_low, float other_high )
 {
-    return fmaxf( 0.0f, fmaxf( low - other_high, other_low - high ) );
+    return fmaxf( 0.0f, fmaxf( lower - other_high, other_low - upper ) );
 }
 
-float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high )
+float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp_vec3 upper )
 {
     // in the frame of a turning body a fixed point moves along a chord, which may cut through the ball
     if ( memcmp( &view->before.rotation, &view->after.rotation, sizeof( wisp_quat ) ) != 0 )
     {
         return 0.0f;
     }
-    const wisp_vec3 a = wisp_rigid_to_world( view->before, view->body->centre );
-    const wisp_vec3 b = wisp_rigid_to_world( view->after, view->body->centre );
+    const wisp_vec3 a = wisp_transform_to_world( view->before, view->body->centre );
+    const wisp_vec3 b = wisp_transform_to_world( view->after, view->body->centre );
     const wisp_vec3 d = {
-        apart( low.x, high.x, fminf( a.x, b.x ), fmaxf( a.x, b.x ) ),
-        apart( low.y, high.y, fminf( a.y, b.y ), fmaxf( a.y, b.y ) ),
-        apart( low.z, high.z, fminf( a.z, b.z ), fmaxf( a.z, b.z ) ),
+        apart( lower.x, upper.x, fminf( a.x, b.x ), fmaxf( a.x, b.x ) ),
+        apart( lower.y, upper.y, fminf( a.y, b.y ), fmaxf( a.y, b.y ) ),
+        apart( lower.z, upper.z, fminf( a.z, b.z ), fmaxf( a.z, b.z ) ),
     };
     return collision_length( d ) - view->body->ball_radius;
 }
@@ -40,14 +40,14 @@ float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_v
 // closest point query.
 static bool is_inside( const collision_body* body, wisp_vec3 p )
 {
-    if ( body->sheet || collision_box_distance( body, p ) > 0.0f )
+    if ( body->double_sided || collision_box_distance( body, p ) > 0.0f )
     {
         return false;
     }
     const float side = p.y < body->centre.y ? -1.1f : 1.1f;
     const wisp_mesh_path way_out = { p, { p.x, body->centre.y + side * body->half.y, p.z } };
     wisp_mesh_hit hit;
-    wisp_mesh_tree_sweep( body->tree, &way_out, 1, &hit, NULL );
+    wisp_collision_mesh_cast( body->tree, &way_out, 1, &hit, NULL );
     return hit.triangle >= 0 && hit.side < 0.0f;
 }
 
@@ -63,18 +63,18 @@ static void closest_on_mesh( const collision_body* body, const wisp_mesh_query* 
     for ( int first = 0; first < count; first += BATCH )
     {
         int n = count - first < BATCH ? count - first : BATCH;
-        wisp_mesh_tree_closest( body->tree, queries + first, n, answers, NULL );
+        wisp_collision_mesh_closest( body->tree, queries + first, n, answers, NULL );
         for ( int i = 0; i < n; ++i )
         {
             wisp_mesh_nearest* a = answers + i;
             const wisp_mesh_query anywhere = { queries[first + i].point, INFINITY };
             if ( a->triangle < 0 && is_inside( body, anywhere.point ) )
             {
-                wisp_mesh_tree_closest( body->tree, &anywhere, 1, a, NULL );
+                wisp_collision_mesh_closest( body->tree, &anywhere, 1, a, NULL );
             }
             found[first + i] = a->triangle >= 0;
             nearest[first + i] = ( wisp_surface_point ){ a->point, a->normal, a->distance };
-            if ( body->sheet )
+            if ( body->double_sided )
             {
                 turn_to_point( nearest + first + i );
             }
@@ -113,20 +113,20 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
     }
 }
 
-bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit )
+bool collision_cast( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit )
 {
     if ( body->tree == NULL )
     {
         wisp_shape_hit h;
-        bool meets = wisp_shape_sweep( &body->shape, from, to, &h );
+        bool meets = wisp_shape_cast( &body->shape, from, to, &h );
         *hit = meets ? ( wisp_surface_point ){ h.point, h.normal, 0.0f } : ( wisp_surface_point ){ 0 };
         return meets;
     }
     const wisp_mesh_path path = { from, to };
     wisp_mesh_hit h;
-    wisp_mesh_tree_sweep( body->tree, &path, 1, &h, NULL );
+    wisp_collision_mesh_cast( body->tree, &path, 1, &h, NULL );
     *hit = ( wisp_surface_point ){ h.point, h.normal, 0.0f };
-    return h.triangle >= 0 && ( body->sheet || h.side > 0.0f );
+    return h.triangle >= 0 && ( body->double_sided || h.side > 0.0f );
 }
 
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap )

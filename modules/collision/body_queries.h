@@ -9,7 +9,7 @@ static const float COLLISION_SHALLOW = 0.1f;
 
 /// Return a lower bound of the distance in the substep of a box in the world from the ball around the body, m; 0 for
 /// a body that turns.
-float collision_ball_distance( const collision_view* view, wisp_vec3 low, wisp_vec3 high );
+float collision_ball_distance( const collision_view* view, wisp_vec3 lower, wisp_vec3 upper );
 
 /// Find the closest surface point of each query. `found` is false where nothing is within the radius, or the point is
 /// not finite. Inside a body there always is one. A sheet has its normal towards the point and no negative distance.
@@ -17,7 +17,7 @@ void collision_closest( const collision_body* body, const wisp_mesh_query* queri
                         wisp_surface_point* nearest, bool* found );
 
 /// Find the first time a path enters the body, or passes the sheet from either side. @return whether it does
-bool collision_sweep( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
+bool collision_cast( const collision_body* body, wisp_vec3 from, wisp_vec3 to, wisp_surface_point* hit );
 
 /// Return the signed distance of a point less the thickness, but no less than `gap`, m.
 float collision_exact_gap( const collision_view* view, wisp_vec3 from, float gap );

@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t COLLIDER_DEF_MADE = 0x434f4c44;
+static const uint32_t COLLIDER_DEF_COOKIE = 0x434f4c44;
 
 wisp_collider_def wisp_default_collider_def( void )
 {
@@ -25,7 +25,7 @@ wisp_collider_def wisp_default_collider_def( void )
         .static_friction = 0.5f,
         .kinetic_friction = 0.5f,
         .layers = 1,
-        .made_by_default = COLLIDER_DEF_MADE,
+        .cookie = COLLIDER_DEF_COOKIE,
     };
 }
 
@@ -38,7 +38,7 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     const struct
     {
         const char* name;
-        float value, low, high;
+        float value, lower, upper;
         bool counts;
     } ranges[] = {
         { "kind", (float)d->kind, 0.0f, (float)( WISP_COLLIDER_COUNT - 1 ), true },
@@ -55,10 +55,10 @@ static wisp_status check_sizes( wisp_world* world, const wisp_collider_def* d )
     };
     for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
     {
-        if ( ranges[i].counts && !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        if ( ranges[i].counts && !( ranges[i].value >= ranges[i].lower && ranges[i].value <= ranges[i].upper ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "collider: %s is %g, it must be %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+                                    (double)ranges[i].value, (double)ranges[i].lower, (double)ranges[i].upper );
         }
     }
     return WISP_OK;
@@ -69,7 +69,7 @@ static bool is_in_range( wisp_vec3 p )
     return fabsf( p.x ) <= 1e6f && fabsf( p.y ) <= 1e6f && fabsf( p.z ) <= 1e6f;
 }
 
-static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
+static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;
     if ( is_in_range( p ) == false )
@@ -128,17 +128,19 @@ static double signed_volume( const wisp_collider_def* d )
 
 static void measure_mesh( const wisp_collider_def* d, collision_body* body )
 {
-    wisp_vec3 low = d->points[0], high = low;
+    wisp_vec3 lower = d->points[0], upper = lower;
     for ( int v = 1; v < d->point_count; ++v )
     {
         const wisp_vec3 p = d->points[v];
-        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+        lower = ( wisp_vec3 ){ fminf( lower.x, p.x ), fminf( lower.y, p.y ), fminf( lower.z, p.z ) };
+        upper = ( wisp_vec3 ){ fmaxf( upper.x, p.x ), fmaxf( upper.y, p.y ), fmaxf( upper.z, p.z ) };
     }
     // slightly larger, against rounding of the sums
     const float most = 0.50001f;
-    body->half = ( wisp_vec3 ){ most * ( high.x - low.x ), most * ( high.y - low.y ), most * ( high.z - low.z ) };
-    body->centre = ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+    body->half =
+        ( wisp_vec3 ){ most * ( upper.x - lower.x ), most * ( upper.y - lower.y ), most * ( upper.z - lower.z ) };
+    body->centre =
+        ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
     body->ball_radius = collision_length( body->half );
 }
 
@@ -149,7 +151,7 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
     {
         return status;
     }
-    const wisp_mesh_tree_def def = {
+    const wisp_collision_mesh_def def = {
         .points = d->points,
         .triangles = d->triangles,
         .point_count = d->point_count,
@@ -158,26 +160,26 @@ static wisp_status make_mesh( wisp_world* world, const wisp_collider_def* d, col
         .voxel_size = d->voxel_size,
     };
     wisp_error error = { 0 };
-    status = wisp_mesh_tree_create( &def, wisp_world_allocator( world ), &body->tree, &error );
+    status = wisp_collision_mesh_create( &def, wisp_world_allocator( world ), &body->tree, &error );
     if ( status != WISP_OK )
     {
-        return wisp_world_fail( world, status, "collider: %s", error.sentence );
+        return wisp_world_fail( world, status, "collider: %s", error.message );
     }
-    int open = wisp_mesh_tree_get_facts( body->tree ).open_edge_count;
-    if ( d->sheet == false && open > 0 )
+    int open = wisp_collision_mesh_get_stats( body->tree ).open_edge_count;
+    if ( d->double_sided == false && open > 0 )
     {
         status = wisp_world_fail( world, WISP_BAD_INPUT,
                                   "collider: the mesh has %d open edges, so nothing is inside: close it or call it a "
                                   "sheet",
                                   open );
     }
-    else if ( d->sheet == false && !( signed_volume( d ) > 0.0 ) )
+    else if ( d->double_sided == false && !( signed_volume( d ) > 0.0 ) )
     {
         status = wisp_world_fail( world, WISP_BAD_INPUT, "collider: the triangles of the mesh face inwards" );
     }
     if ( status != WISP_OK )
     {
-        wisp_mesh_tree_release( body->tree );
+        wisp_collision_mesh_release( body->tree );
         body->tree = NULL;
         return status;
     }
@@ -189,7 +191,7 @@ static wisp_status make_body( wisp_world* world, const wisp_collider_def* d, col
 {
     static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
                                              WISP_SHAPE_BOX };
-    *body = ( collision_body ){ .sheet = d->kind == WISP_COLLIDER_MESH && d->sheet };
+    *body = ( collision_body ){ .double_sided = d->kind == WISP_COLLIDER_MESH && d->double_sided };
     if ( d->kind == WISP_COLLIDER_MESH )
     {
         return make_mesh( world, d, body );
@@ -214,7 +216,7 @@ bool collision_forget_body( collision_state* state, wisp_entity entity )
         collision_body* body = state->bodies + i;
         if ( body->entity.index == entity.index && body->entity.generation == entity.generation )
         {
-            wisp_mesh_tree_release( body->tree );
+            wisp_collision_mesh_release( body->tree );
             state->body_count -= 1;
             memmove( body, body + 1, (size_t)( state->body_count - i ) * sizeof( *body ) );
             return true;
@@ -225,7 +227,7 @@ bool collision_forget_body( collision_state* state, wisp_entity entity )
 
 static void fill_collider( collision_collider* to, const wisp_collider_def* d )
 {
-    const wisp_rigid pose = wisp_rigid_make( d->pose.rotation, d->pose.translation );
+    const wisp_transform pose = wisp_transform_make( d->pose.rotation, d->pose.translation );
     *to = ( collision_collider ){ pose, pose, d->static_friction, d->kinetic_friction, d->thickness, d->layers };
 }
 
@@ -233,7 +235,7 @@ static void fill_collider( collision_collider* to, const wisp_collider_def* d )
 static wisp_status append_body( wisp_world* world, collision_state* state, const wisp_collider_def* d,
                                 collision_body* body )
 {
-    wisp_status status = wisp_world_add_plain( world, &body->entity );
+    wisp_status status = wisp_world_add_empty( world, &body->entity );
     if ( status != WISP_OK )
     {
         return status;
@@ -256,7 +258,7 @@ static wisp_status append_body( wisp_world* world, collision_state* state, const
 
 wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, wisp_entity* out )
 {
-    WISP_ASSERT( def->made_by_default == COLLIDER_DEF_MADE );
+    WISP_ASSERT( def->cookie == COLLIDER_DEF_COOKIE );
     *out = ( wisp_entity ){ 0, 0 };
     collision_state* state;
     wisp_status status = collision_find_state( world, &state );
@@ -276,7 +278,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
     status = status == WISP_OK ? append_body( world, state, def, &body ) : status;
     if ( status != WISP_OK )
     {
-        wisp_mesh_tree_release( body.tree );
+        wisp_collision_mesh_release( body.tree );
         return status;
     }
     *out = body.entity;
@@ -285,7 +287,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
 
 // ---- motion ----
 
-wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_rigid pose )
+wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_transform pose )
 {
     collision_state* state;
     wisp_status status = collision_find_state( world, &state );
@@ -298,21 +300,21 @@ wisp_status wisp_move_collider( wisp_world* world, wisp_entity entity, wisp_rigi
     {
         return wisp_world_fail( world, WISP_CONFLICT, "entity %u is not a collider", entity.index );
     }
-    const wisp_rigid now = collider->to;
+    const wisp_transform now = collider->to;
     status = check_pose( world, pose );
     if ( status == WISP_OK && wisp_world_has( world, entity, state->motion ) == false )
     {
         status = wisp_world_attach( world, entity, state->motion );
-        status = status == WISP_OK ? wisp_want( world, entity, state->collider ) : status;
+        status = status == WISP_OK ? wisp_request( world, entity, state->collider ) : status;
         if ( status == WISP_OK )
         {
-            *(wisp_rigid*)wisp_world_column( world, entity, state->motion, 0 ) = now;
+            *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) = now;
         }
     }
     if ( status == WISP_OK )
     {
-        *(wisp_rigid*)wisp_world_column( world, entity, state->motion, 0 ) =
-            wisp_rigid_make( pose.rotation, pose.translation );
+        *(wisp_transform*)wisp_world_column( world, entity, state->motion, 0 ) =
+            wisp_transform_make( pose.rotation, pose.translation );
     }
     return status;
 }
@@ -321,7 +323,7 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
-    const wisp_rigid* target = wisp_frame_column( frame, span->entity, state->motion, 0 );
+    const wisp_transform* target = wisp_frame_column( frame, span->entity, state->motion, 0 );
     collider->from = collider->to;
     collider->to = *target;
 }
@@ -330,14 +332,14 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
 static void set_poses( const wisp_frame* frame, const wisp_span* span, const collision_collider* collider,
                        collision_view* view )
 {
-    if ( memcmp( &collider->from, &collider->to, sizeof( wisp_rigid ) ) == 0 )
+    if ( memcmp( &collider->from, &collider->to, sizeof( wisp_transform ) ) == 0 )
     {
         view->before = view->after = collider->to;
         return;
     }
     float count = (float)wisp_frame_substeps( frame ), now = (float)span->substep;
-    view->before = wisp_rigid_between( collider->from, collider->to, now / count );
-    view->after = wisp_rigid_between( collider->from, collider->to, ( now + 1.0f ) / count );
+    view->before = wisp_transform_interpolate( collider->from, collider->to, now / count );
+    view->after = wisp_transform_interpolate( collider->from, collider->to, ( now + 1.0f ) / count );
 }
 
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,

@@ -7,8 +7,8 @@
 typedef struct collision_view
 {
     const collision_body* body;
-    wisp_rigid before, after; // at the start and at the end of the substep
-    float thickness;          // m, sum of both
+    wisp_transform before, after; // at the start and at the end of the substep
+    float thickness;              // m, sum of both
     float static_friction, kinetic_friction;
 } collision_view;
 

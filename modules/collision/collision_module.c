@@ -17,16 +17,16 @@
     X( float, depth, 16 )  /* m, depth that a vertex may keep in this iteration */                                   \
     X( float, left, 16 )   /* m, depth that it kept */
 #define COLLISION_CARRIED_COLUMNS( X ) X( uint32_t, moved, 1 ) /* a bit for each lane of the row, in this step */
-#define COLLISION_FIGURES_COLUMNS( X ) X( wisp_collision_figures, figures, 1 )
+#define COLLISION_STATS_COLUMNS( X ) X( wisp_collision_stats, stats, 1 )
 #define COLLISION_COLLIDER_COLUMNS( X ) X( collision_collider, collider, 1 )
-#define COLLISION_MOTION_COLUMNS( X ) X( wisp_rigid, target, 1 ) /* at the end of the next step */
+#define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def FIGURES_COLUMNS[] = { COLLISION_FIGURES_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def STATS_COLUMNS[] = { COLLISION_STATS_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def COLLIDER_COLUMNS[] = { COLLISION_COLLIDER_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def MOTION_COLUMNS[] = { COLLISION_MOTION_COLUMNS( WISP_COLUMN_DEF ) };
 
@@ -37,15 +37,16 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     collision_state* state = memory;
     for ( int i = 0; i < state->body_count; ++i )
     {
-        wisp_mesh_tree_release( state->bodies[i].tree );
+        wisp_collision_mesh_release( state->bodies[i].tree );
     }
     if ( state->bodies != NULL )
     {
         allocator->release( allocator->user, state->bodies, (size_t)state->body_capacity * sizeof( collision_body ) );
     }
-    if ( state->guests != NULL )
+    if ( state->participants != NULL )
     {
-        allocator->release( allocator->user, state->guests, (size_t)state->guest_capacity * sizeof( wisp_entity ) );
+        allocator->release( allocator->user, state->participants,
+                            (size_t)state->participant_capacity * sizeof( wisp_entity ) );
     }
 }
 
@@ -54,7 +55,7 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     collision_state* state = memory;
-    if ( collision_forget_guest( state, entity ) == false && collision_forget_body( state, entity ) )
+    if ( collision_forget_participant( state, entity ) == false && collision_forget_body( state, entity ) )
     {
         collision_update_components( world, state );
     }
@@ -69,7 +70,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
     const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
-    const wisp_component_def figures = { "collision.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 };
+    const wisp_component_def stats = { "collision.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
@@ -77,7 +78,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
     state->carried = wisp_declare_component( r, &carried );
-    state->figures = wisp_declare_component( r, &figures );
+    state->stats = wisp_declare_component( r, &stats );
     state->collider = wisp_declare_component( r, &collider );
     state->motion = wisp_declare_component( r, &motion );
     return state->motion != 0 ? WISP_OK : WISP_BAD_INPUT;
@@ -90,7 +91,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.carry",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { state->motion, state->collider },
+            .required = { state->motion, state->collider },
             .reads = { state->motion, state->collider },
             .writes = { state->collider },
             .run = collision_carry,
@@ -100,8 +101,8 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.find",
             .stage = WISP_STAGE_CONTACT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { state->settings, state->contact },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { state->settings, state->contact },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = collision_find,
@@ -111,8 +112,8 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.project",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { state->settings, state->contact },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { state->settings, state->contact },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION },
             .run = collision_project,
@@ -122,10 +123,10 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.figures",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { state->settings, state->contact },
-            .lacks = { WISP_PARTICLE_SOLVED },
+            .required = { state->settings, state->contact },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
-            .writes = { state->figures },
+            .writes = { state->stats },
             .run = collision_measure,
             .user = state,
         },
@@ -133,19 +134,19 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.sense",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .needs = { state->settings, state->active, WISP_PARTICLE_SOLVED, WISP_PARTICLE_TOUCH },
+            .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
-            .writes = { WISP_PARTICLE_TOUCH },
+            .writes = { WISP_PARTICLE_CONTACTS },
             .run = collision_sense,
             .user = state,
         },
         {
-            .name = "collision.touch_figures",
+            .name = "collision.touch_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { state->settings, state->active, WISP_PARTICLE_SOLVED },
+            .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
-            .writes = { state->figures },
+            .writes = { state->stats },
             .run = collision_measure_touch,
             .user = state,
         },
@@ -153,20 +154,20 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.strands",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT },
-            .reads = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
+            .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
+            .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_PREVIOUS },
             .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
             .run = collision_touch_strands,
             .user = state,
         },
         {
-            .name = "collision.strand_figures",
+            .name = "collision.strand_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT },
-            .reads = { state->settings, state->strand_contact, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
-            .writes = { state->figures },
+            .required = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS },
+            .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
+            .writes = { state->stats },
             .run = collision_measure_strands,
             .user = state,
         },
@@ -176,19 +177,19 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.carried",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { state->settings, state->carried },
+            .required = { state->settings, state->carried },
             .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
             .writes = { state->carried, WISP_STRAND_POSITION },
             .run = collision_keep_out,
             .user = state,
         },
         {
-            .name = "collision.carried_figures",
+            .name = "collision.carried_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { state->settings, state->carried },
+            .required = { state->settings, state->carried },
             .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
-            .writes = { state->figures },
+            .writes = { state->stats },
             .run = collision_measure_carried,
             .user = state,
         },

@@ -6,17 +6,18 @@
 
 #include <string.h>
 
-static const uint32_t COLLISION_DEF_MADE = 0x434f4c53;
+static const uint32_t COLLISION_DEF_COOKIE = 0x434f4c53;
 
-bool collision_forget_guest( collision_state* state, wisp_entity guest )
+bool collision_forget_participant( collision_state* state, wisp_entity participant )
 {
-    for ( int i = 0; i < state->guest_count; ++i )
+    for ( int i = 0; i < state->participant_count; ++i )
     {
-        if ( state->guests[i].index == guest.index && state->guests[i].generation == guest.generation )
+        if ( state->participants[i].index == participant.index &&
+             state->participants[i].generation == participant.generation )
         {
-            state->guest_count -= 1;
-            memmove( state->guests + i, state->guests + i + 1,
-                     (size_t)( state->guest_count - i ) * sizeof( wisp_entity ) );
+            state->participant_count -= 1;
+            memmove( state->participants + i, state->participants + i + 1,
+                     (size_t)( state->participant_count - i ) * sizeof( wisp_entity ) );
             return true;
         }
     }
@@ -27,62 +28,65 @@ bool collision_forget_guest( collision_state* state, wisp_entity guest )
 
 // A surface of an external solver has contact input in place of contacts. Its rows are cleared without a body,
 // because no pass writes them then.
-static wisp_status update_surface( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
+static wisp_status update_surface( wisp_world* world, const collision_state* state, wisp_entity participant,
+                                   bool active )
 {
-    const bool touches = active && wisp_world_has( world, guest, WISP_PARTICLE_SOLVED ) == false;
-    wisp_status status =
-        active ? wisp_world_attach( world, guest, state->active ) : wisp_world_detach( world, guest, state->active );
+    const bool touches = active && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER ) == false;
+    wisp_status status = active ? wisp_world_attach( world, participant, state->active )
+                                : wisp_world_detach( world, participant, state->active );
     if ( status == WISP_OK )
     {
-        status = touches ? wisp_world_attach( world, guest, state->contact )
-                         : wisp_world_detach( world, guest, state->contact );
+        status = touches ? wisp_world_attach( world, participant, state->contact )
+                         : wisp_world_detach( world, participant, state->contact );
     }
-    int32_t* body = active ? NULL : wisp_world_column( world, guest, WISP_PARTICLE_TOUCH, 0 );
+    int32_t* body = active ? NULL : wisp_world_column( world, participant, WISP_PARTICLE_CONTACTS, 0 );
     if ( body != NULL )
     {
-        const int slots = wisp_world_fabric( world, guest )->slot_count;
-        memset( body, 0, (size_t)slots * WISP_TOUCHES * sizeof( int32_t ) );
+        const int slots = wisp_world_fabric( world, participant )->slot_count;
+        memset( body, 0, (size_t)slots * WISP_MAX_PARTICLE_CONTACTS * sizeof( int32_t ) );
     }
     return status;
 }
 
 // Strands that got dynamics since they were added change their component.
-static wisp_status update_strands( wisp_world* world, const collision_state* state, wisp_entity guest, bool active )
+static wisp_status update_strands( wisp_world* world, const collision_state* state, wisp_entity participant,
+                                   bool active )
 {
-    const bool moves = wisp_world_has( world, guest, WISP_STRAND_WEIGHT );
+    const bool moves = wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS );
     const wisp_component contact = moves ? state->strand_contact : state->carried;
     const wisp_status status =
-        active ? wisp_world_attach( world, guest, contact ) : wisp_world_detach( world, guest, contact );
-    if ( status == WISP_OK && moves && wisp_world_has( world, guest, state->carried ) )
+        active ? wisp_world_attach( world, participant, contact ) : wisp_world_detach( world, participant, contact );
+    if ( status == WISP_OK && moves && wisp_world_has( world, participant, state->carried ) )
     {
-        return wisp_world_detach( world, guest, state->carried );
+        return wisp_world_detach( world, participant, state->carried );
     }
     return status;
 }
 
-static wisp_status update( wisp_world* world, const collision_state* state, wisp_entity guest )
+static wisp_status update( wisp_world* world, const collision_state* state, wisp_entity participant )
 {
-    const collision_settings* settings = wisp_world_column( world, guest, state->settings, 0 );
-    const bool active = state->body_count > 0 && settings->enabled != 0, figures = active && settings->figures != 0;
+    const collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
+    const bool active = state->body_count > 0 && settings->enabled != 0, stats = active && settings->stats != 0;
     wisp_status status = WISP_OK;
-    if ( figures == false )
+    if ( stats == false )
     {
-        status = wisp_unwant( world, guest, state->figures );
+        status = wisp_cancel_request( world, participant, state->stats );
     }
     if ( status == WISP_OK )
     {
-        status = wisp_world_strands( world, guest ) == NULL ? update_surface( world, state, guest, active )
-                                                            : update_strands( world, state, guest, active );
+        status = wisp_world_strands( world, participant ) == NULL
+                     ? update_surface( world, state, participant, active )
+                     : update_strands( world, state, participant, active );
     }
-    return status == WISP_OK && figures ? wisp_want( world, guest, state->figures ) : status;
+    return status == WISP_OK && stats ? wisp_request( world, participant, state->stats ) : status;
 }
 
 wisp_status collision_update_components( wisp_world* world, collision_state* state )
 {
     wisp_status status = WISP_OK;
-    for ( int i = 0; i < state->guest_count && status == WISP_OK; ++i )
+    for ( int i = 0; i < state->participant_count && status == WISP_OK; ++i )
     {
-        status = update( world, state, state->guests[i] );
+        status = update( world, state, state->participants[i] );
     }
     return status;
 }
@@ -95,7 +99,7 @@ wisp_collision_def wisp_default_collision_def( void )
         .friction = 1.0f,
         .mask = UINT32_MAX,
         .enabled = true,
-        .made_by_default = COLLISION_DEF_MADE,
+        .cookie = COLLISION_DEF_COOKIE,
     };
 }
 
@@ -108,7 +112,7 @@ static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
     } ranges[] = {
         { "thickness", d->thickness },
         { "friction", d->friction },
-        { "recovery_speed", d->recovery_speed },
+        { "max_push_out_speed", d->max_push_out_speed },
     };
     for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
     {
@@ -164,106 +168,106 @@ static float mean_segment( const wisp_strand_topology* strands, const float* len
 }
 
 // Return the mean rest length of edges or segments, m; a millimetre where all are zero.
-static float mean_length( wisp_world* world, wisp_entity guest )
+static float mean_length( wisp_world* world, wisp_entity participant )
 {
-    const wisp_strand_topology* strands = wisp_world_strands( world, guest );
+    const wisp_strand_topology* strands = wisp_world_strands( world, participant );
     float length;
     if ( strands == NULL )
     {
-        length = mean_edge( wisp_world_fabric( world, guest ) );
+        length = mean_edge( wisp_world_fabric( world, participant ) );
     }
-    else if ( wisp_world_has( world, guest, WISP_STRAND_LENGTH ) )
+    else if ( wisp_world_has( world, participant, WISP_STRAND_LENGTH ) )
     {
-        length = mean_segment( strands, wisp_world_column( world, guest, WISP_STRAND_LENGTH, 0 ) );
+        length = mean_segment( strands, wisp_world_column( world, participant, WISP_STRAND_LENGTH, 0 ) );
     }
     else
     {
-        length = mean_rest_segment( strands, wisp_world_column( world, guest, WISP_STRAND_REST, 0 ) );
+        length = mean_rest_segment( strands, wisp_world_column( world, participant, WISP_STRAND_REST, 0 ) );
     }
     return length > 0.0f ? length : 1e-3f;
 }
 
-static collision_settings resolve( const wisp_collision_def* d, float edge, int32_t figures )
+static collision_settings resolve( const wisp_collision_def* d, float edge, int32_t stats )
 {
     return ( collision_settings ){
         .thickness = d->thickness > 0.0f ? d->thickness : 0.25f * edge,
         .friction = d->friction,
-        .recovery_speed = d->recovery_speed > 0.0f ? d->recovery_speed : 10.0f * edge,
+        .max_push_out_speed = d->max_push_out_speed > 0.0f ? d->max_push_out_speed : 10.0f * edge,
         .mask = d->mask,
         .enabled = d->enabled ? 1 : 0,
-        .figures = figures,
+        .stats = stats,
     };
 }
 
 // Add an entity to the list, with settings that are still zero.
-static wisp_status add_guest( wisp_world* world, collision_state* state, wisp_entity guest )
+static wisp_status add_participant( wisp_world* world, collision_state* state, wisp_entity participant )
 {
-    if ( collision_reserve( world, (void**)&state->guests, &state->guest_capacity, state->guest_count,
-                            sizeof( wisp_entity ) ) == false )
+    if ( collision_reserve( world, (void**)&state->participants, &state->participant_capacity,
+                            state->participant_count, sizeof( wisp_entity ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities that collide",
-                                state->guest_count + 1 );
+                                state->participant_count + 1 );
     }
-    wisp_status status = wisp_world_attach( world, guest, state->settings );
+    wisp_status status = wisp_world_attach( world, participant, state->settings );
     if ( status == WISP_OK )
     {
-        state->guests[state->guest_count++] = guest;
+        state->participants[state->participant_count++] = participant;
     }
     return status;
 }
 
 // Check that an entity can collide. Strands with velocities need masses and lengths too, or contacts have nothing to
 // act on.
-static wisp_status find_guest( wisp_world* world, wisp_entity guest, collision_state** state )
+static wisp_status find_participant( wisp_world* world, wisp_entity participant, collision_state** state )
 {
-    if ( wisp_world_strands( world, guest ) == NULL )
+    if ( wisp_world_strands( world, participant ) == NULL )
     {
         void* found;
-        wisp_status status = wisp_world_surface_state( world, "collision", guest, &found );
+        wisp_status status = wisp_world_surface_state( world, "collision", participant, &found );
         *state = found;
         return status;
     }
     wisp_status status = collision_find_state( world, state );
-    if ( status == WISP_OK && wisp_world_has( world, guest, WISP_STRAND_VELOCITY ) &&
-         ( wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) == false ||
-           wisp_world_has( world, guest, WISP_STRAND_LENGTH ) == false ) )
+    if ( status == WISP_OK && wisp_world_has( world, participant, WISP_STRAND_VELOCITY ) &&
+         ( wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) == false ||
+           wisp_world_has( world, participant, WISP_STRAND_LENGTH ) == false ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "collision: the strands of entity %u do not move: give them dynamics first",
-                                guest.index );
+                                participant.index );
     }
     return status;
 }
 
-wisp_status wisp_set_collision( wisp_world* world, wisp_entity guest, const wisp_collision_def* def )
+wisp_status wisp_set_collision( wisp_world* world, wisp_entity participant, const wisp_collision_def* def )
 {
-    WISP_ASSERT( def->made_by_default == COLLISION_DEF_MADE );
+    WISP_ASSERT( def->cookie == COLLISION_DEF_COOKIE );
     collision_state* state;
-    wisp_status status = find_guest( world, guest, &state );
+    wisp_status status = find_participant( world, participant, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    const bool is_new = wisp_world_has( world, guest, state->settings ) == false;
-    status = is_new ? add_guest( world, state, guest ) : WISP_OK;
+    const bool is_new = wisp_world_has( world, participant, state->settings ) == false;
+    status = is_new ? add_participant( world, state, participant ) : WISP_OK;
     if ( status != WISP_OK )
     {
         return status;
     }
-    collision_settings* settings = wisp_world_column( world, guest, state->settings, 0 );
+    collision_settings* settings = wisp_world_column( world, participant, state->settings, 0 );
     const collision_settings before = *settings;
-    *settings = resolve( def, mean_length( world, guest ), before.figures );
-    status = update( world, state, guest );
+    *settings = resolve( def, mean_length( world, participant ), before.stats );
+    status = update( world, state, participant );
     if ( status != WISP_OK )
     {
         *settings = before;
-        update( world, state, guest ); // only detaches, so it cannot fail
+        update( world, state, participant ); // only detaches, so it cannot fail
     }
     if ( status != WISP_OK && is_new )
     {
-        collision_forget_guest( state, guest );
-        wisp_world_detach( world, guest, state->settings );
+        collision_forget_participant( state, participant );
+        wisp_world_detach( world, participant, state->settings );
     }
     return status;
 }

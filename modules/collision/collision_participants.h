@@ -8,4 +8,4 @@
 wisp_status collision_update_components( wisp_world* world, collision_state* state );
 
 /// Remove an entity from the list of participants. @return whether it was there
-bool collision_forget_guest( collision_state* state, wisp_entity guest );
+bool collision_forget_participant( collision_state* state, wisp_entity participant );

@@ -4,20 +4,20 @@
 #include "collision.h"
 
 #include "wisp/module/components.h"
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 #include "wisp/module/module.h"
 
 /// What never changes about a body.
 typedef struct collision_body
 {
     wisp_entity entity;
-    wisp_shape shape;     // unless there is a tree
-    wisp_mesh_tree* tree; // null for a closed form
-    bool sheet;           // double-sided
-    wisp_vec3 centre;     // m, of a box and a ball around the body, in its frame
-    wisp_vec3 half;       // m, of the box; infinite for a plane
-    float ball_radius;    // m
-    float inner;          // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
+    wisp_shape shape;          // unless there is a tree
+    wisp_collision_mesh* tree; // null for a closed form
+    bool double_sided;         // double-sided
+    wisp_vec3 centre;          // m, of a box and a ball around the body, in its frame
+    wisp_vec3 half;            // m, of the box; infinite for a plane
+    float ball_radius;         // m
+    float inner; // m, of a closed form: the smallest of its half sizes; infinite for a plane, 0 for a mesh
 } collision_body;
 
 /// Bodies and participants in the order in which they were added. Passes walk these lists, so results depend on
@@ -29,27 +29,27 @@ typedef struct collision_state
     wisp_component active;         // a mark on surfaces, likewise: also on those that an external solver moves
     wisp_component strand_contact; // rows of strands, likewise
     wisp_component carried;        // rows of strands without dynamics, likewise
-    wisp_component figures;        // wisp_collision_figures
+    wisp_component stats;          // wisp_collision_stats
     wisp_component collider;       // collision_collider
     wisp_component motion;         // a pose: the body is moved
     collision_body* bodies;
     int body_count, body_capacity;
-    wisp_entity* guests; // surfaces and strands
-    int guest_count, guest_capacity;
+    wisp_entity* participants; // surfaces and strands
+    int participant_count, participant_capacity;
 } collision_state;
 
 /// The definition of a participant with the defaults filled in.
 typedef struct collision_settings
 {
-    float thickness, friction, recovery_speed;
+    float thickness, friction, max_push_out_speed;
     uint32_t mask;
-    int32_t enabled, figures;
+    int32_t enabled, stats;
 } collision_settings;
 
 /// Poses and material of a body.
 typedef struct collision_collider
 {
-    wisp_rigid from, to; // at the start and at the end of the step
+    wisp_transform from, to; // at the start and at the end of the step
     float static_friction, kinetic_friction;
     float thickness;
     uint32_t layers;

@@ -1,5 +1,5 @@
 // Statistics: depth and contacts of a participant at the end of a step. In: positions, bodies. Out:
-// wisp_collision_figures. Depths are measured again from the positions, so they include what the contacts missed.
+// wisp_collision_stats. Depths are measured again from the positions, so they include what the contacts missed.
 // Each worker measures blocks of its own; of equally deep vertices the lowest index counts, so that results do not
 // depend on the workers.
 #include "body_queries.h"
@@ -15,7 +15,7 @@ enum
     GROUPS = 4, // of strands per task
 };
 
-static const wisp_collision_figures NOTHING = { .vertex = -1 };
+static const wisp_collision_stats NOTHING = { .vertex = -1 };
 
 typedef struct measure_loop
 {
@@ -23,10 +23,10 @@ typedef struct measure_loop
     const wisp_span* span;
     const collision_state* state;
     bool carried; // strands without dynamics
-    wisp_collision_figures figures[WISP_MAX_WORKERS];
+    wisp_collision_stats stats[WISP_MAX_WORKERS];
 } measure_loop;
 
-static void add_depth( wisp_collision_figures* f, float depth, float thickness, int vertex )
+static void add_depth( wisp_collision_stats* f, float depth, float thickness, int vertex )
 {
     if ( depth > f->penetration || ( depth == f->penetration && depth > 0.0f && vertex < f->vertex ) )
     {
@@ -48,10 +48,11 @@ typedef struct measure_batch
 static void add_vertex( measure_batch* batch, const collision_view* view, int vertex, wisp_vec3 p )
 {
     batch->vertices[batch->count] = vertex;
-    batch->queries[batch->count++] = ( wisp_mesh_query ){ wisp_rigid_to_body( view->after, p ), view->thickness };
+    batch->queries[batch->count++] =
+        ( wisp_mesh_query ){ wisp_transform_to_local( view->after, p ), view->thickness };
 }
 
-static void measure_batch_of( measure_batch* batch, const collision_view* view, wisp_collision_figures* f )
+static void measure_batch_of( measure_batch* batch, const collision_view* view, wisp_collision_stats* f )
 {
     collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
     for ( int i = 0; i < batch->count; ++i )
@@ -64,7 +65,7 @@ static void measure_batch_of( measure_batch* batch, const collision_view* view, 
 
 // ---- surfaces ----
 
-static void count_contacts( const measure_loop* loop, int begin, int end, wisp_collision_figures* f )
+static void count_contacts( const measure_loop* loop, int begin, int end, wisp_collision_stats* f )
 {
     const int32_t* count = wisp_frame_column( loop->frame, loop->span->entity, loop->state->contact, 0 );
     collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
@@ -106,16 +107,16 @@ static void measure_slots( void* context, int begin, int end, int worker )
     for ( int next = 0; collision_next( loop->frame, loop->span, loop->state, &next, &view ); )
     {
         add_free_slots( &batch, &view, fabric, position, begin, end );
-        measure_batch_of( &batch, &view, loop->figures + worker );
+        measure_batch_of( &batch, &view, loop->stats + worker );
     }
-    count_contacts( loop, begin, end, loop->figures + worker );
+    count_contacts( loop, begin, end, loop->stats + worker );
 }
 
 // ---- surfaces of an external solver ----
 
 // The solver holds vertices within the thickness, so only what is behind the surface itself is depth.
 static void measure_touches_of( measure_batch* batch, const collision_view* view, bool* touches,
-                                wisp_collision_figures* f )
+                                wisp_collision_stats* f )
 {
     collision_closest( view->body, batch->queries, batch->count, batch->nearest, batch->is_near );
     for ( int i = 0; i < batch->count; ++i )
@@ -132,7 +133,7 @@ static void measure_solved_slots( void* context, int begin, int end, int worker 
     measure_loop* loop = context;
     const wisp_fabric* fabric = wisp_frame_fabric( loop->frame, loop->span->entity );
     const float* position = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_POSITION, 0 );
-    wisp_collision_figures* f = loop->figures + worker;
+    wisp_collision_stats* f = loop->stats + worker;
     bool touches[CHUNK] = { false }; // [free vertex of the chunk]
     measure_batch batch;
     batch.count = 0;
@@ -166,7 +167,7 @@ static bool is_free( const measure_rows* rows, int group, int row, int lane )
 }
 
 static void measure_row( const measure_rows* rows, const collision_view* view, int group, int row,
-                         wisp_collision_figures* f )
+                         wisp_collision_stats* f )
 {
     const int32_t* strand = rows->strands->lane_strand + (size_t)group * WISP_LANES;
     measure_batch batch;
@@ -204,11 +205,11 @@ static void measure_groups( void* context, int begin, int end, int worker )
     const measure_rows rows = {
         .strands = wisp_frame_strands( loop->frame, e ),
         .position = wisp_frame_column( loop->frame, e, WISP_STRAND_POSITION, 0 ),
-        .weight = loop->carried ? NULL : wisp_frame_column( loop->frame, e, WISP_STRAND_WEIGHT, 0 ),
+        .weight = loop->carried ? NULL : wisp_frame_column( loop->frame, e, WISP_STRAND_INVERSE_MASS, 0 ),
         .pushed = loop->carried ? NULL : wisp_frame_column( loop->frame, e, loop->state->strand_contact, 0 ),
         .moved = loop->carried ? wisp_frame_column( loop->frame, e, loop->state->carried, 0 ) : NULL,
     };
-    wisp_collision_figures* f = loop->figures + worker;
+    wisp_collision_stats* f = loop->stats + worker;
     const int32_t* group_row = rows.strands->group_row;
     for ( int group = begin; group < end; ++group )
     {
@@ -235,14 +236,14 @@ static void measure( measure_loop loop, int count, int grain, wisp_range_fn* run
     const wisp_span* span = loop.span;
     for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
     {
-        loop.figures[w] = NOTHING;
+        loop.stats[w] = NOTHING;
     }
     wisp_parallel_for( wisp_frame_parallel( frame, span ), count, grain, run, &loop );
-    wisp_collision_figures* all = wisp_frame_column( frame, span->entity, loop.state->figures, 0 );
+    wisp_collision_stats* all = wisp_frame_column( frame, span->entity, loop.state->stats, 0 );
     *all = NOTHING;
     for ( int w = 0; w < WISP_MAX_WORKERS; ++w )
     {
-        const wisp_collision_figures* f = loop.figures + w;
+        const wisp_collision_stats* f = loop.stats + w;
         add_depth( all, f->penetration, f->thickness, f->vertex );
         all->contacts += f->contacts;
         all->dropped += f->dropped;
@@ -279,7 +280,7 @@ void collision_measure_carried( wisp_frame* frame, const wisp_span* span, void* 
 
 // ---- reading ----
 
-static wisp_status find_settings( wisp_world* world, wisp_entity guest, collision_state** state,
+static wisp_status find_settings( wisp_world* world, wisp_entity participant, collision_state** state,
                                   collision_settings** out )
 {
     wisp_status status = collision_find_state( world, state );
@@ -287,51 +288,52 @@ static wisp_status find_settings( wisp_world* world, wisp_entity guest, collisio
     {
         return status;
     }
-    *out = wisp_world_column( world, guest, ( *state )->settings, 0 );
+    *out = wisp_world_column( world, participant, ( *state )->settings, 0 );
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", guest.index );
+                        : wisp_world_fail( world, WISP_CONFLICT, "entity %u has no collision", participant.index );
 }
 
-wisp_status wisp_want_collision_figures( wisp_world* world, wisp_entity guest, bool wanted )
+wisp_status wisp_request_collision_stats( wisp_world* world, wisp_entity participant, bool requested )
 {
     collision_state* state;
     collision_settings* settings;
-    wisp_status status = find_settings( world, guest, &state, &settings );
+    wisp_status status = find_settings( world, participant, &state, &settings );
     if ( status != WISP_OK )
     {
         return status;
     }
-    int32_t before = settings->figures;
-    settings->figures = wanted ? 1 : 0;
+    int32_t before = settings->stats;
+    settings->stats = requested ? 1 : 0;
     status = collision_update_components( world, state );
     if ( status != WISP_OK )
     {
-        settings->figures = before;
+        settings->stats = before;
     }
     return status;
 }
 
-wisp_status wisp_read_collision_figures( wisp_world* world, wisp_entity guest, wisp_collision_figures* out )
+wisp_status wisp_read_collision_stats( wisp_world* world, wisp_entity participant, wisp_collision_stats* out )
 {
     *out = NOTHING;
     collision_state* state;
     collision_settings* settings;
-    wisp_status status = find_settings( world, guest, &state, &settings );
-    if ( status == WISP_OK && settings->figures == 0 )
+    wisp_status status = find_settings( world, participant, &state, &settings );
+    if ( status == WISP_OK && settings->stats == 0 )
     {
-        status = wisp_world_fail(
-            world, WISP_CONFLICT,
-            "collision: figures of entity %u were not requested with wisp_want_collision_figures", guest.index );
+        status =
+            wisp_world_fail( world, WISP_CONFLICT,
+                             "collision: figures of entity %u were not requested with wisp_request_collision_stats",
+                             participant.index );
     }
-    const wisp_collision_figures* column =
-        status == WISP_OK ? wisp_world_column( world, guest, state->figures, 0 ) : NULL;
+    const wisp_collision_stats* column =
+        status == WISP_OK ? wisp_world_column( world, participant, state->stats, 0 ) : NULL;
     if ( column != NULL && column->thickness > 0.0f )
     {
         *out = *column;
     }
     else if ( column != NULL )
     {
-        *out = ( wisp_collision_figures ){ .vertex = -1, .contacts = column->contacts, .dropped = column->dropped };
+        *out = ( wisp_collision_stats ){ .vertex = -1, .contacts = column->contacts, .dropped = column->dropped };
     }
     return status;
 }

@@ -50,12 +50,12 @@ static inline float collision_larger( float a, float b )
 }
 
 /// Grow a box to hold a point.
-static inline void collision_widen( wisp_vec3* low, wisp_vec3* high, wisp_vec3 p )
+static inline void collision_widen( wisp_vec3* lower, wisp_vec3* upper, wisp_vec3 p )
 {
-    *low = ( wisp_vec3 ){ collision_smaller( p.x, low->x ), collision_smaller( p.y, low->y ),
-                          collision_smaller( p.z, low->z ) };
-    *high = ( wisp_vec3 ){ collision_larger( p.x, high->x ), collision_larger( p.y, high->y ),
-                           collision_larger( p.z, high->z ) };
+    *lower = ( wisp_vec3 ){ collision_smaller( p.x, lower->x ), collision_smaller( p.y, lower->y ),
+                            collision_smaller( p.z, lower->z ) };
+    *upper = ( wisp_vec3 ){ collision_larger( p.x, upper->x ), collision_larger( p.y, upper->y ),
+                            collision_larger( p.z, upper->z ) };
 }
 
 /// Return whether a point is finite and within the range of queries.

@@ -8,7 +8,7 @@
 // - A path that enters the body gets the tangent plane where it enters; any other the plane at the closest point to
 //   b1. Bodies farther from b1 than 2 h + |b1 - b0| are skipped, with h the thickness. That leaves room for the
 //   constraints to move the particle; what moves farther is swept at the end of the substep (contact_projection.c).
-// - A particle that starts nearer than h is moved out at the recovery speed, together with its previous position, so
+// - A particle that starts nearer than h is moved out at the push-out speed, together with its previous position, so
 //   that the correction gives no velocity. While it is deeper than COLLISION_SHALLOW, its own outward motion gives
 //   none either: links between particles that are moved out in different directions would gain energy.
 // - Lengths come from the participant (thickness a quarter of its mean edge), so a scene at 1/100 or 100 times its
@@ -34,10 +34,10 @@ static float contact_gap( const collision_contact* c, wisp_vec3 p )
 }
 
 // Return room for one more contact, or the farthest if it is farther than the new one, else null.
-static collision_contact* find_room( const collision_find_job* job, int slot, wisp_vec3 p, float gap )
+static collision_contact* find_room( const collision_find_args* args, int slot, wisp_vec3 p, float gap )
 {
-    collision_contact* all = job->contact[slot];
-    int place = job->count[slot]++;
+    collision_contact* all = args->contact[slot];
+    int place = args->count[slot]++;
     if ( place < WISP_COLLISION_CONTACTS )
     {
         return all + place;
@@ -70,14 +70,14 @@ static void lower_clear( collision_block* block, int i, float clear )
 // Move a particle out, in the block too, because later bodies see its new position.
 // @param recovered m, of position and previous position @param absorbed m, outward displacement that shall give no
 // velocity
-static void move_out( const collision_find_job* job, collision_block* block, int i, wisp_vec3 normal, float recovered,
-                      float absorbed )
+static void move_out( const collision_find_args* args, collision_block* block, int i, wisp_vec3 normal,
+                      float recovered, float absorbed )
 {
     const size_t quad = (size_t)block->slot[i] * 4;
     store_one( block->now, i, collision_add_scaled( load_one( block->now, i ), recovered, normal ) );
     store_one( block->old, i, collision_add_scaled( load_one( block->old, i ), recovered + absorbed, normal ) );
-    collision_store( job->position + quad, load_one( block->now, i ) );
-    collision_store( job->previous + quad, load_one( block->old, i ) );
+    collision_store( args->position + quad, load_one( block->now, i ) );
+    collision_store( args->previous + quad, load_one( block->old, i ) );
 }
 
 // Store field by field: copying a whole contact stalls on store forwarding.
@@ -94,13 +94,13 @@ static void fill_contact( collision_contact* c, const collision_view* view, wisp
     c->kinetic_friction = view->kinetic_friction;
 }
 
-static void add_contact( const collision_find_job* job, const collision_view* view, collision_block* block, int i,
+static void add_contact( const collision_find_args* args, const collision_view* view, collision_block* block, int i,
                          const wisp_surface_point* nearest )
 {
     const wisp_vec3 from = load_one( block->from, i ), to = load_one( block->to, i );
     float path = block->path[i];
     wisp_surface_point plane;
-    bool swept = fabsf( nearest->distance ) <= path && collision_sweep( view->body, from, to, &plane );
+    bool swept = fabsf( nearest->distance ) <= path && collision_cast( view->body, from, to, &plane );
     plane = swept ? plane : *nearest;
     lower_clear( block, i, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
     float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
@@ -112,16 +112,16 @@ static void add_contact( const collision_find_job* job, const collision_view* vi
     float outward = collision_larger( now - view->thickness - start, 0.0f ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {
-        recovered = collision_smaller( -start - outward, collision_larger( job->recovery - outward, 0.0f ) );
+        recovered = collision_smaller( -start - outward, collision_larger( args->recovery - outward, 0.0f ) );
     }
-    const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
-    const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );
-    const wisp_vec3 was = wisp_rigid_to_world( view->before, plane.point );
-    move_out( job, block, i, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
+    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
+    const wisp_vec3 point = wisp_transform_to_world( view->after, plane.point );
+    const wisp_vec3 was = wisp_transform_to_world( view->before, plane.point );
+    move_out( args, block, i, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
 
     const float gap = start < 0.0f ? view->thickness + start + recovered : view->thickness;
     const wisp_vec3 p = load_one( block->now, i );
-    collision_contact* c = find_room( job, block->slot[i], p, gap_at( p, point, normal, gap ) );
+    collision_contact* c = find_room( args, block->slot[i], p, gap_at( p, point, normal, gap ) );
     if ( c != NULL )
     {
         fill_contact( c, view, point, normal, collision_sub( point, was ), gap );
@@ -130,7 +130,7 @@ static void add_contact( const collision_find_job* job, const collision_view* vi
 
 // ---- a block and its bodies ----
 
-static void query_candidates( const collision_find_job* job, const collision_view* view, collision_block* block )
+static void query_candidates( const collision_find_args* args, const collision_view* view, collision_block* block )
 {
     wisp_mesh_query queries[COLLISION_BLOCK];
     wisp_surface_point nearest[COLLISION_BLOCK];
@@ -146,7 +146,7 @@ static void query_candidates( const collision_find_job* job, const collision_vie
         const int i = block->candidates[n];
         if ( is_near[n] )
         {
-            add_contact( job, view, block, i, nearest + n );
+            add_contact( args, view, block, i, nearest + n );
         }
         else
         {
@@ -155,9 +155,9 @@ static void query_candidates( const collision_find_job* job, const collision_vie
     }
 }
 
-void collision_meet( const collision_find_job* job, const collision_view* view, collision_block* block )
+void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block )
 {
-    float apart = collision_ball_distance( view, block->low, block->high );
+    float apart = collision_ball_distance( view, block->lower, block->upper );
     if ( apart > 2.0f * view->thickness )
     {
         for ( int i = 0; i < block->count; ++i )
@@ -166,15 +166,15 @@ void collision_meet( const collision_find_job* job, const collision_view* view, 
         }
         return;
     }
-    collision_cull_block( job->kernels, view, block );
-    query_candidates( job, view, block );
+    collision_cull_block( args->kernels, view, block );
+    query_candidates( args, view, block );
 }
 
-void collision_end_block( const collision_find_job* job, const collision_block* block )
+void collision_end_block( const collision_find_args* args, const collision_block* block )
 {
     for ( int i = 0; i < block->count; ++i )
     {
-        job->found[(size_t)block->slot[i] * 4 + 3] = block->clear[i];
+        args->found[(size_t)block->slot[i] * 4 + 3] = block->clear[i];
     }
 }
 
@@ -182,27 +182,27 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    const collision_find_job job = {
+    const collision_find_args args = {
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
         .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
         .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
         .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
-        .recovery = settings->recovery_speed * wisp_frame_seconds( frame ),
+        .recovery = settings->max_push_out_speed * wisp_frame_dt( frame ),
     };
     const wisp_span particles = wisp_frame_particles( frame, span );
     collision_block block;
     for ( int begin = particles.begin; begin < particles.end; begin += COLLISION_BLOCK )
     {
         const int left = particles.end - begin;
-        collision_begin_block( &job, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
+        collision_begin_block( &args, begin, left < COLLISION_BLOCK ? particles.end : begin + COLLISION_BLOCK,
                                &block );
         collision_view view;
         for ( int next = 0; block.count > 0 && collision_next( frame, span, state, &next, &view ); )
         {
-            collision_meet( &job, &view, &block );
+            collision_meet( &args, &view, &block );
         }
-        collision_end_block( &job, &block );
+        collision_end_block( &args, &block );
     }
 }

@@ -4,7 +4,7 @@
 #include "particle_contacts.h"
 
 /// Add the contacts of a block with one body.
-void collision_meet( const collision_find_job* job, const collision_view* view, collision_block* block );
+void collision_meet( const collision_find_args* args, const collision_view* view, collision_block* block );
 
 /// Store the distances that are clear.
-void collision_end_block( const collision_find_job* job, const collision_block* block );
+void collision_end_block( const collision_find_args* args, const collision_block* block );

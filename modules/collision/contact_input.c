@@ -1,5 +1,5 @@
 // Contact input of an external solver (a module that solves for velocities, such as implicit cloth). In: positions
-// and velocities at the start of a substep, poses of the bodies. Out: component particle.touch, up to two moving half
+// and velocities at the start of a substep, poses of the bodies. Out: component particle.contacts, up to two moving half
 // spaces per particle. Nothing is moved here; the solver holds a particle within the margin, which is the thickness
 // of participant and body.
 //
@@ -40,19 +40,19 @@ typedef struct input_loop
     const float *position, *velocity;
     wisp_vec3 gravity; // m/s^2
     float seconds, recovery;
-    int32_t ( *body )[WISP_TOUCHES];
-    float ( *plane )[4 * WISP_TOUCHES];
-    float ( *motion )[4 * WISP_TOUCHES];
-    float ( *friction )[3 * WISP_TOUCHES];
+    int32_t ( *body )[WISP_MAX_PARTICLE_CONTACTS];
+    float ( *plane )[4 * WISP_MAX_PARTICLE_CONTACTS];
+    float ( *motion )[4 * WISP_MAX_PARTICLE_CONTACTS];
+    float ( *friction )[3 * WISP_MAX_PARTICLE_CONTACTS];
     // of the chunk
     int begin;
-    wisp_vec3 low, high;          // m, of all paths
+    wisp_vec3 lower, upper;       // m, of all paths
     float longest;                // m, of all paths
     int slots[CHUNK], slot_count; // of particles that move and are finite
     wisp_vec3 start[CHUNK];       // m, of each of them
     wisp_vec3 end[CHUNK];         // m, of each of them
     int count[CHUNK];             // touches of each particle of the chunk
-    input_touch touch[CHUNK][WISP_TOUCHES];
+    input_touch touch[CHUNK][WISP_MAX_PARTICLE_CONTACTS];
     // of one body
     int candidate_count;
     int candidates[CHUNK]; // particles of the chunk
@@ -67,8 +67,8 @@ static void begin_chunk( input_loop* loop, int begin, int end )
     loop->begin = begin;
     loop->slot_count = 0;
     loop->longest = 0.0f;
-    loop->low = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
-    loop->high = ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY };
+    loop->lower = ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY };
+    loop->upper = ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY };
     memset( loop->count, 0, sizeof( loop->count ) );
     memset( loop->touch, 0, sizeof( loop->touch ) );
     for ( int slot = begin; slot < end; ++slot )
@@ -84,8 +84,8 @@ static void begin_chunk( input_loop* loop, int begin, int end )
             loop->end[loop->slot_count] = after;
             loop->slots[loop->slot_count++] = slot;
             loop->longest = collision_larger( loop->longest, collision_length( collision_sub( after, p ) ) );
-            collision_widen( &loop->low, &loop->high, p );
-            collision_widen( &loop->low, &loop->high, after );
+            collision_widen( &loop->lower, &loop->upper, p );
+            collision_widen( &loop->lower, &loop->upper, after );
         }
     }
 }
@@ -95,10 +95,10 @@ static void begin_chunk( input_loop* loop, int begin, int end )
 // Return whether the body is beyond the margin and path of every particle, in its own frame.
 static bool is_far( const input_loop* loop, const collision_view* view )
 {
-    const wisp_vec3 carried = collision_sub( wisp_rigid_to_world( view->after, view->body->centre ),
-                                             wisp_rigid_to_world( view->before, view->body->centre ) );
+    const wisp_vec3 carried = collision_sub( wisp_transform_to_world( view->after, view->body->centre ),
+                                             wisp_transform_to_world( view->before, view->body->centre ) );
     const float reach = view->thickness + loop->longest + collision_length( carried );
-    return collision_ball_distance( view, loop->low, loop->high ) > reach;
+    return collision_ball_distance( view, loop->lower, loop->upper ) > reach;
 }
 
 static void query_candidates( input_loop* loop, const collision_view* view )
@@ -106,8 +106,8 @@ static void query_candidates( input_loop* loop, const collision_view* view )
     loop->candidate_count = 0;
     for ( int i = 0; i < loop->slot_count; ++i )
     {
-        const wisp_vec3 from = wisp_rigid_to_body( view->before, loop->start[i] );
-        const wisp_vec3 to = wisp_rigid_to_body( view->after, loop->end[i] );
+        const wisp_vec3 from = wisp_transform_to_local( view->before, loop->start[i] );
+        const wisp_vec3 to = wisp_transform_to_local( view->after, loop->end[i] );
         const float reach = view->thickness + collision_length( collision_sub( to, from ) );
         if ( collision_box_distance( view->body, from ) <= reach )
         {
@@ -166,12 +166,12 @@ static bool pass_by( const collision_view* view, wisp_vec3 from, wisp_vec3 to, w
 static void tilt( wisp_surface_point* plane, wisp_vec3 from, float margin )
 {
     const wisp_vec3 way = collision_sub( from, plane->point );
-    const float length = collision_length( way ), share = collision_smaller( 1.0f, margin / length );
+    const float length = collision_length( way ), fraction = collision_smaller( 1.0f, margin / length );
     const wisp_vec3 w = { way.x / length, way.y / length, way.z / length };
-    const wisp_vec3 across = collision_add_scaled( plane->normal, -collision_dot( plane->normal, w ), w );
-    const float rest = sqrtf( 1.0f - share * share ) / collision_larger( collision_length( across ), FLT_MIN );
-    plane->normal =
-        ( wisp_vec3 ){ share * w.x + rest * across.x, share * w.y + rest * across.y, share * w.z + rest * across.z };
+    const wisp_vec3 foreign = collision_add_scaled( plane->normal, -collision_dot( plane->normal, w ), w );
+    const float rest = sqrtf( 1.0f - fraction * fraction ) / collision_larger( collision_length( foreign ), FLT_MIN );
+    plane->normal = ( wisp_vec3 ){ fraction * w.x + rest * foreign.x, fraction * w.y + rest * foreign.y,
+                                   fraction * w.z + rest * foreign.z };
     plane->distance = margin;
 }
 
@@ -181,7 +181,7 @@ static bool find_plane( const collision_view* view, wisp_vec3 from, wisp_vec3 to
     const float path = collision_length( collision_sub( to, from ) );
     const bool touches = plane->distance < view->thickness;
     wisp_surface_point hit;
-    if ( fabsf( plane->distance ) <= path && collision_sweep( view->body, from, to, &hit ) )
+    if ( fabsf( plane->distance ) <= path && collision_cast( view->body, from, to, &hit ) )
     {
         *plane = hit;
         plane->distance = collision_larger( 0.0f, in_front( plane, from ) );
@@ -212,11 +212,11 @@ static void insert( input_loop* loop, int particle, const input_touch* found )
     {
         place -= 1;
     }
-    if ( place == WISP_TOUCHES )
+    if ( place == WISP_MAX_PARTICLE_CONTACTS )
     {
         return;
     }
-    loop->count[particle] += loop->count[particle] < WISP_TOUCHES ? 1 : 0;
+    loop->count[particle] += loop->count[particle] < WISP_MAX_PARTICLE_CONTACTS ? 1 : 0;
     for ( int i = loop->count[particle] - 1; i > place; --i )
     {
         all[i] = all[i - 1];
@@ -238,9 +238,9 @@ static void add_touch( input_loop* loop, const collision_view* view, int i )
         .body = id_of( view->body->entity ),
         .friction = { view->static_friction, view->kinetic_friction, loop->recovery },
     };
-    collision_store( found.plane, wisp_quat_turn( view->before.rotation, plane.normal ) );
+    collision_store( found.plane, wisp_quat_rotate( view->before.rotation, plane.normal ) );
     found.plane[3] = plane.distance;
-    collision_store( found.motion, wisp_rigid_velocity( view->before, view->after, loop->seconds, plane.point ) );
+    collision_store( found.motion, wisp_transform_velocity( view->before, view->after, loop->seconds, plane.point ) );
     found.motion[3] = view->thickness;
     insert( loop, loop->candidates[i], &found );
 }
@@ -251,7 +251,7 @@ static void write_rows( const input_loop* loop, int end )
 {
     for ( int slot = loop->begin; slot < end; ++slot )
     {
-        for ( int k = 0; k < WISP_TOUCHES; ++k )
+        for ( int k = 0; k < WISP_MAX_PARTICLE_CONTACTS; ++k )
         {
             const input_touch* t = &loop->touch[slot - loop->begin][k];
             loop->body[slot][k] = t->body;
@@ -291,12 +291,12 @@ void collision_sense( wisp_frame* frame, const wisp_span* span, void* user )
     loop.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     loop.velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
     loop.gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    loop.seconds = wisp_frame_seconds( frame );
-    loop.recovery = settings->recovery_speed;
-    loop.body = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 0 );
-    loop.plane = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 1 );
-    loop.motion = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 2 );
-    loop.friction = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TOUCH, 3 );
+    loop.seconds = wisp_frame_dt( frame );
+    loop.recovery = settings->max_push_out_speed;
+    loop.body = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 0 );
+    loop.plane = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 1 );
+    loop.motion = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 2 );
+    loop.friction = wisp_frame_column( frame, span->entity, WISP_PARTICLE_CONTACTS, 3 );
     const wisp_span particles = wisp_frame_particles( frame, span );
     for ( int begin = particles.begin; begin < particles.end; begin += CHUNK )
     {

@@ -36,8 +36,8 @@ static void project_contact( collision_contact* c, wisp_vec3* p, wisp_vec3 previ
     u = collision_add_scaled( u, -collision_dot( n, u ), n );
     u = collision_sub( u, before );
     float length = collision_length( u );
-    float share = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
-    const wisp_vec3 now = { -share * u.x, -share * u.y, -share * u.z };
+    float fraction = length <= c->static_friction * normal ? 1.0f : c->kinetic_friction * normal / length;
+    const wisp_vec3 now = { -fraction * u.x, -fraction * u.y, -fraction * u.z };
     *p = collision_add_scaled( *p, 1.0f, collision_sub( now, before ) );
     collision_store( c->tangential_correction, now );
 }
@@ -64,18 +64,18 @@ static void project_contacts( collision_contact* contacts, int count, wisp_vec3*
 // enters. If the way there is blocked as well, it keeps its old place in the frame of the body.
 static void stop_at_entry( const collision_view* view, wisp_vec3* p, wisp_vec3 previous )
 {
-    const wisp_vec3 from = wisp_rigid_to_body( view->before, previous );
-    wisp_vec3 to = wisp_rigid_to_body( view->after, *p );
+    const wisp_vec3 from = wisp_transform_to_local( view->before, previous );
+    wisp_vec3 to = wisp_transform_to_local( view->after, *p );
     wisp_surface_point hit;
-    if ( collision_sweep( view->body, from, to, &hit ) == false )
+    if ( collision_cast( view->body, from, to, &hit ) == false )
     {
         return;
     }
     // no farther from the body than it was: an approach must not become a separation
     float height = collision_dot( hit.normal, collision_sub( from, hit.point ) );
     to = collision_add_scaled( hit.point, fminf( view->thickness, fmaxf( 0.0f, height ) ), hit.normal );
-    to = collision_sweep( view->body, from, to, &hit ) ? from : to;
-    *p = wisp_rigid_to_world( view->after, to );
+    to = collision_cast( view->body, from, to, &hit ) ? from : to;
+    *p = wisp_transform_to_world( view->after, to );
 }
 
 typedef struct project_loop
@@ -92,25 +92,25 @@ typedef struct project_loop
 static void stop_displaced( wisp_frame* frame, const wisp_span* span, const collision_state* state,
                             project_loop* loop )
 {
-    wisp_vec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
+    wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
     for ( int i = 0; i < loop->displaced_count; ++i )
     {
         size_t quad = (size_t)loop->displaced[i] * 4;
-        collision_widen( &low, &high, collision_load( loop->position + quad ) );
-        collision_widen( &low, &high, collision_load( loop->previous + quad ) );
+        collision_widen( &lower, &upper, collision_load( loop->position + quad ) );
+        collision_widen( &lower, &upper, collision_load( loop->previous + quad ) );
     }
     collision_view view;
     for ( int next = 0; loop->displaced_count > 0 && collision_next( frame, span, state, &next, &view ); )
     {
         // a particle that one body moved may touch the next
-        const bool near = collision_ball_distance( &view, low, high ) <= 2.0f * view.thickness;
+        const bool near = collision_ball_distance( &view, lower, upper ) <= 2.0f * view.thickness;
         for ( int i = 0; i < loop->displaced_count && near; ++i )
         {
             size_t quad = (size_t)loop->displaced[i] * 4;
             wisp_vec3 p = collision_load( loop->position + quad );
             stop_at_entry( &view, &p, collision_load( loop->previous + quad ) );
             collision_store( loop->position + quad, p );
-            collision_widen( &low, &high, p );
+            collision_widen( &lower, &upper, p );
         }
     }
 }
@@ -124,11 +124,11 @@ _Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( 
 // Project the particles with one contact, of the block that begins at `begin`.
 static void project_singles( const wisp_kernels* kernels, project_loop* loop, int begin, int end )
 {
-    int32_t particle4[CHUNK], row16[CHUNK];
+    int32_t particle_x4[CHUNK], row16[CHUNK];
     int n = 0;
     for ( int slot = begin; slot < end; ++slot )
     {
-        particle4[n] = 4 * ( slot - begin );
+        particle_x4[n] = 4 * ( slot - begin );
         row16[n] = 16 * WISP_COLLISION_CONTACTS * ( slot - begin );
         n += loop->count[slot] == 1 ? 1 : 0;
     }
@@ -136,17 +136,17 @@ static void project_singles( const wisp_kernels* kernels, project_loop* loop, in
     const int padded = ( n + 7 ) / 8 * 8;
     for ( int i = n; i < padded; ++i )
     {
-        particle4[i] = particle4[n - 1];
+        particle_x4[i] = particle_x4[n - 1];
         row16[i] = row16[n - 1];
     }
-    const wisp_half_space_job job = {
+    const wisp_half_space_args args = {
         .position = loop->position + (size_t)begin * 4,
         .previous = loop->previous + (size_t)begin * 4,
         .rows = loop->contact[begin][0].point,
-        .particle4 = particle4,
+        .particle_x4 = particle_x4,
         .row16 = row16,
     };
-    kernels->half_space( &job, 0, padded );
+    kernels->half_space( &args, 0, padded );
 }
 
 static void project_several( project_loop* loop, int begin, int end )
@@ -185,7 +185,7 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
         project_several( &loop, begin, end );
         if ( last )
         {
-            loop.displaced_count = kernels->swarm_stray( loop.position, loop.found, begin, end, loop.displaced );
+            loop.displaced_count = kernels->find_displaced( loop.position, loop.found, begin, end, loop.displaced );
             stop_displaced( frame, span, state, &loop );
         }
     }

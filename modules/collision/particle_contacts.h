@@ -28,7 +28,7 @@ typedef struct collision_block
     int32_t slot[COLLISION_BLOCK]; // of each of them
     float now[3][COLLISION_BLOCK]; // m, in the world
     float old[3][COLLISION_BLOCK]; // m, in the world, at the start of the substep
-    wisp_vec3 low, high;           // m, of all paths, before a body moved anything
+    wisp_vec3 lower, upper;        // m, of all paths, before a body moved anything
     float clear[COLLISION_BLOCK];  // m, within this distance there is no body without a contact
     // seen from one body, in its frame
     float from[3][COLLISION_BLOCK], to[3][COLLISION_BLOCK];
@@ -38,7 +38,7 @@ typedef struct collision_block
 } collision_block;
 
 /// Columns of the participant whose contacts are found.
-typedef struct collision_find_job
+typedef struct collision_find_args
 {
     const wisp_kernels* kernels;
     float *position, *previous; // [slot][4]
@@ -46,4 +46,4 @@ typedef struct collision_find_job
     float* found;               // [slot][4] m, where they were found; the distance that is clear
     collision_contact ( *contact )[WISP_COLLISION_CONTACTS];
     float recovery; // m, in this substep
-} collision_find_job;
+} collision_find_args;

@@ -7,7 +7,7 @@
 //   them in the next step.
 // - The pass is in the stage of appearances, so it runs after guide_hair.ghosts, lengths and carry whatever the order
 //   of modules. It reads positions, so it also runs after frozen_hair.start, which only writes them. Freezing and
-//   aligning run after it by the order of modules. The copy strand.carried needs no push then, and hair that starts
+//   aligning run after it by the order of modules. The copy strand.posed needs no push then, and hair that starts
 //   from its rest shape is kept out as well.
 // - Cost per vertex (ghosts of head_shake.yaml, one worker of a busy Zen 3): 22 to 30 ns around a sphere, 12 ns where
 //   hardly any vertex of a group touches, 6 to 8 ns away from all bodies.
@@ -22,7 +22,7 @@ typedef struct carried_group
     float* position; // of the entity
     uint32_t* moved; // of the entity
     int group;
-    wisp_vec3 low, high; // of the vertices that may move
+    wisp_vec3 lower, upper; // of the vertices that may move
 } carried_group;
 
 static const size_t ROW = 3 * WISP_LANES;
@@ -41,12 +41,12 @@ static bool is_vertex( const carried_group* g, int row, int lane )
 // it.
 static void find_box( carried_group* g )
 {
-    float low[3 * WISP_LANES], high[3 * WISP_LANES];
+    float lower[3 * WISP_LANES], upper[3 * WISP_LANES];
     int32_t last[3 * WISP_LANES]; // vertices of the lane
     for ( int i = 0; i < 3 * WISP_LANES; ++i )
     {
-        low[i] = INFINITY;
-        high[i] = -INFINITY;
+        lower[i] = INFINITY;
+        upper[i] = -INFINITY;
         last[i] = g->strands->lane_count[g->group * WISP_LANES + i % WISP_LANES];
     }
     const int rows = g->strands->group_row[g->group + 1] - first_row( g );
@@ -56,17 +56,17 @@ static void find_box( carried_group* g )
         for ( int i = 0; i < 3 * WISP_LANES; ++i )
         {
             const float down = vertex < last[i] ? x[i] : INFINITY, up = vertex < last[i] ? x[i] : -INFINITY;
-            low[i] = down < low[i] ? down : low[i];
-            high[i] = up > high[i] ? up : high[i];
+            lower[i] = down < lower[i] ? down : lower[i];
+            upper[i] = up > upper[i] ? up : upper[i];
         }
     }
-    g->low = collision_load_lane( low );
-    g->high = collision_load_lane( high );
+    g->lower = collision_load_lane( lower );
+    g->upper = collision_load_lane( upper );
     for ( int lane = 1; lane < WISP_LANES; ++lane )
     {
-        const wisp_vec3 l = collision_load_lane( low + lane ), h = collision_load_lane( high + lane );
-        g->low = ( wisp_vec3 ){ fminf( g->low.x, l.x ), fminf( g->low.y, l.y ), fminf( g->low.z, l.z ) };
-        g->high = ( wisp_vec3 ){ fmaxf( g->high.x, h.x ), fmaxf( g->high.y, h.y ), fmaxf( g->high.z, h.z ) };
+        const wisp_vec3 l = collision_load_lane( lower + lane ), h = collision_load_lane( upper + lane );
+        g->lower = ( wisp_vec3 ){ fminf( g->lower.x, l.x ), fminf( g->lower.y, l.y ), fminf( g->lower.z, l.z ) };
+        g->upper = ( wisp_vec3 ){ fmaxf( g->upper.x, h.x ), fmaxf( g->upper.y, h.y ), fmaxf( g->upper.z, h.z ) };
     }
 }
 
@@ -74,7 +74,7 @@ static void find_box( carried_group* g )
 typedef struct carried_box
 {
     float axis[3][3], origin[3]; // in the world
-    float low[3], high[3];
+    float lower[3], upper[3];
     float reach; // m^2
 } carried_box;
 
@@ -85,15 +85,15 @@ static carried_box box_of( const collision_view* view )
     const float reach = 1.001f * view->thickness; // wider by rounding: the closest point query decides
     carried_box box = { .reach = reach * reach };
     collision_store( box.origin, view->after.translation );
-    collision_store( box.low, ( wisp_vec3 ){ c.x - h.x, c.y - h.y, c.z - h.z } );
-    collision_store( box.high, ( wisp_vec3 ){ c.x + h.x, c.y + h.y, c.z + h.z } );
+    collision_store( box.lower, ( wisp_vec3 ){ c.x - h.x, c.y - h.y, c.z - h.z } );
+    collision_store( box.upper, ( wisp_vec3 ){ c.x + h.x, c.y + h.y, c.z + h.z } );
     for ( int k = 0; k < 3; ++k )
     {
         const wisp_vec3 axis = { k == 0 ? 1.0f : 0.0f, k == 1 ? 1.0f : 0.0f, k == 2 ? 1.0f : 0.0f };
-        collision_store( box.axis[k], wisp_quat_turn( view->after.rotation, axis ) );
+        collision_store( box.axis[k], wisp_quat_rotate( view->after.rotation, axis ) );
     }
     // a plane is infinite except upwards
-    box.high[1] = body->inner < INFINITY ? box.high[1] : 0.0f;
+    box.upper[1] = body->inner < INFINITY ? box.upper[1] : 0.0f;
     return box;
 }
 
@@ -108,7 +108,7 @@ static void find_near( const carried_box* box, const float* x, bool* near )
         {
             const float q = a[0] * ( x[lane] - box->origin[0] ) + a[1] * ( x[WISP_LANES + lane] - box->origin[1] ) +
                             a[2] * ( x[2 * WISP_LANES + lane] - box->origin[2] );
-            const float under = box->low[k] - q, over = q - box->high[k], beside = under > over ? under : over;
+            const float under = box->lower[k] - q, over = q - box->upper[k], beside = under > over ? under : over;
             squared[lane] += beside > 0.0f ? beside * beside : 0.0f * q;
         }
     }
@@ -134,7 +134,7 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
         {
             const wisp_vec3 p = collision_load_lane( g->position + (size_t)row * ROW + lane );
             lanes[n] = lane;
-            queries[n++] = ( wisp_mesh_query ){ wisp_rigid_to_body( view->after, p ), view->thickness };
+            queries[n++] = ( wisp_mesh_query ){ wisp_transform_to_local( view->after, p ), view->thickness };
         }
     }
     if ( n == 0 )
@@ -147,7 +147,7 @@ static bool push_row( const carried_group* g, const collision_view* view, const 
         if ( is_near[i] && nearest[i].distance < view->thickness )
         {
             float* at = g->position + (size_t)row * ROW + lanes[i];
-            const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, nearest[i].normal );
+            const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, nearest[i].normal );
             const float out = view->thickness - nearest[i].distance;
             collision_store_lane( at, collision_add_scaled( collision_load_lane( at ), out, normal ) );
             moved |= 1u << lanes[i];
@@ -175,10 +175,10 @@ static void keep_group_out( wisp_frame* frame, const wisp_span* span, const coll
     memset( g->moved + first_row( g ), 0, (size_t)rows * sizeof( uint32_t ) );
     find_box( g );
     collision_view view;
-    for ( int next = 0; g->low.x <= g->high.x && collision_next( frame, span, state, &next, &view ); )
+    for ( int next = 0; g->lower.x <= g->upper.x && collision_next( frame, span, state, &next, &view ); )
     {
         view.before = view.after; // the path does not matter
-        const bool is_near = collision_ball_distance( &view, g->low, g->high ) <= view.thickness;
+        const bool is_near = collision_ball_distance( &view, g->lower, g->upper ) <= view.thickness;
         if ( is_near && push_group( g, &view ) )
         {
             find_box( g );

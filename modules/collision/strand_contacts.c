@@ -26,7 +26,7 @@
 
 typedef struct strand_loop
 {
-    wisp_strand_contact_job job; // without the body
+    wisp_strand_contact_args args; // without the body
     int group;
     wisp_strand_reach reach; // of the group
 } strand_loop;
@@ -37,7 +37,7 @@ static const size_t ROW = 3 * WISP_LANES;
 
 static bool is_still( const collision_view* view )
 {
-    return memcmp( &view->before, &view->after, sizeof( wisp_rigid ) ) == 0;
+    return memcmp( &view->before, &view->after, sizeof( wisp_transform ) ) == 0;
 }
 
 // Return an upper bound of the path of a vertex in the frame of the body. A rigid motion moves a box most at one of
@@ -48,28 +48,28 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
     for ( int corner = 0; corner < 8 && is_still( view ) == false; ++corner )
     {
         const wisp_vec3 c = {
-            ( corner & 1 ) != 0 ? loop->reach.high.x : loop->reach.low.x,
-            ( corner & 2 ) != 0 ? loop->reach.high.y : loop->reach.low.y,
-            ( corner & 4 ) != 0 ? loop->reach.high.z : loop->reach.low.z,
+            ( corner & 1 ) != 0 ? loop->reach.upper.x : loop->reach.lower.x,
+            ( corner & 2 ) != 0 ? loop->reach.upper.y : loop->reach.lower.y,
+            ( corner & 4 ) != 0 ? loop->reach.upper.z : loop->reach.lower.z,
         };
-        const wisp_vec3 carried = wisp_rigid_to_world( view->after, wisp_rigid_to_body( view->before, c ) );
+        const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
         most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
     }
     return most + loop->reach.path;
 }
 
-static float beside( float x, float low, float high )
+static float beside( float x, float lower, float upper )
 {
-    return fmaxf( 0.0f, fmaxf( low - x, x - high ) );
+    return fmaxf( 0.0f, fmaxf( lower - x, x - upper ) );
 }
 
 // Return a lower bound of the distance of the group's box from the ball around the body at a pose, m.
-static float apart_at( const strand_loop* loop, const collision_body* body, wisp_rigid pose )
+static float apart_at( const strand_loop* loop, const collision_body* body, wisp_transform pose )
 {
-    const wisp_vec3 c = wisp_rigid_to_world( pose, body->centre );
-    const wisp_vec3 d = { beside( c.x, loop->reach.low.x, loop->reach.high.x ),
-                          beside( c.y, loop->reach.low.y, loop->reach.high.y ),
-                          beside( c.z, loop->reach.low.z, loop->reach.high.z ) };
+    const wisp_vec3 c = wisp_transform_to_world( pose, body->centre );
+    const wisp_vec3 d = { beside( c.x, loop->reach.lower.x, loop->reach.upper.x ),
+                          beside( c.y, loop->reach.lower.y, loop->reach.upper.y ),
+                          beside( c.z, loop->reach.lower.z, loop->reach.upper.z ) };
     return collision_length( d ) - body->ball_radius;
 }
 
@@ -91,7 +91,7 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
     strand_way way;
-    way.recovered = fminf( left, fmaxf( 0.0f, loop->job.recovery - outward ) );
+    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.recovery - outward ) );
     way.left = left - way.recovered;
     way.out = fmaxf( 0.0f, thickness - way.left - now );
     way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
@@ -101,10 +101,10 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
 // Return the friction displacement.
 static wisp_vec3 friction_of( const collision_view* view, wisp_vec3 u, wisp_vec3 normal, float push )
 {
-    const wisp_vec3 across = collision_add_scaled( u, -collision_dot( normal, u ), normal );
-    const float length = collision_length( across );
-    const float share = length <= view->static_friction * push ? 1.0f : view->kinetic_friction * push / length;
-    return ( wisp_vec3 ){ share * across.x, share * across.y, share * across.z };
+    const wisp_vec3 foreign = collision_add_scaled( u, -collision_dot( normal, u ), normal );
+    const float length = collision_length( foreign );
+    const float fraction = length <= view->static_friction * push ? 1.0f : view->kinetic_friction * push / length;
+    return ( wisp_vec3 ){ fraction * foreign.x, fraction * foreign.y, fraction * foreign.z };
 }
 
 static void push_vertex( strand_loop* loop, const collision_view* view, int row, int lane, wisp_vec3 from,
@@ -112,7 +112,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
 {
     const float path = collision_length( collision_sub( to, from ) );
     wisp_surface_point plane;
-    const bool swept = fabsf( nearest->distance ) <= path && collision_sweep( view->body, from, to, &plane );
+    const bool swept = fabsf( nearest->distance ) <= path && collision_cast( view->body, from, to, &plane );
     plane = swept ? plane : *nearest;
     const float now = swept ? collision_dot( plane.normal, collision_sub( to, plane.point ) ) : nearest->distance;
     if ( !( now < view->thickness ) )
@@ -120,21 +120,21 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
         return;
     }
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
-    float *at = loop->job.position + (size_t)row * ROW + lane, *was = loop->job.previous + (size_t)row * ROW + lane;
+    float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
     const float start = collision_start_gap( view, &plane, from, swept ) + view->thickness;
-    const strand_way way = find_way( loop, view->thickness, start, now, loop->job.depth[i] );
-    const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
+    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.depth[i] );
+    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
     const wisp_vec3 previous =
         collision_add_scaled( collision_load_lane( was ), way.recovered + way.absorbed, normal );
-    const wisp_vec3 motion = collision_sub( wisp_rigid_to_world( view->after, plane.point ),
-                                            wisp_rigid_to_world( view->before, plane.point ) );
+    const wisp_vec3 motion = collision_sub( wisp_transform_to_world( view->after, plane.point ),
+                                            wisp_transform_to_world( view->before, plane.point ) );
     const float push = fmaxf( 0.0f, way.out - way.recovered );
     const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
     collision_store_lane( at, collision_sub( p, friction_of( view, u, normal, push ) ) );
     collision_store_lane( was, previous );
-    loop->job.pushed[i] += push;
-    loop->job.left[i] = fmaxf( loop->job.left[i], way.left );
+    loop->args.pushed[i] += push;
+    loop->args.left[i] = fmaxf( loop->args.left[i], way.left );
 }
 
 static void push_row( strand_loop* loop, const collision_view* view, int row )
@@ -146,13 +146,13 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
     bool is_near[WISP_LANES];
     for ( int l = 0; l < WISP_LANES; ++l )
     {
-        if ( !( loop->job.weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
+        if ( !( loop->args.weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
         {
             continue;
         }
         const size_t at = (size_t)row * ROW + (size_t)l;
-        from[n] = wisp_rigid_to_body( view->before, collision_load_lane( loop->job.previous + at ) );
-        const wisp_vec3 to = wisp_rigid_to_body( view->after, collision_load_lane( loop->job.position + at ) );
+        from[n] = wisp_transform_to_local( view->before, collision_load_lane( loop->args.previous + at ) );
+        const wisp_vec3 to = wisp_transform_to_local( view->after, collision_load_lane( loop->args.position + at ) );
         const float reach = view->thickness + collision_length( collision_sub( to, from[n] ) );
         // false for NaN too
         if ( collision_box_distance( view->body, to ) <= reach )
@@ -175,14 +175,14 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
 
 static void push_lanes( wisp_frame* frame, const strand_loop* loop, const collision_view* view )
 {
-    wisp_strand_contact_job job = loop->job;
-    job.shape = view->body->shape;
-    job.before = view->before;
-    job.after = view->after;
-    job.thickness = view->thickness;
-    job.static_friction = view->static_friction;
-    job.kinetic_friction = view->kinetic_friction;
-    wisp_frame_kernels( frame )->strand_contact( &job, loop->group, loop->group + 1 );
+    wisp_strand_contact_args args = loop->args;
+    args.shape = view->body->shape;
+    args.before = view->before;
+    args.after = view->after;
+    args.thickness = view->thickness;
+    args.static_friction = view->static_friction;
+    args.kinetic_friction = view->kinetic_friction;
+    wisp_frame_kernels( frame )->strand_contact( &args, loop->group, loop->group + 1 );
 }
 
 static void push_group( wisp_frame* frame, strand_loop* loop, const collision_view* view )
@@ -203,7 +203,7 @@ static void push_group( wisp_frame* frame, strand_loop* loop, const collision_vi
         push_lanes( frame, loop, view );
         return;
     }
-    for ( int row = loop->job.group_row[loop->group]; row < loop->job.group_row[loop->group + 1]; ++row )
+    for ( int row = loop->args.group_row[loop->group]; row < loop->args.group_row[loop->group + 1]; ++row )
     {
         push_row( loop, view, row );
     }
@@ -214,21 +214,21 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
     const collision_state* state = user;
     const collision_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     strand_loop loop;
-    loop.job = ( wisp_strand_contact_job ){
+    loop.args = ( wisp_strand_contact_args ){
         .group_row = wisp_frame_strands( frame, span->entity )->group_row,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_STRAND_PREVIOUS, 0 ),
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
+        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
         .pushed = wisp_frame_column( frame, span->entity, state->strand_contact, 0 ),
         .depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
         .left = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
-        .recovery = span->iteration == 0 ? settings->recovery_speed * wisp_frame_seconds( frame ) : 0.0f,
+        .recovery = span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame ) : 0.0f,
     };
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )
     {
-        kernels->strand_contact_begin( &loop.job, loop.group, span->iteration == 0, &loop.reach );
-        const bool moves = loop.reach.low.x <= loop.reach.high.x;
+        kernels->strand_contact_begin( &loop.args, loop.group, span->iteration == 0, &loop.reach );
+        const bool moves = loop.reach.lower.x <= loop.reach.upper.x;
         collision_view view;
         for ( int next = 0; moves && collision_next( frame, span, state, &next, &view ); )
         {

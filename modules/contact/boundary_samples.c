@@ -11,7 +11,7 @@
 
 static bool reserve_samples( const contact_work* work, int count )
 {
-    contact_samples* s = work->soup->samples;
+    contact_samples* s = work->contact_mesh->samples;
     const size_t n = (size_t)count;
     wisp_buffer* b = s->buffers;
     return contact_reserve( work, b++, n * sizeof( *s->parents ), (void**)&s->parents ) &&
@@ -22,11 +22,11 @@ static bool reserve_samples( const contact_work* work, int count )
            contact_reserve( work, b++, n * sizeof( *s->boxes ), (void**)&s->boxes );
 }
 
-static void add_vertices( contact_soup* s, const contact_guest* guest )
+static void add_vertices( contact_contact_mesh* s, const contact_participant* participant )
 {
-    for ( int i = 0; i < guest->point_count; ++i )
+    for ( int i = 0; i < participant->point_count; ++i )
     {
-        const int point = guest->first_point + i, sample = s->samples->count++;
+        const int point = participant->first_point + i, sample = s->samples->count++;
         for ( int k = 0; k < 3; ++k )
         {
             s->samples->parents[sample][k] = point;
@@ -35,7 +35,7 @@ static void add_vertices( contact_soup* s, const contact_guest* guest )
     }
 }
 
-static void add_samples( contact_soup* s, const wisp_samples* layer, int first_point )
+static void add_samples( contact_contact_mesh* s, const wisp_samples* layer, int first_point )
 {
     for ( int i = 0; layer != NULL && i < layer->count; ++i )
     {
@@ -48,7 +48,7 @@ static void add_samples( contact_soup* s, const wisp_samples* layer, int first_p
     }
 }
 
-static void place_at_rest( contact_soup* s )
+static void place_at_rest( contact_contact_mesh* s )
 {
     for ( int i = 0; i < s->samples->count; ++i )
     {
@@ -58,16 +58,16 @@ static void place_at_rest( contact_soup* s )
 }
 
 // Sample a surface at rest. The sampler keeps counts from call to call, so each call starts from zero.
-static wisp_status sample_surface( const contact_work* work, const contact_guest* guest )
+static wisp_status sample_surface( const contact_work* work, const contact_participant* participant )
 {
     enum
     {
         NUMBERS_PER_EDGE = 2,
         NUMBERS_PER_TRIANGLE = 4,
-        MOST_SAMPLES = 1 << 22,
+        MAX_SAMPLES = 1 << 22,
     };
-    contact_soup* s = work->soup;
-    const wisp_fabric* f = wisp_frame_fabric( work->frame, guest->entity );
+    contact_contact_mesh* s = work->contact_mesh;
+    const wisp_fabric* f = wisp_frame_fabric( work->frame, participant->entity );
     const size_t edges = (size_t)f->edge_count, triangles = (size_t)f->triangle_count;
     const size_t numbers = edges * NUMBERS_PER_EDGE + triangles * NUMBERS_PER_TRIANGLE;
     float* scratch = wisp_parallel_scratch( work->parallel, work->worker, ( numbers + 1 ) * sizeof( float ) );
@@ -76,17 +76,17 @@ static wisp_status sample_surface( const contact_work* work, const contact_guest
         return WISP_NO_MEMORY;
     }
     memset( scratch, 0, numbers * sizeof( float ) );
-    const float wanted = work->settings->sample_spacing;
+    const float requested = work->settings->particle_spacing;
     int32_t* counts = (int32_t*)(void*)( scratch + edges + 2 * triangles );
-    const wisp_samples_job job = {
-        .position = s->rest + (size_t)guest->first_point * 4,
+    const wisp_samples_args args = {
+        .position = s->rest + (size_t)participant->first_point * 4,
         .edges = f->edges,
         .edge_count = f->edge_count,
         .triangles = f->triangles,
         .triangle_count = f->triangle_count,
-        .spacing = wanted > 0.0f ? wanted : s->least_thickness,
+        .spacing = requested > 0.0f ? requested : s->min_thickness,
         .rounding = WISP_ROUND_UP,
-        .limit = MOST_SAMPLES,
+        .limit = MAX_SAMPLES,
         .edge_length = scratch,
         .triangle_extent = scratch + edges,
         .edge_points = counts,
@@ -94,13 +94,13 @@ static wisp_status sample_surface( const contact_work* work, const contact_guest
         .triangle_axis = counts + edges + triangles,
     };
     const wisp_status status =
-        wisp_samples_update( &s->samples->sampler, work->parallel, wisp_frame_kernels( work->frame ), &job );
+        wisp_samples_update( &s->samples->sampler, work->parallel, wisp_frame_kernels( work->frame ), &args );
     return status == WISP_OK && s->samples->sampler.refused ? WISP_NO_MEMORY : status;
 }
 
-wisp_status contact_sample_guests( const contact_work* work )
+wisp_status contact_sample_participants( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     wisp_status status = WISP_OK;
     // first count, so that the arrays do not grow while they are filled
     int total = s->point_count;
@@ -111,16 +111,16 @@ wisp_status contact_sample_guests( const contact_work* work )
         {
             return WISP_NO_MEMORY;
         }
-        for ( int g = 0; g < work->guest_count && status == WISP_OK; ++g )
+        for ( int g = 0; g < work->participant_count && status == WISP_OK; ++g )
         {
-            const contact_guest* guest = work->guests + g;
-            status = guest->is_strands ? WISP_OK : sample_surface( work, guest );
-            const bool has_layer = guest->is_strands == false && status == WISP_OK;
+            const contact_participant* participant = work->participants + g;
+            status = participant->is_strands ? WISP_OK : sample_surface( work, participant );
+            const bool has_layer = participant->is_strands == false && status == WISP_OK;
             total += pass == 0 && has_layer ? s->samples->sampler.count : 0;
             if ( pass == 1 && status == WISP_OK )
             {
-                add_vertices( s, guest );
-                add_samples( s, has_layer ? &s->samples->sampler : NULL, guest->first_point );
+                add_vertices( s, participant );
+                add_samples( s, has_layer ? &s->samples->sampler : NULL, participant->first_point );
             }
         }
     }
@@ -133,35 +133,35 @@ wisp_status contact_sample_guests( const contact_work* work )
 
 // ---- pairs ----
 
-void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] )
+void contact_place_sample( const contact_contact_mesh* s, const float* xyzw, int sample, float out[3] )
 {
     const int32_t* parents = s->samples->parents[sample];
     const float* weights = s->samples->weights[sample];
     for ( size_t k = 0; k < 3; ++k )
     {
-        const float o = quads[(size_t)parents[0] * 4 + k];
-        out[k] = o + weights[1] * ( quads[(size_t)parents[1] * 4 + k] - o ) +
-                 weights[2] * ( quads[(size_t)parents[2] * 4 + k] - o );
+        const float o = xyzw[(size_t)parents[0] * 4 + k];
+        out[k] = o + weights[1] * ( xyzw[(size_t)parents[1] * 4 + k] - o ) +
+                 weights[2] * ( xyzw[(size_t)parents[2] * 4 + k] - o );
     }
 }
 
-float contact_sample_distance( const contact_soup* s, const float* quads, int a, int b )
+float contact_sample_distance( const contact_contact_mesh* s, const float* xyzw, int a, int b )
 {
     float p[3], q[3];
-    contact_place_sample( s, quads, a, p );
-    contact_place_sample( s, quads, b, q );
+    contact_place_sample( s, xyzw, a, p );
+    contact_place_sample( s, xyzw, b, q );
     return contact_distance( p, q );
 }
 
 // Particles of one participant that are close at rest are no pair: their contact would stiffen the surface.
 float contact_sample_gap_of( const contact_work* work, int a, int b )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     static const float REST_GAPS = 2.0f;
     const float *p = s->samples->rest[a], *q = s->samples->rest[b];
-    const contact_guest *ga = work->guests + (int)p[3], *gb = work->guests + (int)q[3];
+    const contact_participant *ga = work->participants + (int)p[3], *gb = work->participants + (int)q[3];
     const float gap = contact_gap_between( ga, gb );
-    const float apart = REST_GAPS * gap + s->least_thickness;
+    const float apart = REST_GAPS * gap + s->min_thickness;
     const bool is_pair = contact_may_meet( ga, gb ) && ( ga != gb || contact_distance( p, q ) > apart );
     return is_pair ? gap : 0.0f;
 }

@@ -3,7 +3,7 @@
 
 #include "contact_mesh.h"
 
-#include "wisp/module/box_pairs.h"
+#include "wisp/module/aabb_pairs.h"
 #include "wisp/samples.h"
 
 struct contact_candidate;
@@ -16,22 +16,22 @@ typedef struct contact_samples
     float ( *rest )[4];      // [sample] m, rest position; the fourth is the index of the participant
     float ( *position )[3];  // [sample] m, at the last search
     float* deviation;        // [sample] m, the most that its clusters may deviate
-    wisp_box* boxes;         // [sample]
+    wisp_aabb* boxes;        // [sample]
     wisp_samples sampler;
-    wisp_box_pairs overlaps;
+    wisp_aabb_pairs overlaps;
     struct contact_candidate* candidates; // sample_pairs.h
     int candidate_count;
     wisp_buffer buffers[6], candidate_buffer;
 } contact_samples;
 
 /// Sample all participants at rest.
-wisp_status contact_sample_guests( const contact_work* work );
+wisp_status contact_sample_participants( const contact_work* work );
 
 /// Compute the position of a particle.
-void contact_place_sample( const contact_soup* s, const float* quads, int sample, float out[3] );
+void contact_place_sample( const contact_contact_mesh* s, const float* xyzw, int sample, float out[3] );
 
 /// Return the distance of two particles, m.
-float contact_sample_distance( const contact_soup* s, const float* quads, int a, int b );
+float contact_sample_distance( const contact_contact_mesh* s, const float* xyzw, int a, int b );
 
 /// Return the distance that a pair of particles keeps, m; 0 if they may touch.
 float contact_sample_gap_of( const contact_work* work, int a, int b );

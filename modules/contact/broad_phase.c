@@ -3,7 +3,7 @@
 // particles.
 //
 // The box of a cluster holds it as long as it keeps to its predicted motion within its margin, in a frame that moves
-// with the mean of all points. Pairs are the overlaps of such boxes, found by a grid or a tree (wisp/box_pairs.h).
+// with the mean of all points. Pairs are the overlaps of such boxes, found by a grid or a tree (wisp/aabb_pairs.h).
 // With too many overlaps the margins are halved until the list fits; displacements must then stay within them
 // (displacement_limit.c). A cloth that folds is searched about twice per step; a thousand clusters cost 0.3 ms.
 #include "broad_phase.h"
@@ -16,24 +16,25 @@
 enum
 {
     BOX_GRAIN = 256,
-    MOST_PER_CLUSTER = 512, // pairs per cluster before margins are halved
-    MOST_HALVINGS = 40,
+    MAX_PER_CLUSTER = 512, // pairs per cluster before margins are halved
+    MAX_HALVINGS = 40,
 };
 
 // ---- boxes ----
 
-static wisp_box box_of_motion( const contact_work* work, int p )
+static wisp_aabb box_of_motion( const contact_work* work, int p )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     const contact_predicted_motion* predicted = s->motion->predicted + p;
-    const float wide = 0.5f * work->guests[s->clusters->items[p].guest].settings.thickness + predicted->margin;
+    const float wide =
+        0.5f * work->participants[s->clusters->items[p].participant].settings.thickness + predicted->margin;
     const float substeps = (float)contact_drift_substeps( work );
-    wisp_box box = contact_box_around( work, s->clusters->items + p );
+    wisp_aabb box = contact_box_around( work, s->clusters->items + p );
     for ( int k = 0; k < 3; ++k )
     {
         const float way = substeps * predicted->displacement[k];
-        box.low[k] += contact_smaller( way, 0.0f ) - wide;
-        box.high[k] += contact_larger( way, 0.0f ) + wide;
+        box.lower[k] += contact_smaller( way, 0.0f ) - wide;
+        box.upper[k] += contact_larger( way, 0.0f ) + wide;
     }
     return box;
 }
@@ -44,18 +45,18 @@ static void box_clusters( void* context, int begin, int end, int worker )
     const contact_work* work = context;
     for ( int p = begin; p < end; ++p )
     {
-        work->soup->broad_phase->boxes[p] = box_of_motion( work, p );
+        work->contact_mesh->broad_phase->boxes[p] = box_of_motion( work, p );
     }
 }
 
-static int keep_allowed( const void* context, int asker, int32_t* items, int count )
+static int keep_allowed( const void* context, int query, int32_t* items, int count )
 {
     int kept = 0;
     for ( int i = 0; i < count; ++i )
     {
         const int32_t item = items[i];
         items[kept] = item;
-        kept += contact_clusters_may_meet( context, asker, item ) ? 1 : 0;
+        kept += contact_clusters_may_meet( context, query, item ) ? 1 : 0;
     }
     return kept;
 }
@@ -64,26 +65,26 @@ static int keep_allowed( const void* context, int asker, int32_t* items, int cou
 
 static wisp_status find_cluster_pairs( const contact_work* work, wisp_error* error )
 {
-    contact_broad_phase* b = work->soup->broad_phase;
-    const int count = work->soup->clusters->count;
+    contact_broad_phase* b = work->contact_mesh->broad_phase;
+    const int count = work->contact_mesh->clusters->count;
     if ( contact_reserve( work, &b->box_buffer, (size_t)count * sizeof( *b->boxes ), (void**)&b->boxes ) == false )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the boxes of %d clusters", count );
     }
     wisp_parallel_for( work->parallel, count, BOX_GRAIN, box_clusters, (void*)(uintptr_t)work );
-    const wisp_box_job job = {
+    const wisp_aabb_args args = {
         .boxes = b->boxes,
         .box_count = count,
         .search = work->settings->search,
         .kernels = wisp_frame_kernels( work->frame ),
-        .limit = (size_t)count * MOST_PER_CLUSTER,
+        .limit = (size_t)count * MAX_PER_CLUSTER,
         .filter = keep_allowed,
         .filter_context = work,
     };
-    return wisp_box_pairs_find( &b->overlaps, work->parallel, &job, error );
+    return wisp_aabb_pairs_find( &b->overlaps, work->parallel, &args, error );
 }
 
-static void halve_margins( const contact_soup* s )
+static void halve_margins( const contact_contact_mesh* s )
 {
     for ( int p = 0; p < s->clusters->count; ++p )
     {
@@ -98,14 +99,14 @@ static void halve_margins( const contact_soup* s )
 
 wisp_status contact_search( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     contact_broad_phase* b = s->broad_phase;
     const bool has_samples = contact_has_samples( work );
     wisp_status status = WISP_BAD_INPUT;
     b->searches += 1;
     b->is_short = false;
     contact_predict_motion( work );
-    for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < MOST_HALVINGS; ++halvings )
+    for ( int halvings = 0; status == WISP_BAD_INPUT && halvings < MAX_HALVINGS; ++halvings )
     {
         status = has_samples ? contact_find_sample_pairs( work, error ) : find_cluster_pairs( work, error );
         if ( status == WISP_BAD_INPUT ) // more pairs than the limit

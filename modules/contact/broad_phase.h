@@ -3,13 +3,13 @@
 
 #include "contact_mesh.h"
 
-#include "wisp/module/box_pairs.h"
+#include "wisp/module/aabb_pairs.h"
 
 typedef struct contact_broad_phase
 {
-    wisp_box* boxes; // [cluster] around its predicted motion
+    wisp_aabb* boxes; // [cluster] around its predicted motion
     wisp_buffer box_buffer;
-    wisp_box_pairs overlaps;
+    wisp_aabb_pairs overlaps;
     int searches;  // in this step
     bool is_short; // margins were cut to bound the number of pairs: displacements must stay within them
 } contact_broad_phase;

@@ -21,8 +21,8 @@ enum
 
 static bool reserve_pairs( const contact_work* work, contact_cluster_pairs* pairs, size_t count )
 {
-    contact_cached_bounds* b = work->soup->bounds;
-    const size_t begins = (size_t)work->soup->clusters->count + 1, most = count + WISP_SLICE,
+    contact_cached_bounds* b = work->contact_mesh->bounds;
+    const size_t begins = (size_t)work->contact_mesh->clusters->count + 1, most = count + WISP_SLICE,
                  index = sizeof( int32_t );
     const size_t blocks = most / PAIRS_PER_BLOCK + 1;
     wisp_buffer* const list = b->buffers + b->turn;
@@ -62,7 +62,7 @@ static float bound_of( known_pairs* known, int32_t other )
 typedef struct list_loop
 {
     const contact_work* work;
-    const wisp_box_pairs* found;
+    const wisp_aabb_pairs* found;
     bool is_known;
 } list_loop;
 
@@ -70,8 +70,8 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const list_loop* loop = context;
-    contact_soup* s = loop->work->soup;
-    const wisp_box_pairs* found = loop->found;
+    contact_contact_mesh* s = loop->work->contact_mesh;
+    const wisp_aabb_pairs* found = loop->found;
     for ( int p = begin; p < end; ++p )
     {
         known_pairs known = { .pairs = s->bounds->pairs + 1 };
@@ -93,9 +93,9 @@ static void list_pairs_of( void* context, int begin, int end, int worker )
     }
 }
 
-bool contact_list_cluster_pairs( const contact_work* work, const wisp_box_pairs* found, bool is_known )
+bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const contact_cluster_pairs known = s->bounds->pairs[0];
     // the buffers of the list before that one are free
     s->bounds->pairs[0] = s->bounds->pairs[1];
@@ -135,8 +135,8 @@ static void find_active( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const active_loop* loop = context;
-    const contact_soup* s = loop->work->soup;
-    const wisp_slack_job job = {
+    const contact_contact_mesh* s = loop->work->contact_mesh;
+    const wisp_separation_args args = {
         .gone = loop->missed_only ? NULL : s->motion->gone->middle,
         .ways = s->motion->ways->middle,
         .first = s->bounds->pairs[0].cluster,
@@ -145,11 +145,11 @@ static void find_active( void* context, int begin, int end, int worker )
         .due = s->bounds->active,
     };
     s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
-        wisp_frame_kernels( loop->work->frame )->slack_due( &job, begin, end );
+        wisp_frame_kernels( loop->work->frame )->separation_due( &args, begin, end );
 }
 
 // Compact the active pairs of all blocks.
-static int gather_active( const contact_soup* s, bool missed_only )
+static int gather_active( const contact_contact_mesh* s, bool missed_only )
 {
     const contact_cluster_pairs* pairs = s->bounds->pairs;
     const uint8_t* is_missed = s->motion->cluster_is_missed;
@@ -170,6 +170,7 @@ static int gather_active( const contact_soup* s, bool missed_only )
 int contact_find_active_clusters( const contact_work* work, bool missed_only )
 {
     active_loop loop = { work, missed_only };
-    wisp_parallel_for( work->parallel, work->soup->bounds->pairs[0].count, PAIRS_PER_BLOCK, find_active, &loop );
-    return gather_active( work->soup, missed_only );
+    wisp_parallel_for( work->parallel, work->contact_mesh->bounds->pairs[0].count, PAIRS_PER_BLOCK, find_active,
+                       &loop );
+    return gather_active( work->contact_mesh, missed_only );
 }

@@ -3,7 +3,7 @@
 
 #include "contact_mesh.h"
 
-#include "wisp/module/box_pairs.h"
+#include "wisp/module/aabb_pairs.h"
 
 /// Pairs of clusters that may come near each other. Those of a cluster are contiguous: itself first, then others in
 /// rising order.
@@ -39,7 +39,7 @@ typedef struct contact_cached_bounds
 /// Replace the list by the overlaps that a broad phase found. Pairs that were listed before keep their bounds.
 /// @param is_known the list before holds for these positions
 /// @return false without memory
-bool contact_list_cluster_pairs( const contact_work* work, const wisp_box_pairs* found, bool is_known );
+bool contact_list_cluster_pairs( const contact_work* work, const wisp_aabb_pairs* found, bool is_known );
 
 /// Lower the bounds by the approach of the last substep, and collect the pairs that may reach their gap in this one.
 /// @param missed_only only pairs with a cluster that has a missed point; bounds stay

@@ -6,24 +6,25 @@
 #include "wisp/module/kernels.h"
 
 /// Up to a batch of pairs of one kind.
-typedef struct contact_pieces
+typedef struct contact_primitives
 {
-    int32_t point4[4][CONTACT_BATCH]; // points times 4
-    float distance[CONTACT_BATCH];    // m, out
+    int32_t point_x4[4][CONTACT_BATCH]; // points times 4
+    float distance[CONTACT_BATCH];      // m, out
     bool are_edges;
-} contact_pieces;
+} contact_primitives;
 
-static inline void contact_put_pieces( contact_pieces* pieces, int at, const int32_t points[4] )
+static inline void contact_put_primitives( contact_primitives* primitives, int at, const int32_t points[4] )
 {
     for ( int k = 0; k < 4; ++k )
     {
-        pieces->point4[k][at] = points[k] * 4;
+        primitives->point_x4[k][at] = points[k] * 4;
     }
 }
 
 /// Measure distances, closest points and directions.
 /// @param quads [point][4] positions
-/// @param weight, normal [group of eight] as wisp_closest_job has them, or both null
+/// @param weight, normal [group of eight] as wisp_closest_args has them, or both null
 /// @return [count] m, the same bits either way
-const float* contact_measure_pieces( const contact_work* work, const float* quads, contact_pieces* pieces, int count,
-                                     float ( *weight )[4][WISP_SLICE], float ( *normal )[3][WISP_SLICE] );
+const float* contact_measure_primitives( const contact_work* work, const float* xyzw, contact_primitives* primitives,
+                                         int count, float ( *weight )[4][WISP_SLICE],
+                                         float ( *normal )[3][WISP_SLICE] );

@@ -9,23 +9,25 @@
 enum
 {
     PLACE_GRAIN = 64,
-    CLUSTER_PIECES = 8, // triangles, or segments, or points without either
+    CLUSTER_PRIMITIVES = 8, // triangles, or segments, or points without either
 };
 
 // What the loops of this file share.
 typedef struct cutting
 {
     const contact_work* work;
-    contact_soup* soup;
+    contact_contact_mesh* contact_mesh;
     int32_t* cluster_of[3]; // [point], [edge], [triangle]; -1: none yet
     int32_t* order;         // [triangle] those of a cluster are contiguous
     float ( *middle )[3];   // [triangle] three times its centre, at rest
     int cluster_count;
 } cutting;
 
-static const int32_t* points_of( const contact_soup* s, int kind, const int32_t* piece )
+static const int32_t* points_of( const contact_contact_mesh* s, int kind, const int32_t* primitive )
 {
-    return kind == 0 ? piece : kind == 1 ? s->edges + 2 * (size_t)*piece : s->triangles + 3 * (size_t)*piece;
+    return kind == 0   ? primitive
+           : kind == 1 ? s->edges + 2 * (size_t)*primitive
+                       : s->triangles + 3 * (size_t)*primitive;
 }
 
 // ---- triangles ----
@@ -35,13 +37,13 @@ static int widest_axis( const cutting* c, int begin, int end )
     float width[3];
     for ( int k = 0; k < 3; ++k )
     {
-        float low = INFINITY, high = -INFINITY;
+        float lower = INFINITY, upper = -INFINITY;
         for ( int i = begin; i < end; ++i )
         {
-            low = contact_smaller( low, c->middle[c->order[i]][k] );
-            high = contact_larger( high, c->middle[c->order[i]][k] );
+            lower = contact_smaller( lower, c->middle[c->order[i]][k] );
+            upper = contact_larger( upper, c->middle[c->order[i]][k] );
         }
-        width[k] = high - low;
+        width[k] = upper - lower;
     }
     const int first = width[1] > width[0] ? 1 : 0;
     return width[2] > width[first] ? 2 : first;
@@ -90,7 +92,7 @@ static void partition( const cutting* c, int axis, int begin, int middle, int en
 static void cut_triangles( cutting* c, int begin, int end )
 {
     const int count = end - begin;
-    if ( count <= CLUSTER_PIECES )
+    if ( count <= CLUSTER_PRIMITIVES )
     {
         for ( int i = begin; i < end; ++i )
         {
@@ -99,17 +101,17 @@ static void cut_triangles( cutting* c, int begin, int end )
         c->cluster_count += 1;
         return;
     }
-    const int clusters = ( count + CLUSTER_PIECES - 1 ) / CLUSTER_PIECES,
-              middle = begin + clusters / 2 * CLUSTER_PIECES;
+    const int clusters = ( count + CLUSTER_PRIMITIVES - 1 ) / CLUSTER_PRIMITIVES,
+              middle = begin + clusters / 2 * CLUSTER_PRIMITIVES;
     partition( c, widest_axis( c, begin, end ), begin, middle, end );
     cut_triangles( c, begin, middle );
     cut_triangles( c, middle, end );
 }
 
-static void order_triangles( cutting* c, const contact_guest* guest )
+static void order_triangles( cutting* c, const contact_participant* participant )
 {
-    const contact_soup* s = c->soup;
-    for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+    const contact_contact_mesh* s = c->contact_mesh;
+    for ( int t = participant->first_triangle; t < participant->first_triangle + participant->triangle_count; ++t )
     {
         c->order[t] = t;
         for ( size_t k = 0; k < 3; ++k )
@@ -126,16 +128,16 @@ static void order_triangles( cutting* c, const contact_guest* guest )
 // ---- points and edges ----
 
 // Assign points and edges to the first cluster with a triangle that has them.
-static void assign_corners( cutting* c, const contact_guest* guest )
+static void assign_corners( cutting* c, const contact_participant* participant )
 {
-    const contact_soup* s = c->soup;
-    for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+    const contact_contact_mesh* s = c->contact_mesh;
+    for ( int t = participant->first_triangle; t < participant->first_triangle + participant->triangle_count; ++t )
     {
         const int32_t* corner = s->triangles + 3 * (size_t)t;
         for ( int i = 0; i < 3; ++i )
         {
             const int a = corner[i], b = corner[( i + 1 ) % 3];
-            const int edge = contact_find_edge( s, guest, a < b ? a : b, a < b ? b : a );
+            const int edge = contact_find_edge( s, participant, a < b ? a : b, a < b ? b : a );
             c->cluster_of[0][a] = c->cluster_of[0][a] < 0 ? c->cluster_of[2][t] : c->cluster_of[0][a];
             c->cluster_of[1][edge] = c->cluster_of[1][edge] < 0 ? c->cluster_of[2][t] : c->cluster_of[1][edge];
         }
@@ -143,18 +145,18 @@ static void assign_corners( cutting* c, const contact_guest* guest )
 }
 
 // Cut edges without a triangle into runs of connected segments, and collect the points that are left.
-static void cut_strands( cutting* c, const contact_guest* guest )
+static void cut_strands( cutting* c, const contact_participant* participant )
 {
-    const contact_soup* s = c->soup;
-    int taken = CLUSTER_PIECES, last = -1;
-    for ( int e = guest->first_edge; e < guest->first_edge + guest->edge_count; ++e )
+    const contact_contact_mesh* s = c->contact_mesh;
+    int taken = CLUSTER_PRIMITIVES, last = -1;
+    for ( int e = participant->first_edge; e < participant->first_edge + participant->edge_count; ++e )
     {
         const int32_t* points = s->edges + 2 * (size_t)e;
         if ( c->cluster_of[1][e] >= 0 )
         {
             continue;
         }
-        const bool goes_on = taken < CLUSTER_PIECES && points[0] == last;
+        const bool goes_on = taken < CLUSTER_PRIMITIVES && points[0] == last;
         taken = goes_on ? taken + 1 : 1;
         c->cluster_count += goes_on ? 0 : 1;
         c->cluster_of[1][e] = c->cluster_count - 1;
@@ -165,12 +167,12 @@ static void cut_strands( cutting* c, const contact_guest* guest )
         }
         last = points[1];
     }
-    taken = CLUSTER_PIECES;
-    for ( int p = guest->first_point; p < guest->first_point + guest->point_count; ++p )
+    taken = CLUSTER_PRIMITIVES;
+    for ( int p = participant->first_point; p < participant->first_point + participant->point_count; ++p )
     {
         if ( c->cluster_of[0][p] < 0 )
         {
-            taken = taken < CLUSTER_PIECES ? taken + 1 : 1;
+            taken = taken < CLUSTER_PRIMITIVES ? taken + 1 : 1;
             c->cluster_count += taken == 1 ? 1 : 0;
             c->cluster_of[0][p] = c->cluster_count - 1;
         }
@@ -181,7 +183,7 @@ static void cut_strands( cutting* c, const contact_guest* guest )
 
 static bool reserve_clusters( const cutting* c )
 {
-    contact_clusters* k = c->soup->clusters;
+    contact_clusters* k = c->contact_mesh->clusters;
     const size_t count = (size_t)k->count;
     wisp_buffer* const b = k->buffers;
     return contact_reserve( c->work, b + CONTACT_CLUSTER_ITEMS, count * sizeof( *k->items ), (void**)&k->items ) &&
@@ -195,7 +197,7 @@ static bool reserve_clusters( const cutting* c )
 // Count the primitives of each cluster, first one by one, then as packs of eight. @return the number of packs
 static int count_rows( const cutting* c, const int counts[3] )
 {
-    contact_soup* s = c->soup;
+    contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
     memset( k->items, 0, (size_t)k->count * sizeof( *k->items ) );
     for ( int kind = 0; kind < 3; ++kind )
@@ -205,7 +207,7 @@ static int count_rows( const cutting* c, const int counts[3] )
             contact_cluster* cluster = k->items + c->cluster_of[kind][i];
             cluster->rows[kind] += 1;
             cluster->point_count += kind + 1; // upper bound
-            cluster->guest = (int32_t)s->rest[(size_t)points_of( s, kind, &i )[0] * 4 + 3];
+            cluster->participant = (int32_t)s->rest[(size_t)points_of( s, kind, &i )[0] * 4 + 3];
         }
     }
     int rows = 0, points = 0;
@@ -225,42 +227,42 @@ static int count_rows( const cutting* c, const int counts[3] )
     return rows;
 }
 
-static void add_point( contact_soup* s, contact_cluster* cluster, int32_t point )
+static void add_point( contact_contact_mesh* s, contact_cluster* cluster, int32_t point )
 {
-    int32_t* point4 = s->clusters->points + cluster->first_point;
+    int32_t* point_x4 = s->clusters->points + cluster->first_point;
     for ( int i = 0; i < cluster->point_count; ++i )
     {
-        if ( point4[i] == point * 4 )
+        if ( point_x4[i] == point * 4 )
         {
             return;
         }
     }
-    point4[cluster->point_count++] = point * 4;
+    point_x4[cluster->point_count++] = point * 4;
 }
 
-static void pad_points( contact_soup* s, contact_cluster* cluster )
+static void pad_points( contact_contact_mesh* s, contact_cluster* cluster )
 {
-    int32_t* point4 = s->clusters->points + cluster->first_point;
-    const int32_t last = point4[cluster->point_count - 1];
+    int32_t* point_x4 = s->clusters->points + cluster->first_point;
+    const int32_t last = point_x4[cluster->point_count - 1];
     while ( cluster->point_count % WISP_SLICE != 0 )
     {
-        point4[cluster->point_count++] = last;
+        point_x4[cluster->point_count++] = last;
     }
 }
 
-static void add_piece( contact_soup* s, contact_cluster* cluster, int kind, int32_t piece )
+static void add_primitive( contact_contact_mesh* s, contact_cluster* cluster, int kind, int32_t primitive )
 {
-    wisp_piece_row* row = s->clusters->pieces + cluster->kind_row[kind];
+    wisp_primitive_pack* row = s->clusters->primitives + cluster->kind_row[kind];
     int lane = 0;
     for ( ; row->item[lane] >= 0; row += lane == WISP_SLICE - 1 ? 1 : 0, lane = ( lane + 1 ) % WISP_SLICE )
     {
     }
-    const int32_t* points = points_of( s, kind, &piece );
-    int32_t* const point4[3] = { row->point4[0], row->point4[1], row->third4 };
-    row->item[lane] = piece;
+    const int32_t* points = points_of( s, kind, &primitive );
+    int32_t* const point_x4[3] = { row->point_x4[0], row->point_x4[1], row->third_x4 };
+    row->item[lane] = primitive;
     for ( int k = 0; k <= kind; ++k )
     {
-        point4[k][lane] = points[k] * 4;
+        point_x4[k][lane] = points[k] * 4;
         add_point( s, cluster, points[k] );
     }
 }
@@ -268,7 +270,7 @@ static void add_piece( contact_soup* s, contact_cluster* cluster, int kind, int3
 // List the clusters of each point. @param most points of all clusters, padding included
 static bool list_owners( const cutting* c, size_t most )
 {
-    contact_soup* s = c->soup;
+    contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
     const size_t points = (size_t)s->point_count, number = sizeof( int32_t );
     if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_OWNERS_BEGIN, ( points + 2 ) * number,
@@ -284,16 +286,16 @@ static bool list_owners( const cutting* c, size_t most )
     {
         for ( int p = 0; p < k->count; ++p )
         {
-            const int32_t* point4 = k->points + k->items[p].first_point;
-            for ( int i = 0; i < k->items[p].point_count && ( i == 0 || point4[i] != point4[i - 1] ); ++i )
+            const int32_t* point_x4 = k->points + k->items[p].first_point;
+            for ( int i = 0; i < k->items[p].point_count && ( i == 0 || point_x4[i] != point_x4[i - 1] ); ++i )
             {
                 if ( pass == 0 )
                 {
-                    begin[point4[i] / 4 + 2] += 1;
+                    begin[point_x4[i] / 4 + 2] += 1;
                 }
                 else
                 {
-                    k->owners[begin[point4[i] / 4 + 1]++] = p;
+                    k->owners[begin[point_x4[i] / 4 + 1]++] = p;
                 }
             }
         }
@@ -307,7 +309,7 @@ static bool list_owners( const cutting* c, size_t most )
 
 static bool fill_clusters( const cutting* c, const int counts[3] )
 {
-    contact_soup* s = c->soup;
+    contact_contact_mesh* s = c->contact_mesh;
     contact_clusters* k = s->clusters;
     k->count = c->cluster_count;
     if ( reserve_clusters( c ) == false )
@@ -317,23 +319,23 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
     const size_t rows = (size_t)count_rows( c, counts );
     const size_t points =
         (size_t)counts[0] + 2 * (size_t)counts[1] + 3 * (size_t)counts[2] + (size_t)WISP_SLICE * (size_t)k->count;
-    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PIECES, rows * sizeof( *k->pieces ),
-                          (void**)&k->pieces ) == false ||
+    if ( contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_PRIMITIVES, rows * sizeof( *k->primitives ),
+                          (void**)&k->primitives ) == false ||
          contact_reserve( c->work, k->buffers + CONTACT_CLUSTER_POINTS, points * sizeof( int32_t ),
                           (void**)&k->points ) == false )
     {
         return false;
     }
-    memset( k->pieces, 0, rows * sizeof( *k->pieces ) );
+    memset( k->primitives, 0, rows * sizeof( *k->primitives ) );
     for ( size_t row = 0; row < rows; ++row )
     {
-        memset( k->pieces[row].item, -1, sizeof( k->pieces[row].item ) );
+        memset( k->primitives[row].item, -1, sizeof( k->primitives[row].item ) );
     }
     for ( int kind = 0; kind < 3; ++kind )
     {
         for ( int i = 0; i < counts[kind]; ++i )
         {
-            add_piece( s, k->items + c->cluster_of[kind][i], kind, i );
+            add_primitive( s, k->items + c->cluster_of[kind][i], kind, i );
         }
     }
     for ( int p = 0; p < k->count; ++p )
@@ -345,11 +347,11 @@ static bool fill_clusters( const cutting* c, const int counts[3] )
 
 bool contact_make_clusters( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     contact_clusters* k = s->clusters;
     const int counts[3] = { s->point_count, s->edge_count, s->triangle_count };
     const size_t triangles = (size_t)counts[2], numbers = (size_t)counts[1] + 2 * triangles + 1;
-    cutting c = { .work = work, .soup = s };
+    cutting c = { .work = work, .contact_mesh = s };
     int32_t* scratch = wisp_parallel_scratch( work->parallel, work->worker,
                                               numbers * sizeof( int32_t ) + triangles * sizeof( *c.middle ) );
     if ( scratch == NULL || contact_reserve( work, k->buffers + CONTACT_CLUSTER_OF_POINT,
@@ -364,32 +366,33 @@ bool contact_make_clusters( const contact_work* work )
     c.middle = ( float( * )[3] )(void*)( c.order + triangles );
     memset( k->of_point, -1, (size_t)counts[0] * sizeof( int32_t ) );
     memset( scratch, -1, numbers * sizeof( int32_t ) );
-    for ( int g = 0; g < work->guest_count; ++g )
+    for ( int g = 0; g < work->participant_count; ++g )
     {
-        const contact_guest* guest = work->guests + g;
-        order_triangles( &c, guest );
-        if ( guest->triangle_count > 0 )
+        const contact_participant* participant = work->participants + g;
+        order_triangles( &c, participant );
+        if ( participant->triangle_count > 0 )
         {
-            cut_triangles( &c, guest->first_triangle, guest->first_triangle + guest->triangle_count );
+            cut_triangles( &c, participant->first_triangle,
+                           participant->first_triangle + participant->triangle_count );
         }
-        assign_corners( &c, guest );
-        cut_strands( &c, guest );
+        assign_corners( &c, participant );
+        cut_strands( &c, participant );
     }
     return fill_clusters( &c, counts );
 }
 
 // ---- culling geometry ----
 
-wisp_box contact_box_around( const contact_work* work, const contact_cluster* cluster )
+wisp_aabb contact_box_around( const contact_work* work, const contact_cluster* cluster )
 {
-    const contact_soup* s = work->soup;
-    float low[4], high[4];
-    wisp_box box;
+    const contact_contact_mesh* s = work->contact_mesh;
+    float lower[4], upper[4];
+    wisp_aabb box;
     wisp_frame_kernels( work->frame )
         ->quad_range( s->intersection_free, NULL, s->clusters->points + cluster->first_point, cluster->point_count,
-                      low, high );
-    memcpy( box.low, low, sizeof( box.low ) );
-    memcpy( box.high, high, sizeof( box.high ) );
+                      lower, upper );
+    memcpy( box.lower, lower, sizeof( box.lower ) );
+    memcpy( box.upper, upper, sizeof( box.upper ) );
     return box;
 }
 
@@ -397,7 +400,7 @@ wisp_box contact_box_around( const contact_work* work, const contact_cluster* cl
 static void sum_normals( contact_clusters* c, int p )
 {
     const contact_cluster* cluster = c->items + p;
-    const wisp_piece_row* row = c->pieces + cluster->kind_row[2];
+    const wisp_primitive_pack* row = c->primitives + cluster->kind_row[2];
     float* normal = c->normals + 3 * (size_t)p;
     normal[0] = normal[1] = normal[2] = 0.0f;
     for ( int lane = 0; lane < WISP_SLICE && cluster->rows[2] > 0 && row->item[lane] >= 0; ++lane )
@@ -413,7 +416,7 @@ static void place_clusters( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const contact_work* work = context;
-    contact_clusters* c = work->soup->clusters;
+    contact_clusters* c = work->contact_mesh->clusters;
     const wisp_kernels* kernels = wisp_frame_kernels( work->frame );
     for ( int i = begin; i < end; ++i )
     {
@@ -422,8 +425,8 @@ static void place_clusters( void* context, int begin, int end, int worker )
         for ( int kind = 0; kind < 3; ++kind )
         {
             const int row = c->items[p].kind_row[kind];
-            kernels->piece_place( work->soup->intersection_free, c->pieces, kind + 1, row,
-                                  row + c->items[p].rows[kind] );
+            kernels->primitive_place( work->contact_mesh->intersection_free, c->primitives, kind + 1, row,
+                                      row + c->items[p].rows[kind] );
         }
         sum_normals( c, p );
     }
@@ -436,6 +439,7 @@ void contact_place_clusters( const contact_work* work, int count )
 
 bool contact_clusters_may_meet( const contact_work* work, int a, int b )
 {
-    const contact_cluster* clusters = work->soup->clusters->items;
-    return contact_may_meet( work->guests + clusters[a].guest, work->guests + clusters[b].guest );
+    const contact_cluster* clusters = work->contact_mesh->clusters->items;
+    return contact_may_meet( work->participants + clusters[a].participant,
+                             work->participants + clusters[b].participant );
 }

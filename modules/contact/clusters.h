@@ -3,12 +3,12 @@
 
 #include "contact_mesh.h"
 
-#include "wisp/module/pieces.h"
+#include "wisp/module/primitives.h"
 
 /// Primitives that lie together at rest. Each primitive of the contact mesh is in one cluster.
 typedef struct contact_cluster
 {
-    int32_t guest;
+    int32_t participant;
     int32_t first_point,
         point_count; // in `points`: all points of its primitives; the last repeats to a multiple of eight
     int32_t kind_row[3], rows[3]; // first pack of eight primitives, and how many, of points, edges and triangles
@@ -21,7 +21,7 @@ enum
     CONTACT_CLUSTER_OF_POINT,
     CONTACT_CLUSTER_OWNERS_BEGIN,
     CONTACT_CLUSTER_OWNERS,
-    CONTACT_CLUSTER_PIECES,
+    CONTACT_CLUSTER_PRIMITIVES,
     CONTACT_CLUSTER_IS_PLACED,
     CONTACT_CLUSTER_TO_PLACE,
     CONTACT_CLUSTER_BOXES,
@@ -33,15 +33,15 @@ typedef struct contact_clusters
 {
     int count;
     contact_cluster* items;
-    int32_t* points;        // points times 4
-    int32_t* of_point;      // [point] the cluster that counts it among its primitives
-    int32_t* owners_begin;  // [point + 1] first in `owners`
-    int32_t* owners;        // of each point, all clusters that have it as a corner
-    wisp_piece_row* pieces; // [pack] of eight primitives
-    uint8_t* is_placed;     // [cluster] its packs, box and normal are those of this substep
-    int32_t* to_place;      // [cluster + 1] scratch: those to be placed
-    wisp_box* boxes;        // [cluster] around intersection-free positions, if placed
-    float* normals;         // [cluster][3] sum of the unit normals of its triangles, if placed
+    int32_t* points;                 // points times 4
+    int32_t* of_point;               // [point] the cluster that counts it among its primitives
+    int32_t* owners_begin;           // [point + 1] first in `owners`
+    int32_t* owners;                 // of each point, all clusters that have it as a corner
+    wisp_primitive_pack* primitives; // [pack] of eight primitives
+    uint8_t* is_placed;              // [cluster] its packs, box and normal are those of this substep
+    int32_t* to_place;               // [cluster + 1] scratch: those to be placed
+    wisp_aabb* boxes;                // [cluster] around intersection-free positions, if placed
+    float* normals;                  // [cluster][3] sum of the unit normals of its triangles, if placed
     wisp_buffer buffers[CONTACT_CLUSTER_ARRAY_COUNT];
 } contact_clusters;
 
@@ -50,7 +50,7 @@ typedef struct contact_clusters
 bool contact_make_clusters( const contact_work* work );
 
 /// Compute the box around the intersection-free positions of a cluster.
-wisp_box contact_box_around( const contact_work* work, const contact_cluster* cluster );
+wisp_aabb contact_box_around( const contact_work* work, const contact_cluster* cluster );
 
 /// Place the packs, boxes and normals of the clusters in `to_place` at their intersection-free positions.
 void contact_place_clusters( const contact_work* work, int count );

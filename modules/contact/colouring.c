@@ -24,7 +24,7 @@ static void cut_blocks( contact_colouring* blocks, int split, int count )
     blocks->begin[blocks->count] = count;
 }
 
-static void clear_colours( contact_soup* s )
+static void clear_colours( contact_contact_mesh* s )
 {
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
@@ -37,7 +37,7 @@ static void clear_colours( contact_soup* s )
 
 // Take the lowest colour that no point of the block has yet. Blocks without one get the last colour, which runs
 // serially.
-static int colour_block( contact_soup* s, int begin, int end )
+static int colour_block( contact_contact_mesh* s, int begin, int end )
 {
     uint64_t taken = 0;
     for ( int r = begin; r < end; ++r )
@@ -62,7 +62,7 @@ static int colour_block( contact_soup* s, int begin, int end )
     return colour;
 }
 
-static void colour_blocks( contact_soup* s )
+static void colour_blocks( contact_contact_mesh* s )
 {
     contact_colouring* blocks = s->colouring;
     memset( blocks->colour, 0, sizeof( blocks->colour ) );
@@ -86,8 +86,8 @@ static void colour_blocks( contact_soup* s )
 
 bool contact_reserve_colouring( const contact_work* work )
 {
-    contact_colouring* c = work->soup->colouring;
-    const size_t bytes = (size_t)work->soup->point_count * sizeof( uint64_t );
+    contact_colouring* c = work->contact_mesh->colouring;
+    const size_t bytes = (size_t)work->contact_mesh->point_count * sizeof( uint64_t );
     const bool enough = contact_reserve( work, &c->point_buffer, bytes, (void**)&c->of_point );
     if ( enough )
     {
@@ -98,7 +98,7 @@ bool contact_reserve_colouring( const contact_work* work )
 
 wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     contact_colouring* c = s->colouring;
     c->count = 0;
     const size_t most = (size_t)( s->constraints->row_count / ROWS_PER_BLOCK + 2 ), index = sizeof( int32_t );

@@ -31,7 +31,7 @@ enum
 // Set the points of a pair.
 static void set_points( const contact_work* work, const contact_pair* c, bool is_edge, contact_row* row )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     if ( contact_has_samples( work ) )
     {
         row->count = 6;
@@ -49,7 +49,7 @@ static void set_points( const contact_work* work, const contact_pair* c, bool is
 }
 
 // Measure two boundary particles: the plane across the line between them.
-static void measure_samples( const contact_soup* s, const contact_pair* pair, contact_row* row )
+static void measure_samples( const contact_contact_mesh* s, const contact_pair* pair, contact_row* row )
 {
     float p[3], q[3];
     contact_place_sample( s, s->intersection_free, pair->a, p );
@@ -65,18 +65,18 @@ static void measure_samples( const contact_soup* s, const contact_pair* pair, co
 }
 
 // Measure up to a batch of pairs of primitives whose rows have their points.
-static void measure_pieces( const contact_work* work, int count, bool are_edges, contact_row* rows )
+static void measure_primitives( const contact_work* work, int count, bool are_edges, contact_row* rows )
 {
     _Alignas( 64 ) float weight[CONTACT_BATCH / WISP_SLICE][4][WISP_SLICE];
     _Alignas( 64 ) float normal[CONTACT_BATCH / WISP_SLICE][3][WISP_SLICE];
-    contact_pieces pieces;
-    pieces.are_edges = are_edges;
+    contact_primitives primitives;
+    primitives.are_edges = are_edges;
     for ( int i = 0; i < count; ++i )
     {
-        contact_put_pieces( &pieces, i, rows[i].point );
+        contact_put_primitives( &primitives, i, rows[i].point );
     }
     const float* distance =
-        contact_measure_pieces( work, work->soup->intersection_free, &pieces, count, weight, normal );
+        contact_measure_primitives( work, work->contact_mesh->intersection_free, &primitives, count, weight, normal );
     for ( int i = 0; i < count; ++i )
     {
         contact_row* row = rows + i;
@@ -102,12 +102,12 @@ static void measure_pairs( const contact_work* work, const contact_pair* pairs, 
         set_points( work, pairs + i, are_edges, rows + i );
         if ( are_samples )
         {
-            measure_samples( work->soup, pairs + i, rows + i );
+            measure_samples( work->contact_mesh, pairs + i, rows + i );
         }
     }
     if ( are_samples == false )
     {
-        measure_pieces( work, count, are_edges, rows );
+        measure_primitives( work, count, are_edges, rows );
     }
 }
 
@@ -116,9 +116,9 @@ static void begin_row( const contact_work* work, const contact_pair* c, contact_
     row->a = c->a;
     row->b = c->b;
     row->gap = contact_smaller( c->gap, row->distance );
-    row->wanted = c->gap;
-    row->friction = sqrtf( contact_guest_of( work, row->point[0] )->settings.friction *
-                           contact_guest_of( work, row->point[row->split] )->settings.friction );
+    row->requested = c->gap;
+    row->friction = sqrtf( contact_participant_of( work, row->point[0] )->settings.friction *
+                           contact_participant_of( work, row->point[row->split] )->settings.friction );
     row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
         row->tangential_correction[2] = 0.0f;
     row->cut = 1.0f;
@@ -186,7 +186,7 @@ static void sort_pairs( contact_near* near, contact_pair* spare )
 
 static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const bool are_samples = contact_has_samples( work );
     const wisp_status status = are_samples ? contact_find_near_samples( work, missed_only, error )
                                            : contact_find_near( work, missed_only, error );
@@ -237,7 +237,7 @@ static void fill_rows( void* context, int begin, int end, int worker )
 
 static wisp_status fill_all( const contact_work* work, wisp_buffer* buffer, contact_row** rows, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const int split = s->primitives->near[CONTACT_POINTS].count, edges = s->primitives->near[CONTACT_EDGES].count;
     if ( contact_reserve( work, buffer, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
     {
@@ -252,7 +252,7 @@ static wisp_status fill_all( const contact_work* work, wisp_buffer* buffer, cont
 
 wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     s->constraints->row_count = s->constraints->missed_row_count = s->constraints->split = 0;
     wisp_status status = find_sorted( work, false, error );
     status = status == WISP_OK ? fill_all( work, &s->constraints->row_buffer, &s->constraints->rows, error ) : status;
@@ -283,7 +283,7 @@ static void keep_new( contact_near* near, const contact_row* rows, int row_count
 
 wisp_status contact_find_missed_rows( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     s->constraints->missed_row_count = 0;
     wisp_status status = find_sorted( work, true, error );
     if ( status == WISP_OK )

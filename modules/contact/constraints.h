@@ -14,7 +14,7 @@ typedef struct contact_row
     float normal[3];                  // unit, from the second side to the first
     float gap;                        // m, to keep in this substep: the smaller of `wanted` and `distance`
     float distance;                   // m, at the intersection-free positions
-    float wanted;                     // m, half the sum of the thicknesses, or less where the pair is closer at rest
+    float requested;                  // m, half the sum of the thicknesses, or less where the pair is closer at rest
     float friction;
     float normal_correction;        // m, accumulated, >= 0: the normal impulse
     float tangential_correction[3]; // m, accumulated: the friction impulse

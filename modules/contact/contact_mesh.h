@@ -21,7 +21,7 @@ enum
 /// The definition of a participant with the defaults filled in.
 typedef struct contact_settings
 {
-    float thickness, friction, recovery_speed;
+    float thickness, friction, max_push_out_speed;
     uint32_t layers, mask;
     int32_t self;
     int32_t is_new; // its column of intersection-free positions has no values yet
@@ -32,22 +32,22 @@ typedef struct contact_memory
 {
     int32_t tangled; // edges may pass through triangles: pairs there are not constrained but drawn apart
     int32_t unused;  // rows of columns have no padding inside
-    wisp_contact_figures figures;
+    wisp_contact_stats stats;
 } contact_memory;
 
 /// A participant's part of the contact mesh.
-typedef struct contact_guest
+typedef struct contact_participant
 {
     wisp_entity entity;
     bool is_strands, halted;
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
     double impulse[3]; // N s, of this step
-} contact_guest;
+} contact_participant;
 
 /// The contact mesh. It is a function of the columns of the participants, built again after those changed from
 /// outside. Which pairs are in the lists of the stages depends on the past; which pairs become constraints does not.
-typedef struct contact_soup
+typedef struct contact_contact_mesh
 {
     int point_count, edge_count, triangle_count;
     float* now;               // [point][4] m, inverse mass: position in this substep
@@ -56,7 +56,7 @@ typedef struct contact_soup
     float* shift;             // [point][4] m: displacement of this substep that gives no velocity
     int32_t* edges;           // [edge][2]
     int32_t* triangles;       // [triangle][3]
-    float least_thickness;    // m, of the participants
+    float min_thickness;      // m, of the participants
     bool is_listed;           // the pair lists of the broad phase hold for these positions
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
     wisp_buffer buffers[6];
@@ -72,7 +72,7 @@ typedef struct contact_soup
     struct contact_colouring* colouring;         // colouring.h
     struct contact_limit* limit;                 // displacement_limit.h
     struct contact_untangling* untangling;       // untangling.h
-} contact_soup;
+} contact_contact_mesh;
 
 /// Components that participants have.
 typedef struct contact_components
@@ -85,10 +85,10 @@ typedef struct contact_components
 /// What the loops of a substep share.
 typedef struct contact_work
 {
-    contact_soup* soup;
+    contact_contact_mesh* contact_mesh;
     contact_memory* memory;
-    contact_guest* guests;
-    int guest_count;
+    contact_participant* participants;
+    int participant_count;
     const wisp_contact_settings* settings; // of the world
     const contact_components* components;
     const wisp_parallel* parallel;
@@ -99,32 +99,32 @@ typedef struct contact_work
 
 /// Number the points, edges and triangles of all participants and copy their rest shapes.
 /// @return false without memory
-bool contact_build_soup( const contact_work* work );
+bool contact_build_contact_mesh( const contact_work* work );
 
 /// Make room for an array, and a little more: kernels read and write whole groups of eight.
 /// @return false without memory
 bool contact_reserve( const contact_work* work, wisp_buffer* buffer, size_t bytes, void** out );
 
 /// Find the edge between two points of a participant, a < b.
-int contact_find_edge( const contact_soup* s, const contact_guest* guest, int a, int b );
+int contact_find_edge( const contact_contact_mesh* s, const contact_participant* participant, int a, int b );
 
 /// Return whether two participants, or a participant and itself, are kept apart.
-bool contact_may_meet( const contact_guest* a, const contact_guest* b );
+bool contact_may_meet( const contact_participant* a, const contact_participant* b );
 
 /// Return whether particles stand for the surfaces.
 static inline bool contact_has_samples( const contact_work* work )
 {
-    return work->settings->features == WISP_CONTACT_SAMPLES;
+    return work->settings->primitives == WISP_CONTACT_PARTICLES;
 }
 
 /// Return the participant that a point belongs to.
-static inline contact_guest* contact_guest_of( const contact_work* work, int point )
+static inline contact_participant* contact_participant_of( const contact_work* work, int point )
 {
-    return work->guests + (int)work->soup->rest[(size_t)point * 4 + 3];
+    return work->participants + (int)work->contact_mesh->rest[(size_t)point * 4 + 3];
 }
 
 /// Return the distance that two participants keep, m.
-static inline float contact_gap_between( const contact_guest* a, const contact_guest* b )
+static inline float contact_gap_between( const contact_participant* a, const contact_participant* b )
 {
     return 0.5f * ( a->settings.thickness + b->settings.thickness );
 }

@@ -5,18 +5,18 @@
 
 #include <string.h>
 
-static const uint32_t CONTACT_SETTINGS_MADE = 0x434f4e53;
+static const uint32_t CONTACT_SETTINGS_COOKIE = 0x434f4e53;
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { { "settings", sizeof( contact_settings ) } };
 static const wisp_column_def PARTICLE_COLUMNS[] = { { "intersection_free", 4 * sizeof( float ) } };
 static const wisp_column_def STRAND_COLUMNS[] = { { "intersection_free", 3 * WISP_LANES * sizeof( float ) } };
 static const wisp_column_def MEMORY_COLUMNS[] = { { "memory", sizeof( contact_memory ) } };
 static const wisp_column_def MARK_COLUMNS[] = { { "mark", sizeof( int32_t ) } };
-static const wisp_column_def FIGURES_COLUMNS[] = { { "figures", sizeof( wisp_contact_figures ) } };
+static const wisp_column_def STATS_COLUMNS[] = { { "figures", sizeof( wisp_contact_stats ) } };
 
 wisp_contact_settings wisp_default_contact_settings( void )
 {
-    return ( wisp_contact_settings ){ .margin = 1.0f, .guard = true, .made_by_default = CONTACT_SETTINGS_MADE };
+    return ( wisp_contact_settings ){ .margin = 1.0f, .displacement_limit = true, .cookie = CONTACT_SETTINGS_COOKIE };
 }
 
 // ---- declaration ----
@@ -31,14 +31,14 @@ static void release_buffers( wisp_buffer* buffers, int count, const wisp_allocat
 
 static void release_stages( contact_state* s, const wisp_allocator* allocator )
 {
-    release_buffers( s->soup.buffers, WISP_COUNT( s->soup.buffers ), allocator );
+    release_buffers( s->contact_mesh.buffers, WISP_COUNT( s->contact_mesh.buffers ), allocator );
     release_buffers( s->clusters.buffers, WISP_COUNT( s->clusters.buffers ), allocator );
     release_buffers( s->motion.buffers, WISP_COUNT( s->motion.buffers ), allocator );
     release_buffers( s->bounds.buffers, WISP_COUNT( s->bounds.buffers ), allocator );
     wisp_buffer_release( &s->broad_phase.box_buffer, allocator );
-    wisp_box_pairs_release( &s->broad_phase.overlaps, allocator );
+    wisp_aabb_pairs_release( &s->broad_phase.overlaps, allocator );
     wisp_buffer_release( &s->intersections.buffer, allocator );
-    wisp_crossings_release( &s->intersections.crossings, allocator );
+    wisp_intersections_release( &s->intersections.intersections, allocator );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
         wisp_buffer_release( &s->primitives.near[kind].buffer, allocator );
@@ -46,7 +46,7 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     release_buffers( s->samples.buffers, WISP_COUNT( s->samples.buffers ), allocator );
     wisp_buffer_release( &s->samples.candidate_buffer, allocator );
     wisp_samples_release( &s->samples.sampler, allocator );
-    wisp_box_pairs_release( &s->samples.overlaps, allocator );
+    wisp_aabb_pairs_release( &s->samples.overlaps, allocator );
     wisp_buffer_release( &s->constraints.row_buffer, allocator );
     wisp_buffer_release( &s->constraints.missed_buffer, allocator );
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
@@ -60,19 +60,20 @@ static void release_state( void* memory, const wisp_allocator* allocator )
 {
     contact_state* state = memory;
     release_stages( state, allocator );
-    if ( state->guests != NULL )
+    if ( state->participants != NULL )
     {
-        allocator->release( allocator->user, state->guests, (size_t)state->guest_capacity * sizeof( contact_guest ) );
+        allocator->release( allocator->user, state->participants,
+                            (size_t)state->participant_capacity * sizeof( contact_participant ) );
     }
 }
 
 static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
 {
     contact_state* state = memory;
-    const int number = contact_find_guest( state, entity );
+    const int number = contact_find_participant( state, entity );
     if ( number >= 0 )
     {
-        contact_forget_guest( world, state, number );
+        contact_forget_participant( world, state, number );
     }
 }
 
@@ -90,13 +91,13 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->pairs, { "contact.pairs", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->result, { "contact.result", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
-        { &s->figures, { "contact.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
+        { &s->stats, { "contact.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
     {
         *all[i].out = wisp_declare_component( r, &all[i].def );
     }
-    return s->figures != 0 ? WISP_OK : WISP_BAD_INPUT;
+    return s->stats != 0 ? WISP_OK : WISP_BAD_INPUT;
 }
 
 // Declare each pass twice: with strands it also waits for the passes of strands, which then leave their own loop over
@@ -109,11 +110,11 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .name = strands ? "contact.find_strands" : "contact.find",
             .stage = WISP_STAGE_CONTACT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->active, strands ? s->touches : 0 },
-            .lacks = { strands ? 0 : s->touches },
+            .required = { s->active, strands ? s->touches : 0 },
+            .excluded = { strands ? 0 : s->touches },
             .reads = { s->active },
             .writes = { s->pairs },
-            .across = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
             .run = contact_find,
             .user = s,
         },
@@ -121,11 +122,11 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .name = strands ? "contact.push_strands" : "contact.push",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->active, strands ? s->touches : 0 },
-            .lacks = { strands ? 0 : s->touches },
+            .required = { s->active, strands ? s->touches : 0 },
+            .excluded = { strands ? 0 : s->touches },
             .reads = { s->active, s->pairs },
             .writes = { s->result },
-            .across = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
             .run = contact_project,
             .user = s,
         },
@@ -133,7 +134,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .name = strands ? "contact.keep_strands" : "contact.keep",
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->components.settings, strands ? WISP_STRAND_WEIGHT : WISP_PARTICLE_MASS },
+            .required = { s->components.settings, strands ? WISP_STRAND_INVERSE_MASS : WISP_PARTICLE_MASS },
             .reads = { s->components.settings, strands ? WISP_STRAND_POSITION : WISP_PARTICLE_POSITION,
                        strands ? WISP_STRAND_PREVIOUS : WISP_PARTICLE_PREVIOUS },
             .writes = { strands ? s->components.strand_free : s->components.particle_free },
@@ -141,14 +142,14 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .user = s,
         },
         {
-            .name = strands ? "contact.strand_figures" : "contact.figures",
+            .name = strands ? "contact.strand_stats" : "contact.figures",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->active, strands ? s->touches : 0 },
-            .lacks = { strands ? 0 : s->touches },
+            .required = { s->active, strands ? s->touches : 0 },
+            .excluded = { strands ? 0 : s->touches },
             .reads = { s->active },
-            .writes = { s->figures },
-            .across = { WISP_PARTICLE_POSITION, beside },
+            .writes = { s->stats },
+            .foreign = { WISP_PARTICLE_POSITION, beside },
             .run = contact_measure,
             .user = s,
         },
@@ -169,7 +170,7 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     state->world = wisp_default_contact_settings();
-    state->soup = ( contact_soup ){
+    state->contact_mesh = ( contact_contact_mesh ){
         .clusters = &state->clusters,
         .motion = &state->motion,
         .bounds = &state->bounds,
@@ -200,27 +201,28 @@ wisp_status contact_find_state( wisp_world* world, contact_state** out )
                : wisp_world_fail( world, WISP_CONFLICT, "the module contact is not registered in this world" );
 }
 
-wisp_status contact_check_range( wisp_world* world, const char* name, float value, float low, float high )
+wisp_status contact_check_range( wisp_world* world, const char* name, float value, float lower, float upper )
 {
-    return value >= low && value <= high
+    return value >= lower && value <= upper
                ? WISP_OK
                : wisp_world_fail( world, WISP_BAD_INPUT, "contact: %s is %g, it must be %g to %g", name,
-                                  (double)value, (double)low, (double)high );
+                                  (double)value, (double)lower, (double)upper );
 }
 
 wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* settings )
 {
-    WISP_ASSERT( settings->made_by_default == CONTACT_SETTINGS_MADE );
+    WISP_ASSERT( settings->cookie == CONTACT_SETTINGS_COOKIE );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
     status = status == WISP_OK ? contact_check_range( world, "margin", settings->margin, 0.01f, 100.0f ) : status;
-    status = status == WISP_OK ? contact_check_range( world, "sample_spacing", settings->sample_spacing, 0.0f, 1e6f )
-                               : status;
-    if ( status == WISP_OK && ( (unsigned)settings->features >= WISP_CONTACT_FEATURES_COUNT ||
+    status = status == WISP_OK
+                 ? contact_check_range( world, "particle_spacing", settings->particle_spacing, 0.0f, 1e6f )
+                 : status;
+    if ( status == WISP_OK && ( (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT ||
                                 (unsigned)settings->search >= WISP_PAIR_SEARCH_COUNT ) )
     {
         status = wisp_world_fail( world, WISP_BAD_INPUT, "contact: unknown features %d or search %d",
-                                  (int)settings->features, (int)settings->search );
+                                  (int)settings->primitives, (int)settings->search );
     }
     if ( status == WISP_OK )
     {
@@ -232,67 +234,68 @@ wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_set
 
 // ---- statistics ----
 
-wisp_status wisp_want_contact_figures( wisp_world* world, bool wanted, bool count_crossings )
+wisp_status wisp_request_contact_stats( wisp_world* world, bool requested, bool count_intersections )
 {
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
-    if ( status == WISP_OK && state->guest_count > 0 )
+    if ( status == WISP_OK && state->participant_count > 0 )
     {
-        status = wanted ? wisp_want( world, state->mesh_entity, state->figures )
-                        : wisp_unwant( world, state->mesh_entity, state->figures );
+        status = requested ? wisp_request( world, state->mesh_entity, state->stats )
+                           : wisp_cancel_request( world, state->mesh_entity, state->stats );
     }
     if ( status == WISP_OK )
     {
-        state->wants_figures = wanted;
-        state->counts_crossings = wanted && count_crossings;
+        state->requests_stats = requested;
+        state->counts_intersections = requested && count_intersections;
     }
     return status;
 }
 
-static wisp_status find_figures( wisp_world* world, contact_state** state, const wisp_contact_figures** out )
+static wisp_status find_stats( wisp_world* world, contact_state** state, const wisp_contact_stats** out )
 {
     const wisp_status status = contact_find_state( world, state );
     if ( status != WISP_OK )
     {
         return status;
     }
-    *out = ( *state )->guest_count > 0 ? wisp_world_column( world, ( *state )->mesh_entity, ( *state )->figures, 0 )
-                                       : NULL;
-    return *out != NULL && ( *out )->guests > 0
+    *out = ( *state )->participant_count > 0
+               ? wisp_world_column( world, ( *state )->mesh_entity, ( *state )->stats, 0 )
+               : NULL;
+    return *out != NULL && ( *out )->participants > 0
                ? WISP_OK
                : wisp_world_fail(
                      world, WISP_CONFLICT,
                      "contact: no figures: they were not requested, no entity takes part, or no step was made" );
 }
 
-wisp_status wisp_read_contact_figures( wisp_world* world, wisp_contact_figures* out )
+wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out )
 {
     contact_state* state;
-    const wisp_contact_figures* figures;
-    const wisp_status status = find_figures( world, &state, &figures );
+    const wisp_contact_stats* stats;
+    const wisp_status status = find_stats( world, &state, &stats );
     if ( status == WISP_OK )
     {
-        *out = *figures;
+        *out = *stats;
         out->searches = state->broad_phase.searches;
-        const bool are_samples = state->world.features == WISP_CONTACT_SAMPLES;
+        const bool are_samples = state->world.primitives == WISP_CONTACT_PARTICLES;
         out->candidates = are_samples ? state->samples.candidate_count : state->bounds.pairs[0].count;
     }
     return status;
 }
 
-wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity guest, double out[3] )
+wisp_status wisp_read_contact_impulse( wisp_world* world, wisp_entity participant, double out[3] )
 {
     contact_state* state;
-    const wisp_contact_figures* figures;
-    const wisp_status status = find_figures( world, &state, &figures );
-    const int number = status == WISP_OK ? contact_find_guest( state, guest ) : -1;
+    const wisp_contact_stats* stats;
+    const wisp_status status = find_stats( world, &state, &stats );
+    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( status == WISP_OK && number < 0 )
     {
-        return wisp_world_fail( world, WISP_CONFLICT, "contact: entity %u takes no part", guest.index );
+        return wisp_world_fail( world, WISP_CONFLICT, "contact: entity %u takes no part", participant.index );
     }
     if ( status == WISP_OK )
     {
-        memcpy( out, state->guests[number].impulse, sizeof( state->guests[number].impulse ) );
+        memcpy( out, state->participants[number].impulse, sizeof( state->participants[number].impulse ) );
     }
     return status;
 }

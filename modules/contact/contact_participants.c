@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static const uint32_t CONTACT_DEF_MADE = 0x434f4e54;
+static const uint32_t CONTACT_DEF_COOKIE = 0x434f4e54;
 
 wisp_contact_def wisp_default_contact_def( void )
 {
@@ -15,15 +15,15 @@ wisp_contact_def wisp_default_contact_def( void )
         .layers = 1,
         .mask = UINT32_MAX,
         .enabled = true,
-        .made_by_default = CONTACT_DEF_MADE,
+        .cookie = CONTACT_DEF_COOKIE,
     };
 }
 
-int contact_find_guest( const contact_state* state, wisp_entity entity )
+int contact_find_participant( const contact_state* state, wisp_entity entity )
 {
-    for ( int i = 0; i < state->guest_count; ++i )
+    for ( int i = 0; i < state->participant_count; ++i )
     {
-        const wisp_entity e = state->guests[i].entity;
+        const wisp_entity e = state->participants[i].entity;
         if ( e.index == entity.index && e.generation == entity.generation )
         {
             return i;
@@ -34,9 +34,9 @@ int contact_find_guest( const contact_state* state, wisp_entity entity )
 
 static bool has_strands( const contact_state* state )
 {
-    for ( int i = 0; i < state->guest_count; ++i )
+    for ( int i = 0; i < state->participant_count; ++i )
     {
-        if ( state->guests[i].is_strands )
+        if ( state->participants[i].is_strands )
         {
             return true;
         }
@@ -44,20 +44,20 @@ static bool has_strands( const contact_state* state )
     return false;
 }
 
-void contact_forget_guest( wisp_world* world, contact_state* state, int number )
+void contact_forget_participant( wisp_world* world, contact_state* state, int number )
 {
-    state->guest_count -= 1;
-    memmove( state->guests + number, state->guests + number + 1,
-             (size_t)( state->guest_count - number ) * sizeof( contact_guest ) );
+    state->participant_count -= 1;
+    memmove( state->participants + number, state->participants + number + 1,
+             (size_t)( state->participant_count - number ) * sizeof( contact_participant ) );
     state->changed = true;
     if ( has_strands( state ) == false )
     {
         wisp_world_detach( world, state->mesh_entity, state->touches );
     }
-    if ( state->guest_count == 0 )
+    if ( state->participant_count == 0 )
     {
-        wisp_unwant( world, state->mesh_entity, state->result );
-        wisp_unwant( world, state->mesh_entity, state->figures );
+        wisp_cancel_request( world, state->mesh_entity, state->result );
+        wisp_cancel_request( world, state->mesh_entity, state->stats );
         wisp_world_detach( world, state->mesh_entity, state->active );
     }
 }
@@ -89,17 +89,17 @@ static float mean_segment( const wisp_strand_topology* strands, const float* len
 }
 
 // Fill in the defaults of a definition.
-static contact_settings resolve( wisp_world* world, wisp_entity guest, const wisp_contact_def* d )
+static contact_settings resolve( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
-    const wisp_strand_topology* strands = wisp_world_strands( world, guest );
+    const wisp_strand_topology* strands = wisp_world_strands( world, participant );
     const float edge = strands != NULL
-                           ? mean_segment( strands, wisp_world_column( world, guest, WISP_STRAND_LENGTH, 0 ) )
-                           : mean_edge( wisp_world_fabric( world, guest ) );
+                           ? mean_segment( strands, wisp_world_column( world, participant, WISP_STRAND_LENGTH, 0 ) )
+                           : mean_edge( wisp_world_fabric( world, participant ) );
     const float thickness = d->thickness > 0.0f ? d->thickness : ( edge > 0.0f ? 0.25f * edge : 1e-3f );
     return ( contact_settings ){
         .thickness = thickness,
         .friction = d->friction,
-        .recovery_speed = d->recovery_speed > 0.0f ? d->recovery_speed : 10.0f * thickness,
+        .max_push_out_speed = d->max_push_out_speed > 0.0f ? d->max_push_out_speed : 10.0f * thickness,
         .layers = d->layers,
         .mask = d->mask,
         .self = d->self && strands == NULL ? 1 : 0,
@@ -107,57 +107,60 @@ static contact_settings resolve( wisp_world* world, wisp_entity guest, const wis
     };
 }
 
-static wisp_status check_guest( wisp_world* world, wisp_entity guest, const wisp_contact_def* d )
+static wisp_status check_participant( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
     wisp_status status = contact_check_range( world, "thickness", d->thickness, 0.0f, 1e6f );
     status = status == WISP_OK ? contact_check_range( world, "friction", d->friction, 0.0f, 1e6f ) : status;
-    status =
-        status == WISP_OK ? contact_check_range( world, "recovery_speed", d->recovery_speed, 0.0f, 1e6f ) : status;
+    status = status == WISP_OK ? contact_check_range( world, "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f )
+                               : status;
     if ( status != WISP_OK )
     {
         return status;
     }
-    if ( wisp_world_strands( world, guest ) == NULL )
+    if ( wisp_world_strands( world, participant ) == NULL )
     {
         void* state;
-        status = wisp_world_surface_state( world, "contact", guest, &state );
-        return status == WISP_OK && wisp_world_has( world, guest, WISP_PARTICLE_SOLVED )
+        status = wisp_world_surface_state( world, "contact", participant, &state );
+        return status == WISP_OK && wisp_world_has( world, participant, WISP_PARTICLE_EXTERNAL_SOLVER )
                    ? wisp_world_fail(
                          world, WISP_CONFLICT,
                          "contact: another module solves for the velocities of entity %u, so it cannot be "
                          "pushed by other surfaces",
-                         guest.index )
+                         participant.index )
                    : status;
     }
-    return wisp_world_has( world, guest, WISP_STRAND_WEIGHT ) && wisp_world_has( world, guest, WISP_STRAND_LENGTH )
+    return wisp_world_has( world, participant, WISP_STRAND_INVERSE_MASS ) &&
+                   wisp_world_has( world, participant, WISP_STRAND_LENGTH )
                ? WISP_OK
                : wisp_world_fail( world, WISP_CONFLICT,
                                   "contact: the strands of entity %u do not move: give them dynamics first",
-                                  guest.index );
+                                  participant.index );
 }
 
 // ---- adding and removing ----
 
 static bool make_room( wisp_world* world, contact_state* state )
 {
-    if ( state->guest_count < state->guest_capacity )
+    if ( state->participant_count < state->participant_capacity )
     {
         return true;
     }
     const wisp_allocator* allocator = wisp_world_allocator( world );
-    const int more = state->guest_capacity > 0 ? 2 * state->guest_capacity : 8;
-    contact_guest* grown = allocator->allocate( allocator->user, (size_t)more * sizeof( contact_guest ), 64 );
+    const int more = state->participant_capacity > 0 ? 2 * state->participant_capacity : 8;
+    contact_participant* grown =
+        allocator->allocate( allocator->user, (size_t)more * sizeof( contact_participant ), 64 );
     if ( grown == NULL )
     {
         return false;
     }
-    if ( state->guests != NULL )
+    if ( state->participants != NULL )
     {
-        memcpy( grown, state->guests, (size_t)state->guest_count * sizeof( contact_guest ) );
-        allocator->release( allocator->user, state->guests, (size_t)state->guest_capacity * sizeof( contact_guest ) );
+        memcpy( grown, state->participants, (size_t)state->participant_count * sizeof( contact_participant ) );
+        allocator->release( allocator->user, state->participants,
+                            (size_t)state->participant_capacity * sizeof( contact_participant ) );
     }
-    state->guests = grown;
-    state->guest_capacity = more;
+    state->participants = grown;
+    state->participant_capacity = more;
     return true;
 }
 
@@ -167,13 +170,13 @@ static wisp_status add_mesh_entity( wisp_world* world, contact_state* state, boo
     wisp_status status = WISP_OK;
     if ( wisp_is_alive( world, state->mesh_entity ) == false )
     {
-        status = wisp_world_add_plain( world, &state->mesh_entity );
+        status = wisp_world_add_empty( world, &state->mesh_entity );
     }
     status = status == WISP_OK ? wisp_world_attach( world, state->mesh_entity, state->active ) : status;
     status = status == WISP_OK && strands ? wisp_world_attach( world, state->mesh_entity, state->touches ) : status;
-    status = status == WISP_OK ? wisp_want( world, state->mesh_entity, state->result ) : status;
-    return status == WISP_OK && state->wants_figures ? wisp_want( world, state->mesh_entity, state->figures )
-                                                     : status;
+    status = status == WISP_OK ? wisp_request( world, state->mesh_entity, state->result ) : status;
+    return status == WISP_OK && state->requests_stats ? wisp_request( world, state->mesh_entity, state->stats )
+                                                      : status;
 }
 
 // Undo add_mesh_entity() after a failure, unless others take part.
@@ -183,87 +186,88 @@ static void remove_mesh_entity( wisp_world* world, contact_state* state )
     {
         wisp_world_detach( world, state->mesh_entity, state->touches );
     }
-    if ( state->guest_count == 0 && wisp_is_alive( world, state->mesh_entity ) )
+    if ( state->participant_count == 0 && wisp_is_alive( world, state->mesh_entity ) )
     {
         wisp_remove( world, state->mesh_entity );
     }
 }
 
-static wisp_status attach_components( wisp_world* world, contact_state* state, wisp_entity guest,
+static wisp_status attach_components( wisp_world* world, contact_state* state, wisp_entity participant,
                                       wisp_component positions )
 {
-    wisp_status status = wisp_world_attach( world, guest, positions );
-    status = status == WISP_OK ? wisp_world_attach( world, guest, state->components.settings ) : status;
-    return status == WISP_OK ? wisp_want( world, guest, positions ) : status;
+    wisp_status status = wisp_world_attach( world, participant, positions );
+    status = status == WISP_OK ? wisp_world_attach( world, participant, state->components.settings ) : status;
+    return status == WISP_OK ? wisp_request( world, participant, positions ) : status;
 }
 
-static wisp_status add_guest( wisp_world* world, contact_state* state, wisp_entity guest )
+static wisp_status add_participant( wisp_world* world, contact_state* state, wisp_entity participant )
 {
-    const bool strands = wisp_world_strands( world, guest ) != NULL;
+    const bool strands = wisp_world_strands( world, participant ) != NULL;
     const wisp_component positions = strands ? state->components.strand_free : state->components.particle_free;
     if ( make_room( world, state ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities in contact",
-                                state->guest_count + 1 );
+                                state->participant_count + 1 );
     }
-    wisp_status status = attach_components( world, state, guest, positions );
+    wisp_status status = attach_components( world, state, participant, positions );
     status = status == WISP_OK ? add_mesh_entity( world, state, strands ) : status;
     if ( status != WISP_OK )
     {
-        wisp_unwant( world, guest, positions );
-        wisp_world_detach( world, guest, positions );
-        wisp_world_detach( world, guest, state->components.settings );
+        wisp_cancel_request( world, participant, positions );
+        wisp_world_detach( world, participant, positions );
+        wisp_world_detach( world, participant, state->components.settings );
         remove_mesh_entity( world, state );
         return status;
     }
-    state->guests[state->guest_count++] = ( contact_guest ){ .entity = guest, .is_strands = strands };
+    state->participants[state->participant_count++] =
+        ( contact_participant ){ .entity = participant, .is_strands = strands };
     return WISP_OK;
 }
 
-static void remove_guest( wisp_world* world, contact_state* state, int number )
+static void remove_participant( wisp_world* world, contact_state* state, int number )
 {
-    const contact_guest guest = state->guests[number];
+    const contact_participant participant = state->participants[number];
     const wisp_component positions =
-        guest.is_strands ? state->components.strand_free : state->components.particle_free;
-    contact_forget_guest( world, state, number );
-    wisp_unwant( world, guest.entity, positions );
-    wisp_world_detach( world, guest.entity, state->components.settings );
-    wisp_world_detach( world, guest.entity, positions );
+        participant.is_strands ? state->components.strand_free : state->components.particle_free;
+    contact_forget_participant( world, state, number );
+    wisp_cancel_request( world, participant.entity, positions );
+    wisp_world_detach( world, participant.entity, state->components.settings );
+    wisp_world_detach( world, participant.entity, positions );
 }
 
-wisp_status wisp_set_contact( wisp_world* world, wisp_entity guest, const wisp_contact_def* def )
+wisp_status wisp_set_contact( wisp_world* world, wisp_entity participant, const wisp_contact_def* def )
 {
-    WISP_ASSERT( def->made_by_default == CONTACT_DEF_MADE );
+    WISP_ASSERT( def->cookie == CONTACT_DEF_COOKIE );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
-    status = status == WISP_OK ? check_guest( world, guest, def ) : status;
-    const int number = status == WISP_OK ? contact_find_guest( state, guest ) : -1;
+    status = status == WISP_OK ? check_participant( world, participant, def ) : status;
+    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( status == WISP_OK && def->enabled == false )
     {
         if ( number >= 0 )
         {
-            remove_guest( world, state, number );
+            remove_participant( world, state, number );
         }
         return WISP_OK;
     }
-    status = status == WISP_OK && number < 0 ? add_guest( world, state, guest ) : status;
+    status = status == WISP_OK && number < 0 ? add_participant( world, state, participant ) : status;
     if ( status == WISP_OK )
     {
-        contact_settings* settings = wisp_world_column( world, guest, state->components.settings, 0 );
-        *settings = resolve( world, guest, def );
+        contact_settings* settings = wisp_world_column( world, participant, state->components.settings, 0 );
+        *settings = resolve( world, participant, def );
         state->changed = true;
     }
     return status;
 }
 
-wisp_status wisp_unset_contact( wisp_world* world, wisp_entity guest )
+wisp_status wisp_unset_contact( wisp_world* world, wisp_entity participant )
 {
     contact_state* state;
     const wisp_status status = contact_find_state( world, &state );
-    const int number = status == WISP_OK ? contact_find_guest( state, guest ) : -1;
+    const int number = status == WISP_OK ? contact_find_participant( state, participant ) : -1;
     if ( number >= 0 )
     {
-        remove_guest( world, state, number );
+        remove_participant( world, state, number );
     }
     return status;
 }

@@ -16,15 +16,15 @@
 static contact_work begin_work( wisp_frame* frame, const wisp_span* span, contact_state* state )
 {
     return ( contact_work ){
-        .soup = &state->soup,
+        .contact_mesh = &state->contact_mesh,
         .memory = wisp_frame_column( frame, span->entity, state->active, 0 ),
-        .guests = state->guests,
-        .guest_count = state->guest_count,
+        .participants = state->participants,
+        .participant_count = state->participant_count,
         .settings = &state->world,
         .components = &state->components,
         .parallel = wisp_frame_parallel( frame, span ),
         .frame = frame,
-        .seconds = wisp_frame_seconds( frame ),
+        .seconds = wisp_frame_dt( frame ),
         .worker = span->worker,
     };
 }
@@ -40,26 +40,26 @@ static bool run_stage( const contact_work* work, stage_fn* stage )
     const wisp_status status = stage( work, &error );
     if ( status != WISP_OK )
     {
-        work->soup->is_listed = false;
-        wisp_frame_fail( work->frame, status, "%s", error.sentence );
+        work->contact_mesh->is_listed = false;
+        wisp_frame_fail( work->frame, status, "%s", error.message );
     }
     return status == WISP_OK;
 }
 
 static wisp_status build_mesh( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     s->constraints->row_count = s->constraints->missed_row_count = 0;
     s->untangling->has_faces = false;
-    const bool enough = contact_build_soup( work ) && contact_make_clusters( work ) &&
+    const bool enough = contact_build_contact_mesh( work ) && contact_make_clusters( work ) &&
                         contact_reserve_motion( work ) && contact_reserve_intersections( work ) &&
                         contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
-                        ( contact_has_samples( work ) == false || contact_sample_guests( work ) == WISP_OK );
+                        ( contact_has_samples( work ) == false || contact_sample_participants( work ) == WISP_OK );
     if ( enough == false )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the points of %d entities in contact",
-                          work->guest_count );
+                          work->participant_count );
     }
     return WISP_OK;
 }
@@ -68,11 +68,11 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
 
 static void begin_step( const contact_work* work )
 {
-    work->memory->figures = ( wisp_contact_figures ){ .crossings = -1 };
-    work->soup->broad_phase->searches = 0;
-    for ( int g = 0; g < work->guest_count; ++g )
+    work->memory->stats = ( wisp_contact_stats ){ .intersections = -1 };
+    work->contact_mesh->broad_phase->searches = 0;
+    for ( int g = 0; g < work->participant_count; ++g )
     {
-        memset( work->guests[g].impulse, 0, sizeof( work->guests[g].impulse ) );
+        memset( work->participants[g].impulse, 0, sizeof( work->participants[g].impulse ) );
     }
 }
 
@@ -80,7 +80,7 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
     const contact_work work = begin_work( frame, span, state );
-    contact_soup* s = work.soup;
+    contact_contact_mesh* s = work.contact_mesh;
     if ( span->substep == 0 )
     {
         begin_step( &work );
@@ -115,10 +115,10 @@ static void limit_displacements( const contact_work* work )
 {
     enum
     {
-        MOST_ROUNDS = 8, // two were the most in any test
+        MAX_ROUNDS = 8, // two were the most in any test
     };
     contact_reached reached = contact_measure_ways( work );
-    for ( int round = 0; round < MOST_ROUNDS; ++round )
+    for ( int round = 0; round < MAX_ROUNDS; ++round )
     {
         const bool is_searched = reached != CONTACT_BEYOND || run_stage( work, contact_search );
         if ( is_searched == false ||
@@ -127,7 +127,7 @@ static void limit_displacements( const contact_work* work )
             return;
         }
         const int cut = contact_limit_displacements( work );
-        work->memory->figures.guarded += cut;
+        work->memory->stats.limited += cut;
         reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
         if ( reached == CONTACT_WITHIN )
         {
@@ -139,7 +139,7 @@ static void limit_displacements( const contact_work* work )
 
 static void end_substep( const contact_work* work, bool sums_impulses )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     memset( s->shift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
     contact_recover( work );
     contact_untangle( work );
@@ -147,7 +147,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
     {
         contact_sum_impulses( work );
     }
-    if ( work->settings->guard && contact_has_samples( work ) == false )
+    if ( work->settings->displacement_limit && contact_has_samples( work ) == false )
     {
         limit_displacements( work );
     }
@@ -162,7 +162,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
-    if ( work.soup->is_listed == false )
+    if ( work.contact_mesh->is_listed == false )
     {
         return; // the step has failed
     }
@@ -171,7 +171,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     contact_project_rows( &work );
     if ( is_end )
     {
-        end_substep( &work, state->wants_figures );
+        end_substep( &work, state->requests_stats );
     }
     contact_scatter( &work, is_end );
 }
@@ -181,10 +181,12 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
 void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
-    const contact_work work = { .soup = &state->soup, .components = &state->components, .frame = frame };
-    if ( state->soup.is_listed )
+    const contact_work work = { .contact_mesh = &state->contact_mesh,
+                                .components = &state->components,
+                                .frame = frame };
+    if ( state->contact_mesh.is_listed )
     {
-        contact_keep_guest( &work, state->guests + contact_find_guest( state, span->entity ) );
+        contact_keep_participant( &work, state->participants + contact_find_participant( state, span->entity ) );
     }
 }
 
@@ -192,11 +194,11 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const contact_state* state = user;
     const contact_work work = begin_work( frame, span, user );
-    if ( work.soup->is_listed == false )
+    if ( work.contact_mesh->is_listed == false )
     {
         return; // the step has failed
     }
     contact_gather( &work, false );
-    contact_fill_figures( &work, state->counts_crossings );
-    *(wisp_contact_figures*)wisp_frame_column( frame, span->entity, state->figures, 0 ) = work.memory->figures;
+    contact_fill_stats( &work, state->counts_intersections );
+    *(wisp_contact_stats*)wisp_frame_column( frame, span->entity, state->stats, 0 ) = work.memory->stats;
 }

@@ -21,15 +21,15 @@ typedef struct contact_state
     wisp_component touches;  // of `mesh_entity`: strands take part
     wisp_component pairs;    // written by contact.find, read by contact.push
     wisp_component result;   // requested of `mesh_entity`
-    wisp_component figures;  // wisp_contact_figures, on request
+    wisp_component stats;    // wisp_contact_stats, on request
     wisp_entity mesh_entity; // the entity whose passes work on the contact mesh
-    contact_guest* guests;
-    int guest_count, guest_capacity;
+    contact_participant* participants;
+    int participant_count, participant_capacity;
     wisp_contact_settings world;
     bool changed; // participants or settings: the contact mesh is to be built again
-    bool wants_figures, counts_crossings;
+    bool requests_stats, counts_intersections;
 
-    contact_soup soup;
+    contact_contact_mesh contact_mesh;
     contact_clusters clusters;
     contact_motion motion;
     contact_cached_bounds bounds;
@@ -51,10 +51,10 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user );
 
 // contact_participants.c
 /// Find a participant. @return its index, or -1
-int contact_find_guest( const contact_state* state, wisp_entity entity );
+int contact_find_participant( const contact_state* state, wisp_entity entity );
 /// Remove a participant. Only takes away, so it cannot fail.
-void contact_forget_guest( wisp_world* world, contact_state* state, int number );
+void contact_forget_participant( wisp_world* world, contact_state* state, int number );
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status contact_find_state( wisp_world* world, contact_state** out );
 /// Refuse a setting out of range, by name.
-wisp_status contact_check_range( wisp_world* world, const char* name, float value, float low, float high );
+wisp_status contact_check_range( wisp_world* world, const char* name, float value, float lower, float upper );

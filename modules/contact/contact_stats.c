@@ -1,4 +1,4 @@
-// Statistics. In: the rows of a substep, positions at the end of a step. Out: wisp_contact_figures. They are
+// Statistics. In: the rows of a substep, positions at the end of a step. Out: wisp_contact_stats. They are
 // requested rarely, so these are scalar loops in double precision, in the order of the rows.
 #include "contact_stats.h"
 
@@ -13,14 +13,14 @@
 // time.
 static void add_row( const contact_work* work, const contact_row* row, double* sum )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     double weights = 0.0, impulse[3], squared = 0.0;
     for ( int i = 0; i < row->count; ++i )
     {
         weights += (double)s->now[(size_t)row->point[i] * 4 + 3] * (double)row->weight[i] * (double)row->weight[i];
     }
-    contact_guest *a = contact_guest_of( work, row->point[0] ),
-                  *b = contact_guest_of( work, row->point[row->count - 1] );
+    contact_participant *a = contact_participant_of( work, row->point[0] ),
+                        *b = contact_participant_of( work, row->point[row->count - 1] );
     for ( int k = 0; k < 3 && weights > 0.0; ++k )
     {
         impulse[k] =
@@ -35,8 +35,8 @@ static void add_row( const contact_work* work, const contact_row* row, double* s
 
 void contact_sum_impulses( const contact_work* work )
 {
-    const contact_soup* s = work->soup;
-    wisp_contact_figures* f = &work->memory->figures;
+    const contact_contact_mesh* s = work->contact_mesh;
+    wisp_contact_stats* f = &work->memory->stats;
     f->contacts = 0;
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
@@ -50,13 +50,13 @@ void contact_sum_impulses( const contact_work* work )
 
 static float distance_now( const contact_work* work, const contact_row* row )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     if ( contact_has_samples( work ) == false )
     {
-        contact_pieces pieces;
-        pieces.are_edges = row->split == 2;
-        contact_put_pieces( &pieces, 0, row->point );
-        return contact_measure_pieces( work, s->now, &pieces, 1, NULL, NULL )[0];
+        contact_primitives primitives;
+        primitives.are_edges = row->split == 2;
+        contact_put_primitives( &primitives, 0, row->point );
+        return contact_measure_primitives( work, s->now, &primitives, 1, NULL, NULL )[0];
     }
     float d[3] = { 0.0f, 0.0f, 0.0f };
     for ( int i = 0; i < row->count; ++i )
@@ -71,48 +71,48 @@ static float distance_now( const contact_work* work, const contact_row* row )
 
 // Return the smallest distance at the end, in gaps, over the rows of the last substep: all other pairs are farther
 // than their gap.
-static float least_gap( const contact_work* work )
+static float min_gap( const contact_work* work )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     float least = INFINITY;
     for ( int r = 0; r < s->constraints->row_count; ++r )
     {
-        least =
-            contact_smaller( least, distance_now( work, s->constraints->rows + r ) / s->constraints->rows[r].wanted );
+        least = contact_smaller( least,
+                                 distance_now( work, s->constraints->rows + r ) / s->constraints->rows[r].requested );
     }
     return least;
 }
 
-static void count_crossings( const contact_work* work )
+static void count_intersections( const contact_work* work )
 {
     wisp_error error = { 0 };
-    const wisp_status status = contact_find_crossings( work, work->soup->now, &error );
+    const wisp_status status = contact_find_intersections( work, work->contact_mesh->now, &error );
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( work->frame, status, "%s", error.sentence );
+        wisp_frame_fail( work->frame, status, "%s", error.message );
     }
-    work->memory->figures.crossings = work->soup->intersections->crossings.count;
+    work->memory->stats.intersections = work->contact_mesh->intersections->intersections.count;
 }
 
-void contact_fill_figures( const contact_work* work, bool counts_crossings )
+void contact_fill_stats( const contact_work* work, bool counts_intersections )
 {
-    const contact_soup* s = work->soup;
-    wisp_contact_figures* f = &work->memory->figures;
-    if ( counts_crossings )
+    const contact_contact_mesh* s = work->contact_mesh;
+    wisp_contact_stats* f = &work->memory->stats;
+    if ( counts_intersections )
     {
-        count_crossings( work );
+        count_intersections( work );
     }
-    f->guests = work->guest_count;
+    f->participants = work->participant_count;
     f->points = contact_has_samples( work ) ? s->samples->count : s->point_count;
     f->edges = s->edge_count;
     f->triangles = s->triangle_count;
-    f->least_gap = least_gap( work );
+    f->min_gap = min_gap( work );
     memset( f->pushed, 0, sizeof( f->pushed ) );
-    for ( int g = 0; g < work->guest_count; ++g )
+    for ( int g = 0; g < work->participant_count; ++g )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            f->pushed[k] += work->guests[g].impulse[k];
+            f->pushed[k] += work->participants[g].impulse[k];
         }
     }
 }

@@ -7,4 +7,4 @@
 void contact_sum_impulses( const contact_work* work );
 
 /// Complete the statistics at the end of a step: counts, the smallest gap, and intersections if requested.
-void contact_fill_figures( const contact_work* work, bool counts_crossings );
+void contact_fill_stats( const contact_work* work, bool counts_intersections );

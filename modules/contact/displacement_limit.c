@@ -18,25 +18,26 @@
 enum
 {
     PARTIAL_ROUNDS = 16, // then displacements are cut to zero at once
-    MOST_ROUNDS = 64,    // then those of all points are
+    MAX_ROUNDS = 64,     // then those of all points are
     POINT_GRAIN = 2048,
     ROW_GRAIN = 128,
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
-static const float LEAST_OF_WANTED = 0.1f, LEAST_OF_DISTANCE = 0.98f;
+static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.98f;
 static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
 {
-    contact_soup* soup;
+    contact_contact_mesh* contact_mesh;
     bool* has_cuts; // [block of rows]
     bool gives_up;
     _Atomic bool is_crossed;
 } guard_loop;
 
 // Return the coordinate of a point along the normal, with a fraction of its displacement, relative to an origin.
-static float place_along( const contact_soup* s, const contact_row* row, int i, float share, const float* origin )
+static float place_along( const contact_contact_mesh* s, const contact_row* row, int i, float fraction,
+                          const float* origin )
 {
     const size_t at = (size_t)row->point[i] * 4;
     float sum = 0.0f;
@@ -44,13 +45,13 @@ static float place_along( const contact_soup* s, const contact_row* row, int i, 
     {
         const float start = s->intersection_free[at + k] - origin[k];
         const float way = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
-        sum += row->normal[k] * ( start + share * way );
+        sum += row->normal[k] * ( start + fraction * way );
     }
     return sum;
 }
 
 // Return the distance between the two sides. @param is_cut with all free points back at their start
-static float separation( const contact_soup* s, const contact_row* row, bool is_cut )
+static float separation( const contact_contact_mesh* s, const contact_row* row, bool is_cut )
 {
     const float* origin = s->intersection_free + (size_t)row->point[row->count - 1] * 4;
     float front = INFINITY, back = -INFINITY;
@@ -58,15 +59,15 @@ static float separation( const contact_soup* s, const contact_row* row, bool is_
     {
         const int point = row->point[i];
         const bool is_fixed = s->now[(size_t)point * 4 + 3] == 0.0f;
-        const float share = is_cut && is_fixed == false ? 0.0f : s->limit->share[point];
-        const float place = place_along( s, row, i, share, origin );
+        const float fraction = is_cut && is_fixed == false ? 0.0f : s->limit->fraction[point];
+        const float place = place_along( s, row, i, fraction, origin );
         front = i < row->split ? contact_smaller( front, place ) : front;
         back = i >= row->split ? contact_larger( back, place ) : back;
     }
     return front - back;
 }
 
-static contact_row* row_of( const contact_soup* s, int r )
+static contact_row* row_of( const contact_contact_mesh* s, int r )
 {
     return r < s->constraints->row_count ? s->constraints->rows + r
                                          : s->constraints->missed_rows + ( r - s->constraints->row_count );
@@ -75,8 +76,8 @@ static contact_row* row_of( const contact_soup* s, int r )
 // Test a row and compute its cut. @return whether it cuts displacements
 static bool check_row( guard_loop* loop, contact_row* row )
 {
-    const contact_soup* s = loop->soup;
-    const float least = contact_smaller( LEAST_OF_WANTED * row->wanted, LEAST_OF_DISTANCE * row->distance );
+    const contact_contact_mesh* s = loop->contact_mesh;
+    const float least = contact_smaller( MIN_OF_REQUESTED * row->requested, MIN_OF_DISTANCE * row->distance );
     const float there = separation( s, row, false );
     row->cut = 1.0f;
     if ( there < least )
@@ -98,21 +99,21 @@ static void check_rows( void* context, int begin, int end, int worker )
     bool cuts = false;
     for ( int r = begin; r < end; ++r )
     {
-        cuts = check_row( loop, row_of( loop->soup, r ) ) || cuts;
+        cuts = check_row( loop, row_of( loop->contact_mesh, r ) ) || cuts;
     }
     loop->has_cuts[begin / ROW_GRAIN] = cuts;
 }
 
-static bool apply_cut( contact_soup* s, const contact_row* row )
+static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
 {
     bool any = false;
     for ( int i = 0; i < row->count && row->cut < 1.0f; ++i )
     {
         const int point = row->point[i];
-        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->limit->share[point] > 0.0f;
+        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->limit->fraction[point] > 0.0f;
         // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
-        s->limit->share[point] *= can ? row->cut : 1.0f;
-        s->limit->share[point] = s->limit->share[point] < 1e-4f && can ? 0.0f : s->limit->share[point];
+        s->limit->fraction[point] *= can ? row->cut : 1.0f;
+        s->limit->fraction[point] = s->limit->fraction[point] < 1e-4f && can ? 0.0f : s->limit->fraction[point];
         any = any || can;
     }
     return any;
@@ -124,7 +125,8 @@ static bool apply_cuts( guard_loop* loop, int count )
     bool any = false;
     for ( int r = 0; r < count; ++r )
     {
-        any = ( loop->has_cuts[r / ROW_GRAIN] && apply_cut( loop->soup, row_of( loop->soup, r ) ) ) || any;
+        any = ( loop->has_cuts[r / ROW_GRAIN] && apply_cut( loop->contact_mesh, row_of( loop->contact_mesh, r ) ) ) ||
+              any;
     }
     return any;
 }
@@ -132,23 +134,23 @@ static bool apply_cuts( guard_loop* loop, int count )
 // Start with whole displacements. Where the broad phase had to halve its margins, clusters stay within them.
 static void limit_ways( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->share[i] = 1.0f;
+        s->limit->fraction[i] = 1.0f;
     }
     for ( int p = 0; p < s->clusters->count && s->broad_phase->is_short; ++p )
     {
         const contact_cluster* cluster = s->clusters->items + p;
         const float left = ALMOST * ( s->motion->predicted[p].margin - s->motion->predicted[p].deviation );
         const float way = contact_length_of_way( s, s->motion->ways + p );
-        const float share = way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
+        const float fraction = way > left ? ( left > 0.0f ? left / way : 0.0f ) : 1.0f;
         for ( int i = 0; i < cluster->point_count; ++i )
         {
             const int point = s->clusters->points[cluster->first_point + i] / 4;
             const bool is_free = s->now[(size_t)point * 4 + 3] > 0.0f;
-            s->limit->share[point] =
-                is_free ? contact_smaller( s->limit->share[point], share ) : s->limit->share[point];
+            s->limit->fraction[point] =
+                is_free ? contact_smaller( s->limit->fraction[point], fraction ) : s->limit->fraction[point];
         }
     }
 }
@@ -157,58 +159,58 @@ static void cut_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const guard_loop* loop = context;
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
-        const float share = s->limit->share[i];
-        for ( size_t k = 0, at = (size_t)i * 4; k < 3 && share < 1.0f; ++k )
+        const float fraction = s->limit->fraction[i];
+        for ( size_t k = 0, at = (size_t)i * 4; k < 3 && fraction < 1.0f; ++k )
         {
             const float there = s->intersection_free[at + k] + s->motion->common[k];
-            s->now[at + k] = there + share * ( s->now[at + k] - there );
-            s->shift[at + k] *= share;
+            s->now[at + k] = there + fraction * ( s->now[at + k] - there );
+            s->shift[at + k] *= fraction;
         }
     }
 }
 
-static int count_cut( const contact_soup* s )
+static int count_cut( const contact_contact_mesh* s )
 {
     int count = 0;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        count += s->limit->share[i] < 1.0f ? 1 : 0;
+        count += s->limit->fraction[i] < 1.0f ? 1 : 0;
     }
     return count;
 }
 
-static void hold_all( contact_soup* s )
+static void hold_all( contact_contact_mesh* s )
 {
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->share[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+        s->limit->fraction[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
     }
 }
 
 bool contact_reserve_limit( const contact_work* work )
 {
-    contact_limit* limit = work->soup->limit;
-    const size_t bytes = (size_t)work->soup->point_count * sizeof( float );
-    return contact_reserve( work, &limit->buffer, bytes, (void**)&limit->share );
+    contact_limit* limit = work->contact_mesh->limit;
+    const size_t bytes = (size_t)work->contact_mesh->point_count * sizeof( float );
+    return contact_reserve( work, &limit->buffer, bytes, (void**)&limit->fraction );
 }
 
 void contact_hold( const contact_work* work )
 {
-    guard_loop loop = { .soup = work->soup };
-    contact_soup* s = work->soup;
+    guard_loop loop = { .contact_mesh = work->contact_mesh };
+    contact_contact_mesh* s = work->contact_mesh;
     hold_all( s );
-    work->memory->figures.guarded += count_cut( s );
+    work->memory->stats.limited += count_cut( s );
     wisp_parallel_for( work->parallel, s->point_count, POINT_GRAIN, cut_ways, &loop );
     contact_measure_ways( work );
 }
 
 int contact_limit_displacements( const contact_work* work )
 {
-    contact_soup* s = work->soup;
-    guard_loop loop = { .soup = s };
+    contact_contact_mesh* s = work->contact_mesh;
+    guard_loop loop = { .contact_mesh = s };
     atomic_init( &loop.is_crossed, false );
     const int count = s->constraints->row_count + s->constraints->missed_row_count;
     loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
@@ -219,7 +221,7 @@ int contact_limit_displacements( const contact_work* work )
     }
     limit_ways( work );
     bool cuts = true;
-    for ( int round = 0; round < MOST_ROUNDS && cuts; ++round )
+    for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
     {
         loop.gives_up = round >= PARTIAL_ROUNDS;
         wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );

@@ -5,7 +5,7 @@
 
 typedef struct contact_limit
 {
-    float* share; // [point] fraction of its displacement that is left
+    float* fraction; // [point] fraction of its displacement that is left
     wisp_buffer buffer;
 } contact_limit;
 

@@ -23,13 +23,13 @@ static size_t lane_of( const wisp_strand_topology* t, int lane, int i, int numbe
 typedef struct strand_way
 {
     float* column; // rows of lanes
-    float* quads;  // [point][4]
+    float* xyzw;   // [point][4]
     bool is_out;   // from the quads to the column
 } strand_way;
 
 // Copy positions of strands, vertex by vertex.
 // @return whether anything changed
-static bool move_strands( const wisp_strand_topology* t, const contact_guest* guest, strand_way way )
+static bool move_strands( const wisp_strand_topology* t, const contact_participant* participant, strand_way way )
 {
     bool changed = false;
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
@@ -37,7 +37,7 @@ static bool move_strands( const wisp_strand_topology* t, const contact_guest* gu
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
             float* x = way.column + lane_of( t, lane, i, 3 );
-            float* q = way.quads + (size_t)( guest->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4;
+            float* q = way.xyzw + (size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4;
             for ( int k = 0; k < 3; ++k )
             {
                 float *from = way.is_out ? q + k : x + k * WISP_LANES, *to = way.is_out ? x + k * WISP_LANES : q + k;
@@ -49,30 +49,30 @@ static bool move_strands( const wisp_strand_topology* t, const contact_guest* gu
     return changed;
 }
 
-static void gather_strand_weights( const wisp_strand_topology* t, const contact_guest* guest, const float* weight,
-                                   float* quads )
+static void gather_strand_weights( const wisp_strand_topology* t, const contact_participant* participant,
+                                   const float* weight, float* xyzw )
 {
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            quads[(size_t)( guest->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4 + 3] =
+            xyzw[(size_t)( participant->first_point + t->offsets[t->lane_strand[lane]] + i ) * 4 + 3] =
                 weight[lane_of( t, lane, i, 1 )];
         }
     }
 }
 
 // Add the shift of each vertex to its previous position, so that it gives no velocity.
-static void shift_strands( const contact_work* work, const contact_guest* guest )
+static void shift_strands( const contact_work* work, const contact_participant* participant )
 {
-    const contact_soup* s = work->soup;
-    const wisp_strand_topology* t = wisp_frame_strands( work->frame, guest->entity );
-    float* rows = wisp_frame_column( work->frame, guest->entity, WISP_STRAND_PREVIOUS, 0 );
+    const contact_contact_mesh* s = work->contact_mesh;
+    const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
+    float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_PREVIOUS, 0 );
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
     {
         for ( int i = 0; i < t->lane_count[lane]; ++i )
         {
-            const int point = guest->first_point + t->offsets[t->lane_strand[lane]] + i;
+            const int point = participant->first_point + t->offsets[t->lane_strand[lane]] + i;
             for ( int k = 0; k < 3; ++k )
             {
                 rows[lane_of( t, lane, i, 3 ) + (size_t)( k * WISP_LANES )] +=
@@ -87,7 +87,7 @@ static void shift_strands( const contact_work* work, const contact_guest* guest 
 typedef struct gather_loop
 {
     const contact_work* work;
-    const contact_guest* guest;
+    const contact_participant* participant;
     const float* position;          // [vertex][4]; null if gathered already
     const float* intersection_free; // [vertex][4], of its column; null except at the start of a substep
     const float* start;             // [vertex][4], previous positions; likewise
@@ -97,8 +97,8 @@ typedef struct gather_loop
 
 static void copy_points( gather_loop* loop, int begin, int end )
 {
-    contact_soup* s = loop->work->soup;
-    const size_t at = (size_t)( loop->guest->first_point + begin ) * 4, from = (size_t)begin * 4;
+    contact_contact_mesh* s = loop->work->contact_mesh;
+    const size_t at = (size_t)( loop->participant->first_point + begin ) * 4, from = (size_t)begin * 4;
     const size_t bytes = (size_t)( end - begin ) * 4 * sizeof( float );
     memcpy( s->now + at, loop->position + from, bytes );
     if ( loop->intersection_free != NULL &&
@@ -111,9 +111,9 @@ static void copy_points( gather_loop* loop, int begin, int end )
 
 // Return whether a point starts elsewhere than it ended: the user moved it, or its entity was restored. Less than
 // half a thickness counts as ordinary displacement. NaN counts as elsewhere.
-static bool is_elsewhere( const contact_soup* s, const float* start, const float* intersection_free )
+static bool is_elsewhere( const contact_contact_mesh* s, const float* start, const float* intersection_free )
 {
-    const float most = 0.5f * s->least_thickness;
+    const float most = 0.5f * s->min_thickness;
     const float x = start[0] - intersection_free[0], y = start[1] - intersection_free[1],
                 z = start[2] - intersection_free[2];
     return !( x * x + y * y + z * z <= most * most );
@@ -136,7 +136,7 @@ static void gather_points( void* context, int begin, int end, int worker )
 {
     (void)worker;
     gather_loop* loop = context;
-    contact_soup* s = loop->work->soup;
+    contact_contact_mesh* s = loop->work->contact_mesh;
     if ( loop->position != NULL )
     {
         copy_points( loop, begin, end );
@@ -144,10 +144,10 @@ static void gather_points( void* context, int begin, int end, int worker )
     bool jumped = false;
     for ( int i = begin; i < end; ++i )
     {
-        const size_t at = (size_t)( loop->guest->first_point + i ) * 4;
+        const size_t at = (size_t)( loop->participant->first_point + i ) * 4;
         jumped = jumped ||
                  ( loop->start != NULL && is_elsewhere( s, loop->start + (size_t)i * 4, s->intersection_free + at ) );
-        s->now[at + 3] = loop->guest->halted ? 0.0f : s->now[at + 3];
+        s->now[at + 3] = loop->participant->halted ? 0.0f : s->now[at + 3];
         pin_not_finite( s->now + at, s->intersection_free + at );
     }
     if ( jumped )
@@ -158,22 +158,22 @@ static void gather_points( void* context, int begin, int end, int worker )
 
 // Find the positions at the start of the substep. A halted participant does not move, so its previous positions do
 // not count.
-static const float* find_start( const contact_work* work, const contact_guest* guest )
+static const float* find_start( const contact_work* work, const contact_participant* participant )
 {
-    const bool is_strands = guest->is_strands;
-    float* start = wisp_frame_column( work->frame, guest->entity,
+    const bool is_strands = participant->is_strands;
+    float* start = wisp_frame_column( work->frame, participant->entity,
                                       is_strands ? WISP_STRAND_PREVIOUS : WISP_PARTICLE_PREVIOUS, 0 );
-    if ( guest->halted || start == NULL )
+    if ( participant->halted || start == NULL )
     {
-        start = wisp_frame_column( work->frame, guest->entity,
+        start = wisp_frame_column( work->frame, participant->entity,
                                    is_strands ? WISP_STRAND_POSITION : WISP_PARTICLE_POSITION, 0 );
     }
     if ( is_strands )
     {
-        float* quads = work->soup->shift; // unused until the end of the substep
-        move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ start, quads, false } );
-        return quads + (size_t)guest->first_point * 4;
+        float* xyzw = work->contact_mesh->shift; // unused until the end of the substep
+        move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
+                      ( strand_way ){ start, xyzw, false } );
+        return xyzw + (size_t)participant->first_point * 4;
     }
     return start;
 }
@@ -181,66 +181,70 @@ static const float* find_start( const contact_work* work, const contact_guest* g
 static void gather_strands( gather_loop* loop, bool is_start )
 {
     const contact_work* work = loop->work;
-    const contact_guest* guest = loop->guest;
-    const wisp_strand_topology* t = wisp_frame_strands( work->frame, guest->entity );
-    float* rows = wisp_frame_column( work->frame, guest->entity, WISP_STRAND_POSITION, 0 );
-    move_strands( t, guest, ( strand_way ){ rows, work->soup->now, false } );
-    gather_strand_weights( t, guest, wisp_frame_column( work->frame, guest->entity, WISP_STRAND_WEIGHT, 0 ),
-                           work->soup->now );
+    const contact_participant* participant = loop->participant;
+    const wisp_strand_topology* t = wisp_frame_strands( work->frame, participant->entity );
+    float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
+    move_strands( t, participant, ( strand_way ){ rows, work->contact_mesh->now, false } );
+    gather_strand_weights( t, participant,
+                           wisp_frame_column( work->frame, participant->entity, WISP_STRAND_INVERSE_MASS, 0 ),
+                           work->contact_mesh->now );
     if ( is_start )
     {
-        float* intersection_free = wisp_frame_column( work->frame, guest->entity, work->components->strand_free, 0 );
+        float* intersection_free =
+            wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
         atomic_store(
             &loop->is_restored,
-            move_strands( t, guest, ( strand_way ){ intersection_free, work->soup->intersection_free, false } ) );
+            move_strands( t, participant,
+                          ( strand_way ){ intersection_free, work->contact_mesh->intersection_free, false } ) );
     }
 }
 
-static void gather_guest( const contact_work* work, const contact_guest* guest, bool is_start )
+static void gather_participant( const contact_work* work, const contact_participant* participant, bool is_start )
 {
-    contact_soup* s = work->soup;
-    gather_loop loop = { .work = work, .guest = guest };
+    contact_contact_mesh* s = work->contact_mesh;
+    gather_loop loop = { .work = work, .participant = participant };
     atomic_init( &loop.is_restored, false );
     atomic_init( &loop.has_jumped, false );
-    if ( guest->is_strands )
+    if ( participant->is_strands )
     {
         gather_strands( &loop, is_start );
     }
     else
     {
-        loop.position = wisp_frame_column( work->frame, guest->entity, WISP_PARTICLE_POSITION, 0 );
+        loop.position = wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_POSITION, 0 );
         loop.intersection_free =
-            is_start ? wisp_frame_column( work->frame, guest->entity, work->components->particle_free, 0 ) : NULL;
+            is_start ? wisp_frame_column( work->frame, participant->entity, work->components->particle_free, 0 )
+                     : NULL;
     }
-    loop.start = is_start ? find_start( work, guest ) : NULL;
-    wisp_parallel_for( work->parallel, guest->point_count, GRAIN, gather_points, &loop );
+    loop.start = is_start ? find_start( work, participant ) : NULL;
+    wisp_parallel_for( work->parallel, participant->point_count, GRAIN, gather_points, &loop );
     s->is_listed = s->is_listed && atomic_load( &loop.is_restored ) == false;
     if ( is_start == false )
     {
         return;
     }
-    contact_settings* settings = wisp_frame_column( work->frame, guest->entity, work->components->settings, 0 );
+    contact_settings* settings = wisp_frame_column( work->frame, participant->entity, work->components->settings, 0 );
     if ( settings->is_new != 0 || atomic_load( &loop.has_jumped ) ) // its start counts as intersection-free
     {
-        for ( int i = 0; i < guest->point_count; ++i )
+        for ( int i = 0; i < participant->point_count; ++i )
         {
-            memcpy( s->intersection_free + (size_t)( guest->first_point + i ) * 4, loop.start + (size_t)i * 4,
+            memcpy( s->intersection_free + (size_t)( participant->first_point + i ) * 4, loop.start + (size_t)i * 4,
                     3 * sizeof( float ) );
         }
         s->is_reset = true;
         work->memory->tangled = 1;
-        gather_guest( work, guest, false );
+        gather_participant( work, participant, false );
     }
     settings->is_new = 0;
 }
 
 void contact_gather( const contact_work* work, bool is_start )
 {
-    for ( int g = 0; g < work->guest_count; ++g )
+    for ( int g = 0; g < work->participant_count; ++g )
     {
-        contact_guest* guest = work->guests + g;
-        guest->halted = wisp_frame_is_halted( work->frame, guest->entity );
-        gather_guest( work, guest, is_start );
+        contact_participant* participant = work->participants + g;
+        participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
+        gather_participant( work, participant, is_start );
     }
 }
 
@@ -248,8 +252,8 @@ void contact_gather( const contact_work* work, bool is_start )
 
 typedef struct scatter_loop
 {
-    contact_soup* soup;
-    const contact_guest* guest;
+    contact_contact_mesh* contact_mesh;
+    const contact_participant* participant;
     float *position, *previous; // [vertex][4]; null where they stay
     bool is_end;
 } scatter_loop;
@@ -260,10 +264,10 @@ static void scatter_points( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const scatter_loop* loop = context;
-    const contact_soup* s = loop->soup;
+    const contact_contact_mesh* s = loop->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
-        const size_t at = (size_t)( loop->guest->first_point + i ) * 4, to = (size_t)i * 4;
+        const size_t at = (size_t)( loop->participant->first_point + i ) * 4, to = (size_t)i * 4;
         if ( loop->is_end )
         {
             memcpy( s->intersection_free + at, s->now + at, 3 * sizeof( float ) );
@@ -279,55 +283,56 @@ static void scatter_points( void* context, int begin, int end, int worker )
     }
 }
 
-static void scatter_strands( const contact_work* work, const contact_guest* guest, bool is_end )
+static void scatter_strands( const contact_work* work, const contact_participant* participant, bool is_end )
 {
-    if ( guest->halted == false )
+    if ( participant->halted == false )
     {
-        float* rows = wisp_frame_column( work->frame, guest->entity, WISP_STRAND_POSITION, 0 );
-        move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, work->soup->now, true } );
+        float* rows = wisp_frame_column( work->frame, participant->entity, WISP_STRAND_POSITION, 0 );
+        move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
+                      ( strand_way ){ rows, work->contact_mesh->now, true } );
     }
     if ( is_end )
     {
-        shift_strands( work, guest );
+        shift_strands( work, participant );
     }
 }
 
 void contact_scatter( const contact_work* work, bool is_end )
 {
-    for ( int g = 0; g < work->guest_count; ++g )
+    for ( int g = 0; g < work->participant_count; ++g )
     {
-        const contact_guest* guest = work->guests + g;
-        scatter_loop loop = { .soup = work->soup, .guest = guest, .is_end = is_end };
-        if ( guest->is_strands )
+        const contact_participant* participant = work->participants + g;
+        scatter_loop loop = { .contact_mesh = work->contact_mesh, .participant = participant, .is_end = is_end };
+        if ( participant->is_strands )
         {
-            scatter_strands( work, guest, is_end );
+            scatter_strands( work, participant, is_end );
         }
         else
         {
-            loop.position =
-                guest->halted ? NULL : wisp_frame_column( work->frame, guest->entity, WISP_PARTICLE_POSITION, 0 );
+            loop.position = participant->halted
+                                ? NULL
+                                : wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_POSITION, 0 );
             loop.previous =
-                is_end ? wisp_frame_column( work->frame, guest->entity, WISP_PARTICLE_PREVIOUS, 0 ) : NULL;
+                is_end ? wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_PREVIOUS, 0 ) : NULL;
         }
-        wisp_parallel_for( work->parallel, guest->point_count, GRAIN, scatter_points, &loop );
-        if ( is_end && guest->halted ) // its own passes do not run
+        wisp_parallel_for( work->parallel, participant->point_count, GRAIN, scatter_points, &loop );
+        if ( is_end && participant->halted ) // its own passes do not run
         {
-            contact_keep_guest( work, guest );
+            contact_keep_participant( work, participant );
         }
     }
 }
 
-void contact_keep_guest( const contact_work* work, const contact_guest* guest )
+void contact_keep_participant( const contact_work* work, const contact_participant* participant )
 {
-    if ( guest->is_strands )
+    if ( participant->is_strands )
     {
-        float* rows = wisp_frame_column( work->frame, guest->entity, work->components->strand_free, 0 );
-        move_strands( wisp_frame_strands( work->frame, guest->entity ), guest,
-                      ( strand_way ){ rows, work->soup->intersection_free, true } );
+        float* rows = wisp_frame_column( work->frame, participant->entity, work->components->strand_free, 0 );
+        move_strands( wisp_frame_strands( work->frame, participant->entity ), participant,
+                      ( strand_way ){ rows, work->contact_mesh->intersection_free, true } );
         return;
     }
-    memcpy( wisp_frame_column( work->frame, guest->entity, work->components->particle_free, 0 ),
-            work->soup->intersection_free + (size_t)guest->first_point * 4,
-            (size_t)guest->point_count * 4 * sizeof( float ) );
+    memcpy( wisp_frame_column( work->frame, participant->entity, work->components->particle_free, 0 ),
+            work->contact_mesh->intersection_free + (size_t)participant->first_point * 4,
+            (size_t)participant->point_count * 4 * sizeof( float ) );
 }

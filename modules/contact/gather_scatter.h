@@ -10,4 +10,4 @@ void contact_gather( const contact_work* work, bool is_start );
 void contact_scatter( const contact_work* work, bool is_end );
 
 /// Store the intersection-free positions of a participant in its column.
-void contact_keep_guest( const contact_work* work, const contact_guest* guest );
+void contact_keep_participant( const contact_work* work, const contact_participant* participant );

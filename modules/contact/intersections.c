@@ -1,4 +1,4 @@
-// Intersections: edges that pass through triangles, found exactly (wisp/crossings.h). In: positions. Out: the list of
+// Intersections: edges that pass through triangles, found exactly (wisp/intersections.h). In: positions. Out: the list of
 // intersections; the points of those between participants that are kept apart are marked. Constraints between marked
 // points are dropped, because their plane would have no right side, and untangling.c draws them apart.
 #include "intersections.h"
@@ -7,8 +7,8 @@
 
 bool contact_reserve_intersections( const contact_work* work )
 {
-    contact_intersections* x = work->soup->intersections;
-    const size_t points = (size_t)work->soup->point_count;
+    contact_intersections* x = work->contact_mesh->intersections;
+    const size_t points = (size_t)work->contact_mesh->point_count;
     const bool enough = contact_reserve( work, &x->buffer, points, (void**)&x->is_tangled );
     if ( enough )
     {
@@ -17,61 +17,61 @@ bool contact_reserve_intersections( const contact_work* work )
     return enough;
 }
 
-wisp_status contact_find_crossings( const contact_work* work, const float* quads, wisp_error* error )
+wisp_status contact_find_intersections( const contact_work* work, const float* xyzw, wisp_error* error )
 {
-    const contact_soup* s = work->soup;
-    const wisp_crossing_job job = {
-        .quads = quads,
+    const contact_contact_mesh* s = work->contact_mesh;
+    const wisp_intersection_args args = {
+        .xyzw = xyzw,
         .edges = s->edges,
         .edge_count = s->edge_count,
         .triangles = s->triangles,
         .triangle_count = s->triangle_count,
         .search = work->settings->search,
     };
-    return wisp_crossings_find( &s->intersections->crossings, work->parallel, &job, error );
+    return wisp_intersections_find( &s->intersections->intersections, work->parallel, &args, error );
 }
 
-bool contact_is_forbidden( const contact_work* work, const wisp_crossing* crossing )
+bool contact_is_forbidden( const contact_work* work, const wisp_intersection* intersection )
 {
-    const contact_soup* s = work->soup;
-    return contact_may_meet( contact_guest_of( work, s->edges[2 * (size_t)crossing->edge] ),
-                             contact_guest_of( work, s->triangles[3 * (size_t)crossing->triangle] ) );
+    const contact_contact_mesh* s = work->contact_mesh;
+    return contact_may_meet( contact_participant_of( work, s->edges[2 * (size_t)intersection->edge] ),
+                             contact_participant_of( work, s->triangles[3 * (size_t)intersection->triangle] ) );
 }
 
-static void mark( contact_soup* s, const wisp_crossing* crossing )
+static void mark( contact_contact_mesh* s, const wisp_intersection* intersection )
 {
     uint8_t* is_tangled = s->intersections->is_tangled;
     for ( size_t i = 0; i < 2; ++i )
     {
-        is_tangled[s->edges[2 * (size_t)crossing->edge + i]] = 1;
+        is_tangled[s->edges[2 * (size_t)intersection->edge + i]] = 1;
     }
     for ( size_t i = 0; i < 3; ++i )
     {
-        is_tangled[s->triangles[3 * (size_t)crossing->triangle + i]] = 1;
+        is_tangled[s->triangles[3 * (size_t)intersection->triangle + i]] = 1;
     }
 }
 
 wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
-    const wisp_crossings* crossings = &s->intersections->crossings;
+    contact_contact_mesh* s = work->contact_mesh;
+    const wisp_intersections* intersections = &s->intersections->intersections;
     memset( s->intersections->is_tangled, 0, (size_t)s->point_count );
     if ( work->memory->tangled == 0 || contact_has_samples( work ) )
     {
         work->memory->tangled = 0; // boundary particles have no intersections
         return WISP_OK;
     }
-    const wisp_status status = contact_find_crossings( work, s->intersection_free, error );
+    const wisp_status status = contact_find_intersections( work, s->intersection_free, error );
     int count = 0;
-    for ( int c = 0; c < crossings->count && status == WISP_OK; ++c )
+    for ( int c = 0; c < intersections->count && status == WISP_OK; ++c )
     {
-        if ( contact_is_forbidden( work, crossings->list + c ) )
+        if ( contact_is_forbidden( work, intersections->list + c ) )
         {
-            mark( s, crossings->list + c );
+            mark( s, intersections->list + c );
             count += 1;
         }
     }
-    work->memory->figures.tangled = count;
+    work->memory->stats.tangled = count;
     work->memory->tangled = status == WISP_OK && count == 0 ? 0 : 1;
     return status;
 }

@@ -3,11 +3,11 @@
 
 #include "contact_mesh.h"
 
-#include "wisp/module/crossings.h"
+#include "wisp/module/intersections.h"
 
 typedef struct contact_intersections
 {
-    wisp_crossings crossings;
+    wisp_intersections intersections;
     uint8_t* is_tangled; // [point] of an edge or a triangle that intersects
     wisp_buffer buffer;
 } contact_intersections;
@@ -18,10 +18,10 @@ bool contact_reserve_intersections( const contact_work* work );
 
 /// Find all intersections exactly.
 /// @param quads [point][4] positions
-wisp_status contact_find_crossings( const contact_work* work, const float* quads, wisp_error* error );
+wisp_status contact_find_intersections( const contact_work* work, const float* xyzw, wisp_error* error );
 
 /// Return whether an intersection is between participants that are kept apart.
-bool contact_is_forbidden( const contact_work* work, const wisp_crossing* crossing );
+bool contact_is_forbidden( const contact_work* work, const wisp_intersection* intersection );
 
 /// Mark the points of intersections at the intersection-free positions, while there may be any.
 wisp_status contact_mark_intersections( const contact_work* work, wisp_error* error );

@@ -29,7 +29,7 @@ static const float APART_GAPS = 0.5f, MEASURED_GAPS = 0.6f, SEEN_GAPS = 1.5f;
 typedef struct near_loop
 {
     const contact_work* work;
-    contact_soup* soup;
+    contact_contact_mesh* contact_mesh;
     bool missed_only;
     int active_count;
     _Atomic int total[CONTACT_KIND_COUNT];
@@ -39,7 +39,7 @@ typedef struct near_loop
 // Place the clusters of active pairs, each once per substep.
 static void place_active( near_loop* loop )
 {
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     if ( loop->missed_only == false )
     {
         memset( s->clusters->is_placed, 0, (size_t)s->clusters->count );
@@ -104,28 +104,28 @@ static void measure( narrow_task* task, contact_kind kind )
     batch->count = 0;
 }
 
-// Test primitives of one kind in one cluster against those of another kind in the other. @param asker which of the
+// Test primitives of one kind in one cluster against those of another kind in the other. @param query which of the
 // two clusters
-static void find_pairs( narrow_task* task, const int* numbers, int count, int asker, const int kinds[2],
+static void find_pairs( narrow_task* task, const int* numbers, int count, int query, const int kinds[2],
                         contact_kind kind )
 {
-    const contact_soup* s = task->loop->soup;
+    const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
     contact_batch* batch = task->batches + kind;
-    wisp_piece_near_job jobs[WISP_PIECE_JOBS];
+    wisp_primitive_near_args arg_list[WISP_PRIMITIVE_BATCH];
     int job_count = 0;
     for ( int i = 0; i < count; ++i )
     {
         cluster_test* test = task->tests + numbers[i];
         const bool is_own = test->cluster[0] == test->cluster[1];
-        const int one = test->cluster[asker], other = test->cluster[1 - asker];
+        const int one = test->cluster[query], other = test->cluster[1 - query];
         const contact_cluster *a = s->clusters->items + one, *b = s->clusters->items + other;
-        jobs[job_count] = ( wisp_piece_near_job ){
-            .askers = s->clusters->pieces + a->kind_row[kinds[0]],
-            .rows = s->clusters->pieces + b->kind_row[kinds[1]],
-            .asker_rows = a->rows[kinds[0]],
+        arg_list[job_count] = ( wisp_primitive_near_args ){
+            .queries = s->clusters->primitives + a->kind_row[kinds[0]],
+            .rows = s->clusters->primitives + b->kind_row[kinds[1]],
+            .query_rows = a->rows[kinds[0]],
             .row_count = b->rows[kinds[1]],
-            .asker_box = s->clusters->boxes + one,
+            .query_box = s->clusters->boxes + one,
             .box = s->clusters->boxes + other,
             .within = test->within,
             .seen = test->within + SEEN_GAPS * test->gap,
@@ -133,39 +133,40 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int as
             .is_own = is_own,
             .number = numbers[i],
         };
-        job_count += asker == 0 || is_own == false ? 1 : 0;
+        job_count += query == 0 || is_own == false ? 1 : 0;
     }
-    wisp_piece_pairs to;
+    wisp_primitive_pairs to;
     contact_take_room( batch, &to );
-    batch->count += ( kind == CONTACT_EDGES ? kernels->edges_near : kernels->points_near )( jobs, job_count, &to );
+    batch->count +=
+        ( kind == CONTACT_EDGES ? kernels->edges_near : kernels->points_near )( arg_list, job_count, &to );
 }
 
 // Return the separation of two clusters along the line between their boxes or across one of them, m.
-static float separation_of( const wisp_kernels* kernels, const contact_soup* s, int a, int b )
+static float separation_of( const wisp_kernels* kernels, const contact_contact_mesh* s, int a, int b )
 {
     const contact_cluster *pa = s->clusters->items + a, *pb = s->clusters->items + b;
-    wisp_apart_job job = {
-        .quads = s->intersection_free,
-        .point4 = { s->clusters->points + pa->first_point, s->clusters->points + pb->first_point },
+    wisp_separating_axis_args args = {
+        .xyzw = s->intersection_free,
+        .point_x4 = { s->clusters->points + pa->first_point, s->clusters->points + pb->first_point },
         .count = { pa->point_count, pb->point_count },
     };
-    memcpy( job.along[0], s->clusters->normals + 3 * (size_t)a, sizeof( job.along[0] ) );
-    memcpy( job.along[1], s->clusters->normals + 3 * (size_t)b, sizeof( job.along[1] ) );
-    const wisp_box *box = s->clusters->boxes + a, *other = s->clusters->boxes + b;
+    memcpy( args.along[0], s->clusters->normals + 3 * (size_t)a, sizeof( args.along[0] ) );
+    memcpy( args.along[1], s->clusters->normals + 3 * (size_t)b, sizeof( args.along[1] ) );
+    const wisp_aabb *box = s->clusters->boxes + a, *other = s->clusters->boxes + b;
     for ( int k = 0; k < 3; ++k )
     {
-        job.along[2][k] = ( box->low[k] + box->high[k] ) - ( other->low[k] + other->high[k] );
+        args.along[2][k] = ( box->lower[k] + box->upper[k] ) - ( other->lower[k] + other->upper[k] );
     }
-    return kernels->apart( &job );
+    return kernels->apart( &args );
 }
 
 // Test the pairs of clusters [first, first + count) of a task.
 static void test_clusters( narrow_task* task, int first, int count )
 {
     static const int EDGES[2] = { 1, 1 }, POINTS[2] = { 0, 2 };
-    const contact_soup* s = task->loop->soup;
+    const contact_contact_mesh* s = task->loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( task->loop->work->frame );
-    int numbers[WISP_PIECE_JOBS], near_count = 0;
+    int numbers[WISP_PRIMITIVE_BATCH], near_count = 0;
     for ( int i = first; i < first + count; ++i )
     {
         cluster_test* test = task->tests + i;
@@ -183,12 +184,13 @@ static void test_clusters( narrow_task* task, int first, int count )
 
 static void begin_test( const near_loop* loop, int pair, cluster_test* test )
 {
-    const contact_soup* s = loop->soup;
-    const contact_guest* guests = loop->work->guests;
+    const contact_contact_mesh* s = loop->contact_mesh;
+    const contact_participant* participants = loop->work->participants;
     const int a = s->bounds->pairs[0].cluster[pair], b = s->bounds->pairs[0].other[pair];
     test->cluster[0] = a;
     test->cluster[1] = b;
-    test->gap = contact_gap_between( guests + s->clusters->items[a].guest, guests + s->clusters->items[b].guest );
+    test->gap = contact_gap_between( participants + s->clusters->items[a].participant,
+                                     participants + s->clusters->items[b].participant );
     test->closing = contact_closing_of( s->motion->ways + a, s->motion->ways + b );
     test->within = 1.001f * test->gap + test->closing + MEASURED_GAPS * test->gap;
     test->bound = test->within + SEEN_GAPS * test->gap - 1.001f * test->gap;
@@ -211,7 +213,7 @@ static float bound_of( const cluster_test* test )
 static void run_task( void* context, int begin, int end, int worker )
 {
     near_loop* loop = context;
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     narrow_task* task = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *task ) );
     if ( task == NULL )
     {
@@ -224,7 +226,7 @@ static void run_task( void* context, int begin, int end, int worker )
     {
         begin_test( loop, s->bounds->active[i], task->tests + ( i - begin ) );
     }
-    for ( int first = 0; first < end - begin; first += WISP_PIECE_JOBS )
+    for ( int first = 0; first < end - begin; first += WISP_PRIMITIVE_BATCH )
     {
         if ( contact_has_room( task->batches + CONTACT_POINTS ) == false ||
              contact_has_room( task->batches + CONTACT_EDGES ) == false )
@@ -233,7 +235,7 @@ static void run_task( void* context, int begin, int end, int worker )
             measure( task, CONTACT_EDGES );
         }
         const int left = end - begin - first;
-        test_clusters( task, first, left < WISP_PIECE_JOBS ? left : WISP_PIECE_JOBS );
+        test_clusters( task, first, left < WISP_PRIMITIVE_BATCH ? left : WISP_PRIMITIVE_BATCH );
     }
     measure( task, CONTACT_POINTS );
     measure( task, CONTACT_EDGES );
@@ -246,7 +248,7 @@ static void run_task( void* context, int begin, int end, int worker )
 // @return whether `near` had room for all pairs
 static bool run_all( near_loop* loop )
 {
-    contact_near* near = loop->soup->primitives->near;
+    contact_near* near = loop->contact_mesh->primitives->near;
     bool fits = true;
     atomic_init( &loop->is_out_of_memory, false );
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
@@ -264,8 +266,8 @@ static bool run_all( near_loop* loop )
 
 wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_error* error )
 {
-    contact_soup* s = work->soup;
-    near_loop loop = { .work = work, .soup = s, .missed_only = missed_only };
+    contact_contact_mesh* s = work->contact_mesh;
+    near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
     loop.active_count = contact_find_active_clusters( work, missed_only );
     place_active( &loop );
     bool enough = true;

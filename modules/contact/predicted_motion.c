@@ -33,7 +33,7 @@ static const float MARGIN_SUBSTEPS = 4.0f;
 typedef struct way_loop
 {
     const contact_work* work;
-    contact_soup* soup;
+    contact_contact_mesh* contact_mesh;
     double ( *sums )[3]; // [block]
     _Atomic bool has_fixed;
     float drifts;        // 1 while clusters are predicted to drift, else 0
@@ -43,8 +43,9 @@ typedef struct way_loop
 
 bool contact_reserve_motion( const contact_work* work )
 {
-    contact_motion* m = work->soup->motion;
-    const size_t points = (size_t)work->soup->point_count, count = (size_t)work->soup->clusters->count;
+    contact_motion* m = work->contact_mesh->motion;
+    const size_t points = (size_t)work->contact_mesh->point_count,
+                 count = (size_t)work->contact_mesh->clusters->count;
     wisp_buffer* b = m->buffers;
     const bool enough = contact_reserve( work, b++, points * 4 * sizeof( float ), (void**)&m->ahead ) &&
                         contact_reserve( work, b++, points, (void**)&m->is_missed ) &&
@@ -66,12 +67,13 @@ int contact_drift_substeps( const contact_work* work )
     return contact_has_samples( work ) ? 0 : SUBSTEPS_AHEAD;
 }
 
-static void sum_ways( void* context, int begin, int end, int worker )
+static void sum_displacements( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    const wisp_way_job job = { .before = loop->soup->intersection_free, .now = loop->soup->now };
-    if ( wisp_frame_kernels( loop->work->frame )->sum_ways( &job, begin, end, loop->sums[begin / GRAIN] ) )
+    const wisp_displacement_args args = { .before = loop->contact_mesh->intersection_free,
+                                          .now = loop->contact_mesh->now };
+    if ( wisp_frame_kernels( loop->work->frame )->sum_displacements( &args, begin, end, loop->sums[begin / GRAIN] ) )
     {
         atomic_store( &loop->has_fixed, true );
     }
@@ -80,7 +82,7 @@ static void sum_ways( void* context, int begin, int end, int worker )
 static void find_common( way_loop* loop )
 {
     const contact_work* work = loop->work;
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const int blocks = ( s->point_count + GRAIN - 1 ) / GRAIN;
     memset( s->motion->common, 0, sizeof( s->motion->common ) );
     loop->sums = wisp_parallel_scratch( work->parallel, work->worker, (size_t)blocks * sizeof( *loop->sums ) );
@@ -89,7 +91,7 @@ static void find_common( way_loop* loop )
         return; // a mean of 0 is valid too and only costs time
     }
     atomic_init( &loop->has_fixed, false );
-    wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_ways, loop );
+    wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_displacements, loop );
     for ( int k = 0; k < 3 && atomic_load( &loop->has_fixed ) == false; ++k )
     {
         double sum = 0.0;
@@ -115,7 +117,7 @@ static float length_of( float x, float y, float z )
     return length < FARTHEST ? length : 0.0f;
 }
 
-static void measure_way( contact_soup* s, int point )
+static void measure_way( contact_contact_mesh* s, int point )
 {
     float* ahead = s->motion->ahead + (size_t)point * 4;
     const float *now = s->now + (size_t)point * 4, *intersection_free = s->intersection_free + (size_t)point * 4;
@@ -125,7 +127,7 @@ static void measure_way( contact_soup* s, int point )
     if ( is_missed )
     {
         memcpy( ahead, way, sizeof( way ) );
-        ahead[3] = SPARE_MISSED * s->least_thickness;
+        ahead[3] = SPARE_MISSED * s->min_thickness;
         s->motion->is_missed[point] = 1;
     }
 }
@@ -135,23 +137,23 @@ static void find_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     const wisp_kernels* kernels = wisp_frame_kernels( loop->work->frame );
-    const wisp_way_job job = {
+    const wisp_displacement_args args = {
         .before = s->intersection_free,
         .now = s->now,
         .common = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .share = SPARE,
-        .spare = SPARE_THICKNESS * s->least_thickness,
+        .fraction = SPARE,
+        .spare = SPARE_THICKNESS * s->min_thickness,
         .way = s->motion->ahead,
     };
     if ( loop->is_expected )
     {
-        kernels->take_ways( &job, begin, end );
+        kernels->measure_displacements( &args, begin, end );
         memset( s->motion->is_missed + begin, 0, (size_t)( end - begin ) );
         return;
     }
-    const bool is_missed = kernels->leave_ways( &job, begin, end );
+    const bool is_missed = kernels->exceeds_displacement( &args, begin, end );
     for ( int p = begin; p < end && is_missed; ++p )
     {
         measure_way( s, p );
@@ -165,14 +167,14 @@ static void find_ways( void* context, int begin, int end, int worker )
 // ---- displacements of clusters ----
 
 // @param spare m, tolerance of all points
-static contact_way middle_of( const float low[4], const float high[4], float spare )
+static contact_way middle_of( const float lower[4], const float upper[4], float spare )
 {
     contact_way way;
     float squared = 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        const float wide = high[k] - low[k];
-        way.middle[k] = 0.5f * ( low[k] + high[k] );
+        const float wide = upper[k] - lower[k];
+        way.middle[k] = 0.5f * ( lower[k] + upper[k] );
         squared += wide * wide;
     }
     way.spread = 0.50001f * sqrtf( squared ) + spare;
@@ -181,31 +183,31 @@ static contact_way middle_of( const float low[4], const float high[4], float spa
 
 static contact_way expected_way_of( const contact_work* work, const contact_cluster* cluster )
 {
-    const contact_soup* s = work->soup;
-    float low[4], high[4];
+    const contact_contact_mesh* s = work->contact_mesh;
+    float lower[4], upper[4];
     wisp_frame_kernels( work->frame )
-        ->quad_range( s->motion->ahead, NULL, s->clusters->points + cluster->first_point, cluster->point_count, low,
-                      high );
-    return middle_of( low, high, contact_larger( high[3], 0.0f ) );
+        ->quad_range( s->motion->ahead, NULL, s->clusters->points + cluster->first_point, cluster->point_count, lower,
+                      upper );
+    return middle_of( lower, upper, contact_larger( upper[3], 0.0f ) );
 }
 
 static contact_way gone_way_of( const contact_work* work, const contact_cluster* cluster )
 {
-    const contact_soup* s = work->soup;
-    float low[4], high[4];
+    const contact_contact_mesh* s = work->contact_mesh;
+    float lower[4], upper[4];
     wisp_frame_kernels( work->frame )
         ->quad_range( s->now, s->intersection_free, s->clusters->points + cluster->first_point, cluster->point_count,
-                      low, high );
-    return middle_of( low, high, 0.0f );
+                      lower, upper );
+    return middle_of( lower, upper, 0.0f );
 }
 
-float contact_length_of_way( const contact_soup* s, const contact_way* way )
+float contact_length_of_way( const contact_contact_mesh* s, const contact_way* way )
 {
     const float *m = way->middle, *c = s->motion->common;
     return length_of( m[0] - c[0], m[1] - c[1], m[2] - c[2] ) + way->spread;
 }
 
-static bool exceeds_margin( const contact_soup* s, int cluster )
+static bool exceeds_margin( const contact_contact_mesh* s, int cluster )
 {
     const contact_predicted_motion* predicted = s->motion->predicted + cluster;
     return predicted->deviation + contact_length_of_way( s, s->motion->ways + cluster ) > predicted->margin;
@@ -215,7 +217,7 @@ static void expect_cluster_ways( void* context, int begin, int end, int worker )
 {
     (void)worker;
     way_loop* loop = context;
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     bool is_beyond = false;
     memset( s->motion->cluster_is_missed + begin, 0, (size_t)( end - begin ) );
     for ( int p = begin; p < end; ++p )
@@ -232,7 +234,7 @@ static void expect_cluster_ways( void* context, int begin, int end, int worker )
 // Update the clusters of missed points. Margins are tested for all clusters, because the mean displacement changed.
 static void find_missed_clusters( way_loop* loop )
 {
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     bool is_beyond = false;
     for ( int point = 0; point < s->point_count; ++point )
     {
@@ -256,10 +258,10 @@ static void find_missed_clusters( way_loop* loop )
     }
 }
 
-static contact_reached take_ways( const contact_work* work, bool is_expected )
+static contact_reached measure_displacements( const contact_work* work, bool is_expected )
 {
-    contact_soup* s = work->soup;
-    way_loop loop = { .work = work, .soup = s, .is_expected = is_expected };
+    contact_contact_mesh* s = work->contact_mesh;
+    way_loop loop = { .work = work, .contact_mesh = s, .is_expected = is_expected };
     atomic_init( &loop.reached, CONTACT_WITHIN );
     find_common( &loop );
     wisp_parallel_for( work->parallel, s->point_count, GRAIN, find_ways, &loop );
@@ -276,12 +278,12 @@ static contact_reached take_ways( const contact_work* work, bool is_expected )
 
 contact_reached contact_expect_ways( const contact_work* work )
 {
-    return take_ways( work, true );
+    return measure_displacements( work, true );
 }
 
 contact_reached contact_measure_ways( const contact_work* work )
 {
-    return take_ways( work, false );
+    return measure_displacements( work, false );
 }
 
 // ---- predicted motion ----
@@ -290,8 +292,8 @@ contact_reached contact_measure_ways( const contact_work* work )
 static float margin_for( const contact_work* work, const contact_way* way )
 {
     static const float HALF = 0.5f; // of a pair
-    const float margin = work->settings->margin * work->soup->least_thickness;
-    const float length = contact_length_of_way( work->soup, way );
+    const float margin = work->settings->margin * work->contact_mesh->min_thickness;
+    const float length = contact_length_of_way( work->contact_mesh, way );
     // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many
     return contact_drift_substeps( work ) > 0 ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
                                               : contact_larger( HALF * margin, MARGIN_SUBSTEPS * length );
@@ -301,7 +303,7 @@ static void predict_clusters( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const contact_work* work = context;
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     const float drifts = contact_drift_substeps( work ) > 0 ? 1.0f : 0.0f;
     for ( int p = begin; p < end; ++p )
     {
@@ -318,7 +320,7 @@ static void predict_clusters( void* context, int begin, int end, int worker )
 
 void contact_predict_motion( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     s->motion->substeps = 0;
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, predict_clusters, (void*)(uintptr_t)work );
 }
@@ -326,7 +328,7 @@ void contact_predict_motion( const contact_work* work )
 bool contact_margins_are_wide( const contact_work* work )
 {
     static const float TOO_FAR = 2.0f;
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     if ( contact_drift_substeps( work ) > 0 || s->motion->substeps == 0 ||
          s->motion->substeps % REVIEW_SUBSTEPS != 0 )
     {
@@ -345,7 +347,7 @@ static void add_deviation( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const way_loop* loop = context;
-    contact_soup* s = loop->soup;
+    contact_contact_mesh* s = loop->contact_mesh;
     for ( int p = begin; p < end; ++p )
     {
         contact_predicted_motion* predicted = s->motion->predicted + p;
@@ -361,8 +363,8 @@ static void add_deviation( void* context, int begin, int end, int worker )
 
 void contact_add_deviation( const contact_work* work )
 {
-    contact_soup* s = work->soup;
-    way_loop loop = { .work = work, .soup = s };
+    contact_contact_mesh* s = work->contact_mesh;
+    way_loop loop = { .work = work, .contact_mesh = s };
     loop.drifts = s->motion->substeps < contact_drift_substeps( work ) ? 1.0f : 0.0f;
     wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, add_deviation, &loop );
     s->motion->substeps += 1;

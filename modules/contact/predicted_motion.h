@@ -55,7 +55,7 @@ void contact_predict_motion( const contact_work* work );
 void contact_add_deviation( const contact_work* work );
 
 /// Return the largest displacement of a cluster's points, relative to the mean of all points, m.
-float contact_length_of_way( const contact_soup* s, const contact_way* way );
+float contact_length_of_way( const contact_contact_mesh* s, const contact_way* way );
 
 /// Return whether margins of boundary particles are so much wider than needed that a new search pays.
 bool contact_margins_are_wide( const contact_work* work );

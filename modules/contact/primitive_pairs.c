@@ -30,8 +30,8 @@ static void put_less_first( contact_batch* batch )
     {
         const bool swapped = batch->second[i] < batch->first[i];
         swap_where( swapped, batch->first + i, batch->second + i );
-        swap_where( swapped, batch->point4[0] + i, batch->point4[2] + i );
-        swap_where( swapped, batch->point4[1] + i, batch->point4[3] + i );
+        swap_where( swapped, batch->point_x4[0] + i, batch->point_x4[2] + i );
+        swap_where( swapped, batch->point_x4[1] + i, batch->point_x4[3] + i );
     }
 }
 
@@ -42,7 +42,7 @@ static int pad_to_eight( contact_batch* batch, int count )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            batch->point4[k][count] = batch->point4[k][count - 1];
+            batch->point_x4[k][count] = batch->point_x4[k][count - 1];
         }
     }
     return count;
@@ -55,13 +55,13 @@ void contact_measure_batch( const contact_work* work, contact_kind kind, contact
     {
         put_less_first( batch );
     }
-    const wisp_closest_job job = {
-        .quads = work->soup->intersection_free,
-        .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
+    const wisp_closest_args args = {
+        .xyzw = work->contact_mesh->intersection_free,
+        .point_x4 = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] },
         .distance = batch->distance,
     };
     const int groups = pad_to_eight( batch, batch->count ) / WISP_SLICE;
-    ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &job, 0, groups );
+    ( kind == CONTACT_EDGES ? kernels->closest_segments : kernels->closest_triangle )( &args, 0, groups );
 }
 
 // ---- the test ----
@@ -78,19 +78,19 @@ static void compact( contact_batch* batch, int count )
         batch->distance[i] = batch->distance[from];
         for ( int k = 0; k < 4; ++k )
         {
-            batch->point4[k][i] = batch->point4[k][from];
+            batch->point_x4[k][i] = batch->point_x4[k][from];
         }
     }
 }
 
 // Return whether both sides have a point of an intersection.
-static bool is_tangled( const contact_soup* s, contact_kind kind, const contact_batch* batch, int i )
+static bool is_tangled( const contact_contact_mesh* s, contact_kind kind, const contact_batch* batch, int i )
 {
     const int split = kind == CONTACT_EDGES ? 2 : 1;
     bool sides[2] = { false, false };
     for ( int k = 0; k < 4; ++k )
     {
-        sides[k >= split] = sides[k >= split] || s->intersections->is_tangled[batch->point4[k][i] / 4] != 0;
+        sides[k >= split] = sides[k >= split] || s->intersections->is_tangled[batch->point_x4[k][i] / 4] != 0;
     }
     return sides[0] && sides[1];
 }
@@ -98,13 +98,13 @@ static bool is_tangled( const contact_soup* s, contact_kind kind, const contact_
 // Compute the most that the sides of each pair may approach each other in this substep.
 static void find_closings( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
 {
-    const wisp_closing_job job = {
-        .ahead = work->soup->motion->ahead,
-        .point4 = { batch->point4[0], batch->point4[1], batch->point4[2], batch->point4[3] },
+    const wisp_approach_args args = {
+        .ahead = work->contact_mesh->motion->ahead,
+        .point_x4 = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] },
         .are_edges = kind == CONTACT_EDGES,
         .closing = batch->closing,
     };
-    wisp_frame_kernels( work->frame )->closing( &job, 0, pad_to_eight( batch, count ) );
+    wisp_frame_kernels( work->frame )->closing( &args, 0, pad_to_eight( batch, count ) );
 }
 
 static bool may_meet( const contact_batch* batch, int i )
@@ -115,19 +115,19 @@ static bool may_meet( const contact_batch* batch, int i )
 // ---- rest distances ----
 
 // Return whether the boxes around the two sides of a pair are nearer than a distance.
-static bool boxes_are_within( const float* quads, const contact_batch* batch, int i, int split, float distance )
+static bool boxes_are_within( const float* xyzw, const contact_batch* batch, int i, int split, float distance )
 {
     bool within = true;
     for ( int k = 0; k < 3 && within; ++k )
     {
-        float low[2] = { INFINITY, INFINITY }, high[2] = { -INFINITY, -INFINITY };
+        float lower[2] = { INFINITY, INFINITY }, upper[2] = { -INFINITY, -INFINITY };
         for ( int p = 0; p < 4; ++p )
         {
-            const float x = quads[batch->point4[p][i] + k];
-            low[p >= split] = contact_smaller( low[p >= split], x );
-            high[p >= split] = contact_larger( high[p >= split], x );
+            const float x = xyzw[batch->point_x4[p][i] + k];
+            lower[p >= split] = contact_smaller( lower[p >= split], x );
+            upper[p >= split] = contact_larger( upper[p >= split], x );
         }
-        within = low[0] - high[1] < distance && low[1] - high[0] < distance;
+        within = lower[0] - upper[1] < distance && lower[1] - upper[0] < distance;
     }
     return within;
 }
@@ -135,29 +135,29 @@ static bool boxes_are_within( const float* quads, const contact_batch* batch, in
 // Lower the gap of pairs within a participant that are closer at rest.
 static void thin_gaps( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
 {
-    static const float REST_SHARE = 0.9f; // of the rest distance
-    const contact_soup* s = work->soup;
-    contact_pieces pieces;
-    pieces.are_edges = kind == CONTACT_EDGES;
+    static const float REST_FRACTION = 0.9f; // of the rest distance
+    const contact_contact_mesh* s = work->contact_mesh;
+    contact_primitives primitives;
+    primitives.are_edges = kind == CONTACT_EDGES;
     for ( int next = 0; next < count; )
     {
         int thin[CONTACT_BATCH], thin_count = 0;
         for ( ; next < count && thin_count < CONTACT_BATCH; ++next )
         {
-            const bool is_own = s->rest[batch->point4[0][next] + 3] == s->rest[batch->point4[3][next] + 3];
+            const bool is_own = s->rest[batch->point_x4[0][next] + 3] == s->rest[batch->point_x4[3][next] + 3];
             if ( is_own &&
                  boxes_are_within( s->rest, batch, next, kind == CONTACT_EDGES ? 2 : 1, 2.0f * batch->gap[next] ) )
             {
-                const int32_t points[4] = { batch->point4[0][next] / 4, batch->point4[1][next] / 4,
-                                            batch->point4[2][next] / 4, batch->point4[3][next] / 4 };
-                contact_put_pieces( &pieces, thin_count, points );
+                const int32_t points[4] = { batch->point_x4[0][next] / 4, batch->point_x4[1][next] / 4,
+                                            batch->point_x4[2][next] / 4, batch->point_x4[3][next] / 4 };
+                contact_put_primitives( &primitives, thin_count, points );
                 thin[thin_count++] = next;
             }
         }
-        const float* distance = contact_measure_pieces( work, s->rest, &pieces, thin_count, NULL, NULL );
+        const float* distance = contact_measure_primitives( work, s->rest, &primitives, thin_count, NULL, NULL );
         for ( int i = 0; i < thin_count; ++i )
         {
-            batch->gap[thin[i]] = contact_smaller( batch->gap[thin[i]], REST_SHARE * distance[i] );
+            batch->gap[thin[i]] = contact_smaller( batch->gap[thin[i]], REST_FRACTION * distance[i] );
         }
     }
 }
@@ -166,7 +166,7 @@ static void thin_gaps( const contact_work* work, contact_kind kind, contact_batc
 
 bool contact_reserve_near( const contact_work* work, contact_kind kind, int count )
 {
-    contact_near* near = work->soup->primitives->near + kind;
+    contact_near* near = work->contact_mesh->primitives->near + kind;
     const bool enough =
         contact_reserve( work, &near->buffer, (size_t)count * sizeof( *near->items ), (void**)&near->items );
     near->most = enough ? count : 0;
@@ -176,8 +176,8 @@ bool contact_reserve_near( const contact_work* work, contact_kind kind, int coun
 void contact_select_active( const contact_work* work, contact_kind kind, contact_batch* batch, int selected,
                             _Atomic int* total )
 {
-    const contact_soup* s = work->soup;
-    contact_near* near = work->soup->primitives->near + kind;
+    const contact_contact_mesh* s = work->contact_mesh;
+    contact_near* near = work->contact_mesh->primitives->near + kind;
     compact( batch, selected );
     find_closings( work, kind, batch, selected );
     int kept = 0;

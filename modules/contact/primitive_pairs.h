@@ -4,7 +4,7 @@
 #include "contact_mesh.h"
 
 #include "wisp/module/kernels.h"
-#include "wisp/module/pieces.h"
+#include "wisp/module/primitives.h"
 
 enum
 {
@@ -45,7 +45,7 @@ typedef struct contact_primitive_pairs
 typedef struct contact_batch
 {
     int count;
-    int32_t first[CONTACT_ROOM], second[CONTACT_ROOM], point4[4][CONTACT_ROOM];
+    int32_t first[CONTACT_ROOM], second[CONTACT_ROOM], point_x4[4][CONTACT_ROOM];
     int32_t of[CONTACT_ROOM];                                               // the pair of clusters
     int32_t selected[CONTACT_ROOM];                                         // indices of those that pass a test
     float gap[CONTACT_ROOM], distance[CONTACT_ROOM], closing[CONTACT_ROOM]; // m
@@ -53,21 +53,21 @@ typedef struct contact_batch
 } contact_batch;
 
 /// Point a kernel's output behind the pairs of a batch.
-static inline void contact_take_room( contact_batch* batch, wisp_piece_pairs* out )
+static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs* out )
 {
     out->of = batch->of + batch->count;
     out->first = batch->first + batch->count;
     out->second = batch->second + batch->count;
     for ( int k = 0; k < 4; ++k )
     {
-        out->point4[k] = batch->point4[k] + batch->count;
+        out->point_x4[k] = batch->point_x4[k] + batch->count;
     }
 }
 
 /// Return whether a batch has room for all pairs of one call of the kernel.
 static inline bool contact_has_room( const contact_batch* batch )
 {
-    return batch->count + WISP_PIECE_JOBS * CONTACT_MAX_PAIRS + WISP_SLICE <= CONTACT_ROOM;
+    return batch->count + WISP_PRIMITIVE_BATCH * CONTACT_MAX_PAIRS + WISP_SLICE <= CONTACT_ROOM;
 }
 
 /// Measure all pairs of a batch at the intersection-free positions.

@@ -13,12 +13,12 @@
 enum
 {
     GRAIN = 1024,
-    MOST_PER_SAMPLE = 512, // pairs per particle before margins are halved
+    MAX_PER_SAMPLE = 512, // pairs per particle before margins are halved
 };
 
 // ---- broad phase ----
 
-static float margin_of( const contact_soup* s, int sample )
+static float margin_of( const contact_contact_mesh* s, int sample )
 {
     float margin = 0.0f;
     for ( int k = 0; k < 3; ++k )
@@ -33,35 +33,35 @@ static void box_samples( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const contact_work* work = context;
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
-        const contact_guest* guest = work->guests + (int)s->samples->rest[i][3];
-        const float wide = 0.5f * guest->settings.thickness + margin_of( s, i );
+        const contact_participant* participant = work->participants + (int)s->samples->rest[i][3];
+        const float wide = 0.5f * participant->settings.thickness + margin_of( s, i );
         float* at = s->samples->position[i];
         contact_place_sample( s, s->intersection_free, i, at );
         for ( int k = 0; k < 3; ++k )
         {
-            s->samples->boxes[i].low[k] = at[k] - wide;
-            s->samples->boxes[i].high[k] = at[k] + wide;
+            s->samples->boxes[i].lower[k] = at[k] - wide;
+            s->samples->boxes[i].upper[k] = at[k] + wide;
         }
     }
 }
 
-static int keep_pairs( const void* context, int asker, int32_t* items, int count )
+static int keep_pairs( const void* context, int query, int32_t* items, int count )
 {
     const contact_work* work = context;
-    const contact_soup* s = work->soup;
-    const float margin = margin_of( s, asker );
+    const contact_contact_mesh* s = work->contact_mesh;
+    const float margin = margin_of( s, query );
     int kept = 0;
     for ( int i = 0; i < count; ++i )
     {
         const int32_t item = items[i];
-        const float gap = contact_sample_gap_of( work, asker, item );
+        const float gap = contact_sample_gap_of( work, query, item );
         const float within = 1.001f * gap + margin + margin_of( s, item );
         items[kept] = item;
         kept +=
-            gap > 0.0f && !( contact_distance( s->samples->position[asker], s->samples->position[item] ) > within )
+            gap > 0.0f && !( contact_distance( s->samples->position[query], s->samples->position[item] ) > within )
                 ? 1
                 : 0;
     }
@@ -70,18 +70,18 @@ static int keep_pairs( const void* context, int asker, int32_t* items, int count
 
 wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     wisp_parallel_for( work->parallel, s->samples->count, GRAIN, box_samples, (void*)(uintptr_t)work );
-    const wisp_box_job job = {
+    const wisp_aabb_args args = {
         .boxes = s->samples->boxes,
         .box_count = s->samples->count,
         .search = work->settings->search,
         .kernels = wisp_frame_kernels( work->frame ),
-        .limit = (size_t)s->samples->count * MOST_PER_SAMPLE,
+        .limit = (size_t)s->samples->count * MAX_PER_SAMPLE,
         .filter = keep_pairs,
         .filter_context = work,
     };
-    const wisp_status status = wisp_box_pairs_find( &s->samples->overlaps, work->parallel, &job, error );
+    const wisp_status status = wisp_aabb_pairs_find( &s->samples->overlaps, work->parallel, &args, error );
     s->samples->candidate_count = 0;
     if ( status != WISP_OK )
     {
@@ -93,7 +93,7 @@ wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* err
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs", s->samples->overlaps.pair_count );
     }
-    for ( int a = 0; a < s->samples->overlaps.asker_count; ++a )
+    for ( int a = 0; a < s->samples->overlaps.query_count; ++a )
     {
         for ( int i = s->samples->overlaps.begin[a]; i < s->samples->overlaps.begin[a + 1]; ++i )
         {
@@ -120,7 +120,7 @@ static void find_deviations( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const sample_loop* loop = context;
-    contact_soup* s = loop->work->soup;
+    contact_contact_mesh* s = loop->work->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
         const int32_t* parents = s->samples->parents[i];
@@ -132,7 +132,7 @@ static void find_deviations( void* context, int begin, int end, int worker )
 }
 
 // Return the least deviation of a particle's clusters so far.
-static float least_spent( const contact_soup* s, int sample )
+static float min_spent( const contact_contact_mesh* s, int sample )
 {
     float least = INFINITY;
     for ( int k = 0; k < 3; ++k )
@@ -143,14 +143,14 @@ static float least_spent( const contact_soup* s, int sample )
     return least;
 }
 
-static bool is_missed( const contact_soup* s, int sample )
+static bool is_missed( const contact_contact_mesh* s, int sample )
 {
     const int32_t* p = s->samples->parents[sample];
     return ( s->motion->is_missed[p[0]] | s->motion->is_missed[p[1]] | s->motion->is_missed[p[2]] ) != 0;
 }
 
 // Return the most that two particles may approach each other: no more than two of their points.
-static float closing_of( const contact_soup* s, const contact_pair* pair )
+static float closing_of( const contact_contact_mesh* s, const contact_pair* pair )
 {
     float most = 0.0f;
     for ( int i = 0; i < 3; ++i )
@@ -170,7 +170,7 @@ static void find_near( void* context, int begin, int end, int worker )
 {
     (void)worker;
     sample_loop* loop = context;
-    contact_soup* s = loop->work->soup;
+    contact_contact_mesh* s = loop->work->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
         contact_candidate* c = s->samples->candidates + i;
@@ -182,7 +182,7 @@ static void find_near( void* context, int begin, int end, int worker )
         }
         const float distance = contact_sample_distance( s, s->intersection_free, a, b );
         // the factor covers rounding of the sums
-        c->active_at = least_spent( s, a ) + least_spent( s, b ) + ( distance - 1.001f * c->pair.gap );
+        c->active_at = min_spent( s, a ) + min_spent( s, b ) + ( distance - 1.001f * c->pair.gap );
         if ( distance > 0.0f && distance < c->pair.gap + closing_of( s, &c->pair ) )
         {
             s->primitives->near[CONTACT_POINTS].items[atomic_fetch_add( &loop->total, 1 )] = c->pair;
@@ -192,7 +192,7 @@ static void find_near( void* context, int begin, int end, int worker )
 
 wisp_status contact_find_near_samples( const contact_work* work, bool missed_only, wisp_error* error )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     sample_loop loop = { .work = work, .missed_only = missed_only };
     atomic_init( &loop.total, 0 );
     loop.deviation =

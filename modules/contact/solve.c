@@ -6,7 +6,7 @@
 //   are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
 //   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
-// - Recovery parts pairs that are nearer than their gap at `recovery_speed`. The previous positions move too: no
+// - Recovery parts pairs that are nearer than their gap at `max_push_out_speed`. The previous positions move too: no
 //   velocity.
 #include "solve.h"
 
@@ -22,7 +22,7 @@ typedef struct project_loop
     row_fn* run;
 } project_loop;
 
-static float sum_weights( const contact_soup* s, const contact_row* row )
+static float sum_weights( const contact_contact_mesh* s, const contact_row* row )
 {
     float sum = 0.0f;
     for ( int i = 0; i < row->count; ++i )
@@ -34,13 +34,13 @@ static float sum_weights( const contact_soup* s, const contact_row* row )
 
 // Return the distance of the two sides along the normal. Sums are relative to one of the points, against
 // cancellation.
-static float distance_of( const float* quads, const contact_row* row )
+static float distance_of( const float* xyzw, const contact_row* row )
 {
-    const float* o = quads + (size_t)row->point[row->count - 1] * 4;
+    const float* o = xyzw + (size_t)row->point[row->count - 1] * 4;
     float d[3] = { 0.0f, 0.0f, 0.0f };
     for ( int i = 0; i + 1 < row->count; ++i )
     {
-        const float* p = quads + (size_t)row->point[i] * 4;
+        const float* p = xyzw + (size_t)row->point[i] * 4;
         for ( int k = 0; k < 3; ++k )
         {
             d[k] += row->weight[i] * ( p[k] - o[k] );
@@ -49,19 +49,19 @@ static float distance_of( const float* quads, const contact_row* row )
     return row->normal[0] * d[0] + row->normal[1] * d[1] + row->normal[2] * d[2];
 }
 
-static void move( float* quads, const float* masses, const contact_row* row, const float by[3] )
+static void move( float* xyzw, const float* masses, const contact_row* row, const float by[3] )
 {
     for ( int i = 0; i < row->count; ++i )
     {
         const size_t at = (size_t)row->point[i] * 4;
-        const float share = masses[at + 3] * row->weight[i];
-        quads[at] += share * by[0];
-        quads[at + 1] += share * by[1];
-        quads[at + 2] += share * by[2];
+        const float fraction = masses[at + 3] * row->weight[i];
+        xyzw[at] += fraction * by[0];
+        xyzw[at + 1] += fraction * by[1];
+        xyzw[at + 2] += fraction * by[2];
     }
 }
 
-static void apply_friction( contact_soup* s, contact_row* row, float inverse )
+static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
 {
     float way[3] = { 0.0f, 0.0f, 0.0f };
     for ( int i = 0; i < row->count; ++i )
@@ -74,26 +74,26 @@ static void apply_friction( contact_soup* s, contact_row* row, float inverse )
     }
     const float* n = row->normal;
     const float along = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
-    float wanted[3], squared = 0.0f;
+    float requested[3], squared = 0.0f;
     for ( int k = 0; k < 3; ++k )
     {
-        wanted[k] = row->tangential_correction[k] - ( way[k] - along * n[k] );
-        squared += wanted[k] * wanted[k];
+        requested[k] = row->tangential_correction[k] - ( way[k] - along * n[k] );
+        squared += requested[k] * requested[k];
     }
     const float most = row->friction * row->normal_correction;
     const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
     float by[3];
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * ( scale * wanted[k] - row->tangential_correction[k] );
-        row->tangential_correction[k] = scale * wanted[k];
+        by[k] = inverse * ( scale * requested[k] - row->tangential_correction[k] );
+        row->tangential_correction[k] = scale * requested[k];
     }
     move( s->now, s->now, row, by );
 }
 
 static void project_row( const contact_work* work, contact_row* row )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const float short_by = row->gap - distance_of( s->now, row );
     const float sum = short_by > -row->normal_correction ? sum_weights( s, row ) : 0.0f;
     if ( !( sum > 0.0f ) )
@@ -113,10 +113,10 @@ static void project_row( const contact_work* work, contact_row* row )
 
 static void recover_row( const contact_work* work, contact_row* row )
 {
-    contact_soup* s = work->soup;
-    const contact_guest* guest = work->guests + (int)s->rest[(size_t)row->point[0] * 4 + 3];
-    const float step = guest->settings.recovery_speed * work->seconds;
-    const float short_by = contact_smaller( row->wanted, row->distance + step ) - distance_of( s->now, row );
+    contact_contact_mesh* s = work->contact_mesh;
+    const contact_participant* participant = work->participants + (int)s->rest[(size_t)row->point[0] * 4 + 3];
+    const float step = participant->settings.max_push_out_speed * work->seconds;
+    const float short_by = contact_smaller( row->requested, row->distance + step ) - distance_of( s->now, row );
     const float sum = short_by > 0.0f ? sum_weights( s, row ) : 0.0f;
     if ( sum > 0.0f )
     {
@@ -131,7 +131,7 @@ static void run_blocks( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const project_loop* loop = context;
-    const contact_soup* s = loop->work->soup;
+    const contact_contact_mesh* s = loop->work->contact_mesh;
     for ( int i = begin; i < end; ++i )
     {
         const int block = loop->order[i];
@@ -144,7 +144,7 @@ static void run_blocks( void* context, int begin, int end, int worker )
 
 static void run_all( const contact_work* work, row_fn* run )
 {
-    const contact_colouring* blocks = work->soup->colouring;
+    const contact_colouring* blocks = work->contact_mesh->colouring;
     for ( int colour = 0; colour < CONTACT_COLOURS; ++colour )
     {
         const int first = blocks->colour[colour], count = blocks->colour[colour + 1] - first;

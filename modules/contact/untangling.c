@@ -15,13 +15,13 @@
 #include <string.h>
 
 // In thicknesses per substep, of an intersection and of a point.
-static const float STEP = 0.25f, MOST_STEP = 1.0f;
+static const float STEP = 0.25f, MAX_STEP = 1.0f;
 
 // ---- the triangles of an edge ----
 
 static bool find_faces( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     const size_t bytes = (size_t)s->edge_count * sizeof( *s->untangling->faces );
     if ( s->untangling->has_faces )
     {
@@ -32,16 +32,18 @@ static bool find_faces( const contact_work* work )
         return false;
     }
     memset( s->untangling->faces, -1, bytes );
-    for ( int g = 0; g < work->guest_count; ++g )
+    for ( int g = 0; g < work->participant_count; ++g )
     {
-        const contact_guest* guest = work->guests + g;
-        for ( int t = guest->first_triangle; t < guest->first_triangle + guest->triangle_count; ++t )
+        const contact_participant* participant = work->participants + g;
+        for ( int t = participant->first_triangle; t < participant->first_triangle + participant->triangle_count;
+              ++t )
         {
             const int32_t* corner = s->triangles + 3 * (size_t)t;
             for ( int side = 0; side < 3; ++side )
             {
                 const int a = corner[side], b = corner[( side + 1 ) % 3];
-                int32_t* faces = s->untangling->faces[contact_find_edge( s, guest, a < b ? a : b, a < b ? b : a )];
+                int32_t* faces =
+                    s->untangling->faces[contact_find_edge( s, participant, a < b ? a : b, a < b ? b : a )];
                 faces[faces[0] >= 0 ? 1 : 0] = t;
             }
         }
@@ -88,12 +90,12 @@ static vector unit( vector a )
     return length > 0.0 ? scaled( a, 1.0 / length ) : a;
 }
 
-static const float* point_at( const contact_soup* s, int point )
+static const float* point_at( const contact_contact_mesh* s, int point )
 {
     return s->intersection_free + (size_t)point * 4;
 }
 
-static vector normal_of( const contact_soup* s, const int32_t* t )
+static vector normal_of( const contact_contact_mesh* s, const int32_t* t )
 {
     const float* a = point_at( s, t[0] );
     return unit( cross( between( a, point_at( s, t[1] ) ), between( a, point_at( s, t[2] ) ) ) );
@@ -115,16 +117,16 @@ static int opposite( const int32_t* t, const int32_t* edge )
 // ---- directions ----
 
 // Return the direction in which the line of intersection shrinks (Volino and Magnenat-Thalmann 2006).
-static vector direction_of( const contact_soup* s, const wisp_crossing* crossing )
+static vector direction_of( const contact_contact_mesh* s, const wisp_intersection* intersection )
 {
-    const int32_t* edge = s->edges + 2 * (size_t)crossing->edge;
+    const int32_t* edge = s->edges + 2 * (size_t)intersection->edge;
     const vector along = unit( between( point_at( s, edge[0] ), point_at( s, edge[1] ) ) );
-    const vector normal = normal_of( s, s->triangles + 3 * (size_t)crossing->triangle );
+    const vector normal = normal_of( s, s->triangles + 3 * (size_t)intersection->triangle );
     const double slope = dot( along, normal );
     vector out = { 0.0, 0.0, 0.0 };
     for ( int i = 0; i < 2 && fabs( slope ) > 1e-6; ++i )
     {
-        const int32_t face = s->untangling->faces[crossing->edge][i];
+        const int32_t face = s->untangling->faces[intersection->edge][i];
         if ( face < 0 )
         {
             continue;
@@ -133,8 +135,8 @@ static vector direction_of( const contact_soup* s, const wisp_crossing* crossing
         const vector inward = between( point_at( s, edge[0] ), point_at( s, opposite( t, edge ) ) );
         vector line = unit( cross( normal_of( s, t ), normal ) );
         // into the triangle: away from its edge, towards the third corner
-        const vector across = sum( inward, scaled( along, -dot( inward, along ) ) );
-        line = dot( line, across ) < 0.0 ? scaled( line, -1.0 ) : line;
+        const vector foreign = sum( inward, scaled( along, -dot( inward, along ) ) );
+        line = dot( line, foreign ) < 0.0 ? scaled( line, -1.0 ) : line;
         out = sum( out, sum( line, scaled( normal, -2.0 * dot( along, line ) / slope ) ) );
     }
     return out;
@@ -147,9 +149,10 @@ typedef struct weighted_points
     float weight[5];
 } weighted_points;
 
-static weighted_points weigh( const contact_soup* s, const wisp_crossing* crossing )
+static weighted_points weigh( const contact_contact_mesh* s, const wisp_intersection* intersection )
 {
-    const int32_t *edge = s->edges + 2 * (size_t)crossing->edge, *t = s->triangles + 3 * (size_t)crossing->triangle;
+    const int32_t *edge = s->edges + 2 * (size_t)intersection->edge,
+                  *t = s->triangles + 3 * (size_t)intersection->triangle;
     const vector normal = normal_of( s, t );
     const double p = dot( normal, between( point_at( s, t[0] ), point_at( s, edge[0] ) ) );
     const double q = dot( normal, between( point_at( s, t[0] ), point_at( s, edge[1] ) ) );
@@ -163,7 +166,7 @@ static weighted_points weigh( const contact_soup* s, const wisp_crossing* crossi
 
 // ---- steps of points ----
 
-// Sum of the steps that all intersections of a point ask for, m. It is bounded by MOST_STEP: many together would
+// Sum of the steps that all intersections of a point ask for, m. It is bounded by MAX_STEP: many together would
 // throw the point.
 typedef struct point_step
 {
@@ -171,10 +174,11 @@ typedef struct point_step
 } point_step;
 
 // Add the step of an intersection to its points, distributed so that momentum is kept.
-static void add_step( contact_soup* s, point_step* steps, const wisp_crossing* crossing, vector direction )
+static void add_step( contact_contact_mesh* s, point_step* steps, const wisp_intersection* intersection,
+                      vector direction )
 {
     const double length = sqrt( dot( direction, direction ) );
-    const weighted_points row = weigh( s, crossing );
+    const weighted_points row = weigh( s, intersection );
     float weights = 0.0f;
     for ( int i = 0; i < 5; ++i )
     {
@@ -184,26 +188,26 @@ static void add_step( contact_soup* s, point_step* steps, const wisp_crossing* c
     {
         return;
     }
-    const double step = (double)( STEP * s->least_thickness ) * ( length < 1.0 ? length : 1.0 );
+    const double step = (double)( STEP * s->min_thickness ) * ( length < 1.0 ? length : 1.0 );
     const vector by = scaled( direction, step / ( length * (double)weights ) );
     for ( int i = 0; i < 5; ++i )
     {
         point_step* a = steps + row.point[i];
-        const float share = s->now[(size_t)row.point[i] * 4 + 3] * row.weight[i];
-        a->way[0] += share * (float)by.x;
-        a->way[1] += share * (float)by.y;
-        a->way[2] += share * (float)by.z;
+        const float fraction = s->now[(size_t)row.point[i] * 4 + 3] * row.weight[i];
+        a->way[0] += fraction * (float)by.x;
+        a->way[1] += fraction * (float)by.y;
+        a->way[2] += fraction * (float)by.z;
     }
 }
 
-static bool has_step( const contact_soup* s, const point_step* steps, int i )
+static bool has_step( const contact_contact_mesh* s, const point_step* steps, int i )
 {
     const float* way = steps[i].way;
     return s->now[(size_t)i * 4 + 3] > 0.0f && ( way[0] != 0.0f || way[1] != 0.0f || way[2] != 0.0f );
 }
 
 // Compute the mean displacement in this substep of all points with a step, weighted by mass.
-static void find_mean_way( const contact_soup* s, const point_step* steps, float mean[3] )
+static void find_mean_way( const contact_contact_mesh* s, const point_step* steps, float mean[3] )
 {
     double sum[3] = { 0.0, 0.0, 0.0 }, mass = 0.0;
     for ( int i = 0; i < s->point_count; ++i )
@@ -225,19 +229,19 @@ static void find_mean_way( const contact_soup* s, const point_step* steps, float
 
 // Apply the steps. Points with a step get their mean velocity, which keeps momentum: a velocity of each would
 // oscillate with the constraints between them.
-static void apply_steps( contact_soup* s, const point_step* steps )
+static void apply_steps( contact_contact_mesh* s, const point_step* steps )
 {
-    const float most = MOST_STEP * s->least_thickness;
+    const float most = MAX_STEP * s->min_thickness;
     float mean[3];
     find_mean_way( s, steps, mean );
     for ( int i = 0; i < s->point_count; ++i )
     {
         const float* way = steps[i].way;
         const float length = sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
-        const float share = length > most ? most / length : 1.0f;
+        const float fraction = length > most ? most / length : 1.0f;
         for ( size_t k = 0, at = (size_t)i * 4; k < 3 && has_step( s, steps, i ); ++k )
         {
-            s->now[at + k] += share * way[k];
+            s->now[at + k] += fraction * way[k];
             s->shift[at + k] = s->now[at + k] - s->intersection_free[at + k] - mean[k];
         }
     }
@@ -273,7 +277,7 @@ typedef struct parts
 // Find the parts into which intersecting edges cut each surface, and the largest of each.
 static bool find_parts( const contact_work* work, parts* p )
 {
-    const contact_soup* s = work->soup;
+    const contact_contact_mesh* s = work->contact_mesh;
     const size_t count = (size_t)s->point_count;
     int32_t* numbers = wisp_parallel_scratch( work->parallel, work->worker, 4 * count * sizeof( int32_t ) );
     if ( numbers == NULL )
@@ -293,9 +297,10 @@ static bool find_parts( const contact_work* work, parts* p )
     {
         const int32_t* ends = s->edges + 2 * (size_t)e;
         bool is_crossed = false;
-        for ( ; next < s->intersections->crossings.count && s->intersections->crossings.list[next].edge == e; ++next )
+        for ( ; next < s->intersections->intersections.count && s->intersections->intersections.list[next].edge == e;
+              ++next )
         {
-            is_crossed = is_crossed || contact_is_forbidden( work, s->intersections->crossings.list + next );
+            is_crossed = is_crossed || contact_is_forbidden( work, s->intersections->intersections.list + next );
         }
         unite( p->whole, ends[0], ends[1] );
         if ( is_crossed == false )
@@ -323,9 +328,10 @@ static bool is_minor( const parts* p, int point )
 
 // Return the direction of the edge relative to the triangle: towards the larger part, if the edge connects two parts;
 // none if the triangle does, because its own edges move; else the one that shrinks the line of intersection.
-static vector way_back( const contact_soup* s, const parts* p, const wisp_crossing* crossing )
+static vector way_back( const contact_contact_mesh* s, const parts* p, const wisp_intersection* intersection )
 {
-    const int32_t *edge = s->edges + 2 * (size_t)crossing->edge, *t = s->triangles + 3 * (size_t)crossing->triangle;
+    const int32_t *edge = s->edges + 2 * (size_t)intersection->edge,
+                  *t = s->triangles + 3 * (size_t)intersection->triangle;
     const bool first = is_minor( p, edge[0] ), second = is_minor( p, edge[1] );
     if ( first != second )
     {
@@ -334,12 +340,12 @@ static vector way_back( const contact_soup* s, const parts* p, const wisp_crossi
         return scaled( normal, side < 0.0 ? -1.0 : 1.0 );
     }
     const bool a = is_minor( p, t[0] ), b = is_minor( p, t[1] ), c = is_minor( p, t[2] );
-    return a == b && b == c ? direction_of( s, crossing ) : ( vector ){ 0.0, 0.0, 0.0 };
+    return a == b && b == c ? direction_of( s, intersection ) : ( vector ){ 0.0, 0.0, 0.0 };
 }
 
 void contact_untangle( const contact_work* work )
 {
-    contact_soup* s = work->soup;
+    contact_contact_mesh* s = work->contact_mesh;
     parts p;
     if ( work->memory->tangled == 0 || find_parts( work, &p ) == false )
     {
@@ -353,12 +359,12 @@ void contact_untangle( const contact_work* work )
         return;
     }
     memset( steps, 0, bytes );
-    for ( int c = 0; c < s->intersections->crossings.count; ++c )
+    for ( int c = 0; c < s->intersections->intersections.count; ++c )
     {
-        if ( contact_is_forbidden( work, s->intersections->crossings.list + c ) )
+        if ( contact_is_forbidden( work, s->intersections->intersections.list + c ) )
         {
-            add_step( s, steps, s->intersections->crossings.list + c,
-                      way_back( s, &p, s->intersections->crossings.list + c ) );
+            add_step( s, steps, s->intersections->intersections.list + c,
+                      way_back( s, &p, s->intersections->intersections.list + c ) );
         }
     }
     apply_steps( s, steps );

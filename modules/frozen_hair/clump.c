@@ -109,14 +109,14 @@ static void attract( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const clump_run* run = context;
-    run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_attract( &run->job, begin, end );
+    run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_attract( &run->args, begin, end );
 }
 
 static void brake( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const clump_run* run = context;
-    run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_brake( &run->job, begin, end );
+    run->most[begin / CLUMP_SLICES] = run->kernels->adhesion_brake( &run->args, begin, end );
 }
 
 // Make `result` current. The former current buffer is free for the next sweep, unless the lists still refer to it.
@@ -129,14 +129,14 @@ static void advance( clump_run* run, float** result )
 
 static void iterate( clump_run* run, int iteration )
 {
-    wisp_adhesion_job* job = &run->job;
-    job->current = run->current;
-    job->tentative = run->tentative;
-    job->next = run->next;
-    job->searched = run->searched;
-    job->iteration = (uint32_t)iteration;
+    wisp_adhesion_args* args = &run->args;
+    args->current = run->current;
+    args->tentative = run->tentative;
+    args->next = run->next;
+    args->searched = run->searched;
+    args->iteration = (uint32_t)iteration;
     wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, attract, run );
-    if ( run->params->gap == WISP_GAP_WET )
+    if ( run->params->gap == WISP_GAP_NONE )
     {
         advance( run, &run->tentative );
     }
@@ -153,25 +153,25 @@ static void iterate( clump_run* run, int iteration )
     run->moved = most;
 }
 
-static void make_job( clump_run* run, const frozen_settings* settings, const frozen_event* event )
+static void make_args( clump_run* run, const frozen_settings* settings, const frozen_event* event )
 {
     const frozen_clump* c = run->params;
-    run->job = ( wisp_adhesion_job ){
+    run->args = ( wisp_adhesion_args ){
         .displacement = run->displacement,
         .owner = run->w->grid.owner,
         .vertex = run->slot_vertex,
         .reference = { run->w->lists.near },
         .reference_count = 1,
         .measured = &run->measured,
-        .leash = run->skin / 2.0001f, // two vertices may move towards each other; the rest is rounding
-        .strayed = run->strayed,
+        .search_margin = run->skin / 2.0001f, // two vertices may move towards each other; the rest is rounding
+        .needs_search = run->needs_search,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
         .radius = c->radius,
         .step = c->step,
         .epsilon = settings->epsilon,
         .distance_min = c->distance_min,
         .lambda_min = c->lambda_min,
-        .guard = c->guard != 0,
+        .min_distance_clamp = c->min_distance_clamp != 0,
         .planar = run->strands->dimension == 2,
         .gap = c->gap,
     };
@@ -181,16 +181,16 @@ static void make_job( clump_run* run, const frozen_settings* settings, const fro
 // too. With r0 by iteration the brake uses the same lists.
 static void use_lists( clump_run* run, int iteration )
 {
-    wisp_adhesion_job* job = &run->job;
+    wisp_adhesion_args* args = &run->args;
     const wisp_neighbour_list lists[2] = { run->moved == 0.0f ? run->lists->near : run->lists->within, run->late };
-    memcpy( job->attracting, lists, sizeof( lists ) );
-    job->attracting_count = run->late.length == NULL ? 1 : 2;
-    job->measuring = iteration == 0;
+    memcpy( args->attracting, lists, sizeof( lists ) );
+    args->attracting_count = run->late.length == NULL ? 1 : 2;
+    args->measuring = iteration == 0;
     if ( run->params->gap_by_iteration && iteration > 0 )
     {
-        memcpy( job->reference, lists, sizeof( lists ) );
-        job->reference_count = job->attracting_count;
-        job->measured = NULL;
+        memcpy( args->reference, lists, sizeof( lists ) );
+        args->reference_count = args->attracting_count;
+        args->measured = NULL;
     }
 }
 
@@ -245,10 +245,10 @@ static bool reserve( clump_run* run )
     run->measured.weight_sum = run->displacement + 3 * slots;
     run->slot_vertex = (int32_t*)( run->measured.weight_sum + slots );
     run->measured.near = w->slices.data;
-    run->strayed = (uint8_t*)( run->measured.near + slices );
+    run->needs_search = (uint8_t*)( run->measured.near + slices );
     run->most = w->most.data;
 
-    memset( run->strayed + slices, 0, 7 ); // counted eight at a time
+    memset( run->needs_search + slices, 0, 7 ); // counted eight at a time
 
     // the last slice's empty lanes are vertices that never move
     for ( size_t slot = (size_t)run->count; slot < slots; ++slot )
@@ -264,7 +264,7 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const frozen_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_frozen_hair_report* report = wisp_frame_column( frame, span->entity, state->report, 0 );
+    wisp_frozen_hair_stats* report = wisp_frame_column( frame, span->entity, state->report, 0 );
     clump_run run = {
         .parallel = wisp_frame_parallel( frame, span ),
         .kernels = wisp_frame_kernels( frame ),
@@ -290,8 +290,8 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     if ( status == WISP_OK )
     {
         report->coarse_grid = run.w->grid.coarse;
-        make_job( &run, wisp_frame_column( frame, span->entity, state->settings, 0 ),
-                  wisp_frame_column( frame, span->entity, state->event, 0 ) );
+        make_args( &run, wisp_frame_column( frame, span->entity, state->settings, 0 ),
+                   wisp_frame_column( frame, span->entity, state->event, 0 ) );
         status = iterate_all( &run );
     }
     if ( status != WISP_OK )

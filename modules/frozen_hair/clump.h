@@ -33,7 +33,7 @@ typedef struct clump_run
     const wisp_strand_topology* strands;
     const frozen_clump* params;
     clump_workspace* w;
-    wisp_frozen_hair_report* report;
+    wisp_frozen_hair_stats* report;
     float* position; // [row][3][16]
     int count, slices;
     float skin;           // m
@@ -42,7 +42,7 @@ typedef struct clump_run
     int32_t* slot_vertex; // [slot] index in the strand
     float *current, *tentative, *next, *spare; // [slot][4]
     float* displacement;                       // [slice][3][8]
-    uint8_t* strayed;                          // [slice] a bit a lane
+    uint8_t* needs_search;                     // [slice] a bit a lane
     float* most;                               // [block]
     wisp_reference_pairs measured;
 
@@ -53,7 +53,7 @@ typedef struct clump_run
     const float* searched;    // [slot][4] where the lists were made
     float moved;              // m, of any vertex since then
     wisp_neighbour_list late; // pairs within the radius that the lists lack
-    wisp_adhesion_job job;
+    wisp_adhesion_args args;
 } clump_run;
 
 /// Make the lists of the reference shape. @return WISP_NO_MEMORY

@@ -14,13 +14,13 @@
 // The skin: so many steps of sigma for each iteration that needs the lists, at most this share of h. A wider one costs
 // every iteration, a narrower one has more strays (bench case "paper").
 static const float CLUMP_SKIN_STEPS = 1.1f;
-static const float CLUMP_SKIN_MOST = 0.6f;
+static const float MAX_CLUMP_SKIN = 0.6f;
 
 enum
 {
-    CLUMP_STRAYS = 64,     // strays a block of the search for late pairs
-    CLUMP_FINE = 4,        // cells a radius along the grid's rows
-    CLUMP_STRAYS_MOST = 8, // of so many vertices one may stray before all are searched again
+    CLUMP_STRAYS = 64,    // strays a block of the search for late pairs
+    CLUMP_FINE = 4,       // cells a radius along the grid's rows
+    MAX_CLUMP_STRAYS = 8, // of so many vertices one may stray before all are searched again
 };
 
 // Radius h with a margin for rounding.
@@ -29,7 +29,7 @@ static float near_radius( const clump_run* run )
     return run->params->radius * 1.0001f;
 }
 
-static float shell_radius( const clump_run* run )
+static float skin_radius( const clump_run* run )
 {
     return near_radius( run ) + run->skin;
 }
@@ -38,7 +38,7 @@ static float shell_radius( const clump_run* run )
 static float choose_skin( const frozen_clump* c )
 {
     float skin = CLUMP_SKIN_STEPS * c->step * (float)( c->iterations - 1 );
-    return skin < CLUMP_SKIN_MOST * c->radius ? skin : CLUMP_SKIN_MOST * c->radius;
+    return skin < MAX_CLUMP_SKIN * c->radius ? skin : MAX_CLUMP_SKIN * c->radius;
 }
 
 // ---- the reference shape ----
@@ -60,13 +60,13 @@ static void fill_slots( void* context, int begin, int end, int worker )
     }
 }
 
-static wisp_neighbour_query make_query( const clump_run* run, const float* quads )
+static wisp_neighbour_query make_query( const clump_run* run, const float* xyzw )
 {
     return ( wisp_neighbour_query ){
-        .quads = quads,
+        .xyzw = xyzw,
         .query_count = run->count,
         .near_radius = near_radius( run ),
-        .shell_radius = shell_radius( run ),
+        .skin_radius = skin_radius( run ),
         .limit = run->params->neighbour_limit,
         .rename = run->rename,
     };
@@ -87,7 +87,7 @@ wisp_status clump_search( clump_run* run )
     clump_workspace* w = run->w;
     run->skin = choose_skin( run->params );
     wisp_status status =
-        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, shell_radius( run ), CLUMP_FINE );
+        wisp_grid_build( &w->grid, run->parallel, run->item_quads, run->count, skin_radius( run ), CLUMP_FINE );
     if ( status != WISP_OK )
     {
         return status;
@@ -131,8 +131,8 @@ static wisp_status search_again( clump_run* run )
 {
     clump_workspace* w = run->w;
     wisp_parallel_for( run->parallel, run->count, CLUMP_GRAIN, copy_moved, run );
-    wisp_status status = wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count,
-                                          shell_radius( run ), CLUMP_FINE );
+    wisp_status status =
+        wisp_grid_build( &w->moved_grid, run->parallel, run->item_quads, run->count, skin_radius( run ), CLUMP_FINE );
     if ( status != WISP_OK )
     {
         return status;
@@ -154,7 +154,7 @@ static int count_strays( const clump_run* run )
     for ( int slice = 0; slice < run->slices; slice += 8 )
     {
         uint64_t bits;
-        memcpy( &bits, run->strayed + slice, sizeof( bits ) );
+        memcpy( &bits, run->needs_search + slice, sizeof( bits ) );
         bits -= bits >> 1 & 0x5555555555555555u;
         bits = ( bits & 0x3333333333333333u ) + ( bits >> 2 & 0x3333333333333333u );
         bits = ( bits + ( bits >> 4 ) ) & 0x0f0f0f0f0f0f0f0fu;
@@ -166,7 +166,7 @@ static int count_strays( const clump_run* run )
 // Vertices that have left their search margin, as queries at their present places.
 typedef struct stray_queries
 {
-    float* quads;  // [stray][4], whole slices
+    float* xyzw;   // [stray][4], whole slices
     int32_t* slot; // [stray]
     int count;
 } stray_queries;
@@ -174,23 +174,23 @@ typedef struct stray_queries
 static bool collect_strays( clump_run* run, int count, stray_queries* out )
 {
     // reserve the maximum, so that a step with more of them than the last allocates nothing
-    size_t room = (size_t)( run->count / CLUMP_STRAYS_MOST + 1 + WISP_SLICE ) / WISP_SLICE * WISP_SLICE;
+    size_t room = (size_t)( run->count / MAX_CLUMP_STRAYS + 1 + WISP_SLICE ) / WISP_SLICE * WISP_SLICE;
     wisp_buffer* buffer = &run->w->strays;
     if ( wisp_buffer_reserve( buffer, wisp_parallel_allocator( run->parallel ), room * 5 * sizeof( float ) ) ==
          false )
     {
         return false;
     }
-    *out = ( stray_queries ){ .quads = buffer->data, .count = count };
-    out->slot = (int32_t*)( out->quads + 4 * room );
-    memset( out->quads, 0, room * 4 * sizeof( float ) );
+    *out = ( stray_queries ){ .xyzw = buffer->data, .count = count };
+    out->slot = (int32_t*)( out->xyzw + 4 * room );
+    memset( out->xyzw, 0, room * 4 * sizeof( float ) );
     int at = 0;
     for ( int slice = 0; slice < run->slices; ++slice )
     {
-        for ( unsigned bits = run->strayed[slice]; bits != 0; bits &= bits - 1 )
+        for ( unsigned bits = run->needs_search[slice]; bits != 0; bits &= bits - 1 )
         {
             int slot = slice * WISP_SLICE + __builtin_ctz( bits );
-            copy_vertex( run, slot, out->quads + 4 * (size_t)at );
+            copy_vertex( run, slot, out->xyzw + 4 * (size_t)at );
             out->slot[at++] = slot;
         }
     }
@@ -198,9 +198,9 @@ static bool collect_strays( clump_run* run, int count, stray_queries* out )
 }
 
 // Same rounding as the search, so that each pair is either in the lists or late.
-static float squared_distance( const float* quads, int a, int b )
+static float squared_distance( const float* xyzw, int a, int b )
 {
-    const float *p = quads + 4 * (size_t)a, *q = quads + 4 * (size_t)b;
+    const float *p = xyzw + 4 * (size_t)a, *q = xyzw + 4 * (size_t)b;
     float x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
     return x * x + y * y + z * z;
 }
@@ -236,7 +236,7 @@ static void find_late_pairs( void* context, int begin, int end, int worker )
     const clump_run* run = s->run;
     const wisp_neighbours* lists = &run->w->stray_lists;
     const wisp_neighbour_list* found = &lists->within;
-    const float listed2 = shell_radius( run ) * shell_radius( run );
+    const float listed2 = skin_radius( run ) * skin_radius( run );
     for ( int i = begin; i < end; ++i )
     {
         const int slice = i / WISP_SLICE, a = s->strays->slot[i];
@@ -330,11 +330,11 @@ static wisp_status search_strays( clump_run* run, int count, bool* complete )
         return WISP_NO_MEMORY;
     }
     wisp_neighbour_query query = {
-        .quads = strays.quads,
+        .xyzw = strays.xyzw,
         .query_count = count,
         // the grid holds old places; pairs closer than this are in the lists
-        .near_radius = fmaxf( shell_radius( run ) - 1.0001f * run->moved, 0.0f ),
-        .shell_radius = near_radius( run ) + 1.0001f * run->moved,
+        .near_radius = fmaxf( skin_radius( run ) - 1.0001f * run->moved, 0.0f ),
+        .skin_radius = near_radius( run ) + 1.0001f * run->moved,
         .limit = run->params->neighbour_limit,
         .rename = run->rename,
     };
@@ -359,12 +359,12 @@ static wisp_status search_strays( clump_run* run, int count, bool* complete )
 wisp_status clump_keep_up( clump_run* run )
 {
     run->late = ( wisp_neighbour_list ){ NULL, NULL, NULL };
-    int strays = run->moved > run->job.leash ? count_strays( run ) : 0;
+    int strays = run->moved > run->args.search_margin ? count_strays( run ) : 0;
     if ( strays == 0 )
     {
         return WISP_OK;
     }
     bool complete = false;
-    wisp_status status = strays > run->count / CLUMP_STRAYS_MOST ? WISP_OK : search_strays( run, strays, &complete );
+    wisp_status status = strays > run->count / MAX_CLUMP_STRAYS ? WISP_OK : search_strays( run, strays, &complete );
     return status == WISP_OK && complete == false ? search_again( run ) : status;
 }

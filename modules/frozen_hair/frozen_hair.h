@@ -48,23 +48,23 @@ typedef struct wisp_frozen_hair_def
     bool direction_from_root;      ///< tip - root instead of tip - mean; default false (as printed)
 
     // clump, eq. 14-19
-    float clump_radius;    ///< h, m, > 0, default 0.01
-    int clump_iterations;  ///< K in [0, 1000], default 4; 0 switches the stage off
-    float clump_step;      ///< sigma, m, >= 0; default -1: a tenth of the radius
-    wisp_gap gap;          ///< default prose
-    bool gap_by_iteration; ///< measure r0 at each iteration instead of before the stage; default false
-    bool guard;            ///< no two vertices come closer than distance_min in one iteration; default true
-    float distance_min;    ///< r_min, m, >= 0; default -1: 0.02 of the radius
-    float lambda_min;      ///< in [0, 1], default 0
-    int neighbour_limit;   ///< in [1, 4096], default 256: more are left out and counted, never silently
+    float clump_radius;      ///< h, m, > 0, default 0.01
+    int clump_iterations;    ///< K in [0, 1000], default 4; 0 switches the stage off
+    float clump_step;        ///< sigma, m, >= 0; default -1: a tenth of the radius
+    wisp_gap gap;            ///< default prose
+    bool gap_by_iteration;   ///< measure r0 at each iteration instead of before the stage; default false
+    bool min_distance_clamp; ///< no two vertices come closer than distance_min in one iteration; default true
+    float distance_min;      ///< r_min, m, >= 0; default -1: 0.02 of the radius
+    float lambda_min;        ///< in [0, 1], default 0
+    int neighbour_limit;     ///< in [1, 4096], default 256: more are left out and counted, never silently
 
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_frozen_hair_def;
 
 WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
 
 /// Put frozen hair on strands, or replace its parameters. The next step runs the first command.
-/// @return WISP_BAD_INPUT a parameter is out of its range (the sentence names it, and the strand if it is a
+/// @return WISP_BAD_INPUT a parameter is out of its range (the message names it, and the strand if it is a
 ///         strand's own); WISP_CONFLICT the module is not registered in this world
 WISP_API wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def );
 
@@ -76,7 +76,7 @@ WISP_API wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity str
                                               uint64_t event );
 
 /// What the last command met.
-typedef struct wisp_frozen_hair_report
+typedef struct wisp_frozen_hair_stats
 {
     uint64_t event;       ///< number of the last command, from 0
     uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
@@ -84,9 +84,10 @@ typedef struct wisp_frozen_hair_report
     uint64_t late;        ///< pairs, both directions, that came near from beyond the lists of a search
     uint32_t searches;    ///< neighbour searches of the last command for all vertices
     uint32_t coarse_grid; ///< 1: cells were wider than the radius because the scene is sparse
-} wisp_frozen_hair_report;
+} wisp_frozen_hair_stats;
 
-WISP_API wisp_status wisp_report_frozen_hair( wisp_world* world, wisp_entity strands, wisp_frozen_hair_report* out );
+WISP_API wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands,
+                                                  wisp_frozen_hair_stats* out );
 
 WISP_API extern const wisp_module wisp_frozen_hair_module;
 

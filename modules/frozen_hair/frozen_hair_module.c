@@ -21,12 +21,12 @@ static void command( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_state* state = user;
     frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
-    wisp_frozen_hair_report* report = wisp_frame_column( frame, span->entity, state->report, 0 );
+    wisp_frozen_hair_stats* report = wisp_frame_column( frame, span->entity, state->report, 0 );
     event->number = settings->next;
     memcpy( event->cursor, settings->cursor, sizeof( event->cursor ) );
     settings->next += 1;
     settings->pending = 0;
-    *report = ( wisp_frozen_hair_report ){ .event = event->number };
+    *report = ( wisp_frozen_hair_stats ){ .event = event->number };
 }
 
 // ---- start: from the rest shape, from the moved shape, or from the last output ----
@@ -40,8 +40,8 @@ static void start( wisp_frame* frame, const wisp_span* span, void* user )
     {
         return;
     }
-    const bool carried = wisp_frame_has( frame, span->entity, WISP_STRAND_CARRIED );
-    const wisp_component base = carried ? WISP_STRAND_CARRIED : WISP_STRAND_REST;
+    const bool posed = wisp_frame_has( frame, span->entity, WISP_STRAND_POSED );
+    const wisp_component base = posed ? WISP_STRAND_POSED : WISP_STRAND_REST;
     const float* from = wisp_frame_column( frame, span->entity, base, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
     size_t begin = row_floats( t, span->begin ), end = row_floats( t, span->end );
@@ -57,7 +57,7 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_freeze* f = wisp_frame_column( frame, span->entity, state->freeze, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_strand_jitter_job job = {
+    wisp_strand_jitter_args args = {
         .group_row = t->group_row,
         .lane_strand = t->lane_strand,
         .rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ),
@@ -71,7 +71,7 @@ static void freeze( wisp_frame* frame, const wisp_span* span, void* user )
         .epsilon = settings->epsilon,
         .dimension = t->dimension,
     };
-    wisp_frame_kernels( frame )->strand_jitter( &job, span->begin, span->end );
+    wisp_frame_kernels( frame )->strand_jitter( &args, span->begin, span->end );
 }
 
 // ---- align: eq. 8-13 ----
@@ -82,7 +82,7 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_event* event = wisp_frame_column( frame, span->entity, state->event, 0 );
     const frozen_align* a = wisp_frame_column( frame, span->entity, state->align, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_strand_align_job job = {
+    wisp_strand_align_args args = {
         .group_row = t->group_row,
         .lane_count = t->lane_count,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
@@ -94,7 +94,7 @@ static void align( wisp_frame* frame, const wisp_span* span, void* user )
         .nearest = a->reach_nearest != 0,
         .dimension = t->dimension,
     };
-    wisp_frame_kernels( frame )->strand_align( &job, span->begin, span->end );
+    wisp_frame_kernels( frame )->strand_align( &args, span->begin, span->end );
 }
 
 // ---- declaration ----
@@ -111,7 +111,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .name = "frozen_hair.command",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->settings },
+            .required = { s->settings },
             .reads = { s->settings },
             .writes = { s->event },
             .run = command,
@@ -121,7 +121,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .name = "frozen_hair.start",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings, WISP_STRAND_REST },
+            .required = { s->settings, WISP_STRAND_REST },
             .reads = { s->event, WISP_STRAND_REST },
             .writes = { WISP_STRAND_POSITION },
             .run = start,
@@ -131,7 +131,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .name = "frozen_hair.freeze",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->freeze },
+            .required = { s->freeze },
             .reads = { s->event, WISP_STRAND_STIFFNESS, WISP_STRAND_REST, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = freeze,
@@ -141,7 +141,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .name = "frozen_hair.align",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->align },
+            .required = { s->align },
             .reads = { s->event, s->intensity, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = align,
@@ -151,7 +151,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .name = "frozen_hair.clump",
             .stage = WISP_STAGE_SHAPE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->clump },
+            .required = { s->clump },
             .reads = { s->event, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION, s->report },
             .run = frozen_clump_run,

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-static const uint32_t FROZEN_DEF_MADE = 0x46525a48;
+static const uint32_t FROZEN_DEF_COOKIE = 0x46525a48;
 static const char* const NOT_REGISTERED = "module frozen_hair: not registered in this world";
 
 wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
@@ -22,25 +22,25 @@ wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
         .clump_radius = 0.01f,
         .clump_iterations = 4,
         .clump_step = -1.0f,
-        .gap = WISP_GAP_PROSE,
-        .guard = true,
+        .gap = WISP_GAP_ABSOLUTE,
+        .min_distance_clamp = true,
         .distance_min = -1.0f,
         .neighbour_limit = 256,
-        .made_by_default = FROZEN_DEF_MADE,
+        .cookie = FROZEN_DEF_COOKIE,
     };
 }
 
 // ---- ranges ----
 
 static wisp_status check_strand_values( wisp_world* world, const char* name, const float* values, int count,
-                                        float low, float high )
+                                        float lower, float upper )
 {
     for ( int i = 0; i < count && values != NULL; ++i )
     {
-        if ( !( values[i] >= low && values[i] <= high ) )
+        if ( !( values[i] >= lower && values[i] <= upper ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s of strand %d: got %g, expected %g to %g",
-                                    name, i, (double)values[i], (double)low, (double)high );
+                                    name, i, (double)values[i], (double)lower, (double)upper );
         }
     }
     return WISP_OK;
@@ -51,15 +51,15 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
     const struct
     {
         const char* name;
-        int value, high;
+        int value, upper;
     } choices[] = {
         { "base", (int)d->base, WISP_BASE_PREVIOUS },
         { "event", (int)d->event, WISP_EVENT_FRAME },
-        { "gap", (int)d->gap, WISP_GAP_WET },
+        { "gap", (int)d->gap, WISP_GAP_NONE },
     };
     for ( int i = 0; i < WISP_COUNT( choices ); ++i )
     {
-        if ( choices[i].value < 0 || choices[i].value > choices[i].high )
+        if ( choices[i].value < 0 || choices[i].value > choices[i].upper )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "frozen hair: %s: got %d, which does not exist",
                                     choices[i].name, choices[i].value );
@@ -189,7 +189,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
             .iterations = d->clump_iterations,
             .gap = (int32_t)d->gap,
             .gap_by_iteration = d->gap_by_iteration,
-            .guard = d->guard,
+            .min_distance_clamp = d->min_distance_clamp,
             .neighbour_limit = d->neighbour_limit,
         };
     }
@@ -197,7 +197,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
 
 wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def )
 {
-    WISP_ASSERT( def->made_by_default == FROZEN_DEF_MADE );
+    WISP_ASSERT( def->cookie == FROZEN_DEF_COOKIE );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     if ( s == NULL )
@@ -281,15 +281,15 @@ wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wis
     return point_at( world, strands, cursor, &event );
 }
 
-wisp_status wisp_report_frozen_hair( wisp_world* world, wisp_entity strands, wisp_frozen_hair_report* out )
+wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands, wisp_frozen_hair_stats* out )
 {
     frozen_settings* settings;
     wisp_status status = find_settings( world, strands, &settings );
     const frozen_state* s = wisp_world_module_state( world, "frozen_hair" );
-    *out = ( wisp_frozen_hair_report ){ 0 };
+    *out = ( wisp_frozen_hair_stats ){ 0 };
     if ( status == WISP_OK )
     {
-        const wisp_frozen_hair_report* report = wisp_world_column( world, strands, s->report, 0 );
+        const wisp_frozen_hair_stats* report = wisp_world_column( world, strands, s->report, 0 );
         *out = *report;
     }
     return status;

@@ -41,7 +41,7 @@ typedef struct frozen_align
 typedef struct frozen_clump
 {
     float radius, step, distance_min, lambda_min; // m, m, m, 1
-    int32_t iterations, gap, gap_by_iteration, guard, neighbour_limit;
+    int32_t iterations, gap, gap_by_iteration, min_distance_clamp, neighbour_limit;
 } frozen_clump;
 
 #define FROZEN_SETTINGS_COLUMNS( X ) X( frozen_settings, settings, 1 )
@@ -50,7 +50,7 @@ typedef struct frozen_clump
 #define FROZEN_ALIGN_COLUMNS( X ) X( frozen_align, align, 1 )
 #define FROZEN_CLUMP_COLUMNS( X ) X( frozen_clump, clump, 1 )
 #define FROZEN_INTENSITY_COLUMNS( X ) X( float, intensity, 16 ) /* x in [0, 1], lane = strand */
-#define FROZEN_REPORT_COLUMNS( X ) X( wisp_frozen_hair_report, report, 1 )
+#define FROZEN_STATS_COLUMNS( X ) X( wisp_frozen_hair_stats, report, 1 )
 
 /// One line a component: X( member, "name", table, column list )
 #define FROZEN_COMPONENTS( X )                                                                                       \
@@ -60,7 +60,7 @@ typedef struct frozen_clump
     X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
     X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
     X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
-    X( report, "frozen_hair.report", WISP_TABLE_ENTITY, FROZEN_REPORT_COLUMNS )
+    X( report, "frozen_hair.report", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )
 
 /// Component numbers in one world.
 typedef struct frozen_state

@@ -7,14 +7,14 @@
 // Bounds of a target.
 typedef struct box
 {
-    guide_point low, high;
+    guide_point lower, upper;
 } box;
 
 // The nearest targets found so far, nearest first; of equals the lowest number.
 typedef struct ranking
 {
-    double distance[WISP_MOST_LINKS];
-    int target[WISP_MOST_LINKS];
+    double distance[WISP_MAX_GHOST_TARGETS];
+    int target[WISP_MAX_GHOST_TARGETS];
     int count, links;
 } ranking;
 
@@ -51,15 +51,15 @@ static box box_of( const wisp_vec3* points, int count )
     for ( int i = 0; i < count; ++i )
     {
         const guide_point p = guide_widen( points[i] );
-        b.low = ( guide_point ){ fmin( b.low.x, p.x ), fmin( b.low.y, p.y ), fmin( b.low.z, p.z ) };
-        b.high = ( guide_point ){ fmax( b.high.x, p.x ), fmax( b.high.y, p.y ), fmax( b.high.z, p.z ) };
+        b.lower = ( guide_point ){ fmin( b.lower.x, p.x ), fmin( b.lower.y, p.y ), fmin( b.lower.z, p.z ) };
+        b.upper = ( guide_point ){ fmax( b.upper.x, p.x ), fmax( b.upper.y, p.y ), fmax( b.upper.z, p.z ) };
     }
     return b;
 }
 
-static double outside( double low, double p, double high )
+static double outside( double lower, double p, double upper )
 {
-    return p < low ? low - p : p > high ? p - high : 0.0;
+    return p < lower ? lower - p : p > upper ? p - upper : 0.0;
 }
 
 // Whether a strand is farther from the box than `limit`, as sums of squares, with a margin for rounding.
@@ -70,8 +70,8 @@ static bool is_beyond( const box* b, const wisp_vec3* points, int count, double 
     for ( int i = 0; i < count && sum <= enough; ++i )
     {
         const guide_point p = guide_widen( points[i] );
-        const guide_point d = { outside( b->low.x, p.x, b->high.x ), outside( b->low.y, p.y, b->high.y ),
-                                outside( b->low.z, p.z, b->high.z ) };
+        const guide_point d = { outside( b->lower.x, p.x, b->upper.x ), outside( b->lower.y, p.y, b->upper.y ),
+                                outside( b->lower.z, p.z, b->upper.z ) };
         sum += guide_dot( d, d );
     }
     return sum > enough;
@@ -139,22 +139,22 @@ static ranking rank_targets( const guide_shape* ghosts, int ghost, const guide_s
 }
 
 // (1/d_k) / sum (1/d_j), scaled by the smallest distance: no overflow, and targets at distance 0 share all of it.
-static void share_out( const ranking* r, double* share )
+static void share_out( const ranking* r, double* fraction )
 {
     double sum = 0.0;
     for ( int k = 0; k < r->links; ++k )
     {
-        share[k] = r->distance[k] == r->distance[0] ? 1.0 : r->distance[0] / r->distance[k];
-        sum += share[k];
+        fraction[k] = r->distance[k] == r->distance[0] ? 1.0 : r->distance[0] / r->distance[k];
+        sum += fraction[k];
     }
     for ( int k = 0; k < r->links; ++k )
     {
-        share[k] /= sum;
+        fraction[k] /= sum;
     }
 }
 
-bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target, double* share,
-                   guide_memory* scratch )
+bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target,
+                   double* fraction, guide_memory* scratch )
 {
     const int target_count = targets->topology->strand_count;
     box* boxes = guide_take( scratch, (size_t)target_count, sizeof( box ) );
@@ -178,7 +178,7 @@ bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int li
             continue;
         }
         const ranking r = rank_targets( ghosts, g, targets, boxes, links );
-        share_out( &r, share + (size_t)g * (size_t)links );
+        share_out( &r, fraction + (size_t)g * (size_t)links );
         for ( int k = 0; k < links; ++k )
         {
             own[k] = r.target[k];

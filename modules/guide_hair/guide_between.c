@@ -65,7 +65,7 @@ static void blend_velocity( const between_loop* loop, int group, int lane, int i
             const float* v = loop->from + f->sources.lane_from[at] + (size_t)i * GUIDE_ROW;
             for ( int axis = 0; axis < 3; ++axis )
             {
-                sum[axis] += f->lane_share[at] * v[axis * WISP_LANES];
+                sum[axis] += f->lane_fraction[at] * v[axis * WISP_LANES];
             }
         }
     }
@@ -121,7 +121,7 @@ void guide_run_between( wisp_frame* frame, const wisp_span* span, void* user )
             f->resampled ? f->guides.velocity : wisp_frame_column( frame, f->targets, WISP_STRAND_VELOCITY, 0 );
     }
     float* seconds = wisp_frame_column( frame, span->entity, state->interval, 0 );
-    *seconds = wisp_frame_seconds( frame ) * (float)wisp_frame_substeps( frame );
+    *seconds = wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
     wisp_parallel_for( wisp_frame_parallel( frame, span ), loop.topology->group_count, GROUP_GRAIN, keep_groups,
                        &loop );
 }

@@ -220,7 +220,7 @@ static void cook_lengths( guide_follower* f, const guide_groups* g, int lane, in
     }
 }
 
-static void cook_ghost( guide_follower* f, const guide_groups* g, const double* share, int lane )
+static void cook_ghost( guide_follower* f, const guide_groups* g, const double* fraction, int lane )
 {
     const int links = g->links, ghost = g->ghosts->topology->lane_strand[lane];
     for ( int k = 0; k < links; ++k )
@@ -228,7 +228,7 @@ static void cook_ghost( guide_follower* f, const guide_groups* g, const double* 
         const size_t at = (size_t)( lane / WISP_LANES * links + k ) * WISP_LANES + (size_t)( lane % WISP_LANES );
         const size_t link = (size_t)( ghost >= 0 ? ghost : 0 ) * (size_t)links + (size_t)k;
         f->lane_node[at] = ( ghost >= 0 ? g->groups[g->group[link]].first_node : g->node_count ) * f->stride;
-        f->lane_share[at] = ghost >= 0 ? (float)share[link] : 0.0f;
+        f->lane_fraction[at] = ghost >= 0 ? (float)fraction[link] : 0.0f;
     }
     if ( ghost < 0 )
     {
@@ -246,12 +246,12 @@ static void cook_ghost( guide_follower* f, const guide_groups* g, const double* 
     }
 }
 
-static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double* share )
+static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double* fraction )
 {
     const wisp_strand_topology* t = g->ghosts->topology;
     const size_t lanes = (size_t)t->group_count * WISP_LANES, rows = (size_t)t->row_count, links = (size_t)g->links;
     f->lane_node = guide_take( &f->memory, lanes * links, sizeof( int32_t ) );
-    f->lane_share = guide_take( &f->memory, lanes * links, sizeof( float ) );
+    f->lane_fraction = guide_take( &f->memory, lanes * links, sizeof( float ) );
     f->centre_scale = guide_take( &f->memory, lanes, sizeof( float ) );
     f->offset = guide_take( &f->memory, rows * links * GUIDE_ROW, sizeof( float ) );
     f->length = g->def->repair_length ? guide_take( &f->memory, rows * WISP_LANES, sizeof( float ) ) : NULL;
@@ -259,7 +259,7 @@ static bool cook_ghosts( guide_follower* f, const guide_groups* g, const double*
     f->table = guide_take( &f->memory, ( (size_t)g->node_count + 1 ) * (size_t)f->stride, sizeof( float ) );
     for ( int lane = 0; lane < t->group_count * WISP_LANES && f->memory.failed == false; ++lane )
     {
-        cook_ghost( f, g, share, lane );
+        cook_ghost( f, g, fraction, lane );
     }
     for ( int ghost = 0; ghost < t->strand_count && f->memory.failed == false; ++ghost )
     {
@@ -336,10 +336,10 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
     guide_groups groups = *start;
     const size_t links = (size_t)groups.ghosts->topology->strand_count * (size_t)groups.links;
     int32_t* target = guide_take( scratch, links, sizeof( int32_t ) );
-    double* share = guide_take( scratch, links, sizeof( double ) );
+    double* fraction = guide_take( scratch, links, sizeof( double ) );
     const wisp_status no_memory = WISP_NO_MEMORY;
     if ( scratch->failed ||
-         guide_assign( groups.ghosts, groups.targets, groups.links, target, share, scratch ) == false )
+         guide_assign( groups.ghosts, groups.targets, groups.links, target, fraction, scratch ) == false )
     {
         return no_memory;
     }
@@ -355,7 +355,7 @@ static wisp_status cook( wisp_world* world, guide_follower* f, const guide_group
         return status;
     }
     if ( guide_find_groups( &groups, scratch ) == false || cook_guides( f, &groups, scratch ) == false ||
-         cook_ghosts( f, &groups, share ) == false ||
+         cook_ghosts( f, &groups, fraction ) == false ||
          ( f->feeds_back && guide_cook_members( f, &groups, scratch ) == false ) ||
          ( f->is_between && guide_cook_sources( f, &groups ) == false ) )
     {

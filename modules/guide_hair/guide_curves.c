@@ -1,13 +1,13 @@
 // Curves through the vertices of strands: how many samples, which lanes they follow, and when they are drawn.
 #include "guide_internal.h"
 
-static const uint32_t CURVES_DEF_MADE = 0x43555256;
+static const uint32_t CURVES_DEF_COOKIE = 0x43555256;
 
 enum
 {
     CURVE_GRAIN = 4, // groups a block
-    MOST_SAMPLES = 64,
-    MOST_VERTICES = 1 << 28,
+    MAX_SAMPLES = 64,
+    MAX_VERTICES = 1 << 28,
 };
 
 wisp_curves_def wisp_default_curves_def( void )
@@ -15,7 +15,7 @@ wisp_curves_def wisp_default_curves_def( void )
     return ( wisp_curves_def ){
         .kind = WISP_CURVE_CATMULL_ROM,
         .samples = 8,
-        .made_by_default = CURVES_DEF_MADE,
+        .cookie = CURVES_DEF_COOKIE,
     };
 }
 
@@ -44,7 +44,7 @@ bool guide_curves_are_due( wisp_frame* frame, wisp_entity entity, void* user )
 
 typedef struct curve_loop
 {
-    wisp_strand_curve_job job;
+    wisp_strand_curve_args args;
     const wisp_kernels* kernels;
 } curve_loop;
 
@@ -52,7 +52,7 @@ static void draw_groups( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const curve_loop* loop = context;
-    loop->kernels->strand_curve( &loop->job, begin, end );
+    loop->kernels->strand_curve( &loop->args, begin, end );
 }
 
 void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
@@ -62,7 +62,7 @@ void guide_run_curves( wisp_frame* frame, const wisp_span* span, void* user )
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     curve_loop loop = {
         .kernels = wisp_frame_kernels( frame ),
-        .job = {
+        .args = {
             .group_row = t->group_row,
             .lane_row = d->lane_row,
             .lane_vertices = d->lane_vertices,
@@ -107,9 +107,9 @@ static void blend_weights( wisp_curve_kind kind, double t, double weight[4] )
     weight[3] = -0.5 * t * t * s;
 }
 
-static guide_point between( guide_point a, guide_point b, double share )
+static guide_point between( guide_point a, guide_point b, double fraction )
 {
-    return guide_mul_add( a, share, guide_sub( b, a ) );
+    return guide_mul_add( a, fraction, guide_sub( b, a ) );
 }
 
 // The four points that a segment blends, as the kernel has them.
@@ -248,10 +248,10 @@ static wisp_status check( wisp_world* world, const guide_state* s, const wisp_cu
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "curves: kind: got %d, which does not exist", (int)def->kind );
     }
-    if ( def->samples < 1 || def->samples > MOST_SAMPLES )
+    if ( def->samples < 1 || def->samples > MAX_SAMPLES )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "curves: samples: got %d, expected 1 to %d", def->samples,
-                                MOST_SAMPLES );
+                                MAX_SAMPLES );
     }
     if ( wisp_is_alive( world, def->source ) == false )
     {
@@ -279,10 +279,10 @@ static wisp_status count_vertices( wisp_world* world, const wisp_strand_topology
     {
         const int64_t segments = segments_of( t->offsets[s + 1] - t->offsets[s], def->kind );
         count += segments > 0 ? segments * def->samples + 1 : 0;
-        if ( count > MOST_VERTICES )
+        if ( count > MAX_VERTICES )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "curves: strand %d: got more samples than the limit of %d",
-                                    s, MOST_VERTICES );
+                                    s, MAX_VERTICES );
         }
         offsets[s + 1] = (int32_t)count;
     }
@@ -331,7 +331,7 @@ static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_e
 {
     const bool had = wisp_world_has( world, source, s->drawn );
     wisp_status status = wisp_world_attach( world, source, s->drawn );
-    status = status == WISP_OK ? wisp_want( world, source, s->drawn ) : status;
+    status = status == WISP_OK ? wisp_request( world, source, s->drawn ) : status;
     if ( status == WISP_OK && had == false )
     {
         uint64_t* changes = wisp_world_column( world, source, s->drawn, 0 );
@@ -342,7 +342,7 @@ static wisp_status watch_source( wisp_world* world, const guide_state* s, wisp_e
 
 wisp_status wisp_add_curves( wisp_world* world, const wisp_curves_def* def, wisp_entity* out )
 {
-    WISP_ASSERT( def->made_by_default == CURVES_DEF_MADE );
+    WISP_ASSERT( def->cookie == CURVES_DEF_COOKIE );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     *out = ( wisp_entity ){ 0, 0 };
     wisp_status status = check( world, s, def );

@@ -49,7 +49,7 @@ static void measure_spread( guide_members* m, const guide_groups* g )
         {
             const int n = g->groups[g->group[ghost]].first_node + i;
             const guide_point d = guide_sub( guide_widen( points[i] ), g->nodes[n].centre );
-            m->wanted[n] += (double)g->def->spread * guide_dot( d, d );
+            m->requested[n] += (double)g->def->spread * guide_dot( d, d );
         }
     }
 }
@@ -66,7 +66,7 @@ bool guide_cook_members( guide_follower* f, const guide_groups* g, guide_memory*
     m->node = guide_take( &f->memory, groups, sizeof( int32_t ) );
     m->lane = guide_take( &f->memory, ghosts, sizeof( int32_t ) );
     const bool is_spread = g->def->spread != 1.0f;
-    m->wanted = is_spread ? guide_take( &f->memory, (size_t)g->node_count, sizeof( double ) ) : NULL;
+    m->requested = is_spread ? guide_take( &f->memory, (size_t)g->node_count, sizeof( double ) ) : NULL;
     if ( scratch->failed || f->memory.failed )
     {
         return false;
@@ -100,10 +100,10 @@ typedef struct feedback_loop
 // One node of a group: shared values, input and output.
 typedef struct group_node
 {
-    const float* quads;
+    const float* xyzw;
     const int32_t* lane;
     int size, i;
-    double wanted; // m^2, 0: the spread is not held
+    double requested; // m^2, 0: the spread is not held
 } group_node;
 
 static wisp_vec3 load( const float* from )
@@ -121,7 +121,7 @@ static void store( float* to, wisp_vec3 p )
 // Eq. 5 relative to the mean of the group, which the last step set to zero.
 static wisp_vec3 swayed( const feedback_loop* loop, const group_node* node, int lane )
 {
-    const float* q = node->quads;
+    const float* q = node->xyzw;
     const wisp_vec3 d = load( loop->apart + root_of( loop->topology, lane ) + (size_t)node->i * GUIDE_ROW );
     const float length = sqrtf( d.x * d.x + d.y * d.y + d.z * d.z );
     const float weight = q[3] + loop->follower->centre_scale[lane] * length, limit = q[7];
@@ -137,12 +137,12 @@ static bool is_sound( wisp_vec3 d )
 
 static void halt( const feedback_loop* loop, int lane, int i )
 {
-    char sentence[200];
-    snprintf( sentence, sizeof( sentence ),
+    char message[200];
+    snprintf( message, sizeof( message ),
               "entity %u: feedback moved ghost %d, vertex %d, more than %g m from its group; the ghosts are "
               "halted",
               loop->entity.index, loop->topology->lane_strand[lane], i, (double)LARGEST_APART );
-    wisp_frame_halt( loop->frame, loop->entity, sentence );
+    wisp_frame_halt( loop->frame, loop->entity, message );
 }
 
 // Mean of the members, summed in their order. @return false when a member is not finite
@@ -180,16 +180,16 @@ static double project( const feedback_loop* loop, const group_node* node, guide_
 // Apply the spread to the output, not to the state. Coincident ghosts have no direction to spread.
 static void place( const feedback_loop* loop, const group_node* node, double spread )
 {
-    const bool grows = node->size > 1 && spread > 0.0 && node->wanted > 0.0;
-    const float scale = grows ? (float)sqrt( node->wanted / spread ) : 1.0f;
+    const bool grows = node->size > 1 && spread > 0.0 && node->requested > 0.0;
+    const float scale = grows ? (float)sqrt( node->requested / spread ) : 1.0f;
     for ( int k = 0; k < node->size; ++k )
     {
         const size_t at = root_of( loop->topology, node->lane[k] ) + (size_t)node->i * GUIDE_ROW;
         // the root stays on the scalp, and a lone ghost at its offset from the target
         const bool keeps = node->i == 0 || node->size == 1;
         const wisp_vec3 d = load( ( keeps ? loop->follower->offset : loop->apart ) + at );
-        store( loop->position + at, ( wisp_vec3 ){ node->quads[0] + scale * d.x, node->quads[1] + scale * d.y,
-                                                   node->quads[2] + scale * d.z } );
+        store( loop->position + at, ( wisp_vec3 ){ node->xyzw[0] + scale * d.x, node->xyzw[1] + scale * d.y,
+                                                   node->xyzw[2] + scale * d.z } );
     }
 }
 
@@ -232,11 +232,12 @@ static void step_groups( void* context, int begin, int end, int worker )
         const int size = m->begin[n + 1] - m->begin[n];
         for ( int i = 0; size > 0 && i < loop->topology->lane_count[lanes[0]]; ++i )
         {
-            const group_node node = { .quads = loop->follower->table + (size_t)( m->node[n] + i ) * QUADS,
+            const group_node node = { .xyzw = loop->follower->table + (size_t)( m->node[n] + i ) * QUADS,
                                       .lane = lanes,
                                       .size = size,
                                       .i = i,
-                                      .wanted = m->wanted != NULL && i > 0 ? m->wanted[m->node[n] + i] : 0.0 };
+                                      .requested =
+                                          m->requested != NULL && i > 0 ? m->requested[m->node[n] + i] : 0.0 };
             step_node( loop, &node );
         }
         for ( int k = 0; k < size; ++k )

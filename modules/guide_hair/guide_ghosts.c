@@ -1,7 +1,7 @@
 // Definition of ghosts: defaults, ranges, which strands may follow which.
 #include "guide_internal.h"
 
-static const uint32_t GHOSTS_DEF_MADE = 0x47484f53;
+static const uint32_t GHOSTS_DEF_COOKIE = 0x47484f53;
 
 wisp_ghosts_def wisp_default_ghosts_def( void )
 {
@@ -14,7 +14,7 @@ wisp_ghosts_def wisp_default_ghosts_def( void )
         .keep_offset = true,
         .spread = 1.0f,
         .frame = WISP_GHOST_FRAME_PARALLEL,
-        .made_by_default = GHOSTS_DEF_MADE,
+        .cookie = GHOSTS_DEF_COOKIE,
     };
 }
 
@@ -23,7 +23,7 @@ wisp_ghosts_def wisp_default_ghosts_def( void )
 static wisp_status check_def( wisp_world* world, const wisp_ghosts_def* d )
 {
     const wisp_number_range ranges[] = {
-        { "target_count", (float)d->target_count, 1.0f, (float)WISP_MOST_LINKS },
+        { "target_count", (float)d->target_count, 1.0f, (float)WISP_MAX_GHOST_TARGETS },
         { "elastic", (float)d->elastic, 0.0f, (float)( WISP_GHOST_ELASTIC_COUNT - 1 ) },
         { "tip_gain", d->tip_gain, 0.0f, 1e3f },
         { "centre_gain", d->centre_gain, 0.0f, 1e3f },
@@ -109,16 +109,16 @@ static wisp_status keep_running( wisp_world* world, const guide_state* s, wisp_e
         wisp_component component;
         bool on;
     } parts[] = { { s->feedback, def->feedback }, { s->between, def->between }, { s->interval, def->between } };
-    wisp_status status = wisp_want( world, def->targets, s->table );
+    wisp_status status = wisp_request( world, def->targets, s->table );
     for ( int i = 0; i < WISP_COUNT( parts ) && status == WISP_OK; ++i )
     {
         if ( parts[i].on )
         {
-            status = wisp_want( world, ghosts, parts[i].component );
+            status = wisp_request( world, ghosts, parts[i].component );
         }
         else if ( wisp_world_has( world, ghosts, parts[i].component ) )
         {
-            wisp_unwant( world, ghosts, parts[i].component );
+            wisp_cancel_request( world, ghosts, parts[i].component );
             wisp_world_detach( world, ghosts, parts[i].component );
         }
     }
@@ -202,7 +202,7 @@ static void install( wisp_world* world, guide_state* s, guide_follower* follower
 
 wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_ghosts_def* def )
 {
-    WISP_ASSERT( def->made_by_default == GHOSTS_DEF_MADE );
+    WISP_ASSERT( def->cookie == GHOSTS_DEF_COOKIE );
     guide_state* s = wisp_world_module_state( world, "guide_hair" );
     wisp_status status = check( world, s, ghosts, def );
     if ( status != WISP_OK )
@@ -244,11 +244,11 @@ wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, const wisp_g
 
 // ---- reports ----
 
-wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp_ghosts_report* out )
+wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out )
 {
     const guide_follower* follower;
     const wisp_status status = guide_find_ghosts( world, ghosts, &follower );
-    *out = status == WISP_OK ? follower->report : ( wisp_ghosts_report ){ 0 };
+    *out = status == WISP_OK ? follower->report : ( wisp_ghosts_stats ){ 0 };
     return status;
 }
 

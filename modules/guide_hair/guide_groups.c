@@ -99,8 +99,8 @@ static void settle_node( const guide_groups* g, const guide_group* group, int i 
 {
     guide_node* node = g->nodes + group->first_node + i;
     place_target( g, group, i );
-    const double share = group->size > 0 ? 1.0 / group->size : 0.0;
-    node->centre = group->size > 0 ? guide_mul_add( node->first, share, node->sum ) : node->rest;
+    const double fraction = group->size > 0 ? 1.0 / group->size : 0.0;
+    node->centre = group->size > 0 ? guide_mul_add( node->first, fraction, node->sum ) : node->rest;
     const bool own = group->size == 0 || ( group->size == 1 && g->def->keep_offset );
     node->anchor = own ? node->rest : node->centre;
 }

@@ -48,15 +48,15 @@ typedef struct wisp_ghosts_def
                    ///< tracked: sway that all share is undone, what differs adds up. Default false. Needs
                    ///< frame off and one target. The spread, unless 1, is then held with the sway in it
     bool between;  ///< keep what wisp_ghosts_between() needs, default false
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_ghosts_def;
 
 WISP_API wisp_ghosts_def wisp_default_ghosts_def( void );
 
 /// Let strands follow others as ghosts: assigned by eq. 1 where both are at rest (their shape as added), offsets kept. Or
-/// follow others, or in another way. Ghosts write their place, and `strand.carried` too where that is wanted: want it of
+/// follow others, or in another way. Ghosts write their place, and `strand.posed` too where that is wanted: want it of
 /// ghosts that get an appearance on top, such as frozen hair.
-/// @return WISP_BAD_INPUT a value is out of range, or node counts differ without `resample` (the sentence names ghost and
+/// @return WISP_BAD_INPUT a value is out of range, or node counts differ without `resample` (the message names ghost and
 ///         target); WISP_CONFLICT the module is not registered, there are no targets, an entity has no strands, the ghosts
 ///         move by themselves or are followed, or the targets follow others; WISP_STALE_ID; WISP_NO_MEMORY
 /// @note Targets without a ghost are still simulated; how many there are is in the report. When the targets are removed the
@@ -72,15 +72,15 @@ WISP_API wisp_status wisp_set_ghosts( wisp_world* world, wisp_entity ghosts, con
 ///         not with `between`
 WISP_API wisp_status wisp_ghosts_between( wisp_world* world, wisp_entity ghosts, float fraction, wisp_vec3* points );
 
-typedef struct wisp_ghosts_report
+typedef struct wisp_ghosts_stats
 {
     int ghost_count, target_count;
     int empty_targets;   ///< targets that won no ghost
     int largest_group;   ///< ghosts of one target
     int collapsed_nodes; ///< nodes behind the roots where all ghosts of a group of several coincide: no way to spread
-} wisp_ghosts_report;
+} wisp_ghosts_stats;
 
-WISP_API wisp_status wisp_read_ghosts_report( wisp_world* world, wisp_entity ghosts, wisp_ghosts_report* out );
+WISP_API wisp_status wisp_read_ghosts_stats( wisp_world* world, wisp_entity ghosts, wisp_ghosts_stats* out );
 
 /// The target of every ghost, the nearest of several; -1 of a ghost without vertices. @param targets [ghost_count]
 WISP_API wisp_status wisp_read_ghost_targets( wisp_world* world, wisp_entity ghosts, int32_t* targets );
@@ -99,7 +99,7 @@ typedef struct wisp_curves_def
     wisp_entity source;   ///< strands of any kind
     wisp_curve_kind kind; ///< default Catmull-Rom
     int samples;          ///< M, a segment of the curve, 1 .. 64, default 8
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_curves_def;
 
 WISP_API wisp_curves_def wisp_default_curves_def( void );

@@ -10,7 +10,7 @@
 
 enum
 {
-    GUIDE_MOST_BLOCKS = 32,
+    GUIDE_MAX_BLOCKS = 32,
     GUIDE_ROW = 3 * WISP_LANES, // floats of a row of strands
 };
 
@@ -18,8 +18,8 @@ enum
 typedef struct guide_memory
 {
     const wisp_allocator* allocator;
-    void* blocks[GUIDE_MOST_BLOCKS];
-    size_t bytes[GUIDE_MOST_BLOCKS];
+    void* blocks[GUIDE_MAX_BLOCKS];
+    size_t bytes[GUIDE_MAX_BLOCKS];
     int count;
     bool failed; // an allocation failed
 } guide_memory;
@@ -80,8 +80,8 @@ static inline const wisp_vec3* guide_strand( const guide_shape* shape, int stran
 
 /// Eq. 1: for every ghost the targets with the least strand distances, nearest first, and their shares. Ghosts without
 /// vertices have -1. @param links at most the targets that have vertices @return false without memory
-bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target, double* share,
-                   guide_memory* scratch );
+bool guide_assign( const guide_shape* ghosts, const guide_shape* targets, int links, int32_t* target,
+                   double* fraction, guide_memory* scratch );
 
 // ---- resampling (guide_resample.c) ----
 
@@ -122,10 +122,10 @@ typedef struct guide_lanes
 typedef struct guide_members
 {
     int group_count;
-    int32_t* begin; // [group_count + 1] first member
-    int32_t* lane;  // [ghost] of a member, ascending ghosts in a group
-    int32_t* node;  // [group_count] of the table, where the root's quads are
-    double* wanted; // [node] m^2, Vbar of eq. 3; null: the spread is not held
+    int32_t* begin;    // [group_count + 1] first member
+    int32_t* lane;     // [ghost] of a member, ascending ghosts in a group
+    int32_t* node;     // [group_count] of the table, where the root's quads are
+    double* requested; // [node] m^2, Vbar of eq. 3; null: the spread is not held
 } guide_members;
 
 /// Sources of velocities of ghosts that are drawn between steps (guide_between.c).
@@ -145,14 +145,14 @@ typedef struct guide_follower
     guide_lanes guides;
     float* table;          // [nodes + 1][stride], the last node belongs to empty lanes and stays 0
     int32_t* lane_node;    // [group][link][16] of the ghosts
-    float* lane_share;     // [group][link][16]
+    float* lane_fraction;  // [group][link][16]
     float* centre_scale;   // [group][16]
     float* offset;         // [row][link][3][16]
     float* length;         // [row][16] m, of the segment that ends in the row; null: lengths are not repaired
     int32_t* target;       // [strand] the first target of every ghost
     guide_members members; // with feedback only
     guide_sources sources; // drawn between steps only
-    wisp_ghosts_report report;
+    wisp_ghosts_stats report;
 } guide_follower;
 
 /// Cook ghosts. @param out receives a follower of its own memory, null on failure
@@ -265,7 +265,7 @@ typedef struct guide_state
 guide_follower* guide_find_follower( const guide_state* state, wisp_entity ghosts );
 /// The same, unless the targets are removed.
 const guide_follower* guide_active_follower( const guide_state* state, wisp_entity ghosts );
-/// For a function of the host. @return WISP_CONFLICT, with a sentence
+/// For a function of the host. @return WISP_CONFLICT, with a message
 wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guide_follower** out );
 guide_drawing* guide_find_drawing( const guide_state* state, wisp_entity curves );
 /// Release targets without ghosts and sources without curves.

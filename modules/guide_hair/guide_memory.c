@@ -5,7 +5,7 @@
 
 void* guide_take( guide_memory* memory, size_t count, size_t element )
 {
-    WISP_ASSERT( memory->count < GUIDE_MOST_BLOCKS );
+    WISP_ASSERT( memory->count < GUIDE_MAX_BLOCKS );
     const size_t bytes = ( count > 0 ? count : 1 ) * element;
     void* block = memory->allocator->allocate( memory->allocator->user, bytes, 64 );
     if ( block == NULL )

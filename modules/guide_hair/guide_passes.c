@@ -13,7 +13,7 @@ enum
 
 typedef struct table_loop
 {
-    wisp_strand_target_job job;
+    wisp_strand_target_args args;
     const guide_lanes* lanes;
     const wisp_kernels* kernels;
     const float *position, *velocity, *before, *root; // of the targets; null as in the job
@@ -74,12 +74,12 @@ static void fill_groups( void* context, int begin, int end, int worker )
             gather_roots( l, loop->root, group );
         }
     }
-    loop->kernels->strand_target( &loop->job, begin, end );
+    loop->kernels->strand_target( &loop->args, begin, end );
 }
 
-static float step_seconds( const wisp_frame* frame )
+static float dt( const wisp_frame* frame )
 {
-    return wisp_frame_seconds( frame ) * (float)wisp_frame_substeps( frame );
+    return wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
 }
 
 static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_state* state, const guide_follower* f,
@@ -90,7 +90,7 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
     loop.lanes = l;
     loop.resampled = f->resampled;
     loop.root = f->turns ? loop.root : NULL;
-    loop.job = ( wisp_strand_target_job ){
+    loop.args = ( wisp_strand_target_args ){
         .group_row = l->group_row,
         .lane_count = l->lane_count,
         .lane_node = l->lane_node,
@@ -106,7 +106,7 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
         .capped = settings->capped != 0,
         .is_blended = f->link_count > 1,
         .elastic = (wisp_elastic)settings->elastic,
-        .time = settings->time > 0.0f ? settings->time : step_seconds( frame ),
+        .time = settings->time > 0.0f ? settings->time : dt( frame ),
         .tip_gain = settings->tip_gain,
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), l->group_count, TARGET_GRAIN, fill_groups, &loop );
@@ -177,11 +177,11 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
     const guide_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
-    const wisp_strand_ghost_job job = {
+    const wisp_strand_ghost_args args = {
         .group_row = t->group_row,
         .lane_count = t->lane_count,
         .lane_node = f->lane_node,
-        .lane_share = f->lane_share,
+        .lane_fraction = f->lane_fraction,
         .centre_scale = f->centre_scale,
         .offset = f->offset,
         .table = f->table,
@@ -189,16 +189,16 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
         .link_count = f->link_count,
         .turns = f->turns,
         .elastic = (wisp_elastic)settings->elastic,
-        .time = settings->time > 0.0f ? settings->time : step_seconds( frame ),
+        .time = settings->time > 0.0f ? settings->time : dt( frame ),
         .to = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
     };
     if ( f->link_count > 1 )
     {
-        kernels->strand_ghost_blend( &job, span->begin, span->end );
+        kernels->strand_ghost_blend( &args, span->begin, span->end );
     }
     else
     {
-        kernels->strand_ghost( &job, span->begin, span->end );
+        kernels->strand_ghost( &args, span->begin, span->end );
     }
 }
 
@@ -211,11 +211,11 @@ static void repair_row( float* row, const float* length )
     {
         const float x = row[lane] - last[lane], y = row[lane + WISP_LANES] - last[lane + WISP_LANES];
         const float z = row[lane + 2 * WISP_LANES] - last[lane + 2 * WISP_LANES];
-        const float now = sqrtf( x * x + y * y + z * z ), share = length[lane] / ( now > 0.0f ? now : 1.0f );
-        row[lane] = now > 0.0f ? last[lane] + share * x : row[lane];
-        row[lane + WISP_LANES] = now > 0.0f ? last[lane + WISP_LANES] + share * y : row[lane + WISP_LANES];
+        const float now = sqrtf( x * x + y * y + z * z ), fraction = length[lane] / ( now > 0.0f ? now : 1.0f );
+        row[lane] = now > 0.0f ? last[lane] + fraction * x : row[lane];
+        row[lane + WISP_LANES] = now > 0.0f ? last[lane + WISP_LANES] + fraction * y : row[lane + WISP_LANES];
         row[lane + 2 * WISP_LANES] =
-            now > 0.0f ? last[lane + 2 * WISP_LANES] + share * z : row[lane + 2 * WISP_LANES];
+            now > 0.0f ? last[lane + 2 * WISP_LANES] + fraction * z : row[lane + 2 * WISP_LANES];
     }
 }
 
@@ -240,7 +240,7 @@ void guide_run_carry( wisp_frame* frame, const wisp_span* span, void* user )
     {
         copy_loop copy = { wisp_frame_strands( frame, span->entity ),
                            wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
-                           wisp_frame_column( frame, span->entity, WISP_STRAND_CARRIED, 0 ) };
+                           wisp_frame_column( frame, span->entity, WISP_STRAND_POSED, 0 ) };
         copy_groups( &copy, span->begin, span->end, span->worker );
     }
 }

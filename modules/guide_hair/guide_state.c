@@ -46,13 +46,13 @@ void guide_let_go( wisp_world* world, const guide_state* state, wisp_entity enti
     }
     if ( followed == false && wisp_world_has( world, entity, state->before ) )
     {
-        wisp_unwant( world, entity, state->table );
+        wisp_cancel_request( world, entity, state->table );
         wisp_world_detach( world, entity, state->table );
         wisp_world_detach( world, entity, state->before );
     }
     if ( drawn == false && wisp_world_has( world, entity, state->drawn ) )
     {
-        wisp_unwant( world, entity, state->drawn );
+        wisp_cancel_request( world, entity, state->drawn );
         wisp_world_detach( world, entity, state->drawn );
     }
 }
@@ -62,6 +62,5 @@ wisp_status guide_find_ghosts( wisp_world* world, wisp_entity ghosts, const guid
     const guide_state* s = wisp_world_module_state( world, "guide_hair" );
     *out = s != NULL ? guide_find_follower( s, ghosts ) : NULL;
     return *out != NULL ? WISP_OK
-                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets",
-                                           ghosts.index );
+                        : wisp_world_fail( world, WISP_CONFLICT, "ghosts: entity %u has no targets", ghosts.index );
 }

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-static const uint32_t IMPLICIT_DEF_MADE = 0x494d5043;
+static const uint32_t IMPLICIT_DEF_COOKIE = 0x494d5043;
 
 #define MATERIAL_COLUMNS_LIST( X ) X( implicit_material, material, 1 )
 #define TALLY_COLUMNS_LIST( X ) X( implicit_tally, tally, 1 )
@@ -11,14 +11,14 @@ static const uint32_t IMPLICIT_DEF_MADE = 0x494d5043;
 #define HISTORY_COLUMNS_LIST( X )                                                                                    \
     X( float, position, 4 ) /* m, when the substep before began; inverse mass */                                     \
     X( float, velocity, 4 ) /* m/s */
-#define FIGURES_COLUMNS_LIST( X ) X( wisp_implicit_cloth_figures, figures, 1 )
+#define STATS_COLUMNS_LIST( X ) X( wisp_implicit_cloth_stats, stats, 1 )
 
 static const wisp_column_def MATERIAL_COLUMNS[] = { MATERIAL_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def TALLY_COLUMNS[] = { TALLY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def CONTACT_COLUMNS[] = { CONTACT_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def CHANGE_COLUMNS[] = { CHANGE_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 static const wisp_column_def HISTORY_COLUMNS[] = { HISTORY_COLUMNS_LIST( WISP_COLUMN_DEF ) };
-static const wisp_column_def FIGURES_COLUMNS[] = { FIGURES_COLUMNS_LIST( WISP_COLUMN_DEF ) };
+static const wisp_column_def STATS_COLUMNS[] = { STATS_COLUMNS_LIST( WISP_COLUMN_DEF ) };
 
 wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
 {
@@ -27,12 +27,12 @@ wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
         .bend_stiffness = 1e-6f,
         .bend_rigidity = 5e-6f,
         .damping = 0.02f,
-        .newton_repeats = 1,
-        .stiff_repeats = 16,
+        .newton_iterations = 1,
+        .max_newton_iterations = 16,
         .tolerance = 1e-4f,
         .warm_start = true,
-        .look_ahead = true,
-        .made_by_default = IMPLICIT_DEF_MADE,
+        .speculative = true,
+        .cookie = IMPLICIT_DEF_COOKIE,
     };
 }
 
@@ -80,7 +80,7 @@ static wisp_status declare( wisp_registry* r )
         { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
         { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
         { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
-        { &state->figures, { "implicit_cloth.figures", WISP_TABLE_ENTITY, FIGURES_COLUMNS, 1 } },
+        { &state->stats, { "implicit_cloth.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( components ); ++i )
     {
@@ -91,10 +91,10 @@ static wisp_status declare( wisp_registry* r )
                .name = "implicit_cloth.step",
                .stage = WISP_STAGE_PREDICT,
                .domain = WISP_DOMAIN_ENTITY,
-               .needs = { state->material, WISP_PARTICLE_SOLVED, WISP_PARTICLE_TOUCH, state->contact },
-               .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TOUCH,
+               .required = { state->material, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact },
+               .reads = { state->material, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS,
                           state->contact },
-               .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_TOUCH, state->contact,
+               .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_CONTACTS, state->contact,
                            state->material, state->tally },
                .run = implicit_step,
                .user = state,
@@ -107,9 +107,9 @@ static wisp_status declare( wisp_registry* r )
                                      .name = "implicit_cloth.figures",
                                      .stage = WISP_STAGE_OBSERVE,
                                      .domain = WISP_DOMAIN_ENTITY,
-                                     .needs = { state->material, state->tally },
+                                     .required = { state->material, state->tally },
                                      .reads = { state->tally, WISP_PARTICLE_POSITION },
-                                     .writes = { state->figures },
+                                     .writes = { state->stats },
                                      .run = implicit_measure,
                                      .user = state,
                                  } );
@@ -128,8 +128,8 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "compression_stiffness", d->compression_stiffness, 0.0f, 1e9f },
         { "damping", d->damping, 0.0f, 1e9f },
         { "tolerance", d->tolerance, 1e-7f, 0.1f },
-        { "newton_repeats", (float)d->newton_repeats, 1.0f, 64.0f },
-        { "stiff_repeats", (float)d->stiff_repeats, 1.0f, 64.0f },
+        { "newton_iterations", (float)d->newton_iterations, 1.0f, 64.0f },
+        { "max_newton_iterations", (float)d->max_newton_iterations, 1.0f, 64.0f },
         { "max_iterations", (float)d->max_iterations, 0.0f, 1e6f },
         { "stiffness", (float)d->stiffness, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
         { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
@@ -143,7 +143,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         return status;
     }
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
-    if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_SHEET )
+    if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "implicit cloth: explicit pairs have no area, expected stiffness per link" );
@@ -168,7 +168,7 @@ static wisp_status check_alone( wisp_world* world, wisp_entity surface, const im
                 surface.index );
         }
     }
-    if ( wisp_world_has( world, surface, WISP_PARTICLE_SOLVED ) &&
+    if ( wisp_world_has( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER ) &&
          wisp_world_has( world, surface, state->material ) == false )
     {
         return wisp_world_fail( world, WISP_CONFLICT, "implicit cloth: entity %u already has another solver",
@@ -185,18 +185,19 @@ enum
 };
 
 static void list_components( const implicit_state* state, const wisp_implicit_cloth_def* d,
-                             wisp_component component[COMPONENT_COUNT], bool wanted[COMPONENT_COUNT] )
+                             wisp_component component[COMPONENT_COUNT], bool requested[COMPONENT_COUNT] )
 {
-    const wisp_component all[COMPONENT_COUNT] = { state->material,     state->tally,   WISP_PARTICLE_SOLVED,
-                                                  WISP_PARTICLE_TOUCH, state->contact, state->change,
-                                                  state->history };
+    const wisp_component all[COMPONENT_COUNT] = {
+        state->material, state->tally,  WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS, state->contact,
+        state->change,   state->history
+    };
     for ( int i = 0; i < COMPONENT_COUNT; ++i )
     {
         component[i] = all[i];
-        wanted[i] = true;
+        requested[i] = true;
     }
-    wanted[5] = d->warm_start;
-    wanted[6] = d->integrator == WISP_IMPLICIT_BDF2;
+    requested[5] = d->warm_start;
+    requested[6] = d->integrator == WISP_IMPLICIT_BDF2;
 }
 
 // Attach what is missing before detaching anything, so that the surface is unchanged if memory runs out.
@@ -204,12 +205,12 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit
                           const wisp_implicit_cloth_def* d )
 {
     wisp_component component[COMPONENT_COUNT];
-    bool wanted[COMPONENT_COUNT], came[COMPONENT_COUNT] = { false };
-    list_components( state, d, component, wanted );
+    bool requested[COMPONENT_COUNT], came[COMPONENT_COUNT] = { false };
+    list_components( state, d, component, requested );
     wisp_status status = WISP_OK;
     for ( int i = 0; i < COMPONENT_COUNT && status == WISP_OK; ++i )
     {
-        if ( wanted[i] && wisp_world_has( world, surface, component[i] ) == false )
+        if ( requested[i] && wisp_world_has( world, surface, component[i] ) == false )
         {
             status = wisp_world_attach( world, surface, component[i] );
             came[i] = status == WISP_OK;
@@ -217,7 +218,7 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const implicit
     }
     for ( int i = 0; i < COMPONENT_COUNT; ++i )
     {
-        if ( status == WISP_OK ? wanted[i] == false : came[i] )
+        if ( status == WISP_OK ? requested[i] == false : came[i] )
         {
             (void)wisp_world_detach( world, surface, component[i] ); // only frees memory
         }
@@ -233,15 +234,15 @@ static void fill( wisp_world* world, wisp_entity surface, const implicit_state* 
         .axial_damping = d->damping_form == WISP_IMPLICIT_DAMPING_AXIAL,
         .full_jacobian = d->jacobian == WISP_IMPLICIT_JACOBIAN_FULL,
         .bdf2 = d->integrator == WISP_IMPLICIT_BDF2,
-        .newton_repeats = d->newton_repeats,
-        .stiff_repeats = d->stiff_repeats,
+        .newton_iterations = d->newton_iterations,
+        .max_newton_iterations = d->max_newton_iterations,
         .max_iterations = d->max_iterations,
         .warm_start = d->warm_start,
-        .look_ahead = d->look_ahead,
-        .wants_figures = m->wants_figures,
+        .speculative = d->speculative,
+        .requests_stats = m->requests_stats,
         .tolerance = d->tolerance,
     };
-    *(int32_t*)wisp_world_column( world, surface, WISP_PARTICLE_SOLVED, 0 ) = 1;
+    *(int32_t*)wisp_world_column( world, surface, WISP_PARTICLE_EXTERNAL_SOLVER, 0 ) = 1;
 }
 
 // ---- public functions ----
@@ -256,7 +257,7 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, implicit_
 
 wisp_status wisp_set_implicit_cloth( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def )
 {
-    WISP_ASSERT( def->made_by_default == IMPLICIT_DEF_MADE );
+    WISP_ASSERT( def->cookie == IMPLICIT_DEF_COOKIE );
     implicit_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_ranges( world, def ) : status;
@@ -299,7 +300,7 @@ static wisp_status find_cloth( wisp_world* world, wisp_entity surface, implicit_
     return status;
 }
 
-wisp_status wisp_want_implicit_cloth_figures( wisp_world* world, wisp_entity surface, bool wanted )
+wisp_status wisp_request_implicit_cloth_stats( wisp_world* world, wisp_entity surface, bool requested )
 {
     implicit_state* state;
     wisp_status status = find_cloth( world, surface, &state );
@@ -307,23 +308,23 @@ wisp_status wisp_want_implicit_cloth_figures( wisp_world* world, wisp_entity sur
     {
         return status;
     }
-    status = wanted ? wisp_want( world, surface, state->figures ) : wisp_unwant( world, surface, state->figures );
+    status = requested ? wisp_request( world, surface, state->stats )
+                       : wisp_cancel_request( world, surface, state->stats );
     if ( status == WISP_OK )
     {
         implicit_material* m = wisp_world_column( world, surface, state->material, 0 );
-        m->wants_figures = wanted ? 1 : 0;
+        m->requests_stats = requested ? 1 : 0;
     }
     return status;
 }
 
-wisp_status wisp_read_implicit_cloth_figures( wisp_world* world, wisp_entity surface,
-                                              wisp_implicit_cloth_figures* out )
+wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surface, wisp_implicit_cloth_stats* out )
 {
     implicit_state* state;
     wisp_status status = find_cloth( world, surface, &state );
-    const wisp_implicit_cloth_figures* figures =
-        status == WISP_OK ? wisp_world_column( world, surface, state->figures, 0 ) : NULL;
-    if ( status == WISP_OK && ( figures == NULL || figures->repeats == 0 ) )
+    const wisp_implicit_cloth_stats* stats =
+        status == WISP_OK ? wisp_world_column( world, surface, state->stats, 0 ) : NULL;
+    if ( status == WISP_OK && ( stats == NULL || stats->repeats == 0 ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "entity %u: has no statistics of implicit cloth, request them before a step",
@@ -331,7 +332,7 @@ wisp_status wisp_read_implicit_cloth_figures( wisp_world* world, wisp_entity sur
     }
     if ( status == WISP_OK )
     {
-        *out = *figures;
+        *out = *stats;
     }
     return status;
 }

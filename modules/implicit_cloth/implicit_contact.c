@@ -7,7 +7,7 @@
 // An active contact of this substep.
 typedef struct touch
 {
-    int place; // in particle.touch
+    int place; // in particle.contacts
     wisp_vec3 normal, motion;
     float gap, margin, static_friction, kinetic_friction, recovery;
     bool held, is_new; // not held: it lands
@@ -102,14 +102,14 @@ static const float NOTHING[6] = { 0.0f };
 
 // ---- pins ----
 
-static void hold_pin( const implicit_system* s, const implicit_feeler* f, int row, int slot )
+static void hold_pin( const implicit_system* s, const implicit_contact_input* f, int row, int slot )
 {
     const wisp_vec3 x = load( f->position + (size_t)slot * 4 );
     wisp_vec3 there = x;
     if ( f->target != NULL && f->target[(size_t)slot * 4 + 3] != 0.0f )
     {
         const wisp_vec3 target = load( f->target + (size_t)slot * 4 );
-        there = f->target_share >= 1.0f ? target : add_scaled( x, f->target_share, subtract( target, x ) );
+        there = f->target_fraction >= 1.0f ? target : add_scaled( x, f->target_fraction, subtract( target, x ) );
     }
     const wisp_vec3 way = subtract( there, load( s->place + (size_t)row * 4 ) );
     const float rate = 1.0f / s->spring.seconds;
@@ -119,9 +119,9 @@ static void hold_pin( const implicit_system* s, const implicit_feeler* f, int ro
 
 // ---- held contacts ----
 
-static touch read_touch( const implicit_feeler* f, int slot, int place )
+static touch read_touch( const implicit_contact_input* f, int slot, int place )
 {
-    const size_t at = (size_t)slot * WISP_TOUCHES + (size_t)place;
+    const size_t at = (size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)place;
     const float *plane = f->plane + 4 * at, *motion = f->motion + 4 * at, *friction = f->friction + 3 * at;
     return ( touch ){
         .place = place,
@@ -138,7 +138,7 @@ static touch read_touch( const implicit_feeler* f, int slot, int place )
 // Whether this contact was held in the last substep, and its impulse then.
 static bool was_held( const implicit_contact* before, int32_t body, float* pressed )
 {
-    for ( int i = 0; i < WISP_TOUCHES; ++i )
+    for ( int i = 0; i < WISP_MAX_PARTICLE_CONTACTS; ++i )
     {
         if ( before->body[i] == body )
         {
@@ -150,14 +150,14 @@ static bool was_held( const implicit_contact* before, int32_t body, float* press
 }
 
 // Apply rules 1 to 3. @return whether the contact is active
-static bool judge( const implicit_system* s, const implicit_feeler* f, int row, int slot, touch* t,
+static bool judge( const implicit_system* s, const implicit_contact_input* f, int row, int slot, touch* t,
                    implicit_tally* tally )
 {
     const float mass = s->place[(size_t)row * 4 + 3];
     const wisp_vec3 v = load( f->velocity + (size_t)slot * 4 );
     const float leaving = dot( subtract( v, t->motion ), t->normal );
-    const bool known =
-        was_held( f->contact + slot, f->body[(size_t)slot * WISP_TOUCHES + (size_t)t->place], &t->pressed );
+    const bool known = was_held( f->contact + slot,
+                                 f->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)t->place], &t->pressed );
     // a vertex that moves out of a body must be stopped before it is released
     if ( known && t->pressed < -( f->hysteresis + fmaxf( 0.0f, leaving ) ) * mass )
     {
@@ -173,7 +173,7 @@ static bool judge( const implicit_system* s, const implicit_feeler* f, int row, 
     const wisp_vec3 x = load( f->position + (size_t)slot * 4 ), place = load( s->place + (size_t)row * 4 );
     const wisp_vec3 there = add_scaled( place, s->spring.seconds, load( s->start + (size_t)row * 4 ) );
     const wisp_vec3 way = add_scaled( subtract( there, x ), -f->seconds, t->motion );
-    return f->look_ahead && t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
+    return f->speculative && t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
 }
 
 // ---- the normals of a row ----
@@ -198,7 +198,7 @@ static int merge( touch* touches, int count )
 }
 
 // The vector in the span of the normals that has the given products with them.
-static wisp_vec3 spanned( const touch* touches, int count, const float products[WISP_TOUCHES] )
+static wisp_vec3 spanned( const touch* touches, int count, const float products[WISP_MAX_PARTICLE_CONTACTS] )
 {
     const wisp_vec3 none = { 0.0f, 0.0f, 0.0f }, n = touches[0].normal;
     if ( count == 1 )
@@ -211,9 +211,10 @@ static wisp_vec3 spanned( const touch* touches, int count, const float products[
     return add_scaled( first, ( products[1] - cosine * products[0] ) / sine2, m );
 }
 
-static wisp_vec3 across( const touch* touches, int count, wisp_vec3 v )
+static wisp_vec3 foreign( const touch* touches, int count, wisp_vec3 v )
 {
-    const float products[WISP_TOUCHES] = { dot( v, touches[0].normal ), dot( v, touches[count - 1].normal ) };
+    const float products[WISP_MAX_PARTICLE_CONTACTS] = { dot( v, touches[0].normal ),
+                                                         dot( v, touches[count - 1].normal ) };
     return subtract( v, spanned( touches, count, products ) );
 }
 
@@ -236,7 +237,7 @@ static void free_across( const touch* touches, int count, float filter[6] )
 // ---- velocities of a row ----
 
 // Velocity that takes the row along with the surface; x^ may have moved part of the way.
-static wisp_vec3 velocity_with( const implicit_system* s, const implicit_feeler* f, int row, int slot,
+static wisp_vec3 velocity_with( const implicit_system* s, const implicit_contact_input* f, int row, int slot,
                                 wisp_vec3 motion )
 {
     const wisp_vec3 back = subtract( load( f->position + (size_t)slot * 4 ), load( s->place + (size_t)row * 4 ) );
@@ -245,15 +246,15 @@ static wisp_vec3 velocity_with( const implicit_system* s, const implicit_feeler*
 }
 
 // Rules 3 and 5: distance that the contact moves the particle out of the body, m.
-static float way_out( const implicit_feeler* f, const touch* t )
+static float way_out( const implicit_contact_input* f, const touch* t )
 {
     return t->held ? fminf( fmaxf( 0.0f, -t->gap ), f->seconds * t->recovery ) : 0.5f * t->margin - t->gap;
 }
 
-static void prescribe( const implicit_system* s, const implicit_feeler* f, int row, int slot, const touch* touches,
-                       int count, bool sticks )
+static void prescribe( const implicit_system* s, const implicit_contact_input* f, int row, int slot,
+                       const touch* touches, int count, bool sticks )
 {
-    float products[WISP_TOUCHES] = { 0.0f }, filter[6] = { 0.0f };
+    float products[WISP_MAX_PARTICLE_CONTACTS] = { 0.0f }, filter[6] = { 0.0f };
     for ( int i = 0; i < count; ++i )
     {
         const wisp_vec3 v = velocity_with( s, f, row, slot, touches[i].motion );
@@ -263,7 +264,7 @@ static void prescribe( const implicit_system* s, const implicit_feeler* f, int r
     if ( sticks )
     {
         const wisp_vec3 v = velocity_with( s, f, row, slot, touches[0].motion );
-        goal = add_scaled( goal, 1.0f, across( touches, count, v ) );
+        goal = add_scaled( goal, 1.0f, foreign( touches, count, v ) );
     }
     else
     {
@@ -279,10 +280,10 @@ static void rub( const implicit_system* s, int row, wisp_vec3 slip, float impuls
     float* to = s->rubbing + (size_t)row * 4;
     if ( speed > 0.0f )
     {
-        const float share = -fminf( impulse, mass * speed ) / speed;
-        to[0] = share * slip.x;
-        to[1] = share * slip.y;
-        to[2] = share * slip.z;
+        const float fraction = -fminf( impulse, mass * speed ) / speed;
+        to[0] = fraction * slip.x;
+        to[1] = fraction * slip.y;
+        to[2] = fraction * slip.z;
     }
 }
 
@@ -307,19 +308,19 @@ static grip grip_of( const touch* touches, int count )
 }
 
 // Rule 4.
-static void answer( const implicit_system* s, const implicit_feeler* f, int row, int slot, touch* touches, int count,
-                    implicit_tally* tally )
+static void answer( const implicit_system* s, const implicit_contact_input* f, int row, int slot, touch* touches,
+                    int count, implicit_tally* tally )
 {
     const implicit_contact before = f->contact[slot];
     implicit_contact now = { .slides = 1 };
     for ( int i = 0; i < count; ++i )
     {
-        now.body[touches[i].place] = f->body[(size_t)slot * WISP_TOUCHES + (size_t)touches[i].place];
+        now.body[touches[i].place] = f->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)touches[i].place];
     }
     count = merge( touches, count );
     const grip g = grip_of( touches, count );
     const wisp_vec3 slip =
-        across( touches, count, subtract( load( s->start + (size_t)row * 4 ), touches[0].motion ) );
+        foreign( touches, count, subtract( load( s->start + (size_t)row * 4 ), touches[0].motion ) );
     const float momentum = s->place[(size_t)row * 4 + 3] * length( slip );
     const bool grips = before.slides != 0 ? momentum <= g.brakes : before.rubbed <= g.holds;
     const bool sticks = g.lands == false && ( g.is_new || grips );
@@ -336,7 +337,7 @@ static void answer( const implicit_system* s, const implicit_feeler* f, int row,
     tally->sliding += sticks == false && g.lands == false ? 1 : 0;
 }
 
-void implicit_touch_row( const implicit_system* s, const implicit_feeler* f, int row, implicit_tally* tally )
+void implicit_touch_row( const implicit_system* s, const implicit_contact_input* f, int row, implicit_tally* tally )
 {
     const int slot = s->links->row_slot[row];
     memset( s->goal + (size_t)row * 4, 0, 4 * sizeof( float ) );
@@ -350,11 +351,11 @@ void implicit_touch_row( const implicit_system* s, const implicit_feeler* f, int
         hold_pin( s, f, row, slot );
         return;
     }
-    touch touches[WISP_TOUCHES];
+    touch touches[WISP_MAX_PARTICLE_CONTACTS];
     int count = 0;
-    for ( int place = 0; place < WISP_TOUCHES; ++place )
+    for ( int place = 0; place < WISP_MAX_PARTICLE_CONTACTS; ++place )
     {
-        if ( f->body[(size_t)slot * WISP_TOUCHES + (size_t)place] != 0 )
+        if ( f->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)place] != 0 )
         {
             touches[count] = read_touch( f, slot, place );
             count += judge( s, f, row, slot, touches + count, tally ) ? 1 : 0;
@@ -371,10 +372,10 @@ void implicit_touch_row( const implicit_system* s, const implicit_feeler* f, int
 }
 
 // Contacts of the last solve.
-static int held_touches( const implicit_feeler* f, int slot, touch touches[WISP_TOUCHES] )
+static int held_touches( const implicit_contact_input* f, int slot, touch touches[WISP_MAX_PARTICLE_CONTACTS] )
 {
     int count = 0;
-    for ( int place = 0; place < WISP_TOUCHES; ++place )
+    for ( int place = 0; place < WISP_MAX_PARTICLE_CONTACTS; ++place )
     {
         if ( f->contact[slot].body[place] != 0 )
         {
@@ -386,10 +387,10 @@ static int held_touches( const implicit_feeler* f, int slot, touch touches[WISP_
 }
 
 // Split J = -(I - S) r by the normals. Merged contacts have all of it each.
-void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int row )
+void implicit_press_row( const implicit_system* s, const implicit_contact_input* f, int row )
 {
     const int slot = s->links->row_slot[row];
-    touch touches[WISP_TOUCHES];
+    touch touches[WISP_MAX_PARTICLE_CONTACTS];
     const int found = slot >= 0 ? held_touches( f, slot, touches ) : 0;
     if ( found == 0 )
     {
@@ -410,19 +411,20 @@ void implicit_press_row( const implicit_system* s, const implicit_feeler* f, int
         contact->pressed[touches[0].place] = ( along - cosine * other ) / sine2;
         contact->pressed[touches[1].place] = ( other - cosine * along ) / sine2;
     }
-    contact->rubbed = length( across( touches, count, impulse ) );
+    contact->rubbed = length( foreign( touches, count, impulse ) );
     // A vertex that would have arrived more slowly was pulled to its landing, with a velocity into the body. It must be stopped
     // there and is released later if at all.
-    for ( int place = 0; place < WISP_TOUCHES && contact->landed != 0; ++place )
+    for ( int place = 0; place < WISP_MAX_PARTICLE_CONTACTS && contact->landed != 0; ++place )
     {
         contact->pressed[place] = fmaxf( 0.0f, contact->pressed[place] );
     }
 }
 
 // BDF2 must not extrapolate an impact. So vertices in contact count as having moved with their body, in the held directions.
-void implicit_settle_row( const implicit_feeler* f, int slot, float* x, float* v, float* x_before, float* v_before )
+void implicit_settle_row( const implicit_contact_input* f, int slot, float* x, float* v, float* x_before,
+                          float* v_before )
 {
-    touch touches[WISP_TOUCHES];
+    touch touches[WISP_MAX_PARTICLE_CONTACTS];
     int count = held_touches( f, slot, touches );
     if ( count == 0 )
     {
@@ -430,16 +432,17 @@ void implicit_settle_row( const implicit_feeler* f, int slot, float* x, float* v
     }
     count = merge( touches, count );
     const wisp_vec3 surface = touches[0].motion, now = load( x ), was = load( x_before );
-    const float products[WISP_TOUCHES] = { dot( surface, touches[0].normal ),
-                                           dot( touches[count - 1].motion, touches[count - 1].normal ) };
+    const float products[WISP_MAX_PARTICLE_CONTACTS] = {
+        dot( surface, touches[0].normal ), dot( touches[count - 1].motion, touches[count - 1].normal )
+    };
     const bool sticks = f->contact[slot].slides == 0;
     const wisp_vec3 along = spanned( touches, count, products ), none = { 0.0f, 0.0f, 0.0f };
     const wisp_vec3 gone = sticks ? add_scaled( none, f->seconds, surface ) : subtract( now, was );
     const wisp_vec3 speed = sticks ? surface : load( v ), speed_before = sticks ? surface : load( v_before );
-    const wisp_vec3 way = add_scaled( across( touches, count, gone ), f->seconds, along );
+    const wisp_vec3 way = add_scaled( foreign( touches, count, gone ), f->seconds, along );
     const wisp_vec3 from = subtract( now, way );
-    const wisp_vec3 to = add_scaled( along, 1.0f, across( touches, count, speed ) );
-    const wisp_vec3 to_before = add_scaled( along, 1.0f, across( touches, count, speed_before ) );
+    const wisp_vec3 to = add_scaled( along, 1.0f, foreign( touches, count, speed ) );
+    const wisp_vec3 to_before = add_scaled( along, 1.0f, foreign( touches, count, speed_before ) );
     memcpy( x_before, &from, sizeof( from ) );
     memcpy( v, &to, sizeof( to ) );
     memcpy( v_before, &to_before, sizeof( to_before ) );

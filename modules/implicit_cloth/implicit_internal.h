@@ -12,7 +12,7 @@
 typedef struct implicit_material
 {
     int32_t axial_damping, full_jacobian, bdf2;
-    int32_t newton_repeats, stiff_repeats, max_iterations, warm_start, look_ahead, wants_figures;
+    int32_t newton_iterations, max_newton_iterations, max_iterations, warm_start, speculative, requests_stats;
     float tolerance;
     float before; ///< s, length of the last substep; 0: none
 } implicit_material;
@@ -32,9 +32,9 @@ typedef struct implicit_links
     wisp_entity entity;
     int row_count; ///< vertices, padded to a multiple of 8
     int slice_count;
-    int stretch_count, bend_count, most_neighbours;
+    int stretch_count, bend_count, max_neighbours;
     int32_t* row_slot; ///< [row_count] slot of the fabric, -1 pads
-    float* share;      ///< [row_count] what part of a vertex's mass its row has: 1 over the weight of its forces
+    float* fraction;   ///< [row_count] what part of a vertex's mass its row has: 1 over the weight of its forces
     float stiffest;    ///< N/m, k or c of the stiffest link
     wisp_spring_links springs;
     size_t bytes;
@@ -47,7 +47,7 @@ typedef struct implicit_state
     wisp_component contact;  ///< rows of particles: implicit_contact
     wisp_component change;   ///< rows of particles: the last change of velocity, to start from
     wisp_component history;  ///< rows of particles: the substep before, for BDF2
-    wisp_component figures;  ///< wisp_implicit_cloth_figures
+    wisp_component stats;    ///< wisp_implicit_cloth_stats
     implicit_links** links;  ///< [link_count] one a surface
     int link_count, link_capacity;
 } implicit_state;
@@ -55,9 +55,10 @@ typedef struct implicit_state
 /// Contacts of a particle from substep to substep.
 typedef struct implicit_contact
 {
-    int32_t body[WISP_TOUCHES];  ///< that holds it or that it landed on; 0: none
-    float pressed[WISP_TOUCHES]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
-    float rubbed;                ///< kg m/s, impulse across
+    int32_t body[WISP_MAX_PARTICLE_CONTACTS]; ///< that holds it or that it landed on; 0: none
+    float
+        pressed[WISP_MAX_PARTICLE_CONTACTS]; ///< kg m/s, impulse along the normal of the last solve, below 0: a pull
+    float rubbed;                            ///< kg m/s, impulse across
     int32_t slides, landed;
 } implicit_contact;
 
@@ -68,34 +69,34 @@ typedef struct implicit_system
     const implicit_material* material;
     const wisp_kernels* kernels;
     const wisp_parallel* parallel;
-    wisp_spring_job spring;
-    wisp_conjugate_job conjugate;
-    int grain, block_count;           ///< blocks of slices, the same for any number of workers
-    double* sums;                     ///< [block_count]
-    float ( *wanted )[3][WISP_SLICE]; ///< [slice] kg m/s, the right side that the last solve began with
-    int limit;                        ///< iterations of a solve
-    bool guessed;                     ///< conjugate.direction is not zero
-    double floor;                     ///< kg m^2/s^2, residual that is rounding
-    float *place, *start;             ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
-    float* goal;                      ///< [row][4] m/s, prescribed velocity of a held row; fourth number 1: held
-    float* rubbing;                   ///< [row][4] kg m/s, impulse of sliding friction
-    float* filter_floats;             ///< the filter of conjugate, to be written
-    uint8_t* filtered;                ///< [slice], as that of conjugate, to be written
+    wisp_spring_args spring;
+    wisp_conjugate_args conjugate;
+    int grain, block_count;              ///< blocks of slices, the same for any number of workers
+    double* sums;                        ///< [block_count]
+    float ( *requested )[3][WISP_SLICE]; ///< [slice] kg m/s, the right side that the last solve began with
+    int limit;                           ///< iterations of a solve
+    bool guessed;                        ///< conjugate.direction is not zero
+    double floor;                        ///< kg m^2/s^2, residual that is rounding
+    float *place, *start;                ///< [row][4] m, x^; m/s, v^: where the substep's velocities act on and begin
+    float* goal;                         ///< [row][4] m/s, prescribed velocity of a held row; fourth number 1: held
+    float* rubbing;                      ///< [row][4] kg m/s, impulse of sliding friction
+    float* filter_floats;                ///< the filter of conjugate, to be written
+    uint8_t* filtered;                   ///< [slice], as that of conjugate, to be written
 } implicit_system;
 
 /// Input of contact, by slot.
-typedef struct implicit_feeler
+typedef struct implicit_contact_input
 {
-    const int32_t* body;                    ///< [slot][WISP_TOUCHES], these four as in particle.touch
-    const float *plane, *motion, *friction; ///< [slot][WISP_TOUCHES][4], [4], [3]
+    const int32_t* body; ///< [slot][WISP_MAX_PARTICLE_CONTACTS], these four as in particle.contacts
+    const float *plane, *motion, *friction; ///< [slot][WISP_MAX_PARTICLE_CONTACTS][4], [4], [3]
     implicit_contact* contact;              ///< [slot]
     const float *position, *velocity;       ///< [slot][4] when the substep begins
     const float* target;                    ///< [slot][4] of pins; null: they stay
     float seconds;                          ///< h, of the substep
     float hysteresis;                       ///< m/s: pull per mass that does not release
-    float target_share;                     ///< of the way to a target, in this substep
-    bool look_ahead;
-} implicit_feeler;
+    float target_fraction;                  ///< of the way to a target, in this substep
+    bool speculative;
+} implicit_contact_input;
 
 /// Outcome of a solve.
 typedef struct implicit_outcome
@@ -130,12 +131,12 @@ implicit_outcome implicit_solve( implicit_system* system );
 // ---- implicit_contact.c ----
 
 /// Set filter, goal and friction of a row for this substep. Needs its place and start.
-void implicit_touch_row( const implicit_system* system, const implicit_feeler* feeler, int row,
+void implicit_touch_row( const implicit_system* system, const implicit_contact_input* contact_input, int row,
                          implicit_tally* tally );
 /// Store the contact impulse of a row, which the last solve left.
-void implicit_press_row( const implicit_system* system, const implicit_feeler* feeler, int row );
+void implicit_press_row( const implicit_system* system, const implicit_contact_input* contact_input, int row );
 /// BDF2: set the history of a slot in contact. All are [3] and may change; x and v are new.
-void implicit_settle_row( const implicit_feeler* feeler, int slot, float* x, float* v, float* x_before,
+void implicit_settle_row( const implicit_contact_input* contact_input, int slot, float* x, float* v, float* x_before,
                           float* v_before );
 
 // ---- passes ----

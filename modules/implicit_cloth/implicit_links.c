@@ -92,7 +92,7 @@ static size_t place_entries( const row_cook* r, const int32_t* row_slot, int sli
 // The arrays behind wisp_spring_links, to be written.
 typedef struct entry_arrays
 {
-    int32_t ( *other4 )[WISP_SLICE];
+    int32_t ( *other_x4 )[WISP_SLICE];
     float ( *rest )[WISP_SLICE], ( *load )[WISP_SLICE], ( *ramp )[WISP_SLICE], ( *damping )[WISP_SLICE];
 } entry_arrays;
 
@@ -102,7 +102,7 @@ static void write_end( row_cook* r, const int32_t* begin, const entry_arrays* ou
     const int32_t row = r->slot_row[own];
     const int32_t entry = begin[2 * ( row / WISP_SLICE ) + list] + r->filled[2 * (size_t)row + (size_t)list]++;
     const int lane = row % WISP_SLICE;
-    out->other4[entry][lane] = 4 * r->slot_row[other];
+    out->other_x4[entry][lane] = 4 * r->slot_row[other];
     out->rest[entry][lane] = pair->rest;
     out->load[entry][lane] = pair->load;
     out->ramp[entry][lane] = pair->ramp;
@@ -117,7 +117,7 @@ static void write_entries( row_cook* r, const int32_t* begin, int slice_count, c
         {
             for ( int lane = 0; lane < WISP_SLICE; ++lane )
             {
-                out->other4[entry][lane] = 4 * ( slice * WISP_SLICE + lane );
+                out->other_x4[entry][lane] = 4 * ( slice * WISP_SLICE + lane );
             }
         }
     }
@@ -176,7 +176,7 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
     }
     memset( memory, 0, bytes );
     const entry_arrays out = {
-        .other4 = ( int32_t( * )[WISP_SLICE] )(void*)( memory + at[0] ),
+        .other_x4 = ( int32_t( * )[WISP_SLICE] )(void*)( memory + at[0] ),
         .rest = ( float( * )[WISP_SLICE] )(void*)( memory + at[1] ),
         .load = ( float( * )[WISP_SLICE] )(void*)( memory + at[2] ),
         .ramp = ( float( * )[WISP_SLICE] )(void*)( memory + at[3] ),
@@ -188,22 +188,22 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
         .slice_count = row_count / WISP_SLICE,
         .stretch_count = cook->stretch_count,
         .bend_count = cook->bend_count,
-        .most_neighbours = cook->most_neighbours,
+        .max_neighbours = cook->max_neighbours,
         .stiffest = stiffest_of( cook ),
         .row_slot = (int32_t*)(void*)( memory + slot_at ),
-        .share = (float*)(void*)( memory + share_at ),
+        .fraction = (float*)(void*)( memory + share_at ),
         .bytes = bytes,
     };
     memcpy( memory + slot_at, row_slot, (size_t)row_count * sizeof( int32_t ) );
     memcpy( memory + begin_at, begin, ( 2 * slices + 1 ) * sizeof( int32_t ) );
     for ( int row = 0; row < row_count; ++row )
     {
-        links->share[row] = row_slot[row] >= 0 ? implicit_mass_share( cook, def, row_slot[row] ) : 1.0f;
+        links->fraction[row] = row_slot[row] >= 0 ? implicit_mass_fraction( cook, def, row_slot[row] ) : 1.0f;
     }
     write_entries( r, begin, links->slice_count, &out );
     links->springs = ( wisp_spring_links ){
         .begin = (const int32_t*)(void*)( memory + begin_at ),
-        .other4 = (const int32_t( * )[WISP_SLICE])out.other4,
+        .other_x4 = (const int32_t( * )[WISP_SLICE])out.other_x4,
         .rest = (const float( * )[WISP_SLICE])out.rest,
         .load = (const float( * )[WISP_SLICE])out.load,
         .ramp = (const float( * )[WISP_SLICE])out.ramp,

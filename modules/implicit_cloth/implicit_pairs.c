@@ -242,20 +242,20 @@ static void count_neighbours( implicit_cook* cook )
     }
     for ( int slot = 0; slot < cook->fabric->vertex_count; ++slot )
     {
-        cook->most_neighbours =
-            cook->neighbours[slot] > cook->most_neighbours ? cook->neighbours[slot] : cook->most_neighbours;
+        cook->max_neighbours =
+            cook->neighbours[slot] > cook->max_neighbours ? cook->neighbours[slot] : cook->max_neighbours;
     }
 }
 
 static float weight_of( const implicit_cook* cook, int32_t slot )
 {
     const int32_t n = cook->neighbours[slot];
-    return n > 0 ? (float)cook->most_neighbours / (float)n : 1.0f;
+    return n > 0 ? (float)cook->max_neighbours / (float)n : 1.0f;
 }
 
 static void set_coefficients( const implicit_cook* cook, const wisp_implicit_cloth_def* d )
 {
-    const bool sheet = d->stiffness == WISP_IMPLICIT_STIFFNESS_SHEET;
+    const bool sheet = d->stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL;
     const float compression = d->compression_stiffness > 0.0f ? d->compression_stiffness : d->stretch_stiffness;
     for ( int list = 0; list < 2; ++list )
     {
@@ -265,14 +265,14 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
         {
             implicit_pair* p = pairs + i;
             const float inverse = 1.0f / p->rest;
-            const float share = sheet ? p->area * inverse * inverse : 1.0f;
+            const float fraction = sheet ? p->area * inverse * inverse : 1.0f;
             const float arc = sheet ? 8.0f / 9.0f * d->bend_rigidity * p->area * inverse : d->bend_stiffness;
             const float both = d->weights == WISP_IMPLICIT_WEIGHTS_PAIR
                                    ? 0.5f * ( weight_of( cook, p->a ) + weight_of( cook, p->b ) )
                                    : 1.0f;
-            p->load = both * ( bends ? arc * inverse * inverse : share * d->stretch_stiffness );
-            p->ramp = bends ? both * share * compression : 0.0f;
-            p->damping = both * share * d->damping;
+            p->load = both * ( bends ? arc * inverse * inverse : fraction * d->stretch_stiffness );
+            p->ramp = bends ? both * fraction * compression : 0.0f;
+            p->damping = both * fraction * d->damping;
         }
     }
 }
@@ -313,7 +313,7 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
     return status;
 }
 
-float implicit_mass_share( const implicit_cook* cook, const wisp_implicit_cloth_def* d, int32_t slot )
+float implicit_mass_fraction( const implicit_cook* cook, const wisp_implicit_cloth_def* d, int32_t slot )
 {
     return d->weights == WISP_IMPLICIT_WEIGHTS_EFFECTIVE ? 1.0f / weight_of( cook, slot ) : 1.0f;
 }

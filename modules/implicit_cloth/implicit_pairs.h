@@ -20,7 +20,7 @@ typedef struct implicit_cook
     implicit_pair *stretch, *bend; ///< sorted
     int stretch_count, bend_count;
     int32_t* neighbours; ///< [vertex_count] |N| by slot
-    int most_neighbours;
+    int max_neighbours;
     void* blocks[16];
     size_t bytes[16];
     int block_count;
@@ -33,4 +33,4 @@ void implicit_cook_release( implicit_cook* cook );
 /// Fill in pairs, neighbours and coefficients, or refuse with a message.
 wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_def* def );
 /// Fraction of a vertex's mass in its row: 1 over the weight of its forces, or 1.
-float implicit_mass_share( const implicit_cook* cook, const wisp_implicit_cloth_def* def, int32_t slot );
+float implicit_mass_fraction( const implicit_cook* cook, const wisp_implicit_cloth_def* def, int32_t slot );

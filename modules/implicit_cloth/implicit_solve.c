@@ -5,7 +5,7 @@
 typedef struct slice_loop
 {
     implicit_system* system;
-    float step, share;
+    float step, fraction;
 } slice_loop;
 
 static double add_up( const implicit_system* system )
@@ -37,7 +37,7 @@ static void turn_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const slice_loop* loop = context;
-    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->step, loop->share, begin, end );
+    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->step, loop->fraction, begin, end );
 }
 
 static double product( implicit_system* s )
@@ -53,9 +53,9 @@ static double advance( implicit_system* s, float step )
     return add_up( s );
 }
 
-static void turn( implicit_system* s, float step, float share )
+static void turn( implicit_system* s, float step, float fraction )
 {
-    slice_loop loop = { .system = s, .step = step, .share = share };
+    slice_loop loop = { .system = s, .step = step, .fraction = fraction };
     wisp_parallel_for( s->parallel, s->links->slice_count, s->grain, turn_slices, &loop );
 }
 

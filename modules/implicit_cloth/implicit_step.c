@@ -15,7 +15,7 @@ enum
 // k h^2 / m of the stiffest link and the mean mass (bench case `stability`).
 static const double RATIO_BDF2 = 512.0;   // beyond, the last substep does not predict this one
 static const double RATIO_STIFF = 1024.0; // beyond, one linear solve may gain energy
-static const double RATIO_MOST = 1e6;     // beyond, floats lose the mass next to the stiffness
+static const double MAX_RATIO = 1e6;      // beyond, floats lose the mass next to the stiffness
 
 // Of a stiff substep, by the same case. REACH: a link this fraction shorter than its rest length still counts as stiff. At 0, slack
 // links are found stretched by the next solve, in turns; at 1, slack cloth hardly moves. SETTLED: the repeats end when a solve
@@ -30,13 +30,13 @@ typedef struct step_columns
     float *position, *velocity;
     float* change;                            // [slot][3] m/s; null: solves start from nothing
     float *before_position, *before_velocity; // [slot][4]; null: Euler
-    int32_t* body;                            // of particle.touch
+    int32_t* body;                            // of particle.contacts
 } step_columns;
 
 typedef struct step
 {
     implicit_system system;
-    implicit_feeler feeler;
+    implicit_contact_input contact_input;
     step_columns columns;
     wisp_vec3 gravity;
     float kept;              // of a velocity, by the surface's damping
@@ -81,7 +81,7 @@ static void gather_row( step* s, int row )
     if ( weight > 0.0f )
     {
         const float fall = system->spring.seconds;
-        place[3] = system->links->share[row] / weight;
+        place[3] = system->links->fraction[row] / weight;
         start[0] = s->kept * start[0] + fall * s->gravity.x;
         start[1] = s->kept * start[1] + fall * s->gravity.y;
         start[2] = s->kept * start[2] + fall * s->gravity.z;
@@ -101,7 +101,7 @@ static void gather_slices( void* context, int begin, int end, int worker )
         for ( int row = slice * WISP_SLICE; row < ( slice + 1 ) * WISP_SLICE; ++row )
         {
             gather_row( s, row );
-            implicit_touch_row( &s->system, &s->feeler, row, tally );
+            implicit_touch_row( &s->system, &s->contact_input, row, tally );
             const float* v = s->system.start + (size_t)row * 4;
             motion += (double)s->system.place[(size_t)row * 4 + 3] *
                       ( (double)v[0] * (double)v[0] + (double)v[1] * (double)v[1] + (double)v[2] * (double)v[2] );
@@ -193,9 +193,9 @@ static void for_slices( step* s, wisp_range_fn* run )
     wisp_parallel_for( s->system.parallel, s->system.links->slice_count, s->system.grain, run, s );
 }
 
-static void move( step* s, double share )
+static void move( step* s, double fraction )
 {
-    s->moved = (float)share;
+    s->moved = (float)fraction;
     for_slices( s, move_slices );
 }
 
@@ -203,7 +203,7 @@ static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
 {
     if ( outcome->unsolved )
     {
-        wisp_frame_count( frame, WISP_COUNT_UNSOLVED, 1 );
+        wisp_frame_count( frame, WISP_COUNT_NOT_CONVERGED, 1 );
     }
     if ( outcome->indefinite )
     {
@@ -294,7 +294,7 @@ static bool is_settled( const step* s, double slope )
 // Shorten the last step; forces at its end are known. @return links without direction, of the last assembly
 static int shorten( step* s, double slope, int undirected )
 {
-    double share = 1.0;
+    double fraction = 1.0;
     for ( int i = 0; i < SHORTENINGS; ++i )
     {
         const double end = add_slopes( s, s->system.spring.rhs, true );
@@ -302,9 +302,9 @@ static int shorten( step* s, double slope, int undirected )
         {
             break;
         }
-        const double nearer = share * slope / ( slope - end );
-        move( s, nearer - share );
-        share = nearer;
+        const double nearer = fraction * slope / ( slope - end );
+        move( s, nearer - fraction );
+        fraction = nearer;
         undirected = assemble( s, true );
     }
     return undirected;
@@ -315,9 +315,9 @@ static implicit_tally solve( wisp_frame* frame, step* s )
     s->system.floor = find_floor( s );
     implicit_tally total = { 0 };
     int undirected = 0;
-    const int asked = s->system.material->newton_repeats;
-    const int stiff = s->system.material->stiff_repeats, most = s->stiff && asked < stiff ? stiff : asked;
-    const int least = s->stiff && asked < 2 ? 2 : asked; // the first one also moves pins to their targets
+    const int queried = s->system.material->newton_iterations;
+    const int stiff = s->system.material->max_newton_iterations, most = s->stiff && queried < stiff ? stiff : queried;
+    const int least = s->stiff && queried < 2 ? 2 : queried; // the first one also moves pins to their targets
     double slope = 0.0;
     for ( int k = 0; k < least || ( k < most && is_settled( s, slope ) == false ); ++k )
     {
@@ -334,18 +334,18 @@ static implicit_tally solve( wisp_frame* frame, step* s )
         }
         if ( s->stiff )
         {
-            memcpy( s->system.wanted, s->system.conjugate.residual,
-                    (size_t)s->system.links->slice_count * sizeof( s->system.wanted[0] ) );
+            memcpy( s->system.requested, s->system.conjugate.residual,
+                    (size_t)s->system.links->slice_count * sizeof( s->system.requested[0] ) );
         }
         const implicit_outcome outcome = implicit_solve( &s->system );
         count_outcome( frame, &outcome );
-        slope = s->stiff ? add_slopes( s, s->system.wanted, false ) : 0.0;
+        slope = s->stiff ? add_slopes( s, s->system.requested, false ) : 0.0;
         move( s, 1.0 );
         total.iterations += outcome.iterations;
         total.residual = outcome.residual;
         total.repeats += 1;
     }
-    wisp_frame_count( frame, WISP_COUNT_UNDIRECTED, (uint64_t)undirected );
+    wisp_frame_count( frame, WISP_COUNT_DEGENERATE_LINK, (uint64_t)undirected );
     return total;
 }
 
@@ -362,7 +362,7 @@ static void scatter_row( step* s, int row )
     const step_columns* c = &s->columns;
     const size_t quad = (size_t)slot * 4;
     float *x = c->position + quad, *v = c->velocity + quad;
-    implicit_press_row( system, &s->feeler, row );
+    implicit_press_row( system, &s->contact_input, row );
     if ( c->before_position != NULL )
     {
         memcpy( c->before_position + quad, x, 4 * sizeof( float ) );
@@ -377,14 +377,14 @@ static void scatter_row( step* s, int row )
             c->change[(size_t)slot * 3 + (size_t)k] = v[k] - system->start[(size_t)row * 4 + (size_t)k];
         }
         // contacts are valid for this substep only
-        c->body[(size_t)slot * WISP_TOUCHES + (size_t)( k % WISP_TOUCHES )] = 0;
+        c->body[(size_t)slot * WISP_MAX_PARTICLE_CONTACTS + (size_t)( k % WISP_MAX_PARTICLE_CONTACTS )] = 0;
     }
     if ( c->before_position != NULL )
     {
-        implicit_settle_row( &s->feeler, slot, x, v, c->before_position + quad, c->before_velocity + quad );
+        implicit_settle_row( &s->contact_input, slot, x, v, c->before_position + quad, c->before_velocity + quad );
     }
-    const float* target = s->feeler.target != NULL ? s->feeler.target + quad : NULL;
-    if ( x[3] == 0.0f && target != NULL && target[3] != 0.0f && s->feeler.target_share >= 1.0f )
+    const float* target = s->contact_input.target != NULL ? s->contact_input.target + quad : NULL;
+    if ( x[3] == 0.0f && target != NULL && target[3] != 0.0f && s->contact_input.target_fraction >= 1.0f )
     {
         memcpy( x, target, 3 * sizeof( float ) ); // to the last bit
     }
@@ -442,7 +442,7 @@ static double mean_mass( const implicit_links* links, const float* position )
         const float weight = slot >= 0 ? position[(size_t)slot * 4 + 3] : 0.0f;
         if ( weight > 0.0f )
         {
-            mass += (double)( links->share[row] / weight );
+            mass += (double)( links->fraction[row] / weight );
             count += 1;
         }
     }
@@ -455,19 +455,19 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
 {
     const implicit_material* m = s->system.material;
     const implicit_links* links = s->system.links;
-    const float h = wisp_frame_seconds( frame );
+    const float h = wisp_frame_dt( frame );
     const double mass = mean_mass( links, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ) );
     const double ratio = (double)links->stiffest * (double)h * (double)h / mass;
-    s->stiff = ratio > RATIO_STIFF && m->stiff_repeats > 1;
+    s->stiff = ratio > RATIO_STIFF && m->max_newton_iterations > 1;
     const bool two = m->bdf2 != 0 && m->before > 0.0f && ratio <= RATIO_BDF2;
     if ( m->bdf2 != 0 && ratio > RATIO_BDF2 )
     {
         wisp_frame_count( frame, WISP_COUNT_FIRST_ORDER, 1 );
     }
-    if ( ratio > RATIO_MOST )
+    if ( ratio > MAX_RATIO )
     {
-        s->system.spring.stiffest = (float)( RATIO_MOST / ratio * (double)links->stiffest );
-        wisp_frame_count( frame, WISP_COUNT_LOWERED, 1 );
+        s->system.spring.stiffest = (float)( MAX_RATIO / ratio * (double)links->stiffest );
+        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     const float w = two ? h / m->before : 0.0f;
     s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
@@ -492,15 +492,15 @@ static void lay_out( step* s, arena* a )
 {
     implicit_system* y = &s->system;
     const size_t rows = (size_t)y->links->row_count, slices = (size_t)y->links->slice_count;
-    const size_t entries = (size_t)y->links->springs.begin[2 * slices], quads = rows * 4 * sizeof( float );
+    const size_t entries = (size_t)y->links->springs.begin[2 * slices], xyzw = rows * 4 * sizeof( float );
     const size_t blocks = (size_t)y->block_count;
-    y->place = take( a, quads );
-    y->start = take( a, quads );
-    y->goal = take( a, quads );
-    y->rubbing = take( a, quads );
-    s->point = take( a, quads );
-    s->velocity = take( a, quads );
-    y->conjugate.direction = take( a, quads );
+    y->place = take( a, xyzw );
+    y->start = take( a, xyzw );
+    y->goal = take( a, xyzw );
+    y->rubbing = take( a, xyzw );
+    s->point = take( a, xyzw );
+    s->velocity = take( a, xyzw );
+    y->conjugate.direction = take( a, xyzw );
     y->spring.axis = take( a, entries * sizeof( y->spring.axis[0] ) );
     y->spring.rhs = take( a, slices * sizeof( y->spring.rhs[0] ) );
     y->spring.inverse = take( a, slices * sizeof( y->spring.inverse[0] ) );
@@ -508,7 +508,7 @@ static void lay_out( step* s, arena* a )
     y->conjugate.product = take( a, slices * sizeof( y->conjugate.product[0] ) );
     y->conjugate.solution = take( a, slices * sizeof( y->conjugate.solution[0] ) );
     y->conjugate.search = take( a, slices * sizeof( y->conjugate.search[0] ) );
-    y->wanted = take( a, s->stiff ? slices * sizeof( y->wanted[0] ) : 0 );
+    y->requested = take( a, s->stiff ? slices * sizeof( y->requested[0] ) : 0 );
     y->filtered = take( a, slices );
     y->sums = take( a, blocks * sizeof( double ) );
     s->tallies = take( a, blocks * sizeof( implicit_tally ) );
@@ -551,27 +551,27 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .change = wisp_frame_column( frame, e, state->change, 0 ),
         .before_position = wisp_frame_column( frame, e, state->history, 0 ),
         .before_velocity = wisp_frame_column( frame, e, state->history, 1 ),
-        .body = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 0 ),
+        .body = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 0 ),
     };
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
     const float* damping = wisp_frame_column( frame, e, WISP_PARTICLE_DAMPING, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
     s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.seconds ) : 1.0f;
-    const float h = wisp_frame_seconds( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
+    const float h = wisp_frame_dt( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
     const float HYSTERESIS = 1e-4f; // of the weight: error of a solve at its tolerance
-    s->feeler = ( implicit_feeler ){
+    s->contact_input = ( implicit_contact_input ){
         .body = s->columns.body,
-        .plane = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 1 ),
-        .motion = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 2 ),
-        .friction = wisp_frame_column( frame, e, WISP_PARTICLE_TOUCH, 3 ),
+        .plane = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 1 ),
+        .motion = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 2 ),
+        .friction = wisp_frame_column( frame, e, WISP_PARTICLE_CONTACTS, 3 ),
         .contact = wisp_frame_column( frame, e, state->contact, 0 ),
         .position = s->columns.position,
         .velocity = s->columns.velocity,
         .target = wisp_frame_column( frame, e, WISP_PARTICLE_TARGET, 0 ),
         .seconds = h,
         .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
-        .target_share = 1.0f / (float)( wisp_frame_substeps( frame ) - span->substep ),
-        .look_ahead = m->look_ahead != 0,
+        .target_fraction = 1.0f / (float)( wisp_frame_substeps( frame ) - span->substep ),
+        .speculative = m->speculative != 0,
     };
 }
 
@@ -620,7 +620,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     tally.stiffest = s.system.spring.stiffest;
     for_slices( &s, scatter_slices );
     // after the impulses, because the right side overwrites them
-    tally.newton_residual = material->wants_figures != 0 ? newton_residual( &s ) : 0.0f;
-    material->before = wisp_frame_seconds( frame );
+    tally.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;
+    material->before = wisp_frame_dt( frame );
     *(implicit_tally*)wisp_frame_column( frame, span->entity, state->tally, 0 ) = tally;
 }

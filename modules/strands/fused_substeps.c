@@ -23,13 +23,13 @@ typedef struct parts
 } parts;
 
 // Arguments of kernels for one pair: columns start at its first row.
-typedef struct pair_jobs
+typedef struct pair_args
 {
     int32_t group_row[PAIR + 1];
-    wisp_strand_motion_job motion;
-    wisp_strand_link_job link;
-    wisp_strand_stretch_job stretch;
-} pair_jobs;
+    wisp_strand_motion_args motion;
+    wisp_strand_link_args link;
+    wisp_strand_stretch_args stretch;
+} pair_args;
 
 static parts parts_of( wisp_frame* frame, wisp_entity entity, const strands_state* state )
 {
@@ -78,33 +78,33 @@ static void apply_forces( wisp_frame* frame, const wisp_span* pair, const parts*
 }
 
 // Point the arguments at a pair of groups.
-static void select_pair( pair_jobs* jobs, const pair_jobs* all, const wisp_span* pair )
+static void select_pair( pair_args* batch, const pair_args* all, const wisp_span* pair )
 {
     const int32_t* group_row = all->motion.group_row;
     const int first = group_row[pair->begin];
     const size_t vector = strands_vector( first, 0 ), scalar = strands_scalar( first, 0 );
     for ( int g = pair->begin; g <= pair->end; ++g )
     {
-        jobs->group_row[g - pair->begin] = group_row[g] - first;
+        batch->group_row[g - pair->begin] = group_row[g] - first;
     }
-    jobs->motion.position = jobs->link.position = jobs->stretch.position = all->motion.position + vector;
-    jobs->motion.velocity = all->motion.velocity + vector;
-    jobs->motion.weight = jobs->link.weight = jobs->stretch.weight = all->motion.weight + scalar;
-    jobs->motion.root = all->motion.root + strands_vector( pair->begin, 0 );
-    jobs->stretch.velocity = jobs->motion.velocity;
-    jobs->stretch.length = all->stretch.length + scalar;
-    if ( all->motion.share != NULL )
+    batch->motion.position = batch->link.position = batch->stretch.position = all->motion.position + vector;
+    batch->motion.velocity = all->motion.velocity + vector;
+    batch->motion.weight = batch->link.weight = batch->stretch.weight = all->motion.weight + scalar;
+    batch->motion.root = all->motion.root + strands_vector( pair->begin, 0 );
+    batch->stretch.velocity = batch->motion.velocity;
+    batch->stretch.length = all->stretch.length + scalar;
+    if ( all->motion.fraction != NULL )
     {
-        jobs->motion.share = all->motion.share + strands_scalar( pair->begin, 0 );
+        batch->motion.fraction = all->motion.fraction + strands_scalar( pair->begin, 0 );
     }
     if ( all->link.rest != NULL )
     {
-        jobs->link.rest = all->link.rest + scalar;
+        batch->link.rest = all->link.rest + scalar;
     }
 }
 
 // Forces need velocities before them. Without forces the next prediction computes the velocities.
-static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const parts* has, pair_jobs* jobs,
+static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const parts* has, pair_args* batch,
                       float* tension, strands_state* state )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
@@ -115,29 +115,29 @@ static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const 
     {
         move_roots( frame, &pair, has, state );
         apply_forces( frame, &pair, has, state );
-        ( is_velocity_pending ? kernels->strand_advance : kernels->strand_predict )( &jobs->motion, 0, groups );
+        ( is_velocity_pending ? kernels->strand_advance : kernels->strand_predict )( &batch->motion, 0, groups );
         if ( has->has_links )
         {
-            kernels->strand_link( &jobs->link, 0, groups );
+            kernels->strand_link( &batch->link, 0, groups );
         }
-        jobs->stretch.tension = pair.substep == last ? tension : NULL;
-        strands_count_laid( frame, kernels->strand_stretch( &jobs->stretch, 0, groups ) );
+        batch->stretch.tension = pair.substep == last ? tension : NULL;
+        strands_count_reset( frame, kernels->strand_stretch( &batch->stretch, 0, groups ) );
         is_velocity_pending = has_forces == false && pair.substep + 1 < substep_end;
         if ( is_velocity_pending == false )
         {
-            kernels->strand_velocity( &jobs->motion, 0, groups );
+            kernels->strand_velocity( &batch->motion, 0, groups );
         }
     }
 }
 
 // Check bounds while the columns are in cache; the state check skips what is within bounds.
-static void check_bounds( wisp_frame* frame, const wisp_span* pair, const pair_jobs* jobs, int32_t* in_bounds )
+static void check_bounds( wisp_frame* frame, const wisp_span* pair, const pair_args* batch, int32_t* in_bounds )
 {
-    const wisp_strand_bound_job job = { jobs->motion.position, jobs->motion.velocity, STRANDS_BOUND };
+    const wisp_strand_bound_args args = { batch->motion.position, batch->motion.velocity, STRANDS_BOUND };
     for ( int g = pair->begin; g < pair->end; ++g )
     {
-        const int first = jobs->group_row[g - pair->begin], last = jobs->group_row[g - pair->begin + 1];
-        in_bounds[g] = wisp_frame_kernels( frame )->strand_first_beyond( &job, first, last ) == last ? 1 : 0;
+        const int first = batch->group_row[g - pair->begin], last = batch->group_row[g - pair->begin + 1];
+        in_bounds[g] = wisp_frame_kernels( frame )->strand_first_beyond( &args, first, last ) == last ? 1 : 0;
     }
 }
 
@@ -145,11 +145,11 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
 {
     strands_state* state = user;
     const parts has = parts_of( frame, span->entity, state );
-    pair_jobs all = { .motion = strands_motion_job( frame, span, state ),
-                      .stretch = strands_stretch_job( frame, span, state ) };
+    pair_args all = { .motion = strands_motion_args( frame, span, state ),
+                      .stretch = strands_stretch_args( frame, span, state ) };
     if ( has.has_links )
     {
-        all.link = strands_bend_link_job( frame, span, state );
+        all.link = strands_bend_link_args( frame, span, state );
     }
     all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PREVIOUS_FLOATS );
     if ( all.stretch.scratch == NULL )
@@ -159,19 +159,19 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     const int32_t* group_row = all.motion.group_row;
     float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
     int32_t* in_bounds = wisp_frame_column( frame, span->entity, state->in_bounds, 0 );
-    pair_jobs jobs = all;
-    jobs.motion.group_row = jobs.link.group_row = jobs.stretch.group_row = jobs.group_row;
-    jobs.motion.previous = jobs.stretch.previous =
+    pair_args batch = all;
+    batch.motion.group_row = batch.link.group_row = batch.stretch.group_row = batch.group_row;
+    batch.motion.previous = batch.stretch.previous =
         all.stretch.scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
     for ( wisp_span pair = *span; pair.begin < span->end; pair.begin = pair.end )
     {
         pair.end = pair.begin + PAIR < span->end ? pair.begin + PAIR : span->end;
-        select_pair( &jobs, &all, &pair );
-        run_pair( frame, pair, substep_end, &has, &jobs, tension + strands_scalar( group_row[pair.begin], 0 ),
+        select_pair( &batch, &all, &pair );
+        run_pair( frame, pair, substep_end, &has, &batch, tension + strands_scalar( group_row[pair.begin], 0 ),
                   state );
         if ( substep_end == wisp_frame_substeps( frame ) )
         {
-            check_bounds( frame, &pair, &jobs, in_bounds );
+            check_bounds( frame, &pair, &batch, in_bounds );
         }
     }
 }

@@ -3,4 +3,4 @@
 
 #include "wisp/module/module.h"
 
-wisp_joined_fn strands_substeps;
+wisp_fused_fn strands_substeps;

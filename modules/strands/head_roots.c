@@ -19,23 +19,23 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
     head->jumped = way > settings->teleport ? 1 : 0;
-    head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_rigid ) ) == 0 ? 1 : 0;
+    head->is_still = memcmp( &head->from, &head->to, sizeof( wisp_transform ) ) == 0 ? 1 : 0;
 }
 
-wisp_rigid strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
+wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, int substeps )
 {
     // a head that stands still keeps its pose exactly in every substep
     const bool is_still = head->jumped != 0 || head->is_still != 0;
-    return wisp_rigid_between( is_still ? head->to : head->from, head->to,
-                               is_still ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
+    return wisp_transform_interpolate( is_still ? head->to : head->from, head->to,
+                                       is_still ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
 }
 
 static void turn_vertex( float* position, float* velocity, int row, int lane, wisp_vec3 from, wisp_vec3 to,
                          wisp_quat turn )
 {
     const wisp_vec3 arm = strands_sub( strands_get( position, row, lane ), from );
-    strands_put( position, row, lane, strands_add( to, wisp_quat_turn( turn, arm ) ) );
-    strands_put( velocity, row, lane, wisp_quat_turn( turn, strands_get( velocity, row, lane ) ) );
+    strands_put( position, row, lane, strands_add( to, wisp_quat_rotate( turn, arm ) ) );
+    strands_put( velocity, row, lane, wisp_quat_rotate( turn, strands_get( velocity, row, lane ) ) );
 }
 
 void strands_turn( wisp_frame* frame, wisp_entity entity, int group, int lane, wisp_vec3 from, wisp_vec3 to,
@@ -96,11 +96,11 @@ typedef struct pose_rows
     float x[4], y[4], z[4]; // rotation, then translation
 } pose_rows;
 
-static pose_rows rows_of_pose( wisp_rigid pose )
+static pose_rows rows_of_pose( wisp_transform pose )
 {
-    const wisp_vec3 a = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
-    const wisp_vec3 b = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    const wisp_vec3 c = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+    const wisp_vec3 a = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    const wisp_vec3 b = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_vec3 c = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
     const wisp_vec3 t = pose.translation;
     return ( pose_rows ){ { a.x, b.x, c.x, t.x }, { a.y, b.y, c.y, t.y }, { a.z, b.z, c.z, t.z } };
 }
@@ -134,7 +134,7 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
-    const wisp_rigid pose = strands_head_pose( frame, head, span->substep + 1 );
+    const wisp_transform pose = strands_head_pose( frame, head, span->substep + 1 );
     const pose_rows rows = rows_of_pose( pose );
     for ( int g = span->begin; g < span->end; ++g )
     {
@@ -158,12 +158,12 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     (void)user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
-    const float* weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 );
+    const float* weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 );
     const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     const float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
-    const float inverse_dt = 1.0f / wisp_frame_seconds( frame );
+    const float inverse_dt = 1.0f / wisp_frame_dt( frame );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
@@ -175,7 +175,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
             }
             const wisp_vec3 arm = strands_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
             const wisp_vec3 to = strands_add( strands_get( root, group, lane ),
-                                              wisp_quat_turn( strands_get_quat( rotation, group, lane ), arm ) );
+                                              wisp_quat_rotate( strands_get_quat( rotation, group, lane ), arm ) );
             const wisp_vec3 way = strands_sub( to, strands_get( position, row, lane ) );
             strands_put( velocity, row, lane,
                          ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
@@ -184,7 +184,7 @@ void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
+static wisp_status check_pose( wisp_world* world, wisp_transform pose )
 {
     const wisp_vec3 p = pose.translation;
     const wisp_quat q = pose.rotation;
@@ -203,7 +203,7 @@ static wisp_status check_pose( wisp_world* world, wisp_rigid pose )
     return WISP_OK;
 }
 
-wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_rigid pose )
+wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_transform pose )
 {
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
@@ -218,6 +218,6 @@ wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_
         return wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u is rooted in a surface, not in a head",
                                 strands.index );
     }
-    head->target = wisp_rigid_make( pose.rotation, pose.translation );
+    head->target = wisp_transform_make( pose.rotation, pose.translation );
     return WISP_OK;
 }

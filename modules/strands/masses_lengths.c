@@ -6,9 +6,9 @@
 #include "strand_rows.h"
 
 // Least length of a segment, as a fraction of the strand's mean: without a length it had no direction.
-static const float LEAST_SEGMENT = 1e-3f;
+static const float MIN_SEGMENT = 1e-3f;
 // Least mass of a vertex, as a fraction of the strand's mean.
-static const float LEAST_MASS = 1e-6f;
+static const float MIN_MASS = 1e-6f;
 
 // ---- lengths and masses ----
 
@@ -30,7 +30,7 @@ static double length_at_rest( const float* rest, int row, int count, int lane )
 static void cook_lengths( const float* rest, float* length, int row, int count, int lane )
 {
     const double whole = length_at_rest( rest, row, count, lane );
-    const float least = count > 1 ? LEAST_SEGMENT * (float)( whole / ( count - 1 ) ) : 0.0f;
+    const float least = count > 1 ? MIN_SEGMENT * (float)( whole / ( count - 1 ) ) : 0.0f;
     for ( int i = 0; i + 1 < count; ++i )
     {
         length[strands_scalar( row + i, lane )] = fmaxf( segment_at_rest( rest, row + i, lane ), least );
@@ -58,7 +58,7 @@ static void cook_weights( const wisp_strand_dynamics_def* def, const float* rest
                           int row, int count, int lane )
 {
     const double whole = length_at_rest( rest, row, count, lane );
-    const double least = (double)LEAST_MASS * (double)def->line_density * whole / ( count > 0 ? count : 1 );
+    const double least = (double)MIN_MASS * (double)def->line_density * whole / ( count > 0 ? count : 1 );
     weight[strands_scalar( row, lane )] = 0.0f;
     for ( int i = 1; i < count; ++i )
     {
@@ -119,7 +119,7 @@ int strands_cook_masses( wisp_world* world, wisp_entity strands, const wisp_stra
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
-    float* weight = wisp_world_column( world, strands, WISP_STRAND_WEIGHT, 0 );
+    float* weight = wisp_world_column( world, strands, WISP_STRAND_INVERSE_MASS, 0 );
     float* length = wisp_world_column( world, strands, WISP_STRAND_LENGTH, 0 );
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {

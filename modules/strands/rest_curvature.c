@@ -22,7 +22,7 @@
 // m/s with the tension solved in each substep. Now they drift by 0.02 mm in 2 s at 2, 4, 8 and 16 substeps
 // (tests/modules/test_strands_curls.c). The price: such a strand falls and swings as under that fraction of gravity
 // (this helix 0.5 at 16 substeps, 0.13 at 8, 0.03 at 4), and in another pose of the head it is as soft as its
-// stiffness over that fraction. WISP_COUNT_LIGHTENED counts it. `rest: shape` feels all of its weight, and sags.
+// stiffness over that fraction. WISP_COUNT_GRAVITY_SCALED counts it. `rest: shape` feels all of its weight, and sags.
 #include "rest_curvature.h"
 
 #include "rod_factors.h"
@@ -137,10 +137,10 @@ static balance step( const strand_shape* shape, int s, wisp_vec3 gravity, balanc
     const double along = l * dot( t, z );
     balance out = { .mass = mass };
     out.tension = along > 0.0 ? dot( free, z ) / along : 0.0;
-    const vec across = sub( free, scale( t, l * out.tension ) );
-    out.twist = ( behind.twist - 0.5 * behind.load - 0.5 * dot( bend, cross( z, across ) ) ) /
+    const vec foreign = sub( free, scale( t, l * out.tension ) );
+    out.twist = ( behind.twist - 0.5 * behind.load - 0.5 * dot( bend, cross( z, foreign ) ) ) /
                 ( 1.0 - 0.25 * dot( bend, cross( z, binormal ) ) );
-    out.moment = sub( across, scale( binormal, 0.5 * out.twist ) );
+    out.moment = sub( foreign, scale( binormal, 0.5 * out.twist ) );
     out.load = dot( bend, cross( z, out.moment ) );
     out.pull = scale( binormal, out.twist );
     return out;
@@ -148,7 +148,7 @@ static balance step( const strand_shape* shape, int s, wisp_vec3 gravity, balanc
 
 // ---- into columns ----
 
-typedef struct curve_job
+typedef struct curve_args
 {
     const strands_rows* rows;
     const strands_settings* settings;
@@ -156,33 +156,33 @@ typedef struct curve_job
     const float* clamp;
     float *rest, *rest_twist, *twist_stiffness, *rest_tension;
     double dt;
-} curve_job;
+} curve_args;
 
 // Rotate a vector into the middle frame of two neighbours, the inverse of what the kernel does.
 static wisp_vec3 into_middle( wisp_quat a, wisp_quat b, wisp_vec3 k )
 {
     const float same = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0.0f ? -1.0f : 1.0f;
     const wisp_quat sum = { a.x + same * b.x, a.y + same * b.y, a.z + same * b.z, a.w + same * b.w };
-    const wisp_quat middle = wisp_rigid_make( sum, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
-    return wisp_quat_turn_back( middle, k );
+    const wisp_quat middle = wisp_transform_make( sum, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    return wisp_quat_inverse_rotate( middle, k );
 }
 
-static void put_vertex( const curve_job* job, int row, int lane, wisp_vec3 k, double half_twist,
+static void put_vertex( const curve_args* args, int row, int lane, wisp_vec3 k, double half_twist,
                         double twist_stiffness )
 {
-    strands_put( job->rest, row, lane, k );
-    float* twist = job->rest_twist + (size_t)row * 2 * WISP_LANES + lane;
+    strands_put( args->rest, row, lane, k );
+    float* twist = args->rest_twist + (size_t)row * 2 * WISP_LANES + lane;
     twist[0] = (float)cos( half_twist );
     twist[WISP_LANES] = (float)sin( half_twist );
-    job->twist_stiffness[strands_scalar( row, lane )] = (float)twist_stiffness;
+    args->twist_stiffness[strands_scalar( row, lane )] = (float)twist_stiffness;
 }
 
 // Return GJ / L_i, lowered in the same ratio as EI / L_i.
-static double twist_stiffness_of( const curve_job* job, const strand_shape* shape, int s )
+static double twist_stiffness_of( const curve_args* args, const strand_shape* shape, int s )
 {
-    const double bend = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
-    const double rigidity = (double)job->settings->bend_rigidity;
-    return rigidity > 0.0 ? bend * (double)job->settings->twist_rigidity / rigidity : 0.0;
+    const double bend = (double)args->stiffness[strands_scalar( shape->row + s, shape->lane )];
+    const double rigidity = (double)args->settings->bend_rigidity;
+    return rigidity > 0.0 ? bend * (double)args->settings->twist_rigidity / rigidity : 0.0;
 }
 
 // How far a moment bends or twists a vertex with its lowered stiffness, and the most that the rest shape may
@@ -202,112 +202,113 @@ static compensation compensation_of( const strand_shape* shape, int s, double mo
 }
 
 // Bound a tension: one that moves a vertex by more than the length of its segment in a substep oscillates.
-static double tension_of( const curve_job* job, const strand_shape* shape, int s, double tension )
+static double tension_of( const curve_args* args, const strand_shape* shape, int s, double tension )
 {
     const size_t at = strands_scalar( shape->row + s, shape->lane );
-    const double w = fmax( (double)job->rows->weight[at], (double)job->rows->weight[at + WISP_LANES] );
-    const double most = w > 0.0 ? (double)job->rows->length[at] / ( w * job->dt * job->dt ) : 0.0;
+    const double w = fmax( (double)args->rows->weight[at], (double)args->rows->weight[at + WISP_LANES] );
+    const double most = w > 0.0 ? (double)args->rows->length[at] / ( w * args->dt * args->dt ) : 0.0;
     return fmax( -most, fmin( most, tension ) );
 }
 
-static compensation bend_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
+static compensation bend_of( const curve_args* args, const strand_shape* shape, int s, const balance* now )
 {
-    const double stiffness = (double)job->stiffness[strands_scalar( shape->row + s, shape->lane )];
+    const double stiffness = (double)args->stiffness[strands_scalar( shape->row + s, shape->lane )];
     return compensation_of( shape, s, sqrt( dot( now->moment, now->moment ) ), stiffness,
-                            (double)job->settings->bend_rigidity );
+                            (double)args->settings->bend_rigidity );
 }
 
-static compensation twist_of( const curve_job* job, const strand_shape* shape, int s, const balance* now )
+static compensation twist_of( const curve_args* args, const strand_shape* shape, int s, const balance* now )
 {
-    return compensation_of( shape, s, fabs( now->twist ), twist_stiffness_of( job, shape, s ),
-                            (double)job->settings->twist_rigidity );
+    return compensation_of( shape, s, fabs( now->twist ), twist_stiffness_of( args, shape, s ),
+                            (double)args->settings->twist_rigidity );
 }
 
 // Return the fraction of a moment that the rest shape holds. The factor allows for rounding of the stiffness.
-static double share_of( compensation h )
+static double fraction_of( compensation h )
 {
     return h.needed > 1.001 * h.most ? h.most / h.needed : 1.0;
 }
 
 // Return the fraction of its weight that the strand can hold in this shape. All terms of the recursion are in
 // proportion to gravity. Only curls need less than 1.
-static double share_of_weight( const curve_job* job, const strand_shape* shape )
+static double fraction_of_weight( const curve_args* args, const strand_shape* shape )
 {
     balance now = { .mass = 0.0 };
-    double share = 1.0;
+    double fraction = 1.0;
     for ( int s = shape->count - 2; s >= 0; --s )
     {
-        now = step( shape, s, job->settings->gravity, now );
+        now = step( shape, s, args->settings->gravity, now );
         const double turn = strands_sharpest_turn( shape->rows, shape->row, s, shape->count, shape->lane );
         if ( strands_is_curl( turn ) )
         {
-            share = fmin( share, share_of( bend_of( job, shape, s, &now ) ) );
-            share = fmin( share, share_of( twist_of( job, shape, s, &now ) ) );
+            fraction = fmin( fraction, fraction_of( bend_of( args, shape, s, &now ) ) );
+            fraction = fmin( fraction, fraction_of( twist_of( args, shape, s, &now ) ) );
         }
     }
-    return share;
+    return fraction;
 }
 
 // Compute k_i (in the world) and the rest twist of each vertex. Frames are laid without twist, so the rest twist
 // alone gives T.
-static void curve_vertices( const curve_job* job, const strand_shape* shape, double share )
+static void curve_vertices( const curve_args* args, const strand_shape* shape, double fraction )
 {
-    const bool balanced = job->settings->rest == WISP_STRAND_REST_BALANCED;
-    const wisp_vec3 whole = job->settings->gravity;
-    const float part = (float)share;
+    const bool balanced = args->settings->rest == WISP_STRAND_REST_SAG_FREE;
+    const wisp_vec3 whole = args->settings->gravity;
+    const float part = (float)fraction;
     const wisp_vec3 gravity = { part * whole.x, part * whole.y, part * whole.z };
     balance now = { .mass = 0.0 };
     for ( int s = shape->count - 2; s >= 0; --s )
     {
         now = step( shape, s, gravity, now );
-        const double twist_stiffness = twist_stiffness_of( job, shape, s );
+        const double twist_stiffness = twist_stiffness_of( args, shape, s );
         vec k = sub( direction( shape, s ), direction( shape, s - 1 ) );
         double half_twist = 0.0;
-        if ( balanced && job->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
+        if ( balanced && args->stiffness[strands_scalar( shape->row + s, shape->lane )] > 0.0f )
         {
             const double moment = sqrt( dot( now.moment, now.moment ) );
-            const compensation bend = bend_of( job, shape, s, &now ), twist = twist_of( job, shape, s, &now );
+            const compensation bend = bend_of( args, shape, s, &now ), twist = twist_of( args, shape, s, &now );
             k = sub( k, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
             half_twist = -copysign( atan( 0.5 * fmin( twist.needed, twist.most ) ), now.twist );
         }
-        job->rest_tension[strands_scalar( shape->row + s, shape->lane )] =
-            balanced ? (float)tension_of( job, shape, s, now.tension ) : 0.0f;
-        put_vertex( job, shape->row + s, shape->lane, ( wisp_vec3 ){ (float)k.x, (float)k.y, (float)k.z }, half_twist,
-                    twist_stiffness );
+        args->rest_tension[strands_scalar( shape->row + s, shape->lane )] =
+            balanced ? (float)tension_of( args, shape, s, now.tension ) : 0.0f;
+        put_vertex( args, shape->row + s, shape->lane, ( wisp_vec3 ){ (float)k.x, (float)k.y, (float)k.z },
+                    half_twist, twist_stiffness );
     }
 }
 
 // @return the fraction of its weight that the strand feels
-static double curve_strand( const curve_job* job, int group, int row, int count, int lane )
+static double curve_strand( const curve_args* args, int group, int row, int count, int lane )
 {
-    const strand_shape shape = shape_of( job->rows, row, count, lane );
-    const double share = job->settings->rest == WISP_STRAND_REST_BALANCED ? share_of_weight( job, &shape ) : 1.0;
-    curve_vertices( job, &shape, share );
-    wisp_quat before = strands_get_quat( job->clamp, group, lane );
+    const strand_shape shape = shape_of( args->rows, row, count, lane );
+    const double fraction =
+        args->settings->rest == WISP_STRAND_REST_SAG_FREE ? fraction_of_weight( args, &shape ) : 1.0;
+    curve_vertices( args, &shape, fraction );
+    wisp_quat before = strands_get_quat( args->clamp, group, lane );
     for ( int s = 0; s + 1 < count; ++s )
     {
-        const wisp_vec3 e = strands_sub( strands_get( job->rows->rest, row + s + 1, lane ),
-                                         strands_get( job->rows->rest, row + s, lane ) );
+        const wisp_vec3 e = strands_sub( strands_get( args->rows->rest, row + s + 1, lane ),
+                                         strands_get( args->rows->rest, row + s, lane ) );
         const wisp_quat frame = strands_carry_frame( before, e );
-        const wisp_vec3 k = strands_get( job->rest, row + s, lane );
-        strands_put( job->rest, row + s, lane, into_middle( before, frame, k ) );
+        const wisp_vec3 k = strands_get( args->rest, row + s, lane );
+        strands_put( args->rest, row + s, lane, into_middle( before, frame, k ) );
         before = frame;
     }
-    return share;
+    return fraction;
 }
 
 bool strands_balance_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const strands_state* state = user;
     const float* balanced = wisp_frame_column( frame, entity, state->balance, 0 );
-    return wisp_frame_strands( frame, entity )->group_count > 0 && balanced[0] != wisp_frame_seconds( frame );
+    return wisp_frame_strands( frame, entity )->group_count > 0 && balanced[0] != wisp_frame_dt( frame );
 }
 
 void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
-    const curve_job job = {
+    const curve_args args = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
         .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
@@ -316,24 +317,24 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
         .rest_twist = wisp_frame_column( frame, span->entity, state->curve, 2 ),
         .twist_stiffness = wisp_frame_column( frame, span->entity, state->curve, 3 ),
         .rest_tension = wisp_frame_column( frame, span->entity, state->curve, 4 ),
-        .dt = (double)wisp_frame_seconds( frame ),
+        .dt = (double)wisp_frame_dt( frame ),
     };
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
-    float* shares = wisp_frame_column( frame, span->entity, state->balance, 1 );
+    float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );
     uint64_t lightened = 0;
     for ( int g = span->begin; g < span->end; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
             const int count = rows.topology->lane_count[g * WISP_LANES + lane];
-            const double share = curve_strand( &job, g, rows.topology->group_row[g], count, lane );
-            shares[g * WISP_LANES + lane] = (float)share;
-            lightened += share < 1.0 ? 1 : 0;
+            const double fraction = curve_strand( &args, g, rows.topology->group_row[g], count, lane );
+            fractions[g * WISP_LANES + lane] = (float)fraction;
+            lightened += fraction < 1.0 ? 1 : 0;
         }
-        balanced[g] = wisp_frame_seconds( frame );
+        balanced[g] = wisp_frame_dt( frame );
     }
     if ( lightened > 0 )
     {
-        wisp_frame_count( frame, WISP_COUNT_LIGHTENED, lightened );
+        wisp_frame_count( frame, WISP_COUNT_GRAVITY_SCALED, lightened );
     }
 }

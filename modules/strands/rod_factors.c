@@ -28,7 +28,7 @@
 #include <float.h>
 
 // Bound of dt^2 EI / (m l^3), and of the same times the fourth power of the turn at a vertex of a curled rod.
-static const double MOST_STIFFNESS = 6e4, MOST_CURLED = 0.08;
+static const double MAX_STIFFNESS = 6e4, MAX_CURLED = 0.08;
 
 // Return the clamp: the direction of growth is that of the first segment with a length.
 static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
@@ -47,7 +47,7 @@ static wisp_quat clamp_of( const float* rest, int row, int count, int lane )
 // Bound the tension that a substep starts with. A strand that hangs still bears at most its weight, between two pins
 // at most four times that. A body may push more tension into it, which carried into the next substep would throw the
 // strand off the body.
-static void cook_most_tension( const strands_rows* rows, double gravity, int row, int count, int lane, float* most )
+static void cook_max_tension( const strands_rows* rows, double gravity, int row, int count, int lane, float* most )
 {
     double whole = 0.0, behind = 0.0;
     bool is_held = false;
@@ -86,8 +86,8 @@ void strands_cook_rods( wisp_world* world, wisp_entity strands, const strands_st
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES;
         strands_put_quat( clamp, group, lane, clamp_of( rows.rest, t->group_row[group], t->lane_count[i], lane ) );
-        cook_most_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
-                           lane, most );
+        cook_max_tension( &rows, (double)strands_norm( settings->gravity ), t->group_row[group], t->lane_count[i],
+                          lane, most );
         factored[group] = 0.0f;
     }
     // a curled rod starts with the tension of its balance, which is constant
@@ -105,14 +105,14 @@ typedef struct band
     double pivot, first, second; // D(i), L(i, i-1), L(i, i-2)
 } band;
 
-typedef struct factor_job
+typedef struct factor_args
 {
     const strands_rows* rows;
     const strands_settings* settings;
     float *stiffness, *factor;
     double dt;
     bool curled; // with frames
-} factor_job;
+} factor_args;
 
 static double mass_at( const strands_rows* rows, int row, int lane )
 {
@@ -159,89 +159,89 @@ double strands_sharpest_turn( const strands_rows* rows, int row, int i, int coun
 
 bool strands_is_curl( double turn )
 {
-    return turn * turn * turn * turn * MOST_STIFFNESS > MOST_CURLED;
+    return turn * turn * turn * turn * MAX_STIFFNESS > MAX_CURLED;
 }
 
-static double most_stiffness( const factor_job* job, int row, int i, int count, int lane )
+static double max_stiffness( const factor_args* args, int row, int i, int count, int lane )
 {
-    const double turn = job->curled ? strands_sharpest_turn( job->rows, row, i, count, lane ) : 0.0;
-    return fmin( MOST_STIFFNESS, MOST_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
+    const double turn = args->curled ? strands_sharpest_turn( args->rows, row, i, count, lane ) : 0.0;
+    return fmin( MAX_STIFFNESS, MAX_CURLED / fmax( turn * turn * turn * turn, 1e-12 ) );
 }
 
 // Return EI / L_i of a vertex, lowered to what can be solved.
-static double stiffness_of( const factor_job* job, int row, int i, int count, int lane )
+static double stiffness_of( const factor_args* args, int row, int i, int count, int lane )
 {
-    if ( i + 1 >= count || ( i == 0 && job->settings->clamped == 0 ) )
+    if ( i + 1 >= count || ( i == 0 && args->settings->clamped == 0 ) )
     {
         return 0.0;
     }
-    const double behind = length_at_row( job->rows, row + i, lane );
-    const double before = i > 0 ? length_at_row( job->rows, row + i - 1, lane ) : behind;
+    const double behind = length_at_row( args->rows, row + i, lane );
+    const double before = i > 0 ? length_at_row( args->rows, row + i - 1, lane ) : behind;
     double mass = 0.0;
     int masses = 0;
     for ( int k = i > 0 ? i - 1 : 0; k <= i + 1; ++k )
     {
-        const double m = mass_at( job->rows, row + k, lane );
+        const double m = mass_at( args->rows, row + k, lane );
         mass += m;
         masses += m > 0.0 ? 1 : 0;
     }
-    const double step = job->dt * ( job->dt + (double)job->settings->bend_damping );
+    const double step = args->dt * ( args->dt + (double)args->settings->bend_damping );
     const double l = fmin( before, behind ), mean = masses > 0 ? mass / masses : 0.0;
-    const double most = most_stiffness( job, row, i, count, lane ) * mean * l * l * l / step;
-    const double reach = strands_bend_length( job->rows, row, i, lane );
-    return reach > 0.0 ? fmin( (double)job->settings->bend_rigidity, most ) / reach : 0.0;
+    const double most = max_stiffness( args, row, i, count, lane ) * mean * l * l * l / step;
+    const double reach = strands_bend_length( args->rows, row, i, lane );
+    return reach > 0.0 ? fmin( (double)args->settings->bend_rigidity, most ) / reach : 0.0;
 }
 
 // Return the entries (i, i), (i, i-1), (i, i-2) of M + (dt^2 + damping dt) K. Vertex k bends with coefficients c over
 // k-1, k, k+1.
-static band row_of_system( const factor_job* job, int row, int i, int count, int lane )
+static band row_of_system( const factor_args* args, int row, int i, int count, int lane )
 {
-    const double step = job->dt * ( job->dt + (double)job->settings->bend_damping );
-    band out = { mass_at( job->rows, row + i, lane ), 0.0, 0.0 };
+    const double step = args->dt * ( args->dt + (double)args->settings->bend_damping );
+    band out = { mass_at( args->rows, row + i, lane ), 0.0, 0.0 };
     for ( int k = i > 0 ? i - 1 : 0; k <= i + 1 && k + 1 < count; ++k )
     {
-        const double stiffness = step * (double)job->stiffness[strands_scalar( row + k, lane )];
-        const double behind = 1.0 / length_at_row( job->rows, row + k, lane );
-        const double before = k > 0 ? 1.0 / length_at_row( job->rows, row + k - 1, lane ) : 0.0;
+        const double stiffness = step * (double)args->stiffness[strands_scalar( row + k, lane )];
+        const double behind = 1.0 / length_at_row( args->rows, row + k, lane );
+        const double before = k > 0 ? 1.0 / length_at_row( args->rows, row + k - 1, lane ) : 0.0;
         const double c[3] = { before, -( before + behind ), behind }; // of k-1, k, k+1
         const int own = i - k + 1;
         out.pivot += stiffness * c[own] * c[own];
         out.first += own > 0 ? stiffness * c[own] * c[own - 1] : 0.0;
         out.second += own > 1 ? stiffness * c[own] * c[own - 2] : 0.0;
     }
-    const bool pinned_before = i < 1 || mass_at( job->rows, row + i - 1, lane ) == 0.0;
-    const bool pinned_first = i < 2 || mass_at( job->rows, row + i - 2, lane ) == 0.0;
+    const bool pinned_before = i < 1 || mass_at( args->rows, row + i - 1, lane ) == 0.0;
+    const bool pinned_first = i < 2 || mass_at( args->rows, row + i - 2, lane ) == 0.0;
     out.first = pinned_before ? 0.0 : out.first;
     out.second = pinned_first ? 0.0 : out.second;
     return out;
 }
 
-static void put_factor( const factor_job* job, int row, int lane, double inverse, double first, double second )
+static void put_factor( const factor_args* args, int row, int lane, double inverse, double first, double second )
 {
-    strands_put( job->factor, row, lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
+    strands_put( args->factor, row, lane, ( wisp_vec3 ){ (float)inverse, (float)first, (float)second } );
 }
 
-static void factor_strand( const factor_job* job, int row, int count, int lane )
+static void factor_strand( const factor_args* args, int row, int count, int lane )
 {
     for ( int i = 0; i < count; ++i )
     {
-        job->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( job, row, i, count, lane );
+        args->stiffness[strands_scalar( row + i, lane )] = (float)stiffness_of( args, row, i, count, lane );
     }
     band before = { 1.0, 0.0, 0.0 }, first = before;
     for ( int i = 0; i < count; ++i )
     {
-        if ( mass_at( job->rows, row + i, lane ) == 0.0 )
+        if ( mass_at( args->rows, row + i, lane ) == 0.0 )
         {
-            put_factor( job, row + i, lane, 0.0, 0.0, 0.0 );
+            put_factor( args, row + i, lane, 0.0, 0.0, 0.0 );
             first = before;
             before = ( band ){ 1.0, 0.0, 0.0 };
             continue;
         }
-        const band a = row_of_system( job, row, i, count, lane );
+        const band a = row_of_system( args, row, i, count, lane );
         band l = { 0.0, 0.0, a.second / first.pivot };
         l.first = ( a.first - l.second * first.pivot * before.first ) / before.pivot;
         l.pivot = a.pivot - l.first * l.first * before.pivot - l.second * l.second * first.pivot;
-        put_factor( job, row + i, lane, 1.0 / l.pivot, l.first, l.second );
+        put_factor( args, row + i, lane, 1.0 / l.pivot, l.first, l.second );
         first = before;
         before = l;
     }
@@ -251,19 +251,19 @@ bool strands_factor_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const strands_state* state = user;
     const float* factored = wisp_frame_column( frame, entity, state->clamp, 1 );
-    return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_seconds( frame );
+    return wisp_frame_strands( frame, entity )->group_count > 0 && factored[0] != wisp_frame_dt( frame );
 }
 
 void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_rows rows = strands_rows_in( frame, span->entity );
-    const factor_job job = {
+    const factor_args args = {
         .rows = &rows,
         .settings = wisp_frame_column( frame, span->entity, state->settings, 0 ),
         .stiffness = wisp_frame_column( frame, span->entity, state->rod, 1 ),
         .factor = wisp_frame_column( frame, span->entity, state->rod, 2 ),
-        .dt = (double)wisp_frame_seconds( frame ),
+        .dt = (double)wisp_frame_dt( frame ),
         .curled = wisp_frame_has( frame, span->entity, state->curve ),
     };
     float* factored = wisp_frame_column( frame, span->entity, state->clamp, 1 );
@@ -271,9 +271,9 @@ void strands_factor( wisp_frame* frame, const wisp_span* span, void* user )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            factor_strand( &job, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
+            factor_strand( &args, rows.topology->group_row[g], rows.topology->lane_count[g * WISP_LANES + lane],
                            lane );
         }
-        factored[g] = wisp_frame_seconds( frame );
+        factored[g] = wisp_frame_dt( frame );
     }
 }

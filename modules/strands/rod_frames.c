@@ -37,7 +37,7 @@ wisp_quat strands_rotation_to( wisp_vec3 d )
         return length == 0.0 ? ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f } : ( wisp_quat ){ 1.0f, 0.0f, 0.0f, 0.0f };
     }
     const wisp_quat q = { -d.y, d.x, 0.0f, (float)( length + (double)d.z ) };
-    return wisp_rigid_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    return wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
@@ -46,8 +46,8 @@ wisp_quat strands_carry_frame( wisp_quat q, wisp_vec3 e )
     {
         return q;
     }
-    const wisp_quat carried = strands_quat_multiply( q, strands_rotation_to( wisp_quat_turn_back( q, e ) ) );
-    return wisp_rigid_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    const wisp_quat carried = strands_quat_multiply( q, strands_rotation_to( wisp_quat_inverse_rotate( q, e ) ) );
+    return wisp_transform_make( carried, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
 }
 
 void strands_lay_group( const wisp_strand_topology* t, const float* position, const float* clamp, const float* root,

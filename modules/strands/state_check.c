@@ -30,13 +30,13 @@ static void check_groups( void* context, int begin, int end, int worker )
 {
     (void)worker;
     check_loop* loop = context;
-    const wisp_strand_bound_job job = { loop->position, loop->velocity, STRANDS_BOUND };
+    const wisp_strand_bound_args args = { loop->position, loop->velocity, STRANDS_BOUND };
     int bad = INT_MAX;
     for ( int g = begin; g < end; ++g )
     {
         const int last = loop->group_row[g + 1];
         const int row =
-            loop->in_bounds[g] != 0 ? last : loop->kernels->strand_first_beyond( &job, loop->group_row[g], last );
+            loop->in_bounds[g] != 0 ? last : loop->kernels->strand_first_beyond( &args, loop->group_row[g], last );
         bad = row < last && row < bad ? row : bad;
         loop->in_bounds[g] = 0; // until the next step is checked
     }
@@ -75,9 +75,9 @@ static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* lo
         lane += 1;
     }
     const wisp_vec3 p = strands_get( loop->position, row, lane );
-    char sentence[300];
+    char message[300];
     snprintf(
-        sentence, sizeof( sentence ),
+        message, sizeof( message ),
         "entity %u: strand %d, vertex %d left its bounds in step %llu at (%g, %g, %g); the entity is put back to "
         "the step before and halted",
         entity.index, t->lane_strand[group * WISP_LANES + lane], row - t->group_row[group],
@@ -85,7 +85,7 @@ static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* lo
     const size_t bytes = strands_vector( t->row_count, 0 ) * sizeof( float );
     memcpy( loop->position, loop->good_position, bytes );
     memcpy( loop->velocity, loop->good_velocity, bytes );
-    wisp_frame_halt( frame, entity, sentence );
+    wisp_frame_halt( frame, entity, message );
 }
 
 void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )

@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-static const uint32_t GRID_DEF_MADE = 0x53544744;
+static const uint32_t GRID_DEF_COOKIE = 0x53544744;
 
 enum
 {
@@ -21,7 +21,7 @@ enum
 typedef struct grid_workspace
 {
     wisp_grid grid;
-    wisp_buffer quads;   // [item][4] x, y, z, 0
+    wisp_buffer xyzw;    // [item][4] x, y, z, 0
     wisp_buffer entries; // [item] index in a column of scalars
     wisp_buffer corners; // grid_corner
 } grid_workspace;
@@ -41,14 +41,14 @@ void strands_grid_workspace_release( void* memory, const wisp_allocator* allocat
 {
     grid_workspace* w = memory;
     wisp_grid_release( &w->grid, allocator );
-    wisp_buffer_release( &w->quads, allocator );
+    wisp_buffer_release( &w->xyzw, allocator );
     wisp_buffer_release( &w->entries, allocator );
     wisp_buffer_release( &w->corners, allocator );
 }
 
 // ---- items: free vertices ----
 
-static int gather_items( const wisp_strand_topology* t, const float* position, const float* weight, float* quads,
+static int gather_items( const wisp_strand_topology* t, const float* position, const float* weight, float* xyzw,
                          int32_t* entries )
 {
     int count = 0;
@@ -61,7 +61,7 @@ static int gather_items( const wisp_strand_topology* t, const float* position, c
             {
                 const wisp_vec3 p = strands_get( position, row, lane );
                 const float quad[4] = { p.x, p.y, p.z, 0.0f };
-                memcpy( quads + (size_t)count * 4, quad, sizeof( quad ) );
+                memcpy( xyzw + (size_t)count * 4, quad, sizeof( quad ) );
                 entries[count++] = (int32_t)at;
             }
         }
@@ -72,7 +72,7 @@ static int gather_items( const wisp_strand_topology* t, const float* position, c
 static bool reserve_items( grid_workspace* w, const wisp_allocator* allocator, int row_count )
 {
     const size_t most = (size_t)row_count * WISP_LANES;
-    return wisp_buffer_reserve( &w->quads, allocator, most * 4 * sizeof( float ) ) &&
+    return wisp_buffer_reserve( &w->xyzw, allocator, most * 4 * sizeof( float ) ) &&
            wisp_buffer_reserve( &w->entries, allocator, most * sizeof( int32_t ) );
 }
 
@@ -110,14 +110,14 @@ static void place_in( const wisp_grid* g, int slot, const int cell[3], double ou
 }
 
 // Return the trilinear weight of a cell's corner. Bit k of the corner is its side along axis k.
-static double share_of( const double place[3], int corner )
+static double fraction_of( const double place[3], int corner )
 {
-    double share = 1.0;
+    double fraction = 1.0;
     for ( int k = 0; k < 3; ++k )
     {
-        share *= ( corner >> k & 1 ) != 0 ? place[k] : 1.0 - place[k];
+        fraction *= ( corner >> k & 1 ) != 0 ? place[k] : 1.0 - place[k];
     }
-    return share;
+    return fraction;
 }
 
 static size_t velocity_at( int32_t entry )
@@ -134,7 +134,7 @@ static void gather_cell( const grid_loop* loop, const int cell[3], int corner, g
         double place[3];
         place_in( g, slot, cell, place );
         const int32_t entry = loop->entries[g->item[slot]];
-        const double mass = share_of( place, corner ) / (double)loop->weight[entry];
+        const double mass = fraction_of( place, corner ) / (double)loop->weight[entry];
         sum->mass += mass;
         for ( int k = 0; k < 3 && loop->velocity != NULL; ++k )
         {
@@ -187,11 +187,11 @@ static grid_sample sample( const grid_loop* loop, const int cell[3], const doubl
     for ( int corner = 0; corner < 8; ++corner )
     {
         const grid_corner* c = corner_of( loop, cell, corner );
-        const double share = share_of( place, corner ), density = c->mass * loop->inverse_volume;
-        out.density += share * density;
+        const double fraction = fraction_of( place, corner ), density = c->mass * loop->inverse_volume;
+        out.density += fraction * density;
         for ( int k = 0; k < 3; ++k )
         {
-            out.velocity[k] += c->mass > 0.0 ? share * c->momentum[k] / c->mass : 0.0;
+            out.velocity[k] += c->mass > 0.0 ? fraction * c->momentum[k] / c->mass : 0.0;
             double slope = ( corner >> k & 1 ) != 0 ? 1.0 : -1.0;
             for ( int other = 1; other < 3; ++other )
             {
@@ -278,10 +278,10 @@ static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, c
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     wisp_status status = reserve_items( w, allocator, t->row_count ) ? WISP_OK : WISP_NO_MEMORY;
     const int count =
-        status == WISP_OK ? gather_items( t, position, loop->weight, w->quads.data, w->entries.data ) : 0;
+        status == WISP_OK ? gather_items( t, position, loop->weight, w->xyzw.data, w->entries.data ) : 0;
     if ( status == WISP_OK && count > 0 )
     {
-        status = wisp_grid_build( &w->grid, parallel, w->quads.data, count, cell, 1 );
+        status = wisp_grid_build( &w->grid, parallel, w->xyzw.data, count, cell, 1 );
     }
     int nodes = 1;
     for ( int k = 0; k < 3; ++k )
@@ -317,9 +317,9 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     strands_grid* settings = wisp_frame_column( frame, span->entity, state->grid, 0 );
     grid_workspace* w = wisp_frame_workspace( frame, state->workspace, span->worker );
-    const float seconds = wisp_frame_seconds( frame ) * (float)wisp_frame_substeps( frame );
+    const float seconds = wisp_frame_dt( frame ) * (float)wisp_frame_substeps( frame );
     grid_loop loop = {
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
+        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
         .friction = 1.0f - powf( 1.0f - settings->friction, 60.0f * seconds ),
         .push = settings->repulsion * seconds,
     };
@@ -344,7 +344,7 @@ void strands_mix( wisp_frame* frame, const wisp_span* span, void* user )
 
 wisp_strand_grid_def wisp_default_strand_grid_def( void )
 {
-    return ( wisp_strand_grid_def ){ .enabled = true, .friction = 0.1f, .made_by_default = GRID_DEF_MADE };
+    return ( wisp_strand_grid_def ){ .enabled = true, .friction = 0.1f, .cookie = GRID_DEF_COOKIE };
 }
 
 static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
@@ -352,7 +352,7 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
     const struct
     {
         const char* name;
-        float value, high;
+        float value, upper;
     } ranges[] = {
         { "cell", d->cell, 1e6f },
         { "friction", d->friction, 1.0f },
@@ -360,10 +360,10 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
     };
     for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
     {
-        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= ranges[i].high ) )
+        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= ranges[i].upper ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "strand grid: %s is %g, it must be 0 to %g",
-                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].high );
+                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].upper );
         }
     }
     return WISP_OK;
@@ -385,7 +385,7 @@ static float cell_for( const strands_rows* rows )
 
 wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const wisp_strand_grid_def* def )
 {
-    WISP_ASSERT( def->made_by_default == GRID_DEF_MADE );
+    WISP_ASSERT( def->cookie == GRID_DEF_COOKIE );
     strands_state* state;
     wisp_status status = strands_find( world, strands, &state );
     status = status == WISP_OK ? check_def( world, def ) : status;

@@ -92,7 +92,7 @@ static inline strands_rows strands_rows_of( wisp_world* world, wisp_entity stran
     return ( strands_rows ){
         .topology = wisp_world_strands( world, strands ),
         .rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 ),
-        .weight = wisp_world_column( world, strands, WISP_STRAND_WEIGHT, 0 ),
+        .weight = wisp_world_column( world, strands, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = wisp_world_column( world, strands, WISP_STRAND_LENGTH, 0 ),
     };
 }
@@ -102,7 +102,7 @@ static inline strands_rows strands_rows_in( wisp_frame* frame, wisp_entity stran
     return ( strands_rows ){
         .topology = wisp_frame_strands( frame, strands ),
         .rest = wisp_frame_column( frame, strands, WISP_STRAND_REST, 0 ),
-        .weight = wisp_frame_column( frame, strands, WISP_STRAND_WEIGHT, 0 ),
+        .weight = wisp_frame_column( frame, strands, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = wisp_frame_column( frame, strands, WISP_STRAND_LENGTH, 0 ),
     };
 }

@@ -29,8 +29,8 @@ typedef enum wisp_strand_bend
 /// Which shape a rod has where nothing acts on it.
 typedef enum wisp_strand_rest
 {
-    WISP_STRAND_REST_BALANCED, ///< such that the given shape is in balance under gravity: nothing sags at the start. What
-                               ///< substeps are too long to hold feels a share of its weight (WISP_COUNT_LIGHTENED)
+    WISP_STRAND_REST_SAG_FREE, ///< such that the given shape is in balance under gravity: nothing sags at the start. What
+    ///< substeps are too long to hold feels a share of its weight (WISP_COUNT_GRAVITY_SCALED)
     WISP_STRAND_REST_SHAPE,    ///< the given shape itself
     WISP_STRAND_REST_STRAIGHT, ///< straight, without twist
     WISP_STRAND_REST_COUNT,
@@ -43,8 +43,8 @@ typedef struct wisp_strand_dynamics_def
     int stretch_passes;          ///< direct: Newton passes an iteration at most, 1 .. 16, default 8: they end early
     float
         stretch_tolerance; ///< direct: of |l/l0 - 1|; a strand that is not within it after the last pass is laid out from
-                           ///< the root and counted (WISP_COUNT_LAID), 1e-6 .. 1, default 1e-2
-    float follow_share; ///< follow: share of its momentum that the leader gets back, 0 .. 1, default 0.9
+                           ///< the root and counted (WISP_COUNT_STRAND_RESET), 1e-6 .. 1, default 1e-2
+    float leader_correction; ///< follow: share of its momentum that the leader gets back, 0 .. 1, default 0.9
 
     wisp_strand_bend bend; ///< default rod
     float bend_rigidity;   ///< rod: EI, N m^2, 0 .. 1e12, default 8e-9 (a hair of 80 um)
@@ -75,14 +75,14 @@ typedef struct wisp_strand_dynamics_def
     float diameter;    ///< m, > 0, of a strand in the air, default 8e-5
     float teleport;    ///< times the longest strand, > 0: a head that goes farther in a step takes its strands along
                        ///< without giving them a velocity; default 5
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_strand_dynamics_def;
 
 WISP_API wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void );
 
 /// Let strands move, or change how they do. They start at rest in the shape they were added with; roots (the first vertex of
 /// each strand) are pinned. Strands of one vertex only follow the head.
-/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0 or a pin is out of range (the sentence names it);
+/// @return WISP_BAD_INPUT a value is out of range, a mass is not above 0 or a pin is out of range (the message names it);
 ///         WISP_CONFLICT the module is not registered, or the entity has no strands; WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands,
                                                const wisp_strand_dynamics_def* def );
@@ -95,7 +95,7 @@ WISP_API wisp_status wisp_set_strand_wind( wisp_world* world, wisp_entity strand
 /// the shorter way. The pose takes the shape that the strands were added with to where it is held; a head starts at the
 /// origin, not turned. Without another call it stands still from then on.
 /// @return WISP_BAD_INPUT the pose is not finite or beyond 1e6 m; WISP_CONFLICT the strands have no dynamics
-WISP_API wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_rigid pose );
+WISP_API wisp_status wisp_move_strand_head( wisp_world* world, wisp_entity strands, wisp_transform pose );
 
 /// Root every strand in the nearest triangle of a surface (triangle and barycentric weights, taken where both are now), whose
 /// motion then carries it: the root stays on the triangle and turns with it. Takes the place of the head.
@@ -115,7 +115,7 @@ typedef struct wisp_strand_grid_def
     float
         repulsion; ///< m/s^2, >= 0: acceleration down the gradient of density where it is twice the density at rest,
                    ///< default 0
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_strand_grid_def;
 
 WISP_API wisp_strand_grid_def wisp_default_strand_grid_def( void );

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-static const uint32_t DYNAMICS_DEF_MADE = 0x5354444e;
+static const uint32_t DYNAMICS_DEF_COOKIE = 0x5354444e;
 
 wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
 {
@@ -17,11 +17,11 @@ wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
         .stretch = WISP_STRAND_STRETCH_DIRECT,
         .stretch_passes = 8,
         .stretch_tolerance = 1e-2f,
-        .follow_share = 0.9f,
+        .leader_correction = 0.9f,
         .bend = WISP_STRAND_BEND_ROD,
         .bend_rigidity = 8e-9f,
         .twist_rigidity = 6e-9f,
-        .rest = WISP_STRAND_REST_BALANCED,
+        .rest = WISP_STRAND_REST_SAG_FREE,
         .clamped = true,
         .solver = WISP_SOLVER_XPBD,
         .stretch_stiffness = 1.0f,
@@ -31,7 +31,7 @@ wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
         .air_density = 1.204f,
         .diameter = 8e-5f,
         .teleport = 5.0f,
-        .made_by_default = DYNAMICS_DEF_MADE,
+        .cookie = DYNAMICS_DEF_COOKIE,
     };
 }
 
@@ -42,12 +42,12 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
     const struct
     {
         const char* name;
-        float value, low, high;
+        float value, lower, upper;
     } ranges[] = {
         { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
         { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
         { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
-        { "follow_share", d->follow_share, 0.0f, 1.0f },
+        { "leader_correction", d->leader_correction, 0.0f, 1.0f },
         { "bend", (float)d->bend, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
         { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
@@ -68,10 +68,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
     };
     for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
     {
-        if ( !( ranges[i].value >= ranges[i].low && ranges[i].value <= ranges[i].high ) )
+        if ( !( ranges[i].value >= ranges[i].lower && ranges[i].value <= ranges[i].upper ) )
         {
             return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s is %g, it must be %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].low, (double)ranges[i].high );
+                                    (double)ranges[i].value, (double)ranges[i].lower, (double)ranges[i].upper );
         }
     }
     return WISP_OK;
@@ -150,11 +150,11 @@ wisp_status strands_find( wisp_world* world, wisp_entity strands, strands_state*
 
 // ---- components ----
 
-typedef struct wanted_component
+typedef struct requested_component
 {
     wisp_component component;
-    bool wanted;
-} wanted_component;
+    bool requested;
+} requested_component;
 
 enum
 {
@@ -180,14 +180,14 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
 }
 
 static void list_components( const strands_state* s, const wisp_strand_dynamics_def* d, bool anchored, bool holds,
-                             wanted_component all[COMPONENT_COUNT] )
+                             requested_component all[COMPONENT_COUNT] )
 {
     const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bend == WISP_STRAND_BEND_ROD;
     const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bend == WISP_STRAND_BEND_LINKS;
     const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT;
-    const wanted_component list[COMPONENT_COUNT] = {
+    const requested_component list[COMPONENT_COUNT] = {
         { WISP_STRAND_VELOCITY, true },
-        { WISP_STRAND_WEIGHT, true },
+        { WISP_STRAND_INVERSE_MASS, true },
         { WISP_STRAND_LENGTH, true },
         { WISP_STRAND_ROOT, true },
         { s->settings, true },
@@ -217,16 +217,16 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
 static wisp_status update_components( wisp_world* world, wisp_entity strands, const strands_state* s,
                                       const wisp_strand_dynamics_def* d )
 {
-    wanted_component all[COMPONENT_COUNT + 1];
+    requested_component all[COMPONENT_COUNT + 1];
     bool came[COMPONENT_COUNT + 1] = { false };
     const float* rest = wisp_world_column( world, strands, WISP_STRAND_REST, 0 );
     list_components( s, d, wisp_world_has( world, strands, s->anchor ),
                      holds_vertices( wisp_world_strands( world, strands ), rest, d ), all );
-    all[COMPONENT_COUNT] = ( wanted_component ){ s->balance, all[COMPONENT_COUNT - 1].wanted };
+    all[COMPONENT_COUNT] = ( requested_component ){ s->balance, all[COMPONENT_COUNT - 1].requested };
     wisp_status status = WISP_OK;
     for ( int i = 0; i <= COMPONENT_COUNT && status == WISP_OK; ++i )
     {
-        if ( all[i].wanted && wisp_world_has( world, strands, all[i].component ) == false )
+        if ( all[i].requested && wisp_world_has( world, strands, all[i].component ) == false )
         {
             status = wisp_world_attach( world, strands, all[i].component );
             came[i] = status == WISP_OK;
@@ -234,7 +234,7 @@ static wisp_status update_components( wisp_world* world, wisp_entity strands, co
     }
     for ( int i = 0; i <= COMPONENT_COUNT; ++i )
     {
-        if ( status == WISP_OK ? all[i].wanted == false : came[i] )
+        if ( status == WISP_OK ? all[i].requested == false : came[i] )
         {
             (void)wisp_world_detach( world, strands, all[i].component ); // frees memory, so it cannot fail
         }
@@ -269,7 +269,7 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     strands_direct* direct = wisp_world_column( world, strands, s->direct, 0 );
     strands_link* links = wisp_world_column( world, strands, s->links, 0 );
     strands_link* bend_links = wisp_world_column( world, strands, s->bend_links, 0 );
-    float* share = wisp_world_column( world, strands, s->follow, 0 );
+    float* fraction = wisp_world_column( world, strands, s->follow, 0 );
     const int32_t xpbd = d->solver == WISP_SOLVER_XPBD ? 1 : 0;
     if ( damping != NULL )
     {
@@ -291,9 +291,9 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     {
         *bend_links = ( strands_link ){ xpbd, d->bend_stiffness, d->bend_compliance };
     }
-    if ( share != NULL )
+    if ( fraction != NULL )
     {
-        *share = d->follow_share;
+        *fraction = d->leader_correction;
     }
 }
 
@@ -306,7 +306,7 @@ static void set_rest_shape( wisp_world* world, wisp_entity strands, const strand
     float* root = wisp_world_column( world, strands, WISP_STRAND_ROOT, 0 );
     float* rotation = wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 );
     strands_head* head = wisp_world_column( world, strands, s->head, 0 );
-    const wisp_rigid origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    const wisp_transform origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     memcpy( wisp_world_column( world, strands, WISP_STRAND_POSITION, 0 ), rest, bytes );
     memcpy( wisp_world_column( world, strands, s->good, 0 ), rest, bytes );
     *head = ( strands_head ){ .from = origin, .to = origin, .target = origin };
@@ -363,7 +363,7 @@ static void cook( wisp_world* world, wisp_entity strands, const strands_state* s
 
 wisp_status wisp_set_strand_dynamics( wisp_world* world, wisp_entity strands, const wisp_strand_dynamics_def* def )
 {
-    WISP_ASSERT( def->made_by_default == DYNAMICS_DEF_MADE );
+    WISP_ASSERT( def->cookie == DYNAMICS_DEF_COOKIE );
     strands_state* s;
     wisp_status status = find_strands( world, strands, &s );
     status = status == WISP_OK ? check_ranges( world, def ) : status;

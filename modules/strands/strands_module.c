@@ -35,7 +35,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .name = "strands.head",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->settings, s->head },
+            .required = { s->settings, s->head },
             .reads = { s->settings, s->head },
             .writes = { s->head },
             .run = strands_move_head,
@@ -44,8 +44,8 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .name = "strands.factor",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings, s->rod, s->clamp },
-            .reads = { s->settings, s->clamp, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH },
+            .required = { s->settings, s->rod, s->clamp },
+            .reads = { s->settings, s->clamp, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->rod, s->clamp },
             .run = strands_factor,
             .is_due = strands_factor_is_due,
@@ -54,9 +54,9 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .name = "strands.rest",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings, s->curve, s->balance },
-            .reads = { s->settings, s->rod, s->clamp, s->curve, s->balance, WISP_STRAND_REST, WISP_STRAND_WEIGHT,
-                       WISP_STRAND_LENGTH },
+            .required = { s->settings, s->curve, s->balance },
+            .reads = { s->settings, s->rod, s->clamp, s->curve, s->balance, WISP_STRAND_REST,
+                       WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->curve, s->balance },
             .run = strands_balance_rest,
             .is_due = strands_balance_is_due,
@@ -65,8 +65,9 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .name = "strands.grid",
             .stage = WISP_STAGE_INPUT,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->grid },
-            .reads = { s->grid, WISP_STRAND_REST, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .required = { s->grid },
+            .reads = { s->grid, WISP_STRAND_REST, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY,
+                       WISP_STRAND_INVERSE_MASS },
             .writes = { s->grid, WISP_STRAND_VELOCITY },
             .run = strands_mix,
         },
@@ -83,7 +84,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.jump",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->head },
+            .required = { s->head },
             .reads = { s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_jump,
@@ -92,7 +93,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.jump_frames",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->head, s->curve },
+            .required = { s->head, s->curve },
             .reads = { s->head, s->curve },
             .writes = { s->curve },
             .run = strands_jump_frames,
@@ -101,7 +102,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.roots",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->head },
+            .required = { s->head },
             .reads = { s->head, WISP_STRAND_REST },
             .writes = { WISP_STRAND_ROOT },
             .run = strands_root,
@@ -110,7 +111,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.anchors",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings, s->surface, s->anchor },
+            .required = { s->settings, s->surface, s->anchor },
             .reads = { s->settings, s->surface, s->anchor, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_ROOT, s->anchor, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
@@ -120,7 +121,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.anchor_frames",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->anchor, s->curve },
+            .required = { s->anchor, s->curve },
             .reads = { s->anchor, s->curve },
             .writes = { s->curve },
             .run = strands_anchor_frames,
@@ -129,8 +130,8 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .name = "strands.pins",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->pins },
-            .reads = { s->pins, WISP_STRAND_REST, WISP_STRAND_WEIGHT, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
+            .required = { s->pins },
+            .reads = { s->pins, WISP_STRAND_REST, WISP_STRAND_INVERSE_MASS, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_hold_pins,
@@ -146,8 +147,8 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .name = "strands.damping",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->damping, s->head },
-            .reads = { s->damping, s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .required = { s->damping, s->head },
+            .reads = { s->damping, s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS },
             .writes = { WISP_STRAND_VELOCITY },
             .run = strands_damp,
         },
@@ -155,8 +156,9 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .name = "strands.damping_anchored",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->damping, s->anchor },
-            .reads = { s->damping, WISP_STRAND_ROOT, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT },
+            .required = { s->damping, s->anchor },
+            .reads = { s->damping, WISP_STRAND_ROOT, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY,
+                       WISP_STRAND_INVERSE_MASS },
             .writes = { WISP_STRAND_VELOCITY },
             .run = strands_damp_anchored,
         },
@@ -164,8 +166,9 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .name = "strands.air",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->air },
-            .reads = { s->air, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH },
+            .required = { s->air },
+            .reads = { s->air, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS,
+                       WISP_STRAND_LENGTH },
             .writes = { WISP_STRAND_VELOCITY },
             .run = strands_drag,
         },
@@ -173,8 +176,8 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .name = "strands.predict",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings },
-            .reads = { s->settings, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION,
+            .required = { s->settings },
+            .reads = { s->settings, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
             .run = strands_predict,
@@ -190,15 +193,15 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
         .name = "strands.rod",
         .stage = WISP_STAGE_PREDICT,
         .domain = WISP_DOMAIN_STRAND_GROUP,
-        .needs = { s->settings, s->rod, s->tension, s->straight },
-        .reads = { s->settings, s->rod, s->clamp, s->tension, WISP_STRAND_ROOT, WISP_STRAND_WEIGHT,
+        .required = { s->settings, s->rod, s->tension, s->straight },
+        .reads = { s->settings, s->rod, s->clamp, s->tension, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS,
                    WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
         .writes = { WISP_STRAND_POSITION },
         .run = strands_bend,
     };
     wisp_status status = declare_all( r, s, &rod, 1 );
     rod.name = "strands.rod_curved";
-    rod.needs[3] = s->curve;
+    rod.required[3] = s->curve;
     rod.reads[8] = s->curve;
     rod.reads[9] = s->balance;
     rod.writes[1] = s->curve;
@@ -214,8 +217,8 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .name = "strands.bend_links",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->bend_links, s->bend_link },
-            .reads = { s->bend_links, s->bend_link, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
+            .required = { s->bend_links, s->bend_link },
+            .reads = { s->bend_links, s->bend_link, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
             .writes = { s->bend_link, WISP_STRAND_POSITION },
             .run = strands_bend_link,
         },
@@ -223,8 +226,8 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .name = "strands.links",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->links, s->stretch_link },
-            .reads = { s->links, s->stretch_link, WISP_STRAND_WEIGHT, WISP_STRAND_POSITION },
+            .required = { s->links, s->stretch_link },
+            .reads = { s->links, s->stretch_link, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
             .writes = { s->stretch_link, WISP_STRAND_POSITION },
             .run = strands_link_rows,
         },
@@ -232,8 +235,8 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .name = "strands.follow",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->follow },
-            .reads = { s->follow, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
+            .required = { s->follow },
+            .reads = { s->follow, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
                        WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
             .run = strands_follow,
@@ -242,8 +245,8 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .name = "strands.stretch",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->direct, s->tension },
-            .reads = { s->direct, s->tension, WISP_STRAND_WEIGHT, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
+            .required = { s->direct, s->tension },
+            .reads = { s->direct, s->tension, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
                        WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->tension, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
             .run = strands_stretch,
@@ -252,8 +255,8 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .name = "strands.velocity",
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings },
-            .reads = { WISP_STRAND_WEIGHT, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .required = { s->settings },
+            .reads = { WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_VELOCITY },
             .run = strands_read_velocity,
         },
@@ -264,25 +267,25 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
 // Declare the fused pass. With a rod, other kinds of lengths, contacts or more iterations the passes run one by one.
 static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
 {
-    const wisp_join join = {
+    const wisp_fusion join = {
         .name = "strands.substeps",
-        .needs = { "strands.predict", "strands.stretch", "strands.velocity" },
+        .required = { "strands.predict", "strands.stretch", "strands.velocity" },
         .allows = { "strands.jump", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
                     "strands.damping_anchored", "strands.air", "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
     };
-    return wisp_declare_join( r, &join );
+    return wisp_declare_fusion( r, &join );
 }
 
 static wisp_status declare_guard( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.guard",
+            .name = "strands.state_check",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->good, s->fault, s->in_bounds },
+            .required = { s->good, s->fault, s->in_bounds },
             .reads = { s->good, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .writes = { s->good, s->fault, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_guard,
@@ -291,7 +294,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .name = "strands.mend_tension",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->tension, s->fault },
+            .required = { s->tension, s->fault },
             .reads = { s->fault, s->tension },
             .writes = { s->tension },
             .run = strands_mend_tension,
@@ -301,7 +304,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .name = "strands.mend_frames",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->curve, s->clamp, s->fault },
+            .required = { s->curve, s->clamp, s->fault },
             .reads = { s->fault, s->curve, s->clamp, WISP_STRAND_ROOT, WISP_STRAND_POSITION },
             .writes = { s->curve },
             .run = strands_mend_frames,
@@ -311,24 +314,24 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
     return declare_all( r, s, passes, WISP_COUNT( passes ) );
 }
 
-static wisp_status declare_figures( wisp_registry* r, strands_state* s )
+static wisp_status declare_stats( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
             .name = "strands.quality",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .needs = { s->settings },
-            .reads = { s->settings, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_WEIGHT,
+            .required = { s->settings },
+            .reads = { s->settings, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_INVERSE_MASS,
                        WISP_STRAND_LENGTH },
-            .writes = { WISP_QUALITY },
-            .run = strands_compute_quality,
+            .writes = { WISP_MOTION_STATS },
+            .run = strands_compute_motion_stats,
         },
         {
             .name = "strands.strain",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings },
+            .required = { s->settings },
             .reads = { WISP_STRAND_POSITION, WISP_STRAND_LENGTH },
             .writes = { WISP_POINT_STRAIN },
             .run = strands_scatter_strain,
@@ -337,7 +340,7 @@ static wisp_status declare_figures( wisp_registry* r, strands_state* s )
             .name = "strands.speed",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .needs = { s->settings },
+            .required = { s->settings },
             .reads = { WISP_STRAND_VELOCITY },
             .writes = { WISP_POINT_SPEED },
             .run = strands_scatter_speed,
@@ -376,7 +379,7 @@ static wisp_status declare( wisp_registry* r )
     typedef wisp_status declare_fn( wisp_registry * registry, strands_state * state );
     // the order among equals: in PROJECT lengths come last
     static declare_fn* const ALL[] = { declare_input,   declare_roots,    declare_forces, declare_rods,
-                                       declare_lengths, declare_substeps, declare_guard,  declare_figures };
+                                       declare_lengths, declare_substeps, declare_guard,  declare_stats };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < WISP_COUNT( ALL ) && status == WISP_OK; ++i )
     {

@@ -37,10 +37,10 @@ typedef struct strands_link
 
 typedef struct strands_head
 {
-    wisp_rigid from, to; // at the start and at the end of the step
-    wisp_rigid target;   // at the end of the next one
-    int32_t jumped;      // the strands were teleported: the pose is `to` from the first substep on
-    int32_t is_still;    // it does not move in this step, so roots are in place
+    wisp_transform from, to; // at the start and at the end of the step
+    wisp_transform target;   // at the end of the next one
+    int32_t jumped;          // the strands were teleported: the pose is `to` from the first substep on
+    int32_t is_still;        // it does not move in this step, so roots are in place
 } strands_head;
 
 typedef struct strands_air
@@ -65,7 +65,7 @@ typedef struct strands_grid
 #define STRANDS_FAULT( X ) X( int32_t, fault, 1 ) /* the state check restored the entity in this step */
 #define STRANDS_DIRECT( X ) X( strands_direct, direct, 1 )
 #define STRANDS_LINKS( X ) X( strands_link, link, 1 )
-#define STRANDS_FOLLOW( X ) X( float, share, 1 )
+#define STRANDS_FOLLOW( X ) X( float, fraction, 1 )
 #define STRANDS_BEND_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_TENSION( X ) X( float, tension, 16 ) /* N, of the segment to the next row */
 #define STRANDS_STRETCH_LINK( X )                                                                                    \
@@ -78,7 +78,7 @@ typedef struct strands_grid
     X( float, inverse_length, 16 ) /* 1/m, of the segment to the next row; 0 where there is none */                  \
     X( float, stiffness, 16 )      /* N m, EI / L_i, lowered to what a substep can solve */                          \
     X( float, factor, 48 )         /* 1/pivot, L(i, i-1), L(i, i-2) */                                               \
-    X( float, most_tension, 16 )   /* N, bound of the tension at the start of a substep */
+    X( float, max_tension, 16 )    /* N, bound of the tension at the start of a substep */
 #define STRANDS_CLAMP( X )                                                                                           \
     X( float, clamp, 64 )   /* quaternion [4][16], x y z w: frame at rest, z along the direction of growth */        \
     X( float, factored, 1 ) /* s, the length of substep of the factors; 0: none */
@@ -90,8 +90,8 @@ typedef struct strands_grid
     X( float, rest_tension, 16 )                        /* N, of the segment to the next row, in balance */
 #define STRANDS_STRAIGHT( X ) X( int32_t, straight, 1 ) /* the rod has no frames */
 #define STRANDS_BALANCE( X )                                                                                         \
-    X( float, balanced, 1 ) /* s, the length of substep of the rest curvature; 0: none */                            \
-    X( float, share, 16 )   /* fraction of gravity that a strand feels */
+    X( float, balanced, 1 )  /* s, the length of substep of the rest curvature; 0: none */                           \
+    X( float, fraction, 16 ) /* fraction of gravity that a strand feels */
 #define STRANDS_GOOD( X )                                                                                            \
     X( float, position, 48 ) /* at the end of the last valid step */                                                 \
     X( float, velocity, 48 )

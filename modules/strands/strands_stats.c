@@ -6,7 +6,7 @@
 
 enum
 {
-    QUALITY_BLOCKS = 64, // of groups, each with its own sum
+    MOTION_STATS_BLOCKS = 64, // of groups, each with its own sum
 };
 
 typedef struct strand_sums
@@ -16,14 +16,14 @@ typedef struct strand_sums
     int segments;
 } strand_sums;
 
-typedef struct quality_loop
+typedef struct motion_stats_loop
 {
     const wisp_strand_topology* topology;
     const float *position, *velocity, *weight, *length;
     double origin[3]; // m, against cancellation far from the origin
     int groups;       // per block
-    strand_sums sums[QUALITY_BLOCKS];
-} quality_loop;
+    strand_sums sums[MOTION_STATS_BLOCKS];
+} motion_stats_loop;
 
 static float strain_of( const float* position, const float* length, int row, int lane )
 {
@@ -33,7 +33,7 @@ static float strain_of( const float* position, const float* length, int row, int
     return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
 }
 
-static void add_vertex( const quality_loop* loop, strand_sums* sums, int row, int lane )
+static void add_vertex( const motion_stats_loop* loop, strand_sums* sums, int row, int lane )
 {
     const wisp_vec3 at = strands_get( loop->position, row, lane ), moves = strands_get( loop->velocity, row, lane );
     const double p[3] = { (double)at.x - loop->origin[0], (double)at.y - loop->origin[1],
@@ -57,7 +57,7 @@ static void add_vertex( const quality_loop* loop, strand_sums* sums, int row, in
 static void add_block( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    quality_loop* loop = context;
+    motion_stats_loop* loop = context;
     const wisp_strand_topology* t = loop->topology;
     for ( int block = begin; block < end; ++block )
     {
@@ -82,7 +82,7 @@ static void add_block( void* context, int begin, int end, int worker )
     }
 }
 
-static strand_sums gather( const quality_loop* loop, int blocks )
+static strand_sums gather( const motion_stats_loop* loop, int blocks )
 {
     strand_sums all = { 0 };
     for ( int block = 0; block < blocks; ++block )
@@ -104,9 +104,9 @@ static strand_sums gather( const quality_loop* loop, int blocks )
     return all;
 }
 
-static wisp_quality quality_of( const strand_sums* s, const double origin[3], wisp_vec3 gravity )
+static wisp_motion_stats motion_stats_of( const strand_sums* s, const double origin[3], wisp_vec3 gravity )
 {
-    wisp_quality q = {
+    wisp_motion_stats q = {
         .mass = s->mass,
         .kinetic_energy = s->kinetic,
         .strain_max = s->strain_max,
@@ -130,19 +130,19 @@ static wisp_quality quality_of( const strand_sums* s, const double origin[3], wi
     return q;
 }
 
-void strands_compute_quality( wisp_frame* frame, const wisp_span* span, void* user )
+void strands_compute_motion_stats( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    wisp_quality* out = wisp_frame_column( frame, span->entity, WISP_QUALITY, 0 );
-    quality_loop loop = {
+    wisp_motion_stats* out = wisp_frame_column( frame, span->entity, WISP_MOTION_STATS, 0 );
+    motion_stats_loop loop = {
         .topology = t,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 ),
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_WEIGHT, 0 ),
+        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = wisp_frame_column( frame, span->entity, WISP_STRAND_LENGTH, 0 ),
-        .groups = ( t->group_count + QUALITY_BLOCKS - 1 ) / QUALITY_BLOCKS,
+        .groups = ( t->group_count + MOTION_STATS_BLOCKS - 1 ) / MOTION_STATS_BLOCKS,
     };
     if ( t->group_count > 0 )
     {
@@ -154,7 +154,7 @@ void strands_compute_quality( wisp_frame* frame, const wisp_span* span, void* us
     const int blocks = loop.groups > 0 ? ( t->group_count + loop.groups - 1 ) / loop.groups : 0;
     wisp_parallel_for( wisp_frame_parallel( frame, span ), blocks, 1, add_block, &loop );
     const strand_sums sums = gather( &loop, blocks );
-    *out = quality_of( &sums, loop.origin, settings->gravity );
+    *out = motion_stats_of( &sums, loop.origin, settings->gravity );
 }
 
 void strands_scatter_strain( wisp_frame* frame, const wisp_span* span, void* user )

@@ -3,4 +3,4 @@
 
 #include "strands_state.h"
 
-wisp_pass_fn strands_compute_quality, strands_scatter_strain, strands_scatter_speed;
+wisp_pass_fn strands_compute_motion_stats, strands_scatter_strain, strands_scatter_speed;

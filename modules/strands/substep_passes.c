@@ -51,16 +51,16 @@ float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
 static float keep_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const float* rate = column_of( frame, span, state->damping, 0 );
-    return 1.0f / ( 1.0f + *rate * wisp_frame_seconds( frame ) );
+    return 1.0f / ( 1.0f + *rate * wisp_frame_dt( frame ) );
 }
 
-static wisp_strand_damp_job damp_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static wisp_strand_damp_args damp_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
-    return ( wisp_strand_damp_job ){
+    return ( wisp_strand_damp_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .keep = keep_of( frame, span, state ),
     };
 }
@@ -81,15 +81,15 @@ void strands_damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    const float dt = wisp_frame_seconds( frame );
-    const wisp_rigid a = strands_head_pose( frame, head, span->substep );
-    const wisp_rigid b = strands_head_pose( frame, head, span->substep + 1 );
-    wisp_strand_damp_job job = damp_job( frame, span, state );
-    job.centre = a.translation;
+    const float dt = wisp_frame_dt( frame );
+    const wisp_transform a = strands_head_pose( frame, head, span->substep );
+    const wisp_transform b = strands_head_pose( frame, head, span->substep + 1 );
+    wisp_strand_damp_args args = damp_args( frame, span, state );
+    args.centre = a.translation;
     const wisp_vec3 way = strands_sub( b.translation, a.translation );
-    job.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
-    job.angular = angular_velocity( a.rotation, b.rotation, dt );
-    wisp_frame_kernels( frame )->strand_damp( &job, span->begin, span->end );
+    args.linear = ( wisp_vec3 ){ way.x / dt, way.y / dt, way.z / dt };
+    args.angular = angular_velocity( a.rotation, b.rotation, dt );
+    wisp_frame_kernels( frame )->strand_damp( &args, span->begin, span->end );
 }
 
 // Roots on a surface have no common rigid motion, so each group is damped relative to the mean of its own roots.
@@ -98,7 +98,7 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
     const strands_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* root = column_of( frame, span, WISP_STRAND_ROOT, 0 );
-    wisp_strand_damp_job job = damp_job( frame, span, state );
+    wisp_strand_damp_args args = damp_args( frame, span, state );
     for ( int g = span->begin; g < span->end; ++g )
     {
         wisp_vec3 sum = { 0.0f, 0.0f, 0.0f };
@@ -108,13 +108,13 @@ void strands_damp_anchored( wisp_frame* frame, const wisp_span* span, void* user
             if ( t->lane_count[g * WISP_LANES + lane] > 0 )
             {
                 sum = strands_add( sum, strands_sub( strands_get( root, g, lane ),
-                                                     strands_get( job.position, t->group_row[g], lane ) ) );
+                                                     strands_get( args.position, t->group_row[g], lane ) ) );
                 count += 1;
             }
         }
-        const float scale = 1.0f / ( (float)count * wisp_frame_seconds( frame ) );
-        job.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
-        wisp_frame_kernels( frame )->strand_damp( &job, g, g + 1 );
+        const float scale = 1.0f / ( (float)count * wisp_frame_dt( frame ) );
+        args.linear = ( wisp_vec3 ){ scale * sum.x, scale * sum.y, scale * sum.z };
+        wisp_frame_kernels( frame )->strand_damp( &args, g, g + 1 );
     }
 }
 
@@ -122,85 +122,85 @@ void strands_drag( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     const strands_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
-    const wisp_strand_air_job job = {
+    const wisp_strand_air_args args = {
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .wind = air->wind,
         .drag = air->drag,
-        .dt = wisp_frame_seconds( frame ),
+        .dt = wisp_frame_dt( frame ),
     };
-    wisp_frame_kernels( frame )->strand_air( &job, span->begin, span->end );
+    wisp_frame_kernels( frame )->strand_air( &args, span->begin, span->end );
 }
 
 // ---- prediction ----
 
 // Return the fractions of gravity (rest_curvature.c), or null without rest curvature. The pass runs for both, so it
 // does not declare the component.
-static const float* share_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static const float* fraction_of( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     return wisp_frame_has( frame, span->entity, state->balance ) ? column_of( frame, span, state->balance, 1 ) : NULL;
 }
 
-wisp_strand_motion_job strands_motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    return ( wisp_strand_motion_job ){
+    return ( wisp_strand_motion_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .root = column_of( frame, span, WISP_STRAND_ROOT, 0 ),
         .acceleration = settings->gravity,
-        .share = share_of( frame, span, state ),
-        .dt = wisp_frame_seconds( frame ),
+        .fraction = fraction_of( frame, span, state ),
+        .dt = wisp_frame_dt( frame ),
     };
 }
 
 void strands_predict( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_job job = strands_motion_job( frame, span, user );
-    wisp_frame_kernels( frame )->strand_predict( &job, span->begin, span->end );
+    const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
+    wisp_frame_kernels( frame )->strand_predict( &args, span->begin, span->end );
 }
 
 void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_motion_job job = strands_motion_job( frame, span, user );
-    wisp_frame_kernels( frame )->strand_velocity( &job, span->begin, span->end );
+    const wisp_strand_motion_args args = strands_motion_args( frame, span, user );
+    wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end );
 }
 
-static wisp_strand_rod_job rod_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+static wisp_strand_rod_args rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    return ( wisp_strand_rod_job ){
+    return ( wisp_strand_rod_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .inverse_length = column_of( frame, span, state->rod, 0 ),
         .stiffness = column_of( frame, span, state->rod, 1 ),
         .factor = column_of( frame, span, state->rod, 2 ),
         .tension = column_of( frame, span, state->tension, 0 ),
-        .most_tension = column_of( frame, span, state->rod, 3 ),
+        .max_tension = column_of( frame, span, state->rod, 3 ),
         .root = column_of( frame, span, WISP_STRAND_ROOT, 1 ),
         .clamp = column_of( frame, span, state->clamp, 0 ),
         .damping = settings->bend_damping,
         .acceleration = settings->gravity,
-        .share = share_of( frame, span, state ),
-        .dt = wisp_frame_seconds( frame ),
+        .fraction = fraction_of( frame, span, state ),
+        .dt = wisp_frame_dt( frame ),
         .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
     };
 }
 
 void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_rod_job job = rod_job( frame, span, user );
-    if ( job.scratch != NULL )
+    const wisp_strand_rod_args args = rod_args( frame, span, user );
+    if ( args.scratch != NULL )
     {
-        wisp_frame_kernels( frame )->strand_rod( &job, span->begin, span->end );
+        wisp_frame_kernels( frame )->strand_rod( &args, span->begin, span->end );
     }
 }
 
@@ -217,29 +217,29 @@ void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
     begin_with_rest_tension( frame, span, state );
-    wisp_strand_rod_job job = rod_job( frame, span, user );
-    job.frame = column_of( frame, span, state->curve, 0 );
-    job.rest = column_of( frame, span, state->curve, 1 );
-    job.rest_twist = column_of( frame, span, state->curve, 2 );
-    job.twist_stiffness = column_of( frame, span, state->curve, 3 );
-    if ( job.scratch != NULL )
+    wisp_strand_rod_args args = rod_args( frame, span, user );
+    args.frame = column_of( frame, span, state->curve, 0 );
+    args.rest = column_of( frame, span, state->curve, 1 );
+    args.rest_twist = column_of( frame, span, state->curve, 2 );
+    args.twist_stiffness = column_of( frame, span, state->curve, 3 );
+    if ( args.scratch != NULL )
     {
-        wisp_frame_kernels( frame )->strand_rod( &job, span->begin, span->end );
+        wisp_frame_kernels( frame )->strand_rod( &args, span->begin, span->end );
     }
 }
 
 // ---- lengths ----
 
 // Multipliers accumulate over the iterations; with a single iteration they start at 0 and are not stored.
-static wisp_strand_link_job link_job( wisp_frame* frame, const wisp_span* span, const strands_link* link,
-                                      wisp_component rows, int stride )
+static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span, const strands_link* link,
+                                        wisp_component rows, int stride )
 {
-    const float dt = wisp_frame_seconds( frame );
+    const float dt = wisp_frame_dt( frame );
     const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
-    return ( wisp_strand_link_job ){
+    return ( wisp_strand_link_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .rest = column_of( frame, span, rows, 0 ),
         .lambda = keeps ? column_of( frame, span, rows, 1 ) : NULL,
         .stride = stride,
@@ -249,50 +249,50 @@ static wisp_strand_link_job link_job( wisp_frame* frame, const wisp_span* span, 
     };
 }
 
-wisp_strand_link_job strands_bend_link_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
-    return link_job( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link,
-                     2 );
+    return link_args( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link,
+                      2 );
 }
 
-static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_strand_link_job* job )
+static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_strand_link_args* args )
 {
-    if ( job->lambda != NULL && span->iteration == 0 )
+    if ( args->lambda != NULL && span->iteration == 0 )
     {
-        const size_t begin = strands_scalar( job->group_row[span->begin], 0 );
-        const size_t end = strands_scalar( job->group_row[span->end], 0 );
-        memset( job->lambda + begin, 0, ( end - begin ) * sizeof( float ) );
+        const size_t begin = strands_scalar( args->group_row[span->begin], 0 );
+        const size_t end = strands_scalar( args->group_row[span->end], 0 );
+        memset( args->lambda + begin, 0, ( end - begin ) * sizeof( float ) );
     }
-    wisp_frame_kernels( frame )->strand_link( job, span->begin, span->end );
+    wisp_frame_kernels( frame )->strand_link( args, span->begin, span->end );
 }
 
 void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const wisp_strand_link_job job =
-        link_job( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
-    project_links( frame, span, &job );
+    const wisp_strand_link_args args =
+        link_args( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+    project_links( frame, span, &args );
 }
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_link_job job = strands_bend_link_job( frame, span, user );
-    project_links( frame, span, &job );
+    const wisp_strand_link_args args = strands_bend_link_args( frame, span, user );
+    project_links( frame, span, &args );
 }
 
 void strands_follow( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const float* share = column_of( frame, span, state->follow, 0 );
-    const wisp_strand_follow_job job = {
+    const float* fraction = column_of( frame, span, state->follow, 0 );
+    const wisp_strand_follow_args args = {
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
-        .share = *share,
+        .fraction = *fraction,
     };
-    wisp_frame_kernels( frame )->strand_follow( &job, span->begin, span->end );
+    wisp_frame_kernels( frame )->strand_follow( &args, span->begin, span->end );
 }
 
 // Return where to store tensions. They are read after the last substep; after others only by rods.
@@ -303,38 +303,38 @@ static float* tension_of( wisp_frame* frame, const wisp_span* span, const strand
 }
 
 // A rod has applied tension already, so the solve adds to it.
-wisp_strand_stretch_job strands_stretch_job( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const strands_direct* direct = wisp_frame_column( frame, span->entity, state->direct, 0 );
-    return ( wisp_strand_stretch_job ){
+    return ( wisp_strand_stretch_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
-        .weight = column_of( frame, span, WISP_STRAND_WEIGHT, 0 ),
+        .weight = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .tension = tension_of( frame, span, state, direct->has_rod != 0 ),
         .keeps_tension = direct->has_rod != 0 || span->iteration > 0,
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .passes = direct->passes,
         .tolerance = direct->tolerance,
-        .dt = wisp_frame_seconds( frame ),
+        .dt = wisp_frame_dt( frame ),
         .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
     };
 }
 
-void strands_count_laid( wisp_frame* frame, int laid )
+void strands_count_reset( wisp_frame* frame, int laid )
 {
     if ( laid > 0 )
     {
-        wisp_frame_count( frame, WISP_COUNT_LAID, (uint64_t)laid );
+        wisp_frame_count( frame, WISP_COUNT_STRAND_RESET, (uint64_t)laid );
     }
 }
 
 void strands_stretch( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const wisp_strand_stretch_job job = strands_stretch_job( frame, span, user );
-    if ( job.scratch != NULL )
+    const wisp_strand_stretch_args args = strands_stretch_args( frame, span, user );
+    if ( args.scratch != NULL )
     {
-        strands_count_laid( frame, wisp_frame_kernels( frame )->strand_stretch( &job, span->begin, span->end ) );
+        strands_count_reset( frame, wisp_frame_kernels( frame )->strand_stretch( &args, span->begin, span->end ) );
     }
 }

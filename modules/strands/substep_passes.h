@@ -7,13 +7,13 @@ wisp_pass_fn strands_damp, strands_damp_anchored, strands_drag, strands_predict,
 wisp_pass_fn strands_bend_link, strands_link_rows, strands_follow, strands_stretch, strands_read_velocity;
 
 /// Fill the arguments of kernels with the columns of a span's entity.
-wisp_strand_motion_job strands_motion_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
-wisp_strand_link_job strands_bend_link_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
-wisp_strand_stretch_job strands_stretch_job( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
 
 /// Return scratch memory of a worker: so many floats per row of the longest group, which is the first.
 /// @return null without memory; the step fails with a message
 float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats );
 
 /// Count strands that were reset to their rest lengths.
-void strands_count_laid( wisp_frame* frame, int laid );
+void strands_count_reset( wisp_frame* frame, int laid );

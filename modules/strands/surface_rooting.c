@@ -240,7 +240,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     }
     const bool is_new = wisp_world_has( world, strands, state->anchor ) == false;
     // roots read positions of the surface, so those must be requested
-    status = wisp_want( world, surface, WISP_PARTICLE_POSITION );
+    status = wisp_request( world, surface, WISP_PARTICLE_POSITION );
     status = status == WISP_OK ? attach_anchor( world, strands, state ) : status;
     if ( status == WISP_OK )
     {

@@ -51,7 +51,7 @@ bool strands_triangle_frame( const strands_triangle* t, wisp_quat* out )
     {
         q = ( wisp_quat ){ z.x + x.z, y.z + z.y, 1.0f + z.z - x.x - y.y, x.y - y.x };
     }
-    *out = wisp_rigid_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
+    *out = wisp_transform_make( q, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ).rotation;
     return true;
 }
 
@@ -115,12 +115,12 @@ static void get_weights( const anchor_columns* c, int group, int lane, float wei
     weights[2] = w.z;
 }
 
-static wisp_rigid pose_on( const anchor_columns* c, const strands_triangle* t, int group, int lane )
+static wisp_transform pose_on( const anchor_columns* c, const strands_triangle* t, int group, int lane )
 {
     float weights[3];
     get_weights( c, group, lane, weights );
     wisp_quat frame;
-    wisp_rigid pose = { strands_get_quat( c->rotation, group, lane ), strands_point_of( t, weights ) };
+    wisp_transform pose = { strands_get_quat( c->rotation, group, lane ), strands_point_of( t, weights ) };
     if ( strands_triangle_frame( t, &frame ) )
     {
         pose.rotation = strands_quat_multiply( frame, strands_get_quat( c->turn, group, lane ) );
@@ -148,7 +148,7 @@ static void jump( wisp_frame* frame, const wisp_span* span, const anchor_columns
                   const strands_triangle* now, float teleport )
 {
     const wisp_vec3 root = strands_get( c->root, group, lane );
-    const wisp_rigid end = pose_on( c, now, group, lane );
+    const wisp_transform end = pose_on( c, now, group, lane );
     wisp_quat turn = NO_JUMP;
     if ( strands_norm( strands_sub( end.translation, root ) ) > teleport )
     {
@@ -182,7 +182,7 @@ void strands_anchor( wisp_frame* frame, const wisp_span* span, void* user )
             before = get_corners( c.corner, group, lane );
         }
         const strands_triangle on = between( &before, &now, (float)( span->substep + 1 ) / (float)substeps );
-        const wisp_rigid pose = pose_on( &c, &on, group, lane );
+        const wisp_transform pose = pose_on( &c, &on, group, lane );
         strands_put( c.root, group, lane, pose.translation );
         strands_put_quat( c.rotation, group, lane, pose.rotation );
         if ( span->substep + 1 == substeps )

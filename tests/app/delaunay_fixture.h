@@ -73,14 +73,14 @@ static inline void assert_covers( const fixture_net* n )
 
 typedef struct fixture_edge
 {
-    int32_t low, high, triangle, apex;
+    int32_t lower, upper, triangle, apex;
     bool rises; // runs from low to high
 } fixture_edge;
 
 static inline int fixture_compare_edges( const void* left, const void* right )
 {
     const fixture_edge *a = left, *b = right;
-    return a->low != b->low ? ( a->low < b->low ? -1 : 1 ) : a->high < b->high ? -1 : a->high > b->high;
+    return a->lower != b->lower ? ( a->lower < b->lower ? -1 : 1 ) : a->upper < b->upper ? -1 : a->upper > b->upper;
 }
 
 /// Every edge once each way, but those of the outline, all of which are there, once and its way round. No point across
@@ -112,7 +112,7 @@ static inline void assert_joined_and_delaunay( const fixture_net* n )
         }
         else
         {
-            int32_t from = e->rises ? e->low : e->high, to = e->rises ? e->high : e->low;
+            int32_t from = e->rises ? e->lower : e->upper, to = e->rises ? e->upper : e->lower;
             assert_true( from < n->outline_count && to == ( from + 1 ) % n->outline_count );
             ++border_count;
         }

@@ -83,7 +83,7 @@ static inline void record_sheet( const char* path, float shift )
         .vertex_count = SIDE * SIDE,
         .triangle_count = 2 * ( SIDE - 1 ) * ( SIDE - 1 ),
     };
-    const wisp_recorder_def def = { .bodies = &body, .body_count = 1, .step_seconds = STEP };
+    const wisp_recorder_def def = { .bodies = &body, .body_count = 1, .dt = STEP };
     wisp_error error = { 0 };
     wisp_recorder* recorder;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_OK );

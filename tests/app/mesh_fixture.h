@@ -38,24 +38,24 @@ static inline wisp_mesh fixture_tetrahedron( void )
     return fixture_mesh( fixture_corners, 4, fixture_tetrahedron_faces, 4 );
 }
 
-static inline wisp_mesh fixture_made( const wisp_mesh_recipe* recipe )
+static inline wisp_mesh fixture_made( const wisp_mesh_generator* generator )
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_make( recipe, &mesh, &error ) != WISP_OK )
+    if ( wisp_mesh_generate( generator, &mesh, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return mesh;
 }
 
-static inline wisp_mesh_report fixture_report( const wisp_mesh* mesh )
+static inline wisp_mesh_diagnostics fixture_report( const wisp_mesh* mesh )
 {
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_examine( mesh, &report, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return report;
 }

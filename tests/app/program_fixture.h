@@ -137,7 +137,7 @@ static inline void write_file( const char* path, const char* text )
     fclose( file );
 }
 
-/// The run must have been refused as input: status 2, nothing on standard output, one sentence that names something.
+/// The run must have been refused as input: status 2, nothing on standard output, one message that names something.
 static inline void assert_refused( const char* command, const char* named )
 {
     run( command );
@@ -148,7 +148,7 @@ static inline void assert_refused( const char* command, const char* named )
     }
 }
 
-/// The command line must have been refused: status 64, nothing on standard output, a sentence that names something.
+/// The command line must have been refused: status 64, nothing on standard output, a message that names something.
 static inline void assert_usage( const char* command, const char* named )
 {
     run( command );

@@ -88,7 +88,7 @@ static inline void assert_good( wisp_status status, const wisp_error* error )
 {
     if ( status != WISP_OK )
     {
-        fail_msg( "%s: %s", wisp_status_name( status ), error->sentence );
+        fail_msg( "%s: %s", wisp_status_name( status ), error->message );
     }
 }
 
@@ -113,11 +113,11 @@ static inline void assert_contains( const char* text, const char* words )
     }
 }
 
-static inline void assert_one_sentence( const wisp_error* error, wisp_status status, const char* words )
+static inline void assert_one_message( const wisp_error* error, wisp_status status, const char* words )
 {
     assert_int_equal( error->status, status );
-    assert_null( strchr( error->sentence, '\n' ) );
-    assert_contains( error->sentence, words );
+    assert_null( strchr( error->message, '\n' ) );
+    assert_contains( error->message, words );
 }
 
 // ---- a folder of its own for every test ----

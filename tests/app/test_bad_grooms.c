@@ -1,4 +1,4 @@
-// Every file in tests/bad/groom is refused with a sentence. The folder is walked, so a file dropped there is tested.
+// Every file in tests/bad/groom is refused with a message. The folder is walked, so a file dropped there is tested.
 #define _XOPEN_SOURCE 700
 
 #include <setjmp.h>
@@ -45,16 +45,16 @@ static void demand_refusal( const char* name, wisp_error* error )
         fail_msg( "%s: status is \"%s\" instead of \"bad input\"", name, wisp_status_name( status ) );
     }
     assert_int_equal( error->status, WISP_BAD_INPUT );
-    if ( strstr( error->sentence, name ) == NULL )
+    if ( strstr( error->message, name ) == NULL )
     {
-        fail_msg( "%s: the sentence does not name the file: %s", name, error->sentence );
+        fail_msg( "%s: the sentence does not name the file: %s", name, error->message );
     }
-    assert_null( strchr( error->sentence, '\n' ) );
+    assert_null( strchr( error->message, '\n' ) );
     assert_null( groom.offsets );
     assert_null( groom.points );
 }
 
-static void every_file_of_the_folder_is_refused_with_a_sentence_that_names_it( void** state )
+static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
 {
     (void)state;
     DIR* walk = opendir( folder );
@@ -80,9 +80,9 @@ static void demand_words( const bad_groom* list, size_t count )
     {
         wisp_error error = { .status = WISP_OK };
         demand_refusal( list[i].name, &error );
-        if ( strstr( error.sentence, list[i].words ) == NULL )
+        if ( strstr( error.message, list[i].words ) == NULL )
         {
-            fail_msg( "%s: expected \"%s\" in: %s", list[i].name, list[i].words, error.sentence );
+            fail_msg( "%s: expected \"%s\" in: %s", list[i].name, list[i].words, error.message );
         }
     }
 }
@@ -164,7 +164,7 @@ int main( int argc, char** argv )
 {
     folder = argc > 1 ? argv[1] : folder;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_sentence_that_names_it ),
+        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
         cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),
         cmocka_unit_test( the_committed_files_are_those_that_the_generator_writes ),
         cmocka_unit_test( the_files_they_were_made_from_are_good ),

@@ -1,4 +1,4 @@
-// Every mesh file of bad_meshes.h is refused with the sentence that it was made for, and so is every good one that
+// Every mesh file of bad_meshes.h is refused with the message that it was made for, and so is every good one that
 // was cut or damaged, unless it is still good.
 #include <setjmp.h>
 #include <stdarg.h>
@@ -47,15 +47,15 @@ static void demand_refusal( const bad_mesh* bad )
         fail_msg( "%s: status is \"%s\" instead of \"bad input\"", bad->name, wisp_status_name( status ) );
     }
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    if ( strncmp( error.sentence, bad->name, strlen( bad->name ) ) != 0 )
+    if ( strncmp( error.message, bad->name, strlen( bad->name ) ) != 0 )
     {
-        fail_msg( "%s: the sentence does not name the file: %s", bad->name, error.sentence );
+        fail_msg( "%s: the sentence does not name the file: %s", bad->name, error.message );
     }
-    if ( strstr( error.sentence, bad->words ) == NULL )
+    if ( strstr( error.message, bad->words ) == NULL )
     {
-        fail_msg( "%s: expected \"%s\" in: %s", bad->name, bad->words, error.sentence );
+        fail_msg( "%s: expected \"%s\" in: %s", bad->name, bad->words, error.message );
     }
-    for ( const char* c = error.sentence; *c != 0; ++c )
+    for ( const char* c = error.message; *c != 0; ++c )
     {
         assert_true( (unsigned char)*c >= 0x20 && *c != 0x7f );
     }
@@ -83,7 +83,7 @@ static void the_files_that_are_cut_and_damaged_are_good( void** state )
         const bad_mesh* good = &good_meshes[i];
         if ( read_exactly( good->name, good->bytes, good->size, &mesh, &error ) != WISP_OK )
         {
-            fail_msg( "%s", error.sentence );
+            fail_msg( "%s", error.message );
         }
         wisp_mesh_release( &mesh );
     }
@@ -93,7 +93,7 @@ static void the_files_that_are_cut_and_damaged_are_good( void** state )
 static void demand_answer( const char* name, const char* bytes, size_t size )
 {
     wisp_mesh mesh;
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     wisp_status status = read_exactly( name, bytes, size, &mesh, &error );
     if ( status == WISP_OK )
@@ -103,7 +103,7 @@ static void demand_answer( const char* name, const char* bytes, size_t size )
     else
     {
         assert_int_equal( status, WISP_BAD_INPUT );
-        assert_true( strlen( error.sentence ) > strlen( name ) );
+        assert_true( strlen( error.message ) > strlen( name ) );
         assert_null( mesh.points );
         assert_null( mesh.triangles );
     }
@@ -171,7 +171,7 @@ static void a_face_of_more_corners_than_the_cap_is_refused( void** state )
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * CORNERS, &mesh, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "line 2: expected a face of at most 65536 corners" ) );
+    assert_non_null( strstr( error.message, "line 2: expected a face of at most 65536 corners" ) );
     // one fewer is a fan
     assert_int_equal( read_exactly( "wide.obj", text, 10 + 2 * ( CORNERS - 1 ), &mesh, &error ), WISP_OK );
     assert_int_equal( mesh.triangle_count, WISP_MESH_CORNER_CAP - 2 );

@@ -1,4 +1,4 @@
-// Every file in tests/bad/recording is refused with a sentence, when it is opened or when a frame is read. The folder
+// Every file in tests/bad/recording is refused with a message, when it is opened or when a frame is read. The folder
 // is walked, so a file dropped there is tested.
 #include "record_fixture.h"
 
@@ -59,18 +59,18 @@ static void demand_refusal( const char* name, wisp_error* error )
     {
         fail_msg( "%s: status is \"%s\" instead of \"bad input\"", name, wisp_status_name( status ) );
     }
-    if ( strstr( error->sentence, name ) == NULL )
+    if ( strstr( error->message, name ) == NULL )
     {
-        fail_msg( "%s: the sentence does not name the file: %s", name, error->sentence );
+        fail_msg( "%s: the sentence does not name the file: %s", name, error->message );
     }
-    for ( const char* c = error->sentence; *c != 0; ++c )
+    for ( const char* c = error->message; *c != 0; ++c )
     {
         assert_true( (unsigned char)*c >= 0x20 && *c != 0x7f );
     }
     assert_int_equal( error->status, WISP_BAD_INPUT );
 }
 
-static void every_file_of_the_folder_is_refused_with_a_sentence_that_names_it( void** state )
+static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
 {
     (void)state;
     DIR* walk = opendir( bad_folder );
@@ -96,9 +96,9 @@ static void demand_words( const bad_recording* list, size_t count )
     {
         wisp_error error = { .status = WISP_OK };
         demand_refusal( list[i].name, &error );
-        if ( strstr( error.sentence, list[i].words ) == NULL )
+        if ( strstr( error.message, list[i].words ) == NULL )
         {
-            fail_msg( "%s: expected \"%s\" in: %s", list[i].name, list[i].words, error.sentence );
+            fail_msg( "%s: expected \"%s\" in: %s", list[i].name, list[i].words, error.message );
         }
     }
 }
@@ -191,7 +191,7 @@ int main( int argc, char** argv )
 {
     bad_folder = argc > 1 ? argv[1] : bad_folder;
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_sentence_that_names_it ),
+        cmocka_unit_test( every_file_of_the_folder_is_refused_with_a_message_that_names_it ),
         cmocka_unit_test( every_refusal_gives_the_reason_the_file_was_made_for ),
         cmocka_unit_test( the_committed_files_are_those_that_the_generator_writes ),
         cmocka_unit_test( the_files_they_were_made_from_are_good ),

@@ -1,5 +1,5 @@
-// Every file in tests/bad/scene is refused with exactly the sentence below: place, key and what is wrong. The folder
-// is walked, so that a file dropped there without a sentence fails.
+// Every file in tests/bad/scene is refused with exactly the message below: place, key and what is wrong. The folder
+// is walked, so that a file dropped there without a message fails.
 #define _XOPEN_SOURCE 700
 
 #include <setjmp.h>
@@ -117,7 +117,7 @@ static const bad_scene BAD_SCENES[] = {
     { "colour_bytes.yaml",
       ":5:33: strands[0].appearance.root_colour[0]: got 255, expected a value in [0, 1]" },
     { "comma.yaml",
-      ":2:15: step_seconds: got '0,02', expected a decimal point instead of the comma" },
+      ":2:5: dt: got '0,02', expected a decimal point instead of the comma" },
     { "compute_collision_stats_without_collision.yaml",
       ":6:15: surfaces[0].compute[0]: 'collision_stats' needs the key 'collision'" },
     { "compute_effect_stats_of_cloth.yaml",
@@ -177,7 +177,7 @@ static const bad_scene BAD_SCENES[] = {
     { "entry_is_text.yaml",
       ":2:11: strands[0]: got 'hair', expected a mapping ({} takes the defaults)" },
     { "escape_in_key.yaml",
-      ":2:1: unknown key 'st?[31m?rands', expected one of wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
+      ":2:1: unknown key 'st?[31m?rands', expected one of wisp, dt, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
     { "escape_in_value.yaml",
       ":6:21: strands[0].frozen_hair.clump.gap: got 'abs?olute', expected one of absolute, signed, reversed, none; did you mean 'absolute'?" },
     { "events_does_nothing.yaml",
@@ -310,17 +310,17 @@ static const bad_scene BAD_SCENES[] = {
     { "list_too_short.yaml",
       ":6:36: strands[0].frozen_hair.freeze.stretch_stiffness: got 2 numbers, expected 3, one per strand" },
     { "long_key.yaml",
-      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', expected one of wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
+      ":2:1: unknown key 'radiusradiusradiusradiusradiusradiusradiusra...', expected one of wisp, dt, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
     { "long_number.yaml",
       ":2:8: steps: got '11111111111111111111111111111111111111111111...', expected a whole number" },
     { "max_neighbours.yaml",
       ":6:32: strands[0].frozen_hair.clump.max_neighbours: got 5000, expected a value in [1, 4096]" },
     { "merge_key.yaml",
-      ":2:1: unknown key '<<', expected one of wisp, step_seconds, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
+      ":2:1: unknown key '<<', expected one of wisp, dt, steps, substeps, iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" },
     { "millimetres.yaml",
       ":6:24: strands[0].frozen_hair.clump.radius: got '10 mm', expected a number in m without its unit" },
     { "milliseconds.yaml",
-      ":2:15: step_seconds: got '16ms', expected a number in s without its unit" },
+      ":2:5: dt: got '16ms', expected a number in s without its unit" },
     { "name_empty.yaml",
       ":3:13: strands[0].name: got nothing, expected text" },
     { "name_too_long.yaml",
@@ -444,7 +444,7 @@ static const bad_scene BAD_SCENES[] = {
     { "step_negative.yaml",
       ":6:29: strands[0].frozen_hair.clump.step_length: got -1, expected a value in [0, 1000]" },
     { "step_zero.yaml",
-      ":2:15: step_seconds: got 0, expected a value in [1e-09, 1000000]" },
+      ":2:5: dt: got 0, expected a value in [1e-09, 1000000]" },
     { "steps_negative.yaml",
       ":2:8: steps: got -1, expected a value in [0, 1000000]" },
     { "steps_too_many.yaml",
@@ -582,18 +582,18 @@ static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( 
         if ( status != WISP_BAD_INPUT || error.status != WISP_BAD_INPUT )
         {
             wisp_scene_release( &scene );
-            fail_msg( "%s: status is \"%s\": %s", bad->file, wisp_status_name( status ), error.sentence );
+            fail_msg( "%s: status is \"%s\": %s", bad->file, wisp_status_name( status ), error.message );
         }
         // The folder before the name differs from machine to machine.
-        const char* name = strstr( error.sentence, bad->file );
+        const char* name = strstr( error.message, bad->file );
         assert_non_null( name );
-        assert_string_equal( name + strlen( bad->file ), bad->sentence );
+        assert_string_equal( name + strlen( bad->file ), bad->message );
         assert_null( scene.strands );
         assert_null( scene.blocks );
     }
 }
 
-static void every_file_of_the_folder_has_its_sentence( void** state )
+static void every_file_of_the_folder_has_its_message( void** state )
 {
     (void)state;
     DIR* walk = opendir( FOLDER );
@@ -629,7 +629,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong ),
-        cmocka_unit_test( every_file_of_the_folder_has_its_sentence ),
+        cmocka_unit_test( every_file_of_the_folder_has_its_message ),
         cmocka_unit_test( a_refusal_without_an_error_to_fill_still_has_its_status ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

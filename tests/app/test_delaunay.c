@@ -7,7 +7,7 @@
 
 enum
 {
-    MOST_POINTS = 4000,
+    MAX_POINTS = 4000,
     LAST = DELAUNAY_SIDE - 1,
 };
 
@@ -15,8 +15,8 @@ static const double TAU = 6.28318530717958648;
 
 typedef struct places
 {
-    delaunay_point points[MOST_POINTS];
-    int32_t triangles[6 * MOST_POINTS];
+    delaunay_point points[MAX_POINTS];
+    int32_t triangles[6 * MAX_POINTS];
     int count, outline_count;
 } places;
 
@@ -29,7 +29,7 @@ static void begin( void )
 
 static void put( int32_t x, int32_t y )
 {
-    assert_true( set.count < MOST_POINTS );
+    assert_true( set.count < MAX_POINTS );
     set.points[set.count++] = ( delaunay_point ){ x, y };
 }
 
@@ -48,7 +48,7 @@ static fixture_net filled( void )
     wisp_error error = { .status = WISP_OK };
     if ( fill( &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return ( fixture_net ){ set.points, set.count, set.outline_count, set.triangles,
                             delaunay_triangle_count( set.count, set.outline_count ) };
@@ -63,19 +63,19 @@ static int assert_sound( void )
     return assert_empty_circles( &net );
 }
 
-static void put_square( int32_t low, int32_t high )
+static void put_square( int32_t lower, int32_t upper )
 {
-    put( low, low );
-    put( high, low );
-    put( high, high );
-    put( low, high );
+    put( lower, lower );
+    put( upper, lower );
+    put( upper, upper );
+    put( lower, upper );
     end_outline();
 }
 
-static int32_t draw( uint64_t seed, int i, uint32_t axis, int32_t low, int32_t high )
+static int32_t draw( uint64_t seed, int i, uint32_t axis, int32_t lower, int32_t upper )
 {
     wisp_random_key key = wisp_random_make_key( seed, 0, 0 );
-    return low + (int32_t)( wisp_random_unit( key, (uint32_t)i, axis, 0 ) * ( (double)high - low ) );
+    return lower + (int32_t)( wisp_random_unit( key, (uint32_t)i, axis, 0 ) * ( (double)upper - lower ) );
 }
 
 // ---- what is made ----------------------------------------------------------------------------------------------
@@ -131,7 +131,7 @@ static void a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way( void** 
         }
     }
     assert_int_equal( assert_sound(), 0 );
-    static int32_t first[6 * MOST_POINTS];
+    static int32_t first[6 * MAX_POINTS];
     memcpy( first, set.triangles, sizeof first );
     filled();
     assert_memory_equal( first, set.triangles, sizeof first );
@@ -322,7 +322,7 @@ static void demand_refusal( const char* words )
 {
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( fill( &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, words );
+    assert_contains( error.message, words );
 }
 
 static void points_that_no_outline_makes_are_refused( void** state )
@@ -415,7 +415,7 @@ static void points_that_no_lattice_fits_are_refused( void** state )
         delaunay_point out[2];
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( delaunay_snap( bad[i], 2, out, "set", &error ), WISP_BAD_INPUT );
-        assert_contains( error.sentence, words[i] );
+        assert_contains( error.message, words[i] );
     }
 }
 

@@ -60,7 +60,7 @@ static wisp_groom read_hair_row( const byte_row* row )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_groom_read_hair( row->bytes, row->size, "row.hair", &groom, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return groom;
 }
@@ -146,7 +146,7 @@ static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** st
     wisp_groom_release( &groom );
 }
 
-static void a_sentence_keeps_its_reason_when_the_name_is_very_long( void** state )
+static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state )
 {
     (void)state;
     char name[2000];
@@ -155,7 +155,7 @@ static void a_sentence_keeps_its_reason_when_the_name_is_very_long( void** state
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
     wisp_groom_read_hair( "HAIR", 4, name, &groom, &error );
-    assert_contains( error.sentence, "/last.hair: byte 4: the file ends inside the header" );
+    assert_contains( error.message, "/last.hair: byte 4: the file ends inside the header" );
 }
 
 // ---- writing ---------------------------------------------------------------------------------------------------
@@ -223,7 +223,7 @@ static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** 
     groom = long_strand( 65537 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_write_hair( stdout, &groom, "long.hair", &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence,
+    assert_string_equal( error.message,
                          "long.hair: strand 0 has 65537 vertices; a .hair file holds 1 to 65536 a strand" );
     wisp_groom_release( &groom );
 }
@@ -235,10 +235,10 @@ static void strands_that_a_format_cannot_hold_are_refused_by_number( void** stat
     wisp_groom groom = fixture_groom();
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_write_usda( stdout, &groom, "a.usda", &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "a.usda: strand 1 has 1 vertices; a curve in a .usda file needs at least 2" );
+    assert_contains( error.message, "a.usda: strand 1 has 1 vertices; a curve in a .usda file needs at least 2" );
     groom.offsets = with_empty;
     assert_int_equal( wisp_groom_write_hair( stdout, &groom, "a.hair", &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "a.hair: strand 1 has 0 vertices" );
+    assert_contains( error.message, "a.hair: strand 1 has 0 vertices" );
 }
 
 // ---- text formats, read back by a small parser -----------------------------------------------------------------
@@ -394,7 +394,7 @@ static void assert_check_says( const wisp_groom* groom, const char* words )
 {
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_check( groom, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, words );
+    assert_contains( error.message, words );
 }
 
 // Two strands of two vertices, all arrays, ready to be spoiled.
@@ -422,7 +422,7 @@ static void a_check_accepts_the_limits_themselves( void** state )
     (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
-    small.points[0] = ( wisp_vec3 ){ WISP_GROOM_FARTHEST, -WISP_GROOM_FARTHEST, 0.0f };
+    small.points[0] = ( wisp_vec3 ){ WISP_GROOM_MAX_COORDINATE, -WISP_GROOM_MAX_COORDINATE, 0.0f };
     small.transparency[3] = 1.0f;
     small.colour[1] = ( wisp_vec3 ){ 1.0f, 1.0f, 1.0f };
     assert_int_equal( wisp_groom_check( groom, NULL ), WISP_OK );
@@ -489,7 +489,7 @@ int main( void )
         cmocka_unit_test( a_hand_made_hair_file_gives_its_strands_and_arrays ),
         cmocka_unit_test( default_segments_apply_and_missing_arrays_stay_null ),
         cmocka_unit_test( a_hand_made_tfx_file_gives_positions_thickness_and_colour ),
-        cmocka_unit_test( a_sentence_keeps_its_reason_when_the_name_is_very_long ),
+        cmocka_unit_test( a_message_keeps_its_reason_when_the_name_is_very_long ),
         cmocka_unit_test( a_hair_file_comes_back_bit_for_bit ),
         cmocka_unit_test( the_header_of_a_hair_file_is_what_other_readers_expect ),
         cmocka_unit_test( a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more ),

@@ -113,10 +113,10 @@ static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( v
 static void a_large_groom_on_disk_comes_back_bit_for_bit( void** state )
 {
     // More than the reader's first block of 64 KiB, and the extension in every text format.
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_CURLY, 3 );
-    recipe.strand_count = 500;
+    wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 3 );
+    generator.strand_count = 500;
     wisp_groom groom, again;
-    assert_int_equal( wisp_groom_make( &recipe, &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_generate( &generator, &groom, NULL ), WISP_OK );
     assert_int_equal( wisp_groom_write( path_in( state, "a.hair" ), &groom, NULL ), WISP_OK );
     assert_int_equal( wisp_groom_write( path_in( state, "a.usda" ), &groom, NULL ), WISP_OK );
     assert_int_equal( wisp_groom_write( path_in( state, "a.obj" ), &groom, NULL ), WISP_OK );
@@ -132,9 +132,9 @@ static void a_path_that_cannot_be_read_is_an_error_that_names_it( void** state )
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_read( path_in( state, "none.hair" ), &groom, &error ), WISP_IO_ERROR );
-    assert_contains( error.sentence, "none.hair: cannot open: " );
+    assert_contains( error.message, "none.hair: cannot open: " );
     assert_int_equal( wisp_groom_read( path_in( state, "." ), &groom, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "got a folder" );
+    assert_contains( error.message, "got a folder" );
     wisp_groom_release( &groom );
 }
 
@@ -143,9 +143,9 @@ static void an_unknown_extension_is_refused_before_anything_is_written( void** s
     wisp_groom groom = fixture_groom();
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_write( path_in( state, "a.abc" ), &groom, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "a.abc: expected a file that ends in .hair, .usda or .obj" );
+    assert_contains( error.message, "a.abc: expected a file that ends in .hair, .usda or .obj" );
     assert_int_equal( wisp_groom_write( path_in( state, "none/a.hair" ), &groom, &error ), WISP_IO_ERROR );
-    assert_contains( error.sentence, "none/a.hair: cannot create a file beside it" );
+    assert_contains( error.message, "none/a.hair: cannot create a file beside it" );
     assert_int_equal( count_files( state ), 0 );
 }
 
@@ -163,8 +163,8 @@ static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
         put_file( path, "precious", 8 );
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_groom_write( path, &groom, &error ), WISP_BAD_INPUT );
-        assert_contains( error.sentence, names[i] );
-        assert_contains( error.sentence, "strand 1, vertex 1: x is NaN" );
+        assert_contains( error.message, names[i] );
+        assert_contains( error.message, "strand 1, vertex 1: x is NaN" );
         assert_file_is( path, "precious" );
     }
     assert_int_equal( count_files( state ), 3 );
@@ -172,9 +172,9 @@ static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
 
 static void a_disk_without_room_leaves_the_old_file( void** state )
 {
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_WAVY, 3 );
+    wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 3 );
     wisp_groom groom;
-    assert_int_equal( wisp_groom_make( &recipe, &groom, NULL ), WISP_OK );
+    assert_int_equal( wisp_groom_generate( &generator, &groom, NULL ), WISP_OK );
     char* path = path_in( state, "a.hair" );
     put_file( path, "precious", 8 );
 
@@ -190,7 +190,7 @@ static void a_disk_without_room_leaves_the_old_file( void** state )
     signal( SIGXFSZ, old );
 
     assert_int_equal( status, WISP_IO_ERROR );
-    assert_contains( error.sentence, "a.hair: cannot write" );
+    assert_contains( error.message, "a.hair: cannot write" );
     assert_file_is( path, "precious" );
     assert_int_equal( count_files( state ), 1 );
     wisp_groom_release( &groom );
@@ -209,7 +209,7 @@ static void a_device_is_written_in_place_and_survives_a_failed_write( void** sta
     assert_int_equal( symlink( target, path ), 0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_groom_write( path, &groom, &error ), WISP_IO_ERROR );
-    assert_contains( error.sentence, "full.hair: cannot write: " );
+    assert_contains( error.message, "full.hair: cannot write: " );
     assert_int_equal( stat( target, &info ), 0 );
     assert_true( S_ISCHR( info.st_mode ) );
     assert_int_equal( count_files( state ), 1 );
@@ -316,7 +316,7 @@ static void info_says_which_number_is_out_of_its_range( void** state )
     free( text );
 }
 
-static void info_of_a_malformed_groom_is_one_sentence( void** state )
+static void info_of_a_malformed_groom_is_one_message( void** state )
 {
     (void)state;
     static int offsets[] = { 0, 9 };
@@ -345,7 +345,7 @@ int main( void )
         cmocka_unit_test( info_names_what_is_wrong_by_element ),
         cmocka_unit_test( info_lists_the_first_ten_and_counts_the_rest ),
         cmocka_unit_test( info_says_which_number_is_out_of_its_range ),
-        cmocka_unit_test( info_of_a_malformed_groom_is_one_sentence ),
+        cmocka_unit_test( info_of_a_malformed_groom_is_one_message ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -16,7 +16,7 @@ static wisp_mesh read_obj_text( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return mesh;
 }
@@ -27,7 +27,7 @@ static wisp_mesh read_ply_bytes( const void* bytes, size_t size )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return mesh;
 }
@@ -248,8 +248,8 @@ static void both_formats_bring_every_float_back_bit_for_bit( void** state )
 static void a_sphere_survives_both_formats_one_after_the_other( void** state )
 {
     (void)state;
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_ICOSPHERE );
-    wisp_mesh mesh = fixture_made( &recipe ), once, twice;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
+    wisp_mesh mesh = fixture_made( &generator ), once, twice;
     assert_int_equal( wisp_mesh_write_obj( "sphere.one", &mesh, NULL ), WISP_OK );
     assert_int_equal( rename( "sphere.one", "sphere.OBJ" ), 0 );
     assert_int_equal( wisp_mesh_read( "sphere.OBJ", &once, NULL ), WISP_OK );
@@ -269,9 +269,9 @@ static void a_name_without_a_known_extension_is_refused_both_ways( void** state 
     wisp_mesh mesh = fixture_tetrahedron(), out;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_read( "thing.stl", &out, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "thing.stl: not a mesh" );
+    assert_contains( error.message, "thing.stl: not a mesh" );
     assert_int_equal( wisp_mesh_write( "thing.stl", &mesh, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "thing.stl: expected a file that ends in .obj or .ply" );
+    assert_contains( error.message, "thing.stl: expected a file that ends in .obj or .ply" );
     assert_int_equal( wisp_mesh_read( "no such folder/a.obj", &out, &error ), WISP_IO_ERROR );
     assert_int_equal( wisp_mesh_write( "no such folder/a.ply", &mesh, &error ), WISP_IO_ERROR );
     wisp_mesh_release( &mesh );
@@ -285,11 +285,11 @@ static void a_malformed_mesh_is_not_written_and_the_old_file_stays( void** state
     assert_int_equal( wisp_mesh_write( "old.ply", &mesh, NULL ), WISP_OK );
     mesh.triangles[7] = 4;
     assert_int_equal( wisp_mesh_write( "old.ply", &mesh, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "triangle 2: corner 1: got vertex 4, expected 0 .. 3" );
+    assert_contains( error.message, "triangle 2: corner 1: got vertex 4, expected 0 .. 3" );
     mesh.triangles[7] = fixture_tetrahedron_faces[7];
     mesh.points[1].y = 1.0f / 0.0f;
     assert_int_equal( wisp_mesh_write_obj( "old.ply", &mesh, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "vertex 1: y is infinite" );
+    assert_contains( error.message, "vertex 1: y is infinite" );
     mesh.points[1].y = 0.0f;
     assert_int_equal( wisp_mesh_read( "old.ply", &again, NULL ), WISP_OK );
     assert_same_mesh( &mesh, &again );
@@ -305,14 +305,15 @@ static void the_bunny_is_one_closed_sound_shell( void** state )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
-    wisp_mesh_report report = fixture_report( &mesh );
+    wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_int_equal( report.vertex_count, 1839 );
     assert_int_equal( report.triangle_count, 3674 );
     assert_int_equal( report.edge_count, 3 * 3674 / 2 );
     assert_int_equal( report.euler_characteristic, 2 );
-    int demands = WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_SHELL;
+    int demands =
+        WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT;
     assert_int_equal( wisp_mesh_require( &report, demands, "bunny", &error ), WISP_OK );
     assert_true( report.volume > 0.0 );
     // the first and the last line of each kind, by eye

@@ -7,22 +7,22 @@
 
 // ---- defects ---------------------------------------------------------------------------------------------------
 
-static void a_sound_tetrahedron_has_its_figures_and_no_finding( void** state )
+static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )
 {
     (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.edge_count, 6 );
     assert_int_equal( r.euler_characteristic, 2 );
-    assert_int_equal( r.shell_count, 1 );
-    assert_true( r.closed && r.shells[0].closed && r.shells[0].consistent );
+    assert_int_equal( r.component_count, 1 );
+    assert_true( r.closed && r.components[0].closed && r.components[0].consistent );
     // three right triangles and an equilateral one of side sqrt 2; exact but for the last square root
     assert_true( fabs( r.area - ( 1.5 + sqrt( 3.0 ) / 2.0 ) ) < 1e-15 );
     assert_true( fabs( r.volume - 1.0 / 6.0 ) < 1e-15 );
-    assert_true( r.edge_least == 1.0 && r.edge_most == sqrt( 2.0 ) );
+    assert_true( r.min_edge == 1.0 && r.max_edge == sqrt( 2.0 ) );
     assert_true( fabs( r.edge_mean - ( 1.0 + sqrt( 2.0 ) ) / 2.0 ) < 1e-15 );
     assert_true( r.lowest.x == 0.0f && r.highest.z == 1.0f );
-    int all = WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_SHELL;
+    int all = WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT;
     assert_int_equal( wisp_mesh_require( &r, all, "tetrahedron", NULL ), WISP_OK );
     wisp_mesh_release( &mesh );
 }
@@ -36,7 +36,7 @@ static void volume_and_area_do_not_depend_on_the_distance_from_the_origin( void*
         mesh.points[v].x += 1048576.0f;
         mesh.points[v].y -= 2097152.0f;
     }
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     // powers of two: the shifted floats are exact
     assert_true( fabs( r.volume - 1.0 / 6.0 ) < 1e-15 );
     wisp_mesh_release( &mesh );
@@ -47,16 +47,16 @@ static void a_missing_triangle_leaves_three_border_edges_in_one_loop( void** sta
     (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     mesh.triangle_count = 3;
-    wisp_mesh_report r = fixture_report( &mesh );
-    assert_finding( &r.borders, 3, 1, 2 );
-    assert_int_equal( r.borders.first[2], 2 );
-    assert_int_equal( r.borders.second[2], 3 );
-    assert_int_equal( r.border_loop_count, 1 );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
+    assert_finding( &r.open_edges, 3, 1, 2 );
+    assert_int_equal( r.open_edges.first[2], 2 );
+    assert_int_equal( r.open_edges.second[2], 3 );
+    assert_int_equal( r.open_loop_count, 1 );
     assert_false( r.closed );
     assert_true( r.volume == 0.0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_CLOSED, "hole.obj", &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence, "hole.obj: open edges: 3, the first is edge of vertices 1 and 2" );
+    assert_string_equal( error.message, "hole.obj: open edges: 3, the first is edge of vertices 1 and 2" );
     wisp_mesh_release( &mesh );
 }
 
@@ -73,9 +73,9 @@ static void a_turned_triangle_disagrees_along_its_three_edges( void** state )
     (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     swap_corners( &mesh, 1 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.windings, 3, 0, 1 );
-    assert_true( r.shells[0].closed && !r.shells[0].consistent );
+    assert_true( r.components[0].closed && !r.components[0].consistent );
     assert_int_equal( r.inside_out.count, 0 );
     wisp_mesh_release( &mesh );
 }
@@ -88,7 +88,7 @@ static void a_shell_turned_inside_out_is_named( void** state )
     {
         swap_corners( &mesh, t );
     }
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.inside_out, 1, 0, 0 );
     assert_int_equal( r.windings.count, 0 );
     assert_true( fabs( r.volume + 1.0 / 6.0 ) < 1e-15 );
@@ -101,11 +101,11 @@ static void an_edge_of_three_triangles_is_named( void** state )
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3, 0, 1, 4 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
     wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
     assert_int_equal( r.nonmanifold_vertices.count, 0 );
-    assert_int_equal( r.borders.count, 6 );
-    assert_int_equal( r.shell_count, 1 );
+    assert_int_equal( r.open_edges.count, 6 );
+    assert_int_equal( r.component_count, 1 );
     wisp_mesh_release( &mesh );
 }
 
@@ -116,19 +116,19 @@ static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( v
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
                                  { 2, 0, 1 }, { 0, 2, 1 }, { 0, 0, 3 } };
     wisp_mesh mesh = fixture_mesh( points, 7, triangles, 8 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_vertices, 1, 3, 2 );
     assert_int_equal( r.nonmanifold_edges.count, 0 );
-    assert_int_equal( r.shell_count, 2 );
-    assert_int_equal( r.shells[1].first_triangle, 4 );
-    assert_int_equal( r.shells[1].triangle_count, 4 );
-    assert_true( fabs( r.shells[0].volume - 1.0 / 6.0 ) < 1e-15 );
-    assert_true( fabs( r.shells[1].volume - 8.0 / 6.0 ) < 1e-14 );
+    assert_int_equal( r.component_count, 2 );
+    assert_int_equal( r.components[1].first_triangle, 4 );
+    assert_int_equal( r.components[1].triangle_count, 4 );
+    assert_true( fabs( r.components[0].volume - 1.0 / 6.0 ) < 1e-15 );
+    assert_true( fabs( r.components[1].volume - 8.0 / 6.0 ) < 1e-14 );
     wisp_error error = { .status = WISP_OK };
-    assert_int_equal( wisp_mesh_require( &r, WISP_MESH_ONE_SHELL, "two", &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "two: got 2 components, expected one; the second starts with triangle 4" );
+    assert_int_equal( wisp_mesh_require( &r, WISP_MESH_ONE_COMPONENT, "two", &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, "two: got 2 components, expected one; the second starts with triangle 4" );
     assert_int_equal( wisp_mesh_require( &r, WISP_MESH_MANIFOLD, "two", &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "the first is vertex 3, fans 2" );
+    assert_contains( error.message, "the first is vertex 3, fans 2" );
     wisp_mesh_release( &mesh );
 }
 
@@ -137,7 +137,7 @@ static void duplicates_are_found_whatever_their_first_corner_and_winding( void**
     (void)state;
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 1, 0, 2, 0, 1 };
     wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 6 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.duplicates, 2, 4, 1 );
     assert_int_equal( r.duplicates.first[1], 5 );
     assert_int_equal( r.duplicates.second[1], 0 );
@@ -152,13 +152,13 @@ static void triangles_without_area_and_vertices_without_triangle_are_named( void
                                  { 5, 5, 5 }, { 3, 0.3f, 0.9f }, { 1, 0.1f, 0.3f }, { 7, 0.7f, 2.1f } };
     const int32_t triangles[] = { 0, 1, 2, 0, 3, 1, 2, 2, 1, 5, 6, 7 };
     wisp_mesh mesh = fixture_mesh( points, 8, triangles, 4 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.degenerates, 3, 1, 0 );
     assert_int_equal( r.degenerates.first[1], 2 );
     assert_int_equal( r.degenerates.first[2], 3 );
-    assert_finding( &r.loose, 1, 4, 0 );
+    assert_finding( &r.unreferenced, 1, 4, 0 );
     // the triangle that names a vertex twice is no part of any shell
-    assert_int_equal( r.shell_count, 2 );
+    assert_int_equal( r.component_count, 2 );
     wisp_mesh_release( &mesh );
 }
 
@@ -171,9 +171,9 @@ static void a_report_lists_the_first_and_counts_the_rest( void** state )
     memset( more + 4, 0, 100 * sizeof *more );
     mesh.points = more;
     mesh.vertex_count = 104;
-    wisp_mesh_report r = fixture_report( &mesh );
-    assert_finding( &r.loose, 100, 4, 0 );
-    assert_int_equal( r.loose.first[WISP_MESH_LISTED - 1], 4 + WISP_MESH_LISTED - 1 );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
+    assert_finding( &r.unreferenced, 100, 4, 0 );
+    assert_int_equal( r.unreferenced.first[WISP_MESH_LISTED - 1], 4 + WISP_MESH_LISTED - 1 );
     assert_int_equal( r.euler_characteristic, 2 );
     wisp_mesh_release( &mesh );
 }
@@ -183,22 +183,22 @@ static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
     (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), empty = { 0 };
     wisp_mesh_repairs repairs;
-    wisp_mesh_report r;
+    wisp_mesh_diagnostics r;
     wisp_error error = { .status = WISP_OK };
     mesh.triangles[4] = -1;
     assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "triangle 1: corner 1: got vertex -1, expected 0 .. 3" );
+    assert_contains( error.message, "triangle 1: corner 1: got vertex -1, expected 0 .. 3" );
     assert_int_equal( r.vertex_count, 0 );
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
     mesh.triangles[4] = 1;
     mesh.points[2].z = NAN;
     assert_int_equal( wisp_mesh_examine( &mesh, &r, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "vertex 2: z is NaN" );
+    assert_contains( error.message, "vertex 2: z is NaN" );
     assert_int_equal( wisp_mesh_examine( &empty, &r, &error ), WISP_BAD_INPUT );
     wisp_mesh_release( &mesh );
 }
 
-static void the_largest_floats_do_not_overflow_the_figures( void** state )
+static void the_largest_floats_do_not_overflow_the_stats( void** state )
 {
     (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
@@ -208,7 +208,7 @@ static void the_largest_floats_do_not_overflow_the_figures( void** state )
         mesh.points[v] =
             ( wisp_vec3 ){ ( 2 * p.x - 1 ) * 3.4e38f, ( 2 * p.y - 1 ) * 3.4e38f, ( 2 * p.z - 1 ) * 3.4e38f };
     }
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.degenerates.count, 0 );
     assert_true( isfinite( r.volume ) && isfinite( r.area ) && isfinite( r.edge_mean ) && r.volume > 0.0 );
     wisp_mesh_release( &mesh );
@@ -235,10 +235,10 @@ static void a_hundred_thousand_triangles_around_one_edge_are_examined_and_repair
         mesh.triangles[3 * t + 1] = 1;
         mesh.triangles[3 * t + 2] = t + 2;
     }
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
-    assert_int_equal( r.borders.count, 2 * COUNT );
-    assert_int_equal( r.border_loop_count, 1 );
+    assert_int_equal( r.open_edges.count, 2 * COUNT );
+    assert_int_equal( r.open_loop_count, 1 );
     wisp_mesh_repairs repairs;
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, NULL ), WISP_OK );
     assert_int_equal( repairs.kept_count, COUNT + 2 );
@@ -254,7 +254,7 @@ static wisp_mesh_repairs repaired( wisp_mesh* mesh, int what )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_repair( mesh, what, &repairs, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return repairs;
 }
@@ -266,7 +266,7 @@ static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     assert_same_mesh( &mesh, &before );
     assert_int_equal( repairs.degenerates_dropped + repairs.duplicates_dropped + repairs.triangles_turned, 0 );
-    assert_int_equal( repairs.loose_dropped, 0 );
+    assert_int_equal( repairs.unreferenced_dropped, 0 );
     assert_int_equal( repairs.kept_count, 4 );
     wisp_mesh_repairs_release( &repairs );
     wisp_mesh_release( &mesh );
@@ -276,8 +276,8 @@ static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
 static void winding_is_repaired_outwards_whatever_was_turned( void** state )
 {
     (void)state;
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_TORUS );
-    wisp_mesh sound = fixture_made( &recipe ), mesh = fixture_made( &recipe );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_TORUS );
+    wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     for ( int seed = 1; seed < 4; ++seed )
     {
         int turned = 0;
@@ -300,8 +300,8 @@ static void winding_is_repaired_outwards_whatever_was_turned( void** state )
 static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** state )
 {
     (void)state;
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( WISP_MESH_PLANE_ALTERNATING );
-    wisp_mesh sound = fixture_made( &recipe ), mesh = fixture_made( &recipe );
+    wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
+    wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     // the flood begins with triangle 0, which is one of the wrong ones
     for ( int t = 0; t < 700; ++t )
     {
@@ -322,9 +322,9 @@ static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** sta
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, -1, 0 }, { 0, 0, -1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 1, 4, 0, 5, 1, 0, 4, 5, 1, 5, 4 };
     wisp_mesh mesh = fixture_mesh( points, 6, triangles, 8 );
-    wisp_mesh_report before = fixture_report( &mesh );
+    wisp_mesh_diagnostics before = fixture_report( &mesh );
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_TURN_TRIANGLES );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.nonmanifold_edges, 1, 0, 1 );
     assert_true( fabs( before.volume ) < 1e-15 );
     assert_int_equal( repairs.triangles_turned, 4 );
@@ -352,15 +352,15 @@ static void a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was( void** st
         memcpy( triangles + 6 * i, two, sizeof two );
     }
     wisp_mesh mesh = fixture_mesh( points, 2 * PARTS, triangles, 2 * PARTS );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_finding( &r.windings, 1, 0, 1 );
-    assert_int_equal( r.border_loop_count, 1 );
+    assert_int_equal( r.open_loop_count, 1 );
     assert_int_equal( r.euler_characteristic, 0 );
     wisp_mesh_repairs repairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "one-sided: triangles" );
-    assert_contains( error.sentence, "along the edge of vertices" );
+    assert_contains( error.message, "one-sided: triangles" );
+    assert_contains( error.message, "along the edge of vertices" );
     assert_null( repairs.kept );
     assert_memory_equal( mesh.triangles, triangles, sizeof triangles );
     assert_memory_equal( mesh.points, points, sizeof points );
@@ -375,17 +375,17 @@ static wisp_mesh ill_mesh( void )
     return fixture_mesh( points, 6, triangles, 6 );
 }
 
-static void what_is_not_asked_for_is_not_repaired( void** state )
+static void what_is_not_queried_for_is_not_repaired( void** state )
 {
     (void)state;
     static const struct
     {
-        int what, degenerates, duplicates, turned, loose;
+        int what, degenerates, duplicates, turned, unreferenced;
     } cases[] = {
         { 0, 0, 0, 0, 0 },
         { WISP_MESH_DROP_DEGENERATES, 1, 0, 0, 0 },
         { WISP_MESH_DROP_DUPLICATES, 0, 1, 0, 0 },
-        { WISP_MESH_DROP_LOOSE, 0, 0, 0, 2 },
+        { WISP_MESH_DROP_UNREFERENCED, 0, 0, 0, 2 },
         { WISP_MESH_DROP_DUPLICATES | WISP_MESH_TURN_TRIANGLES, 0, 1, 1, 0 },
         { WISP_MESH_REPAIR_ALL, 1, 1, 1, 2 },
     };
@@ -396,9 +396,9 @@ static void what_is_not_asked_for_is_not_repaired( void** state )
         assert_int_equal( repairs.degenerates_dropped, cases[i].degenerates );
         assert_int_equal( repairs.duplicates_dropped, cases[i].duplicates );
         assert_int_equal( repairs.triangles_turned, cases[i].turned );
-        assert_int_equal( repairs.loose_dropped, cases[i].loose );
+        assert_int_equal( repairs.unreferenced_dropped, cases[i].unreferenced );
         assert_int_equal( mesh.triangle_count, 6 - cases[i].degenerates - cases[i].duplicates );
-        assert_int_equal( mesh.vertex_count, 6 - cases[i].loose );
+        assert_int_equal( mesh.vertex_count, 6 - cases[i].unreferenced );
         wisp_mesh_repairs_release( &repairs );
         wisp_mesh_release( &mesh );
     }
@@ -427,11 +427,11 @@ static void a_mesh_of_nothing_but_faults_is_refused( void** state )
     wisp_mesh_repairs repairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_repair( &mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, "the repair removes all 2 triangles" );
+    assert_contains( error.message, "the repair removes all 2 triangles" );
     assert_int_equal( mesh.triangle_count, 2 );
-    wisp_mesh_report r = fixture_report( &mesh );
+    wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.degenerates.count, 2 );
-    assert_int_equal( r.shell_count, 0 );
+    assert_int_equal( r.component_count, 0 );
     assert_false( r.closed );
     wisp_mesh_release( &mesh );
 }
@@ -493,7 +493,7 @@ static void every_defect_is_printed_by_its_number( void** state )
     wisp_mesh_release( &mesh );
 }
 
-static void a_mesh_that_cannot_be_examined_prints_one_sentence( void** state )
+static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
 {
     (void)state;
     wisp_mesh empty = { 0 };
@@ -509,7 +509,7 @@ static void every_repair_is_said_out_loud( void** state )
 {
     (void)state;
     wisp_mesh_repairs all = {
-        .degenerates_dropped = 1, .duplicates_dropped = 2, .triangles_turned = 3, .loose_dropped = 1
+        .degenerates_dropped = 1, .duplicates_dropped = 2, .triangles_turned = 3, .unreferenced_dropped = 1
     };
     wisp_mesh_repairs none = { 0 };
     printed p;
@@ -528,7 +528,7 @@ static void every_repair_is_said_out_loud( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_sound_tetrahedron_has_its_figures_and_no_finding ),
+        cmocka_unit_test( a_sound_tetrahedron_has_its_stats_and_no_finding ),
         cmocka_unit_test( volume_and_area_do_not_depend_on_the_distance_from_the_origin ),
         cmocka_unit_test( a_missing_triangle_leaves_three_border_edges_in_one_loop ),
         cmocka_unit_test( a_turned_triangle_disagrees_along_its_three_edges ),
@@ -539,19 +539,19 @@ int main( void )
         cmocka_unit_test( triangles_without_area_and_vertices_without_triangle_are_named ),
         cmocka_unit_test( a_report_lists_the_first_and_counts_the_rest ),
         cmocka_unit_test( a_malformed_mesh_is_refused_and_reports_nothing ),
-        cmocka_unit_test( the_largest_floats_do_not_overflow_the_figures ),
+        cmocka_unit_test( the_largest_floats_do_not_overflow_the_stats ),
         cmocka_unit_test( a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired ),
         cmocka_unit_test( a_sound_mesh_is_not_changed_by_any_repair ),
         cmocka_unit_test( winding_is_repaired_outwards_whatever_was_turned ),
         cmocka_unit_test( an_open_mesh_keeps_the_winding_of_most_of_its_triangles ),
         cmocka_unit_test( shells_that_share_an_edge_are_turned_outwards_one_by_one ),
         cmocka_unit_test( a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was ),
-        cmocka_unit_test( what_is_not_asked_for_is_not_repaired ),
+        cmocka_unit_test( what_is_not_queried_for_is_not_repaired ),
         cmocka_unit_test( everything_repaired_keeps_its_order_and_tells_where_vertices_went ),
         cmocka_unit_test( a_mesh_of_nothing_but_faults_is_refused ),
         cmocka_unit_test( a_sound_mesh_is_described_in_few_lines ),
         cmocka_unit_test( every_defect_is_printed_by_its_number ),
-        cmocka_unit_test( a_mesh_that_cannot_be_examined_prints_one_sentence ),
+        cmocka_unit_test( a_mesh_that_cannot_be_examined_prints_one_message ),
         cmocka_unit_test( every_repair_is_said_out_loud ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

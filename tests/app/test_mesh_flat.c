@@ -11,22 +11,22 @@ static const uint64_t HASH_GARMENT = 0x913cc0963555b524u;
 
 enum
 {
-    SOUND = WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_SHELL,
+    SOUND = WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT,
     PAPER_COUNT = 958, // vertices of the cloth whose time Noh and Jung print
 };
 
-static wisp_mesh_recipe recipe_of( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
+static wisp_mesh_generator generator_of( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
 {
-    wisp_mesh_recipe recipe = wisp_default_mesh_recipe( shape );
-    recipe.vertex_count = vertex_count;
-    recipe.seed = seed;
-    return recipe;
+    wisp_mesh_generator generator = wisp_default_mesh_generator( shape );
+    generator.vertex_count = vertex_count;
+    generator.seed = seed;
+    return generator;
 }
 
 static wisp_mesh made( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
 {
-    wisp_mesh_recipe recipe = recipe_of( shape, vertex_count, seed );
-    return fixture_made( &recipe );
+    wisp_mesh_generator generator = generator_of( shape, vertex_count, seed );
+    return fixture_made( &generator );
 }
 
 // The places of a mesh's vertices; the plane's first coordinate is z, so that y points at the eye. To be freed.
@@ -49,16 +49,16 @@ static delaunay_point* places_of( const wisp_mesh* mesh )
 // Covered once, joined, Delaunay and without a fault that the doctor finds. The border has the first numbers.
 static void assert_mesh_sound( const wisp_mesh* mesh, bool every_circle )
 {
-    wisp_mesh_report report = fixture_report( mesh );
+    wisp_mesh_diagnostics report = fixture_report( mesh );
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_require( &report, SOUND, "mesh", &error ) != WISP_OK )
     {
-        fail_msg( "%d vertices: %s", mesh->vertex_count, error.sentence );
+        fail_msg( "%d vertices: %s", mesh->vertex_count, error.message );
     }
     assert_int_equal( report.euler_characteristic, 1 );
-    assert_int_equal( report.border_loop_count, 1 );
+    assert_int_equal( report.open_loop_count, 1 );
     delaunay_point* places = places_of( mesh );
-    fixture_net net = { places, mesh->vertex_count, report.borders.count, mesh->triangles, mesh->triangle_count };
+    fixture_net net = { places, mesh->vertex_count, report.open_edges.count, mesh->triangles, mesh->triangle_count };
     assert_int_equal( net.triangle_count, delaunay_triangle_count( net.count, net.outline_count ) );
     assert_covers( &net );
     assert_joined_and_delaunay( &net );
@@ -96,7 +96,7 @@ static void a_square_of_958_vertices_is_delaunay_for_many_seeds( void** state )
         wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
         assert_int_equal( mesh.vertex_count, PAPER_COUNT );
         assert_mesh_sound( &mesh, true );
-        wisp_mesh_report report = fixture_report( &mesh );
+        wisp_mesh_diagnostics report = fixture_report( &mesh );
         assert_true( report.lowest.x == -0.5f && report.lowest.z == -0.5f );
         assert_true( report.highest.x == 0.5f && report.highest.z == 0.5f );
         // every triangle's area was compared with the square's in whole numbers; these are floats of it
@@ -110,9 +110,9 @@ static void every_count_is_met_exactly( void** state )
     (void)state;
     for ( int count = 4; count < 300; ++count )
     {
-        wisp_mesh_recipe recipe = recipe_of( WISP_MESH_DELAUNAY, count, (uint64_t)count );
-        recipe.depth = 0.01f * (float)( 1 + count % 7 * 37 );
-        wisp_mesh mesh = fixture_made( &recipe );
+        wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, count, (uint64_t)count );
+        generator.depth = 0.01f * (float)( 1 + count % 7 * 37 );
+        wisp_mesh mesh = fixture_made( &generator );
         assert_int_equal( mesh.vertex_count, count );
         assert_mesh_sound( &mesh, count % 16 == 0 );
         wisp_mesh_release( &mesh );
@@ -142,13 +142,13 @@ static void ten_thousand_and_a_hundred_thousand_vertices_are_delaunay_too( void*
 static void the_longest_strips_are_made( void** state )
 {
     (void)state;
-    wisp_mesh_recipe recipe = recipe_of( WISP_MESH_DELAUNAY, 20000, 1 );
-    recipe.width = 1e-3f;
-    wisp_mesh mesh = fixture_made( &recipe );
+    wisp_mesh_generator generator = generator_of( WISP_MESH_DELAUNAY, 20000, 1 );
+    generator.width = 1e-3f;
+    wisp_mesh mesh = fixture_made( &generator );
     assert_mesh_sound( &mesh, false );
     wisp_mesh_release( &mesh );
-    recipe.width = 1e6f, recipe.depth = 1e3f, recipe.vertex_count = 101;
-    mesh = fixture_made( &recipe );
+    generator.width = 1e6f, generator.depth = 1e3f, generator.vertex_count = 101;
+    mesh = fixture_made( &generator );
     assert_mesh_sound( &mesh, true );
     wisp_mesh_release( &mesh );
 }
@@ -173,11 +173,11 @@ static void triangles_of_a_square_are_neither_thin_nor_of_very_different_size( v
     for ( uint64_t seed = 0; seed < 20; ++seed )
     {
         wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
-        wisp_mesh_report report = fixture_report( &mesh );
+        wisp_mesh_diagnostics report = fixture_report( &mesh );
         // Edges are at least the darts' distance d, or on the border most of the spacing h, and a circle wider than h
         // would have taken another dart: an angle is at least asin( d / 2 h ), and d ends between 0.75 and 0.8 h.
         assert_true( smallest_angle( &mesh ) > 20.0 * PI / 180.0 );
-        assert_true( report.edge_least > 0.5 * report.edge_mean && report.edge_most < 2.0 * report.edge_mean );
+        assert_true( report.min_edge > 0.5 * report.edge_mean && report.max_edge < 2.0 * report.edge_mean );
         wisp_mesh_release( &mesh );
     }
 }
@@ -186,7 +186,7 @@ static void the_border_of_a_square_is_even_and_comes_first( void** state )
 {
     (void)state;
     wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 1 );
-    int border = fixture_report( &mesh ).borders.count;
+    int border = fixture_report( &mesh ).open_edges.count;
     assert_true( border % 4 == 0 );
     for ( int v = 0; v < border; ++v )
     {
@@ -212,7 +212,7 @@ static void a_seed_decides_the_inside_and_nothing_else_does( void** state )
     assert_true( hash_of( &first ) == HASH_SQUARE );
     wisp_mesh other = made( WISP_MESH_DELAUNAY, PAPER_COUNT, 2 );
     assert_true( hash_of( &other ) != HASH_SQUARE );
-    int border = fixture_report( &first ).borders.count;
+    int border = fixture_report( &first ).open_edges.count;
     assert_memory_equal( first.points, other.points, (size_t)border * sizeof *first.points );
     wisp_mesh_release( &first );
     wisp_mesh_release( &again );
@@ -231,7 +231,7 @@ static void a_garment_has_vertices_of_valence_5_7_and_8_inside( void** state )
     {
         wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, seed );
         int valences[PAPER_COUNT] = { 0 }, counts[64] = { 0 };
-        int border = fixture_report( &mesh ).borders.count;
+        int border = fixture_report( &mesh ).open_edges.count;
         for ( int h = 0; h < 3 * mesh.triangle_count; ++h )
         {
             ++valences[mesh.triangles[h]];
@@ -257,7 +257,7 @@ static void the_curves_of_a_garment_are_denser_than_its_hem( void** state )
     (void)state;
     wisp_mesh mesh = made( WISP_MESH_GARMENT, PAPER_COUNT, 1 );
     assert_mesh_sound( &mesh, true );
-    int border = fixture_report( &mesh ).borders.count;
+    int border = fixture_report( &mesh ).open_edges.count;
     double hem = 0.0, curve = 0.0;
     for ( int v = 0; v < border; ++v )
     {
@@ -270,7 +270,7 @@ static void the_curves_of_a_garment_are_denser_than_its_hem( void** state )
     }
     // three times as dense, and pieces are whole: the last of them may be up to a half shorter
     assert_true( hem > 0.0 && curve > 0.0 && curve < 0.5 * hem );
-    wisp_mesh_report report = fixture_report( &mesh );
+    wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_true( report.highest.x == -report.lowest.x && report.highest.z == -report.lowest.z );
     wisp_mesh_release( &mesh );
 }
@@ -298,7 +298,7 @@ static void an_outline_with_a_notch_is_filled_and_keeps_its_corners( void** stat
 {
     (void)state;
     wisp_mesh mesh;
-    assert_int_equal( wisp_mesh_make_flat( L_SHAPE, WISP_COUNT( L_SHAPE ), 700, 1, &mesh, NULL ), WISP_OK );
+    assert_int_equal( wisp_mesh_generate_flat( L_SHAPE, WISP_COUNT( L_SHAPE ), 700, 1, &mesh, NULL ), WISP_OK );
     assert_int_equal( mesh.vertex_count, 700 );
     assert_mesh_sound( &mesh, true );
     assert_true( fabs( fixture_report( &mesh ).area - 6.0 ) < 1e-5 );
@@ -326,7 +326,7 @@ static void a_border_may_take_all_vertices( void** state )
     for ( int count = WISP_COUNT( corners ); count < 120; ++count )
     {
         wisp_mesh mesh;
-        assert_int_equal( wisp_mesh_make_flat( corners, WISP_COUNT( corners ), count, 1, &mesh, NULL ), WISP_OK );
+        assert_int_equal( wisp_mesh_generate_flat( corners, WISP_COUNT( corners ), count, 1, &mesh, NULL ), WISP_OK );
         assert_int_equal( mesh.vertex_count, count );
         assert_mesh_sound( &mesh, true );
         wisp_mesh_release( &mesh );
@@ -340,8 +340,9 @@ static void demand_flat_refusal( const wisp_mesh_corner* corners, int corner_cou
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    assert_int_equal( wisp_mesh_make_flat( corners, corner_count, vertex_count, 1, &mesh, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, words );
+    assert_int_equal( wisp_mesh_generate_flat( corners, corner_count, vertex_count, 1, &mesh, &error ),
+                      WISP_BAD_INPUT );
+    assert_contains( error.message, words );
     assert_null( mesh.points );
     assert_null( mesh.triangles );
 }
@@ -349,9 +350,9 @@ static void demand_flat_refusal( const wisp_mesh_corner* corners, int corner_cou
 static void an_outline_that_cannot_be_filled_is_refused_by_its_corner( void** state )
 {
     (void)state;
-    const wisp_mesh_corner crossing[] = { { 0, 0, 1 },  { 2, 3, 1 }, { 1, 3, 1 },
-                                          { 1, -1, 1 }, { 5, 2, 1 }, { 5, 0, 1 } };
-    demand_flat_refusal( crossing, 6, 100, "the outline crosses itself: from point " );
+    const wisp_mesh_corner intersection[] = { { 0, 0, 1 },  { 2, 3, 1 }, { 1, 3, 1 },
+                                              { 1, -1, 1 }, { 5, 2, 1 }, { 5, 0, 1 } };
+    demand_flat_refusal( intersection, 6, 100, "the outline crosses itself: from point " );
     const wisp_mesh_corner clockwise[] = { { 0, 0, 1 }, { 1, 0, 1 }, { 1, 1, 1 } };
     demand_flat_refusal( clockwise, 3, 100, "runs clockwise" );
     const wisp_mesh_corner twice[] = { { 0, 0, 1 }, { 0, 1, 1 }, { 1, 1, 1 }, { 1, 1, 1 } };
@@ -373,25 +374,25 @@ static void an_outline_that_cannot_be_filled_is_refused_by_its_corner( void** st
     bad[2].density = NAN, demand_flat_refusal( bad, 6, 100, "density of corner 2: got nan" );
 }
 
-static void demand_recipe_refusal( wisp_mesh_recipe recipe, const char* words )
+static void demand_generator_refusal( wisp_mesh_generator generator, const char* words )
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    assert_int_equal( wisp_mesh_make( &recipe, &mesh, &error ), WISP_BAD_INPUT );
-    assert_contains( error.sentence, words );
+    assert_int_equal( wisp_mesh_generate( &generator, &mesh, &error ), WISP_BAD_INPUT );
+    assert_contains( error.message, words );
     assert_null( mesh.points );
 }
 
-static void a_recipe_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
+static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
 {
     (void)state;
-    wisp_mesh_recipe r = wisp_default_mesh_recipe( WISP_MESH_DELAUNAY );
-    r.vertex_count = 3, demand_recipe_refusal( r, "vertex count: got 3, expected 4 .. 67108864" );
-    r.vertex_count = 958, r.width = 0.0f, demand_recipe_refusal( r, "width: got 0" );
-    r.width = NAN, demand_recipe_refusal( r, "width: got nan" );
-    r.width = 1.0f, r.depth = 0.9e-3f, demand_recipe_refusal( r, "depth: got 0.0009, expected 0.001 .. 1000" );
-    r = wisp_default_mesh_recipe( WISP_MESH_GARMENT );
-    r.vertex_count = 63, demand_recipe_refusal( r, "vertex count: got 63, expected 64 .. 67108864" );
+    wisp_mesh_generator r = wisp_default_mesh_generator( WISP_MESH_DELAUNAY );
+    r.vertex_count = 3, demand_generator_refusal( r, "vertex count: got 3, expected 4 .. 67108864" );
+    r.vertex_count = 958, r.width = 0.0f, demand_generator_refusal( r, "width: got 0" );
+    r.width = NAN, demand_generator_refusal( r, "width: got nan" );
+    r.width = 1.0f, r.depth = 0.9e-3f, demand_generator_refusal( r, "depth: got 0.0009, expected 0.001 .. 1000" );
+    r = wisp_default_mesh_generator( WISP_MESH_GARMENT );
+    r.vertex_count = 63, demand_generator_refusal( r, "vertex count: got 63, expected 64 .. 67108864" );
 }
 
 int main( void )
@@ -410,7 +411,7 @@ int main( void )
         cmocka_unit_test( an_outline_with_a_notch_is_filled_and_keeps_its_corners ),
         cmocka_unit_test( a_border_may_take_all_vertices ),
         cmocka_unit_test( an_outline_that_cannot_be_filled_is_refused_by_its_corner ),
-        cmocka_unit_test( a_recipe_that_cannot_be_made_is_refused_by_the_name_of_its_value ),
+        cmocka_unit_test( a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

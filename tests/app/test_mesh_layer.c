@@ -59,7 +59,7 @@ static void write_good( const sheet* s )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
 }
 
@@ -120,9 +120,9 @@ static void it_is_read_back_as_a_mesh_with_vertices_of_no_triangle( void** state
     assert_memory_equal( mesh.points, s.points, sizeof s.points );
     assert_true( mesh.points[7].x == 0.25f && mesh.points[7].y == 0.25f && mesh.points[7].z == 0.0f );
     assert_memory_equal( mesh.triangles, s.triangles, sizeof s.triangles );
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     assert_int_equal( wisp_mesh_examine( &mesh, &report, &error ), WISP_OK );
-    assert_int_equal( report.loose.count, 4 );
+    assert_int_equal( report.unreferenced.count, 4 );
     wisp_mesh_release( &mesh );
     remove( FILE_NAME );
 }
@@ -147,9 +147,9 @@ static void assert_refused( const sheet* s, const char* words )
 {
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.sentence, words ) == NULL )
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in: %s", words, error.sentence );
+        fail_msg( "expected \"%s\" in: %s", words, error.message );
     }
     assert_int_equal( access( FILE_NAME, F_OK ), -1 );
 }
@@ -193,7 +193,7 @@ static void a_folder_that_is_not_there_is_an_error_of_the_system( void** state )
     make_sheet( &s );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write_layer( "no_such_folder/a.ply", &s.mesh, &s.layer, &error ), WISP_IO_ERROR );
-    assert_non_null( strstr( error.sentence, "no_such_folder/a.ply" ) );
+    assert_non_null( strstr( error.message, "no_such_folder/a.ply" ) );
 }
 
 int main( void )

@@ -1,5 +1,5 @@
 // The built program, whose path is the first argument, is started with right and wrong input: exit statuses, one
-// sentence for what is wrong, help of every verb, and nothing but plain bytes where there is no terminal.
+// message for what is wrong, help of every verb, and nothing but plain bytes where there is no terminal.
 #include "program_fixture.h"
 
 #include <jansson.h>
@@ -163,7 +163,7 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
 
 // ---- files ----
 
-static void a_file_that_is_not_there_is_named_in_one_sentence( void** state )
+static void a_file_that_is_not_there_is_named_in_one_message( void** state )
 {
     (void)state;
     assert_refused( "run absent.yaml", "absent.yaml" );
@@ -299,7 +299,7 @@ static void a_run_prints_passes_counters_and_hash( void** state )
     }
     run( "run good.yaml --steps 2 --format json" );
     static const char* const stages[] = { "\"frozen_hair.freeze\"", "\"frozen_hair.clump\"",
-                                          "\"strand_look.width\"" };
+                                          "\"strand_appearance.width\"" };
     for ( int i = 0; i < WISP_COUNT( stages ); ++i )
     {
         assert_non_null( strstr( result.out, stages[i] ) );
@@ -323,7 +323,7 @@ static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** st
     assert_true( hash && hash < strstr( result.out, "Time per step" ) );
 }
 
-static void every_format_can_be_asked_for( void** state )
+static void every_format_can_be_queried_for( void** state )
 {
     (void)state;
     static const char* const starts[][2] = {
@@ -339,7 +339,7 @@ static void every_format_can_be_asked_for( void** state )
     }
 }
 
-static void the_summary_goes_to_a_file_when_asked( void** state )
+static void the_summary_goes_to_a_file_when_queried( void** state )
 {
     (void)state;
     run( "run good.yaml --format csv --output summary.csv" );
@@ -379,7 +379,7 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
     assert_non_null( strstr( result.out, "a vertex" ) );
 }
 
-static void a_scene_without_wishes_has_a_plan_without_passes( void** state )
+static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
     (void)state;
     write_file( "empty.yaml", "wisp: 1\n"
@@ -529,7 +529,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( an_unknown_option_is_wrong_usage ),
         cmocka_unit_test( a_number_out_of_its_range_is_wrong_usage ),
         cmocka_unit_test( a_misspelt_word_of_an_option_is_answered_with_the_nearest ),
-        cmocka_unit_test( a_file_that_is_not_there_is_named_in_one_sentence ),
+        cmocka_unit_test( a_file_that_is_not_there_is_named_in_one_message ),
         cmocka_unit_test( a_misspelt_key_is_named_with_its_line_and_the_nearest_key ),
         cmocka_unit_test( a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene ),
         cmocka_unit_test( a_list_of_numbers_must_have_one_for_each_strand_of_the_file ),
@@ -538,11 +538,11 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set ),
         cmocka_unit_test( a_run_prints_passes_counters_and_hash ),
         cmocka_unit_test( a_run_begins_with_its_result_and_leaves_out_zero_counters ),
-        cmocka_unit_test( every_format_can_be_asked_for ),
-        cmocka_unit_test( the_summary_goes_to_a_file_when_asked ),
+        cmocka_unit_test( every_format_can_be_queried_for ),
+        cmocka_unit_test( the_summary_goes_to_a_file_when_queried ),
         cmocka_unit_test( info_prints_the_keys_of_a_block ),
         cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
-        cmocka_unit_test( a_scene_without_wishes_has_a_plan_without_passes ),
+        cmocka_unit_test( a_scene_without_requests_has_a_plan_without_passes ),
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
         cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),
         cmocka_unit_test( bench_lists_its_cases ),

@@ -74,20 +74,20 @@ static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew(
     const char* line = strstr( result.out, "ball: " );
     assert_non_null( line );
     int points = 0, edge_points = 0, inner_points = 0, elements = 0;
-    double share = -1.0;
+    double fraction = -1.0;
     assert_int_equal(
         sscanf( line, "ball: %d boundary points: %d on edges, %d in triangles; resampled %lf %% of %d elements",
-                &points, &edge_points, &inner_points, &share, &elements ),
+                &points, &edge_points, &inner_points, &fraction, &elements ),
         5 );
     assert_true( points > 500 && points == edge_points + inner_points );
-    assert_true( share >= 0.0 && share <= 100.0 );
+    assert_true( fraction >= 0.0 && fraction <= 100.0 );
     // 480 edges and 320 triangles
     assert_int_equal( elements, 800 );
     assert_non_null( strstr( result.out, "boundary points, whole run: " ) );
     assert_null( strstr( result.out, "contact" ) );
 }
 
-static void a_run_tells_of_contact_where_figures_are_wanted( void** state )
+static void a_run_tells_of_contact_where_stats_are_requested( void** state )
 {
     (void)state;
     run_well( "run two.yaml" );
@@ -243,7 +243,7 @@ static int count_differing( const char* a, const char* b )
 
 #define SMALL " --size 120x90 --samples 1"
 
-static void points_are_drawn_unless_nobody_wants_them( void** state )
+static void points_are_drawn_unless_nobody_requests_them( void** state )
 {
     (void)state;
     run_well( "render ball.yaml -o drawn.png" SMALL );
@@ -291,7 +291,7 @@ int main( int argc, char** argv )
     }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew ),
-        cmocka_unit_test( a_run_tells_of_contact_where_figures_are_wanted ),
+        cmocka_unit_test( a_run_tells_of_contact_where_stats_are_requested ),
         cmocka_unit_test( machines_get_a_row_a_step ),
         cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),
         cmocka_unit_test( files_hold_the_vertices_and_behind_them_the_points ),
@@ -299,7 +299,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( files_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( points_that_cannot_be_written_are_refused ),
         cmocka_unit_test( a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured ),
-        cmocka_unit_test( points_are_drawn_unless_nobody_wants_them ),
+        cmocka_unit_test( points_are_drawn_unless_nobody_requests_them ),
         cmocka_unit_test( the_start_has_no_points_yet ),
         cmocka_unit_test( points_of_what_has_none_are_refused ),
     };

@@ -127,7 +127,7 @@ static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void*
     const json_t* reasons = json_object_get( freeze, "reasons" );
     assert_true( json_array_size( reasons ) > 0 );
     assert_string_equal( word( json_array_get( reasons, 0 ), "component" ), "strand.position" );
-    const json_t* width = find( json_object_get( root, "passes" ), "strand_look.width" );
+    const json_t* width = find( json_object_get( root, "passes" ), "strand_appearance.width" );
     const json_t* reason = json_array_get( json_object_get( width, "reasons" ), 0 );
     assert_string_equal( word( reason, "component" ), "point.width" );
     assert_true( json_is_null( json_object_get( reason, "reader" ) ) ); // a request of the scene

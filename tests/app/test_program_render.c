@@ -1,5 +1,5 @@
 // The built program, whose path is the first argument, draws: pictures are read back by libpng, and every wrong word and
-// file is answered with one sentence.
+// file is answered with one message.
 #include "flying_sheet.h"
 
 #include <math.h>
@@ -91,7 +91,7 @@ static bool same_file( const char* a, const char* b )
 
 // ---- pictures ----
 
-static void every_kind_of_input_becomes_a_picture_of_the_size_asked_for( void** state )
+static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void** state )
 {
     (void)state;
     static const char* const inputs[] = {
@@ -409,7 +409,7 @@ static void wrong_words_are_wrong_usage( void** state )
 
 // ---- wrong files ----
 
-static void input_that_cannot_be_drawn_is_refused_in_one_sentence( void** state )
+static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
 {
     (void)state;
     static const char* const commands[][2] = {
@@ -439,7 +439,7 @@ static void input_that_cannot_be_drawn_is_refused_in_one_sentence( void** state 
     assert_false( exists( "b.png" ) );
 }
 
-static void output_that_cannot_be_written_is_refused_in_one_sentence( void** state )
+static void output_that_cannot_be_written_is_refused_in_one_message( void** state )
 {
     (void)state;
     assert_int_equal( mkdir( "folder.png", 0700 ), 0 );
@@ -476,7 +476,7 @@ int main( int argc, char** argv )
         return 64;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_kind_of_input_becomes_a_picture_of_the_size_asked_for ),
+        cmocka_unit_test( every_kind_of_input_becomes_a_picture_of_the_size_queried_for ),
         cmocka_unit_test( a_picture_does_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( frames_and_times_name_the_same_pictures ),
         cmocka_unit_test( a_scene_that_is_drawn_gives_the_pictures_of_its_recording ),
@@ -492,8 +492,8 @@ int main( int argc, char** argv )
         cmocka_unit_test( speed_is_measured_between_neighbouring_frames ),
         cmocka_unit_test( the_user_places_camera_ground_and_background ),
         cmocka_unit_test( wrong_words_are_wrong_usage ),
-        cmocka_unit_test( input_that_cannot_be_drawn_is_refused_in_one_sentence ),
-        cmocka_unit_test( output_that_cannot_be_written_is_refused_in_one_sentence ),
+        cmocka_unit_test( input_that_cannot_be_drawn_is_refused_in_one_message ),
+        cmocka_unit_test( output_that_cannot_be_written_is_refused_in_one_message ),
         cmocka_unit_test( the_progress_of_pictures_is_drawn_on_a_terminal_only ),
     };
     return cmocka_run_group_tests_name( "program render", tests, enter_folder, leave_folder );

@@ -8,7 +8,7 @@
 
 static const char cloth_scene[] = "# A small cloth.\n"
                                   "wisp: 1\n"
-                                  "step_seconds: 0.0166667\n"
+                                  "dt: 0.0166667\n"
                                   "steps: 20\n"
                                   "substeps: 3 # as it was\n"
                                   "surfaces:\n"

@@ -39,7 +39,7 @@ static void a_recording_comes_back_bit_for_bit_in_any_order( void** state )
     wisp_recording_info info = wisp_recording_describe( recording );
     assert_int_equal( info.frame_count, 5 );
     assert_int_equal( info.body_count, FIXTURE_BODIES );
-    assert_true( info.step_seconds == def.step_seconds );
+    assert_true( info.dt == def.dt );
     assert_true( info.complete );
     assert_int_equal( info.tail_bytes, 0 );
     static const int order[] = { 4, 0, 3, 1, 2, 2 };
@@ -71,7 +71,7 @@ static void bodies_come_back_with_their_names_triangles_and_offsets( void** stat
     wisp_recording_close( recording );
 }
 
-static void a_body_that_is_not_wanted_is_skipped( void** state )
+static void a_body_that_is_not_requested_is_skipped( void** state )
 {
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a.wisp" ), &def, 1 );
@@ -90,7 +90,7 @@ static void a_frame_that_is_not_there_is_refused_by_its_number( void** state )
     wisp_recording* recording = open_good( path_in( state, "a.wisp" ) );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 2, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: got frame 2, the recording has 2" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: got frame 2, the recording has 2" );
     assert_int_equal( wisp_recording_frame( recording, -1, NULL, NULL, NULL, NULL ), WISP_BAD_INPUT );
     wisp_recording_close( recording );
 }
@@ -177,7 +177,7 @@ static void demand_cut( const sample* s, size_t size )
     if ( size < s->header )
     {
         assert_int_equal( status, WISP_BAD_INPUT );
-        assert_one_sentence( &error, WISP_BAD_INPUT, "cut: " );
+        assert_one_message( &error, WISP_BAD_INPUT, "cut: " );
         assert_null( recording );
     }
     else
@@ -216,7 +216,7 @@ static void demand_flip( const sample* s, size_t at )
     if ( at < s->header )
     {
         assert_int_equal( status, WISP_BAD_INPUT );
-        assert_one_sentence( &error, WISP_BAD_INPUT, "flipped: byte " );
+        assert_one_message( &error, WISP_BAD_INPUT, "flipped: byte " );
         return;
     }
     assert_good( status, &error );
@@ -240,7 +240,7 @@ static void demand_flip( const sample* s, size_t at )
         found = untouched;
         wisp_vec3* points[] = { found.cloth, found.hair };
         assert_int_equal( wisp_recording_frame( recording, f, points, NULL, NULL, &error ), WISP_BAD_INPUT );
-        assert_one_sentence( &error, WISP_BAD_INPUT, words );
+        assert_one_message( &error, WISP_BAD_INPUT, words );
         assert_memory_equal( &found, &untouched, sizeof found );
     }
     wisp_recording_close( recording );
@@ -281,7 +281,7 @@ static void a_frame_of_another_recording_is_refused( void** state )
 {
     sample s = make_sample( state );
     wisp_recorder_def def = fixture_def();
-    def.step_seconds = 0.5;
+    def.dt = 0.5;
     char* path = path_in( state, "other.wisp" );
     fixture_record( path, &def, 3 );
     size_t size = 0;
@@ -292,7 +292,7 @@ static void a_frame_of_another_recording_is_refused( void** state )
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_open_memory( s.bytes, s.size, "mixed", &recording, NULL ), WISP_OK );
     assert_int_equal( wisp_recording_frame( recording, 1, NULL, NULL, NULL, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "mixed: frame 1 at byte" );
+    assert_one_message( &error, WISP_BAD_INPUT, "mixed: frame 1 at byte" );
     wisp_recording_close( recording );
     free( other );
     free( s.bytes );
@@ -309,7 +309,7 @@ static void assert_refused_body( void** state, wisp_record_body body, const char
     char* path = path_in( state, "precious.wisp" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
     assert_null( recorder );
-    assert_one_sentence( &error, WISP_BAD_INPUT, words );
+    assert_one_message( &error, WISP_BAD_INPUT, words );
 }
 
 static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** state )
@@ -356,18 +356,18 @@ static void a_definition_that_makes_no_sense_is_refused( void** state )
     wisp_error error = { .status = WISP_OK };
     wisp_recorder_def def = fixture_def();
     char* path = path_in( state, "a.wisp" );
-    def.step_seconds = 0.0;
+    def.dt = 0.0;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: got 0 seconds between two frames" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: got 0 seconds between two frames" );
     def = fixture_def();
     def.body_count = 0;
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "got 0 bodies, expected 1 to 4096" );
+    assert_one_message( &error, WISP_BAD_INPUT, "got 0 bodies, expected 1 to 4096" );
     def = fixture_def();
     assert_int_equal(
         wisp_recorder_open( path_in( state, "a.wisp.txt" ), WISP_RECORD_BY_NAME, &def, &recorder, &error ),
         WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj or .usda" );
+    assert_one_message( &error, WISP_BAD_INPUT, "ends in .wisp, .pc2, .pvd, .obj or .usda" );
     assert_int_equal( count_files( state ), 0 );
 }
 
@@ -380,13 +380,13 @@ static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
     assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
     assert_int_equal( fixture_add_frame( recorder, 0, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.wisp: frame 1: got time" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.wisp: frame 1: got time" );
 
     fixture_frame frame = fixture_points( 1 );
     frame.hair[3].z = NAN;
     const wisp_vec3* points[] = { frame.cloth, frame.hair };
     assert_int_equal( wisp_recorder_frame( recorder, 1.0, 0, points, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "frame 1: body hair-2, vertex 3: z is not finite" );
+    assert_one_message( &error, WISP_BAD_INPUT, "frame 1: body hair-2, vertex 3: z is not finite" );
     frame.hair[3].z = 0.0f;
     assert_int_equal( wisp_recorder_frame( recorder, NAN, 0, points, &error ), WISP_BAD_INPUT );
 
@@ -422,7 +422,7 @@ static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( voi
     signal( SIGXFSZ, old );
 
     assert_int_equal( status, WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "a.wisp: cannot write: " );
+    assert_one_message( &error, WISP_IO_ERROR, "a.wisp: cannot write: " );
     struct stat after;
     assert_int_equal( stat( path, &after ), 0 );
     assert_int_equal( after.st_size, info.st_size );
@@ -436,7 +436,7 @@ static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( voi
     wisp_recording_close( recording );
 }
 
-static void a_path_that_cannot_be_written_or_read_is_a_sentence( void** state )
+static void a_path_that_cannot_be_written_or_read_is_a_message( void** state )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -444,16 +444,16 @@ static void a_path_that_cannot_be_written_or_read_is_a_sentence( void** state )
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "none/a.wisp" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "none/a.wisp: cannot create a file beside it" );
+    assert_one_message( &error, WISP_IO_ERROR, "none/a.wisp: cannot create a file beside it" );
     assert_null( recorder );
     assert_int_equal( wisp_recording_open( path, &recording, &error ), WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "none/a.wisp: cannot open: " );
+    assert_one_message( &error, WISP_IO_ERROR, "none/a.wisp: cannot open: " );
     assert_int_equal( wisp_recording_open( path_in( state, "." ), &recording, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "got a folder" );
+    assert_one_message( &error, WISP_BAD_INPUT, "got a folder" );
     char* pipe_path = path_in( state, "pipe.wisp" );
     assert_int_equal( mkfifo( pipe_path, 0600 ), 0 );
     assert_int_equal( wisp_recording_open( pipe_path, &recording, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "got a device or a pipe" );
+    assert_one_message( &error, WISP_BAD_INPUT, "got a device or a pipe" );
     assert_null( recording );
 }
 
@@ -466,7 +466,7 @@ static void a_file_that_shrinks_while_it_is_read_is_an_error( void** state )
     assert_int_equal( truncate( path, (off_t)wisp_recording_describe( recording ).first_byte + 20 ), 0 );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
+    assert_one_message( &error, WISP_IO_ERROR, "the file became shorter while it was read" );
     wisp_recording_close( recording );
 }
 
@@ -475,7 +475,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         TEST_IN_FOLDER( a_recording_comes_back_bit_for_bit_in_any_order ),
         TEST_IN_FOLDER( bodies_come_back_with_their_names_triangles_and_offsets ),
-        TEST_IN_FOLDER( a_body_that_is_not_wanted_is_skipped ),
+        TEST_IN_FOLDER( a_body_that_is_not_requested_is_skipped ),
         TEST_IN_FOLDER( a_frame_that_is_not_there_is_refused_by_its_number ),
         TEST_IN_FOLDER( a_frame_is_in_the_file_when_the_call_returns ),
         TEST_IN_FOLDER( a_killed_program_leaves_its_frames ),
@@ -487,7 +487,7 @@ int main( void )
         TEST_IN_FOLDER( a_definition_that_makes_no_sense_is_refused ),
         TEST_IN_FOLDER( a_frame_that_is_refused_does_not_end_the_recording ),
         TEST_IN_FOLDER( a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated ),
-        TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_sentence ),
+        TEST_IN_FOLDER( a_path_that_cannot_be_written_or_read_is_a_message ),
         TEST_IN_FOLDER( a_file_that_shrinks_while_it_is_read_is_an_error ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

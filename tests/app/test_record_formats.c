@@ -88,7 +88,7 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
         assert_memory_equal( points, expected.hair, sizeof points );
     }
     assert_int_equal( wisp_pc2_frame( cache, 2, NULL, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
     wisp_pc2_close( cache );
     assert_good( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), &error );
     wisp_pc2_close( cache );
@@ -255,7 +255,7 @@ static void a_strand_without_a_segment_is_no_line( void** state )
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "a.usda" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.usda: body hair-2: strand 0 has 1 vertices" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.usda: body hair-2: strand 0 has 1 vertices" );
 }
 
 // ---- .obj ------------------------------------------------------------------------------------------------------
@@ -375,7 +375,7 @@ static void assert_samples( char* text, const char* prim, int body, int frame_co
 static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
 {
     wisp_recorder_def def = fixture_def();
-    def.step_seconds = (double)( 1.0f / 60.0f );
+    def.dt = (double)( 1.0f / 60.0f );
     fixture_record( path_in( state, "a.usda" ), &def, 0 );
     def = fixture_def();
     fixture_record( path_in( state, "a.usda" ), &def, 3 );
@@ -398,7 +398,7 @@ static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
 static void a_recording_without_frames_is_still_a_file( void** state )
 {
     wisp_recorder_def def = fixture_def();
-    def.step_seconds = (double)( 1.0f / 60.0f );
+    def.dt = (double)( 1.0f / 60.0f );
     fixture_record( path_in( state, "a.usda" ), &def, 0 );
     fixture_record( path_in( state, "a.pvd" ), &def, 0 );
     fixture_record( path_in( state, "a.pc2" ), &def, 0 );
@@ -427,7 +427,7 @@ static void names_that_usd_cannot_tell_apart_are_refused( void** state )
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "a.usda" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "bodies a-b and a_b would both be called a_b in USD" );
+    assert_one_message( &error, WISP_BAD_INPUT, "bodies a-b and a_b would both be called a_b in USD" );
     assert_int_equal( count_files( state ), 0 );
 }
 
@@ -471,7 +471,7 @@ static wisp_status record_until_it_fails( const char* path, wisp_error* error )
     return status == WISP_OK ? closed : status;
 }
 
-static void a_full_disk_is_a_sentence_in_every_format( void** state )
+static void a_full_disk_is_a_message_in_every_format( void** state )
 {
     static const char* const names[] = { "full.wisp", "full.pc2", "full.pvd", "full.usda", "full_0001.obj" };
     struct stat info;
@@ -486,26 +486,26 @@ static void a_full_disk_is_a_sentence_in_every_format( void** state )
         bool obj = strstr( path, ".obj" ) != NULL;
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( record_until_it_fails( obj ? path_in( state, "full.obj" ) : path, &error ), WISP_IO_ERROR );
-        assert_one_sentence( &error, WISP_IO_ERROR, "cannot write: " );
-        assert_contains( error.sentence, "full" );
+        assert_one_message( &error, WISP_IO_ERROR, "cannot write: " );
+        assert_contains( error.message, "full" );
     }
     // the links, and the folder of the .vtp files, which are not on the full disk
     assert_int_equal( count_files( state ), WISP_COUNT( names ) + 1 );
 }
 
-static void a_folder_that_is_not_there_is_a_sentence_in_every_format( void** state )
+static void a_folder_that_is_not_there_is_a_message_in_every_format( void** state )
 {
     static const char* const names[] = { "none/a.pc2", "none/a.pvd", "none/a.usda", "none/a.obj" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( record_until_it_fails( path_in( state, names[i] ), &error ), WISP_IO_ERROR );
-        assert_one_sentence( &error, WISP_IO_ERROR, "none/a" );
+        assert_one_message( &error, WISP_IO_ERROR, "none/a" );
     }
     assert_int_equal( count_files( state ), 0 );
 }
 
-static void a_file_in_the_place_of_the_folder_of_frames_is_a_sentence( void** state )
+static void a_file_in_the_place_of_the_folder_of_frames_is_a_message( void** state )
 {
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
@@ -513,11 +513,11 @@ static void a_file_in_the_place_of_the_folder_of_frames_is_a_sentence( void** st
     put_file( path_in( state, "a" ), "precious", 8 );
     char* path = path_in( state, "a.pvd" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "/a: cannot make a folder: " );
+    assert_one_message( &error, WISP_IO_ERROR, "/a: cannot make a folder: " );
     assert_int_equal( count_files( state ), 1 );
     path = path_in( state, "b" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_PVD, &def, &recorder, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "b: expected a name with an extension" );
+    assert_one_message( &error, WISP_BAD_INPUT, "b: expected a name with an extension" );
     assert_int_equal( count_files( state ), 1 );
 }
 
@@ -534,9 +534,9 @@ int main( void )
         TEST_IN_FOLDER( a_recording_without_frames_is_still_a_file ),
         TEST_IN_FOLDER( names_that_usd_cannot_tell_apart_are_refused ),
         TEST_IN_FOLDER( files_that_cannot_be_read_half_written_appear_when_they_are_finished ),
-        TEST_IN_FOLDER( a_full_disk_is_a_sentence_in_every_format ),
-        TEST_IN_FOLDER( a_folder_that_is_not_there_is_a_sentence_in_every_format ),
-        TEST_IN_FOLDER( a_file_in_the_place_of_the_folder_of_frames_is_a_sentence ),
+        TEST_IN_FOLDER( a_full_disk_is_a_message_in_every_format ),
+        TEST_IN_FOLDER( a_folder_that_is_not_there_is_a_message_in_every_format ),
+        TEST_IN_FOLDER( a_file_in_the_place_of_the_folder_of_frames_is_a_message ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

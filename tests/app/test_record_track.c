@@ -93,13 +93,13 @@ static void a_vertex_that_does_not_exist_is_refused_by_its_place( void** state )
     wisp_error error = { .status = WISP_OK };
     char* path = path_in( state, "a.csv" );
     assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: track 1 names vertex 5 of body hair-2, which has 5" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 names vertex 5 of body hair-2, which has 5" );
     points[1] = ( wisp_track_point ){ 2, 0 };
     assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: track 1 names body 2 of 2" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 names body 2 of 2" );
     def.point_count = 0;
     assert_int_equal( wisp_track_open( path, &def, &track, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: got 0 vertices, expected at least 1" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: got 0 vertices, expected at least 1" );
     assert_null( track );
     assert_int_equal( count_files( state ), 0 );
 }
@@ -113,7 +113,7 @@ static void a_number_that_is_not_finite_writes_no_line( void** state )
     const wisp_vec3* points[] = { frame.cloth, frame.hair };
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_track_frame( track, 0.0, points, &error ), WISP_BAD_INPUT );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "a.csv: track 1 at 0 s: vertex 1 of body 0 is not finite" );
+    assert_one_message( &error, WISP_BAD_INPUT, "a.csv: track 1 at 0 s: vertex 1 of body 0 is not finite" );
     assert_int_equal( wisp_track_frame( track, NAN, points, NULL ), WISP_BAD_INPUT );
     frame.cloth[1].y = 0.0f;
     assert_int_equal( wisp_track_frame( track, 0.0, points, NULL ), WISP_OK );
@@ -129,7 +129,7 @@ static void a_number_that_is_not_finite_writes_no_line( void** state )
     free( text );
 }
 
-static void a_full_disk_is_a_sentence( void** state )
+static void a_full_disk_is_a_message( void** state )
 {
     struct stat info;
     if ( stat( "/dev/full", &info ) != 0 || !S_ISCHR( info.st_mode ) )
@@ -145,7 +145,7 @@ static void a_full_disk_is_a_sentence( void** state )
         status = add_line( track, f, &error );
     }
     assert_int_equal( status, WISP_IO_ERROR );
-    assert_one_sentence( &error, WISP_IO_ERROR, "full.csv: cannot write: " );
+    assert_one_message( &error, WISP_IO_ERROR, "full.csv: cannot write: " );
     assert_int_equal( wisp_track_close( track, &error ), WISP_IO_ERROR );
 }
 
@@ -234,7 +234,7 @@ static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** 
     put_file( path, bytes, size );
     free( bytes );
     char* text = print_recording( path, WISP_BAD_INPUT, &error );
-    assert_one_sentence( &error, WISP_BAD_INPUT, "sail.wisp: frame 1 at byte 164 is damaged" );
+    assert_one_message( &error, WISP_BAD_INPUT, "sail.wisp: frame 1 at byte 164 is damaged" );
     assert_contains( text, "  time                 0 .. 0 s\n" );
     assert_contains( text, "sail.wisp: frame 10 at byte 920 is damaged" );
     assert_null( strstr( text, "frame 11 at" ) );
@@ -268,7 +268,7 @@ int main( void )
         TEST_IN_FOLDER( numbers_have_points_in_a_locale_with_commas ),
         TEST_IN_FOLDER( a_vertex_that_does_not_exist_is_refused_by_its_place ),
         TEST_IN_FOLDER( a_number_that_is_not_finite_writes_no_line ),
-        TEST_IN_FOLDER( a_full_disk_is_a_sentence ),
+        TEST_IN_FOLDER( a_full_disk_is_a_message ),
         TEST_IN_FOLDER( info_tells_what_is_in_a_recording ),
         TEST_IN_FOLDER( info_tells_a_cut_and_does_not_refuse_it ),
         TEST_IN_FOLDER( info_names_the_first_ten_damaged_frames_and_counts_the_rest ),

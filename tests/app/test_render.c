@@ -275,7 +275,7 @@ static void colours_of_vertices_run_into_each_other( void** state )
 
 // ---- strands ----
 
-static image picture_of_strand( float radius, float least_pixels )
+static image picture_of_strand( float radius, float min_pixels )
 {
     static const wisp_vec3 points[] = { { -1.0f, 1.0f, 0.0f }, { 0.1f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
     static const int32_t offsets[] = { 0, 3 };
@@ -291,7 +291,7 @@ static image picture_of_strand( float radius, float least_pixels )
     render_options options = fixture_options();
     options.height = 73; // a row of pixels, and not an edge between two, is where the strand is
     options.samples = 16;
-    options.least_curve_pixels = least_pixels;
+    options.min_curve_pixels = min_pixels;
     return fixture_picture( &scene, &camera, &options );
 }
 
@@ -464,8 +464,8 @@ static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
         double nearest = 1e9;
         for ( int k = 0; k < 8; ++k )
         {
-            wisp_vec3 p = { k & 1 ? box.low.x : box.high.x, k & 2 ? box.low.y : box.high.y,
-                            k & 4 ? box.low.z : box.high.z };
+            wisp_vec3 p = { k & 1 ? box.lower.x : box.upper.x, k & 2 ? box.lower.y : box.upper.y,
+                            k & 4 ? box.lower.z : box.upper.z };
             fixture_place at = fixture_project( &camera, &options, p );
             double x = fmin( at.x, 96.0 - at.x ) / 96.0, y = fmin( at.y, 72.0 - at.y ) / 72.0;
             nearest = fmin( nearest, fmin( x, y ) );
@@ -518,13 +518,13 @@ static void bounds_hold_what_is_drawn_and_join( void** state )
     render_bounds bounds;
     assert_int_equal( render_scene_bounds( &e.scene, &bounds, NULL ), WISP_OK );
     assert_true( bounds.is_filled );
-    assert_true( fabsf( bounds.low.x + 1.6f ) < 1e-3f && fabsf( bounds.high.x - 1.6f ) < 1e-3f );
-    assert_true( fabsf( bounds.high.y - 1.92f ) < 1e-6f ); // the highest point of a strand and its radius
+    assert_true( fabsf( bounds.lower.x + 1.6f ) < 1e-3f && fabsf( bounds.upper.x - 1.6f ) < 1e-3f );
+    assert_true( fabsf( bounds.upper.y - 1.92f ) < 1e-6f ); // the highest point of a strand and its radius
     render_bounds none = { .is_filled = false };
     render_bounds both = render_bounds_union( none, bounds );
-    assert_memory_equal( &both.low, &bounds.low, sizeof( both.low ) );
+    assert_memory_equal( &both.lower, &bounds.lower, sizeof( both.lower ) );
     both = render_bounds_union( bounds, ( render_bounds ){ { 0.0f, -3.0f, 0.0f }, { 0.0f, 0.0f, 9.0f }, true } );
-    assert_true( both.low.y == -3.0f && both.high.z == 9.0f && both.low.x == bounds.low.x );
+    assert_true( both.lower.y == -3.0f && both.upper.z == 9.0f && both.lower.x == bounds.lower.x );
     free_everything( &e );
 }
 
@@ -536,11 +536,11 @@ typedef struct listener
     double last;
 } listener;
 
-static void listen( void* user, double share )
+static void listen( void* user, double fraction )
 {
     listener* l = user;
-    assert_true( share >= l->last && share <= 1.0 );
-    l->last = share;
+    assert_true( fraction >= l->last && fraction <= 1.0 );
+    l->last = fraction;
     l->calls += 1;
 }
 

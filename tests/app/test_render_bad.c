@@ -1,4 +1,4 @@
-// Scenes, cameras and options that must be refused, each with one sentence that names what is wrong.
+// Scenes, cameras and options that must be refused, each with one message that names what is wrong.
 #include "render_fixture.h"
 
 #include <limits.h>
@@ -62,9 +62,9 @@ static void assert_refused( const spoilt* s, const char* words )
     assert_int_equal( image_make( 3, 2, ( image_colour ){ 1, 2, 3 }, &old, NULL ), WISP_OK );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( draw( s, &old, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.sentence, words ) == NULL )
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in: %s", words, error.sentence );
+        fail_msg( "expected \"%s\" in: %s", words, error.message );
     }
     assert_int_equal( old.width, 3 );
     assert_int_equal( fixture_pixel( &old, 2, 1 )[2], 3 );
@@ -195,14 +195,14 @@ static void a_frame_that_cannot_be_is_refused( void** state )
     render_camera camera;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( render_frame_camera( &box, &view, 1.0f, &camera, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "camera: the bounds hold nan" ) );
-    box.high.y = 1.0f;
+    assert_non_null( strstr( error.message, "camera: the bounds hold nan" ) );
+    box.upper.y = 1.0f;
     view.elevation_degrees = 90.0f;
     assert_int_equal( render_frame_camera( &box, &view, 1.0f, &camera, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "camera: elevation is 90 and must be in -89 .. 89" ) );
+    assert_non_null( strstr( error.message, "camera: elevation is 90 and must be in -89 .. 89" ) );
     view = render_default_view();
     assert_int_equal( render_frame_camera( &box, &view, 0.0f, &camera, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "camera: aspect is 0" ) );
+    assert_non_null( strstr( error.message, "camera: aspect is 0" ) );
 }
 
 static void options_out_of_range_are_named( void** state )
@@ -257,7 +257,7 @@ static void strange_scenes_are_drawn( void** state )
         wisp_error error = { .status = WISP_OK };
         if ( draw( &s, &picture, &error ) != WISP_OK )
         {
-            fail_msg( "scale %g, shift %g: %s", (double)scale, (double)shift, error.sentence );
+            fail_msg( "scale %g, shift %g: %s", (double)scale, (double)shift, error.message );
         }
         image_release( &picture );
     }

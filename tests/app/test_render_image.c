@@ -25,9 +25,9 @@ static void assert_colour( const image* picture, int x, int y, image_colour colo
 
 static void assert_words( const wisp_error* error, const char* words )
 {
-    if ( strstr( error->sentence, words ) == NULL )
+    if ( strstr( error->message, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in: %s", words, error->sentence );
+        fail_msg( "expected \"%s\" in: %s", words, error->message );
     }
 }
 
@@ -368,16 +368,16 @@ static void values_take_the_colours_of_their_place( void** state )
     const float values[] = { -1.0f, 0.0f, 5.0f, 10.0f, 3e38f, NAN };
     wisp_vec3 colours[6];
     colour_map_apply( COLOUR_MAP_RISING, values, 6, 0.0f, 10.0f, colours );
-    wisp_vec3 low = colour_map_at( COLOUR_MAP_RISING, 0.0f ), high = colour_map_at( COLOUR_MAP_RISING, 1.0f );
+    wisp_vec3 lower = colour_map_at( COLOUR_MAP_RISING, 0.0f ), upper = colour_map_at( COLOUR_MAP_RISING, 1.0f );
     wisp_vec3 middle = colour_map_at( COLOUR_MAP_RISING, 0.5f );
-    assert_memory_equal( &colours[0], &low, sizeof( low ) );
-    assert_memory_equal( &colours[1], &low, sizeof( low ) );
-    assert_memory_equal( &colours[2], &middle, sizeof( low ) );
-    assert_memory_equal( &colours[3], &high, sizeof( low ) );
-    assert_memory_equal( &colours[4], &high, sizeof( low ) );
+    assert_memory_equal( &colours[0], &lower, sizeof( lower ) );
+    assert_memory_equal( &colours[1], &lower, sizeof( lower ) );
+    assert_memory_equal( &colours[2], &middle, sizeof( lower ) );
+    assert_memory_equal( &colours[3], &upper, sizeof( lower ) );
+    assert_memory_equal( &colours[4], &upper, sizeof( lower ) );
     assert_true( colours[5].x == colours[5].y && colours[5].y == colours[5].z );
     colour_map_apply( COLOUR_MAP_RISING, values, 1, 2.0f, 2.0f, colours );
-    assert_memory_equal( &colours[0], &middle, sizeof( low ) );
+    assert_memory_equal( &colours[0], &middle, sizeof( lower ) );
 }
 
 static bool has_colour( const image* picture, image_colour c )

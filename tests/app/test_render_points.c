@@ -198,8 +198,8 @@ static void bounds_hold_whole_balls( void** state )
     render_bounds bounds;
     assert_int_equal( render_scene_bounds( &scene, &bounds, NULL ), WISP_OK );
     assert_true( bounds.is_filled );
-    assert_true( bounds.low.x == -0.6f - 0.25f && bounds.high.x == 0.7f + 0.25f );
-    assert_true( bounds.low.y == 1.0f - 0.25f && bounds.high.z == 0.3f + 0.25f );
+    assert_true( bounds.lower.x == -0.6f - 0.25f && bounds.upper.x == 0.7f + 0.25f );
+    assert_true( bounds.lower.y == 1.0f - 0.25f && bounds.upper.z == 0.3f + 0.25f );
 }
 
 // ---- refusals ----
@@ -214,9 +214,9 @@ static void assert_refused( const render_points* points, int count, const char* 
     image out = { 0 };
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( render_picture( &scene, &camera, &options, &out, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.sentence, words ) == NULL )
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "expected \"%s\" in: %s", words, error.sentence );
+        fail_msg( "expected \"%s\" in: %s", words, error.message );
     }
     assert_null( out.rgb );
 }

@@ -313,7 +313,7 @@ static void a_full_disk_is_an_error_in_every_format( void** state )
     {
         wisp_error error = { 0 };
         assert_int_equal( results_write_file( &all, (results_format)format, "/dev/full", &error ), WISP_IO_ERROR );
-        assert_true( strlen( error.sentence ) > 0 );
+        assert_true( strlen( error.message ) > 0 );
     }
     results_free( &all );
 }
@@ -324,7 +324,7 @@ static void a_folder_that_is_not_there_is_an_error_that_names_the_file( void** s
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( results_write_file( &all, RESULTS_TEXT, "no such folder/out.txt", &error ), WISP_IO_ERROR );
-    assert_non_null( strstr( error.sentence, "no such folder/out.txt" ) );
+    assert_non_null( strstr( error.message, "no such folder/out.txt" ) );
 }
 
 // ---- reading our own ----
@@ -384,7 +384,7 @@ static void info_names_what_is_wrong_with_a_result( void** state )
     {
         wisp_error error = { 0 };
         assert_int_equal( info_on( wrong[i].text, &error ), WISP_BAD_INPUT );
-        assert_non_null( strstr( error.sentence, wrong[i].named ) );
+        assert_non_null( strstr( error.message, wrong[i].named ) );
     }
     wisp_error error = { 0 };
     assert_int_equal( info_on( HEAD ROW( "1", "1", "null" ) "]}", &error ), WISP_OK );

@@ -36,17 +36,17 @@ static wisp_scene good( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( parse( text, strlen( text ), &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
 
-static void demand_refusal( const char* text, const char* sentence )
+static void demand_refusal( const char* text, const char* message )
 {
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( parse( text, strlen( text ), &scene, &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence, sentence );
+    assert_string_equal( error.message, message );
 }
 
 static wisp_scene read_good( const char* file )
@@ -58,7 +58,7 @@ static wisp_scene read_good( const char* file )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
@@ -75,7 +75,7 @@ static void a_scene_of_one_key_has_the_defaults( void** state )
     (void)state;
     wisp_scene scene = good( "wisp: 1\n" );
     assert_string_equal( scene.name, "scenes/test.yaml" );
-    assert_true( scene.step_seconds == 1.0f / 60.0f );
+    assert_true( scene.dt == 1.0f / 60.0f );
     assert_int_equal( scene.steps, 1 );
     assert_int_equal( scene.substeps, 1 );
     assert_int_equal( scene.iterations, 1 );
@@ -89,24 +89,24 @@ static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothin
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, 3 );
+    wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     assert_true( s->is_made );
     assert_null( s->file );
     assert_int_equal( s->line, 3 );
     assert_int_equal( s->column, 5 );
-    assert_int_equal( s->recipe.strand_count, recipe.strand_count );
-    assert_int_equal( s->recipe.vertices_per_strand, recipe.vertices_per_strand );
-    assert_false( s->has_frozen_hair || s->has_climate || s->has_look );
+    assert_int_equal( s->generator.strand_count, generator.strand_count );
+    assert_int_equal( s->generator.vertices_per_strand, generator.vertices_per_strand );
+    assert_false( s->has_frozen_hair || s->has_environment || s->has_appearance );
     assert_false( s->frozen_hair.freeze || s->frozen_hair.align || s->frozen_hair.clump );
-    assert_false( s->want_points || s->want_width || s->want_colour );
+    assert_false( s->request_points || s->request_width || s->request_colour );
     assert_true( s->frozen_hair.clump_radius == wisp_default_frozen_hair_def().clump_radius );
-    assert_int_equal( s->frozen_hair.made_by_default, wisp_default_frozen_hair_def().made_by_default );
-    assert_true( s->climate.stiffness[1] == wisp_default_climate_def().stiffness[1] );
-    assert_true( s->look.root_width == wisp_default_strand_look_def().root_width );
+    assert_int_equal( s->frozen_hair.cookie, wisp_default_frozen_hair_def().cookie );
+    assert_true( s->environment.stiffness[1] == wisp_default_environment_def().stiffness[1] );
+    assert_true( s->appearance.root_width == wisp_default_strand_appearance_def().root_width );
     wisp_scene_release( &scene );
 }
 
-static void a_stage_is_asked_for_by_its_key_alone( void** state )
+static void a_stage_is_queried_for_by_its_key_alone( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
@@ -127,26 +127,26 @@ static void a_stage_is_asked_for_by_its_key_alone( void** state )
     wisp_scene_release( &scene );
 }
 
-static void a_recipe_takes_the_defaults_of_its_shape_wherever_the_shape_stands( void** state )
+static void a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: { length: 0.5, dimension: 2, shape: curly } }\n" );
-    wisp_groom_recipe expected = wisp_default_groom_recipe( WISP_GROOM_CURLY, 2 );
-    const wisp_groom_recipe* recipe = &scene.strands[0].recipe;
-    assert_int_equal( recipe->shape, WISP_GROOM_CURLY );
-    assert_int_equal( recipe->dimension, 2 );
-    assert_int_equal( recipe->strand_count, expected.strand_count );
-    assert_int_equal( recipe->vertices_per_strand, expected.vertices_per_strand );
-    assert_true( recipe->wave_length == expected.wave_length );
-    assert_true( recipe->length == 0.5f );
+    wisp_groom_generator expected = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
+    const wisp_groom_generator* generator = &scene.strands[0].generator;
+    assert_int_equal( generator->shape, WISP_GROOM_CURLY );
+    assert_int_equal( generator->dimension, 2 );
+    assert_int_equal( generator->strand_count, expected.strand_count );
+    assert_int_equal( generator->vertices_per_strand, expected.vertices_per_strand );
+    assert_true( generator->wave_length == expected.wave_length );
+    assert_true( generator->length == 0.5f );
     wisp_scene_release( &scene );
 }
 
 // ---- what is written ----
 
 static const char EVERY_KEY[] =
-    "wisp: 1\nstep_seconds: 0.25\nsteps: 5\nsubsteps: 2\niterations: 3\nworkers: 4\n"
+    "wisp: 1\ndt: 0.25\nsteps: 5\nsubsteps: 2\niterations: 3\nworkers: 4\n"
     "output: [ { file: out/a.usda, strands: hair } ]\n" // before the strands that it names
     "strands:\n"
     "  - name: hair\n"
@@ -191,29 +191,29 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
 
     assert_true( hair->clump_radius == 0.02f && hair->clump_step == 0.003f );
     assert_int_equal( hair->clump_iterations, 6 );
-    assert_int_equal( hair->gap, WISP_GAP_CLOSING );
-    assert_true( hair->gap_by_iteration && !hair->guard );
+    assert_int_equal( hair->gap, WISP_GAP_REVERSED );
+    assert_true( hair->gap_by_iteration && !hair->min_distance_clamp );
     assert_true( hair->distance_min == 0.0004f && hair->lambda_min == 0.125f );
     assert_int_equal( hair->neighbour_limit, 99 );
 }
 
-static void assert_recipe( const wisp_groom_recipe* recipe )
+static void assert_generator( const wisp_groom_generator* generator )
 {
-    assert_int_equal( recipe->shape, WISP_GROOM_WAVY );
-    assert_int_equal( recipe->dimension, 2 );
-    assert_int_equal( recipe->strand_count, 3 );
-    assert_int_equal( recipe->vertices_per_strand, 11 );
-    assert_true( recipe->length == 0.3f && recipe->spacing == 0.004f && recipe->scalp_radius == 0.2f );
-    assert_true( recipe->wave_amplitude == 0.01f && recipe->wave_length == 0.06f );
-    assert_true( recipe->length_variation == 0.5f && recipe->thickness == 1e-4f );
-    assert_true( recipe->seed == UINT64_MAX );
+    assert_int_equal( generator->shape, WISP_GROOM_WAVY );
+    assert_int_equal( generator->dimension, 2 );
+    assert_int_equal( generator->strand_count, 3 );
+    assert_int_equal( generator->vertices_per_strand, 11 );
+    assert_true( generator->length == 0.3f && generator->spacing == 0.004f && generator->scalp_radius == 0.2f );
+    assert_true( generator->wave_amplitude == 0.01f && generator->wave_length == 0.06f );
+    assert_true( generator->length_variation == 0.5f && generator->thickness == 1e-4f );
+    assert_true( generator->seed == UINT64_MAX );
 }
 
 static void every_key_reaches_its_place( void** state )
 {
     (void)state;
     wisp_scene scene = good( EVERY_KEY );
-    assert_true( scene.step_seconds == 0.25f );
+    assert_true( scene.dt == 0.25f );
     assert_int_equal( scene.steps, 5 );
     assert_int_equal( scene.substeps, 2 );
     assert_int_equal( scene.iterations, 3 );
@@ -222,18 +222,19 @@ static void every_key_reaches_its_place( void** state )
 
     const wisp_scene_strands* s = &scene.strands[0];
     assert_string_equal( s->name, "hair" );
-    assert_recipe( &s->recipe );
+    assert_generator( &s->generator );
     assert_frozen_hair( s );
 
-    assert_true( s->has_climate && s->climate.temperature == -5.5f && s->climate.wetness == 0.5f );
-    assert_true( s->climate.freezing == -1.0f && s->climate.span == 8.0f );
-    assert_int_equal( s->climate.point_count, 3 );
-    assert_true( s->climate.ice[1] == 0.25f && s->climate.stiffness[1] == 9.0f && s->climate.stiffness[2] == 2.0f );
+    assert_true( s->has_environment && s->environment.temperature == -5.5f && s->environment.wetness == 0.5f );
+    assert_true( s->environment.freezing == -1.0f && s->environment.span == 8.0f );
+    assert_int_equal( s->environment.point_count, 3 );
+    assert_true( s->environment.ice[1] == 0.25f && s->environment.stiffness[1] == 9.0f &&
+                 s->environment.stiffness[2] == 2.0f );
 
-    assert_true( s->has_look && s->look.root_width == 1e-4f && s->look.tip_width == 2e-5f );
-    assert_vector( s->look.root_colour, 0.1f, 0.2f, 0.3f );
-    assert_vector( s->look.tip_colour, 0.4f, 0.5f, 0.6f );
-    assert_true( s->look.colour_bias == 0.7f && s->want_width && s->want_colour );
+    assert_true( s->has_appearance && s->appearance.root_width == 1e-4f && s->appearance.tip_width == 2e-5f );
+    assert_vector( s->appearance.root_colour, 0.1f, 0.2f, 0.3f );
+    assert_vector( s->appearance.tip_colour, 0.4f, 0.5f, 0.6f );
+    assert_true( s->appearance.colour_bias == 0.7f && s->request_width && s->request_colour );
 
     assert_int_equal( scene.command_count, 1 );
     assert_int_equal( scene.commands[0].step, 2 );
@@ -246,13 +247,13 @@ static void every_key_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void points_are_wanted_where_an_output_writes_them( void** state )
+static void points_are_requested_where_an_output_writes_them( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands: [ { name: a, generate: {} }, { name: b, generate: {} } ]\n"
                              "output: [ { strands: b, file: b.obj } ]\n" );
-    assert_false( scene.strands[0].want_points );
-    assert_true( scene.strands[1].want_points );
+    assert_false( scene.strands[0].request_points );
+    assert_true( scene.strands[1].request_points );
     wisp_scene_release( &scene );
 }
 
@@ -305,7 +306,7 @@ static void the_scenes_of_the_project_are_read( void** state )
         wisp_scene scene = read_good( files[i] );
         assert_int_equal( scene.strands_count, 1 );
         // All but the first ask for something.
-        assert_int_equal( scene.strands[0].want_points, i > 0 );
+        assert_int_equal( scene.strands[0].request_points, i > 0 );
         wisp_scene_release( &scene );
     }
 }
@@ -322,9 +323,9 @@ static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
                          8 * sizeof( float ) );
     assert_memory_equal( a->frozen_hair.strand_bend_stiffness, b->frozen_hair.strand_bend_stiffness,
                          8 * sizeof( float ) );
-    assert_int_equal( a->recipe.shape, b->recipe.shape );
-    assert_int_equal( a->recipe.strand_count, b->recipe.strand_count );
-    assert_true( a->recipe.seed == b->recipe.seed );
+    assert_int_equal( a->generator.shape, b->generator.shape );
+    assert_int_equal( a->generator.strand_count, b->generator.strand_count );
+    assert_true( a->generator.seed == b->generator.seed );
     wisp_scene_release( &yaml );
     wisp_scene_release( &json );
 }
@@ -336,7 +337,7 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     assert_int_equal( scene.strands_count, 1 );
     assert_int_equal( scene.strands[0].bend_count, 4 );
@@ -354,7 +355,7 @@ static void a_missing_file_is_an_error_of_the_system( void** state )
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_read( "no_such_folder/scene.yaml", &scene, &error ), WISP_IO_ERROR );
-    assert_non_null( strstr( error.sentence, "no_such_folder/scene.yaml" ) );
+    assert_non_null( strstr( error.message, "no_such_folder/scene.yaml" ) );
     assert_null( scene.blocks );
     wisp_scene_release( &scene );
     wisp_scene_release( NULL );
@@ -391,7 +392,7 @@ static void columns_count_characters_and_not_bytes( void** state )
     (void)state;
     demand_refusal(
         "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
-        "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, step_seconds, steps, substeps, "
+        "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, steps, substeps, "
         "iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"generate\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: got '\xc3\xa4\xc3\xa4', expected 1 to 64 of the "
@@ -418,9 +419,9 @@ static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
     assert_string_equal( localeconv()->decimal_point, "," );
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    static const char text[] = "wisp: 1\nstep_seconds: 0.25\n", bad[] = "wisp: 1\nworkers: 99\n";
+    static const char text[] = "wisp: 1\ndt: 0.25\n", bad[] = "wisp: 1\nworkers: 99\n";
     wisp_status status = parse( text, strlen( text ), &scene, &error );
-    float seconds = scene.step_seconds;
+    float seconds = scene.dt;
     wisp_scene_release( &scene );
     wisp_status refusal = parse( bad, strlen( bad ), &scene, &error );
     char point = *localeconv()->decimal_point;
@@ -457,7 +458,7 @@ static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state 
     {
         const char *head, *part;
         size_t over; // bytes beyond the most that is read
-        const char* sentence;
+        const char* message;
     } hostile[] = {
         { "wisp: 1\n", "\n", 1, "scenes/test.yaml: expected at most 16 MiB" },
         { "wisp: 1\nstrands: ", "[", 0, "scenes/test.yaml:2:41: expected at most 32 levels of lists and mappings" },
@@ -468,7 +469,7 @@ static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state 
     for ( int i = 0; i < WISP_COUNT( hostile ); ++i )
     {
         char* text = repeat( hostile[i].head, hostile[i].part, most + hostile[i].over );
-        demand_refusal( text, hostile[i].sentence );
+        demand_refusal( text, hostile[i].message );
         free( text );
     }
 }
@@ -492,7 +493,7 @@ static void a_list_of_32_levels_is_only_refused_for_what_it_is( void** state )
     demand_refusal( text, "scenes/test.yaml:2:8: steps: got a list, expected a whole number" );
 }
 
-static void a_long_name_keeps_its_end_in_the_sentence( void** state )
+static void a_long_name_keeps_its_end_in_the_message( void** state )
 {
     (void)state;
     char name[1200];
@@ -501,7 +502,7 @@ static void a_long_name_keeps_its_end_in_the_sentence( void** state )
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_parse( "wisp: 2", 7, name, &scene, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "/scene.yaml:1:7: wisp: got version 2" ) );
+    assert_non_null( strstr( error.message, "/scene.yaml:1:7: wisp: got version 2" ) );
 }
 
 static void numbers_are_checked_as_the_module_sees_them( void** state )
@@ -576,10 +577,10 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_scene_of_one_key_has_the_defaults ),
         cmocka_unit_test( strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing ),
-        cmocka_unit_test( a_stage_is_asked_for_by_its_key_alone ),
-        cmocka_unit_test( a_recipe_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
+        cmocka_unit_test( a_stage_is_queried_for_by_its_key_alone ),
+        cmocka_unit_test( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
         cmocka_unit_test( every_key_reaches_its_place ),
-        cmocka_unit_test( points_are_wanted_where_an_output_writes_them ),
+        cmocka_unit_test( points_are_requested_where_an_output_writes_them ),
         cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
         cmocka_unit_test( files_are_looked_for_beside_the_scene ),
         cmocka_unit_test( the_scenes_of_the_project_are_read ),
@@ -593,7 +594,7 @@ int main( void )
         cmocka_unit_test( what_is_too_much_is_refused_where_it_becomes_too_much ),
         cmocka_unit_test( a_scene_of_16_mebibytes_and_not_one_more_is_read ),
         cmocka_unit_test( a_list_of_32_levels_is_only_refused_for_what_it_is ),
-        cmocka_unit_test( a_long_name_keeps_its_end_in_the_sentence ),
+        cmocka_unit_test( a_long_name_keeps_its_end_in_the_message ),
         cmocka_unit_test( numbers_are_checked_as_the_module_sees_them ),
         cmocka_unit_test( the_nearest_word_is_the_one_that_was_meant ),
         cmocka_unit_test( of_words_equally_near_the_first_is_taken ),

@@ -25,7 +25,7 @@ static wisp_scene parsed( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
@@ -62,15 +62,15 @@ static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
     assert_true( s->has_boundary && !s->has_contact );
     assert_true( b->spacing == def.spacing && b->policy == def.policy && b->rounding == def.rounding );
     assert_true( b->scanline_normals == def.scanline_normals && b->hysteresis == def.hysteresis );
-    assert_true( b->limit == def.limit && b->least_spacing == def.least_spacing );
-    assert_true( b->most_spacing == def.most_spacing && b->curvature_gain == def.curvature_gain );
+    assert_true( b->limit == def.limit && b->min_spacing == def.min_spacing );
+    assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
     assert_true( b->strain_gain == def.strain_gain && b->by_screen == def.by_screen );
     assert_true( b->pixel_angle == def.pixel_angle && b->pixels == def.pixels );
-    assert_int_equal( b->made_by_default, def.made_by_default );
+    assert_int_equal( b->cookie, def.cookie );
     wisp_scene_release( &scene );
 }
 
-static void a_guest_without_keys_has_the_defaults_of_its_module( void** state )
+static void a_participant_without_keys_has_the_defaults_of_its_module( void** state )
 {
     (void)state;
     wisp_scene scene = with_block( "contact", "{}" );
@@ -78,9 +78,9 @@ static void a_guest_without_keys_has_the_defaults_of_its_module( void** state )
     const wisp_contact_def *c = &s->contact, def = wisp_default_contact_def();
     assert_true( s->has_contact && !s->has_boundary && !scene.has_contact );
     assert_true( c->thickness == def.thickness && c->friction == def.friction && c->self == def.self );
-    assert_true( c->recovery_speed == def.recovery_speed && c->enabled == def.enabled );
+    assert_true( c->max_push_out_speed == def.max_push_out_speed && c->enabled == def.enabled );
     assert_true( c->layers == def.layers && c->mask == def.mask );
-    assert_int_equal( c->made_by_default, def.made_by_default );
+    assert_int_equal( c->cookie, def.cookie );
     wisp_scene_release( &scene );
 }
 
@@ -93,11 +93,11 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
     {
         wisp_scene scene = parsed( texts[i] );
         assert_int_equal( scene.has_contact, i );
-        assert_true( scene.contact.features == def.features && scene.contact.search == def.search );
-        assert_true( scene.contact.sample_spacing == def.sample_spacing && scene.contact.margin == def.margin );
-        assert_true( scene.contact.guard == def.guard );
-        assert_int_equal( scene.contact.made_by_default, def.made_by_default );
-        assert_false( scene.want_contact_figures || scene.want_crossings );
+        assert_true( scene.contact.primitives == def.primitives && scene.contact.search == def.search );
+        assert_true( scene.contact.particle_spacing == def.particle_spacing && scene.contact.margin == def.margin );
+        assert_true( scene.contact.displacement_limit == def.displacement_limit );
+        assert_int_equal( scene.contact.cookie, def.cookie );
+        assert_false( scene.request_contact_stats || scene.request_intersections );
         wisp_scene_release( &scene );
     }
 }
@@ -116,14 +116,14 @@ static void every_key_of_a_layer_reaches_its_place( void** state )
     assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->limit == 1000 );
     assert_int_equal( b->policy, WISP_SPACING_EXACT );
     assert_int_equal( b->rounding, WISP_ROUND_UP );
-    assert_true( b->least_spacing == 0.01f && b->most_spacing == 0.03f );
+    assert_true( b->min_spacing == 0.01f && b->max_spacing == 0.03f );
     assert_true( b->curvature_gain == 2.0f && b->strain_gain == -0.5f && b->by_screen );
     assert_true( b->eye.x == 1.0f && b->eye.y == 2.0f && b->eye.z == 3.0f );
     assert_true( b->pixel_angle == 0.002f && b->pixels == 8.0f );
     wisp_scene_release( &scene );
 }
 
-static void every_key_of_a_guest_reaches_its_place( void** state )
+static void every_key_of_a_participant_reaches_its_place( void** state )
 {
     (void)state;
     wisp_scene scene = parsed( "wisp: 1\n"
@@ -139,11 +139,11 @@ static void every_key_of_a_guest_reaches_its_place( void** state )
                                "    contact: { thickness: 0.02, friction: 0.1, max_push_out_speed: 3, layers: [2], "
                                "mask: [], enabled: false }\n" );
     const wisp_contact_def* c = &scene.surfaces[0].contact;
-    assert_true( c->thickness == 0.01f && c->friction == 0.7f && !c->self && c->recovery_speed == 2.0f );
+    assert_true( c->thickness == 0.01f && c->friction == 0.7f && !c->self && c->max_push_out_speed == 2.0f );
     assert_true( c->layers == ( 1u << 1 | 1u << 3 ) && c->mask == ( 1u | 1u << 2 | 1u << 31 ) && !c->enabled );
     c = &scene.strands[0].contact;
     assert_true( scene.strands[0].has_contact );
-    assert_true( c->thickness == 0.02f && c->friction == 0.1f && c->recovery_speed == 3.0f );
+    assert_true( c->thickness == 0.02f && c->friction == 0.1f && c->max_push_out_speed == 3.0f );
     assert_true( c->layers == 1u << 2 && c->mask == 0u && !c->enabled );
     wisp_scene_release( &scene );
 }
@@ -153,14 +153,15 @@ static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state 
     (void)state;
     wisp_scene scene = with_settings( "{ primitives: particles, search: brute, particle_spacing: 0.004, margin: 0.5, "
                                       "compute: [intersections] }" );
-    assert_int_equal( scene.contact.features, WISP_CONTACT_SAMPLES );
+    assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
     assert_int_equal( scene.contact.search, WISP_PAIR_SEARCH_BRUTE );
-    assert_true( scene.contact.sample_spacing == 0.004f && scene.contact.margin == 0.5f );
-    assert_true( scene.want_crossings && !scene.want_contact_figures );
+    assert_true( scene.contact.particle_spacing == 0.004f && scene.contact.margin == 0.5f );
+    assert_true( scene.request_intersections && !scene.request_contact_stats );
     wisp_scene_release( &scene );
 
     scene = with_settings( "{ displacement_limit: false, compute: [stats] }" );
-    assert_true( scene.has_contact && !scene.contact.guard && scene.want_contact_figures && !scene.want_crossings );
+    assert_true( scene.has_contact && !scene.contact.displacement_limit && scene.request_contact_stats &&
+                 !scene.request_intersections );
     wisp_scene_release( &scene );
 }
 
@@ -174,7 +175,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     // One word for each enumerator that there is, in its order.
     assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
     assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
-    assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_FEATURES_COUNT );
+    assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_PRIMITIVES_COUNT );
     assert_int_equal( WISP_COUNT( searches ), WISP_PAIR_SEARCH_COUNT );
     char mapping[64];
     for ( int i = 0; i < WISP_ROUND_COUNT; ++i )
@@ -189,7 +190,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     {
         snprintf( mapping, sizeof mapping, "{ primitives: %s, search: %s }", primitives[i % 2], searches[i] );
         wisp_scene scene = with_settings( mapping );
-        assert_int_equal( scene.contact.features, i % 2 );
+        assert_int_equal( scene.contact.primitives, i % 2 );
         assert_int_equal( scene.contact.search, i );
         wisp_scene_release( &scene );
     }
@@ -216,9 +217,9 @@ static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
          WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
-    assert_true( scene.has_contact && scene.want_contact_figures && scene.want_crossings );
+    assert_true( scene.has_contact && scene.request_contact_stats && scene.request_intersections );
     assert_true( scene.surfaces[0].has_boundary && scene.surfaces[0].has_contact && scene.surfaces[1].has_contact );
     assert_true( scene.strands[0].has_contact );
     wisp_scene_release( &scene );
@@ -238,7 +239,7 @@ static void create( fixture* f, int workers )
     const scene_world_options options = { .workers = workers };
     if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
     {
-        fail_msg( "not built: %s", f->error.sentence );
+        fail_msg( "not built: %s", f->error.message );
     }
 }
 
@@ -254,7 +255,7 @@ static void step( fixture* f, int count )
     {
         if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
         {
-            fail_msg( "step %d: %s", i, f->error.sentence );
+            fail_msg( "step %d: %s", i, f->error.message );
         }
     }
 }
@@ -277,7 +278,7 @@ static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state 
     build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
     wisp_boundary_view view;
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_CONFLICT );
-    assert_non_null( strstr( f.error.sentence, "test.yaml: 'ball': " ) );
+    assert_non_null( strstr( f.error.message, "test.yaml: 'ball': " ) );
 
     step( &f, 2 );
     assert_int_equal( scene_world_layer( &f.world, 0, &view, &f.error ), WISP_OK );
@@ -289,10 +290,10 @@ static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state 
     for ( int i = 0; i < view.samples->edge_count; ++i )
     {
         int32_t edge;
-        memcpy( &edge, &view.samples->quads[4 * i + 3], sizeof edge );
+        memcpy( &edge, &view.samples->xyzw[4 * i + 3], sizeof edge );
         assert_in_range( edge, 0, 479 );
         const wisp_vec3 a = points[view.edges[2 * edge]], b = points[view.edges[2 * edge + 1]];
-        const float* p = &view.samples->quads[4 * i];
+        const float* p = &view.samples->xyzw[4 * i];
         const double ab = hypot( hypot( (double)( b.x - a.x ), (double)( b.y - a.y ) ), (double)( b.z - a.z ) );
         const double ap = hypot( hypot( (double)( p[0] - a.x ), (double)( p[1] - a.y ) ), (double)( p[2] - a.z ) );
         const double pb = hypot( hypot( (double)( b.x - p[0] ), (double)( b.y - p[1] ) ), (double)( b.z - p[2] ) );
@@ -342,27 +343,27 @@ static void a_surface_without_a_layer_has_none( void** state )
     "{} }\n"                                                                                                         \
     "  - { name: high, instance_of: low, transform: { translate: [0, 0.02, 0] }, cloth: {}, contact: {} }\n"
 
-static void figures_of_contact_are_there_where_they_are_wanted( void** state )
+static void stats_of_contact_are_there_where_they_are_requested( void** state )
 {
     (void)state;
     fixture f;
-    wisp_contact_figures figures;
+    wisp_contact_stats stats;
     build( &f, "wisp: 1\nsubsteps: 4\n" TWO_SHEETS );
     step( &f, 1 );
-    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_CONFLICT );
+    assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_CONFLICT );
     release( &f );
 
     build( &f, "wisp: 1\nsubsteps: 4\ncontact: { compute: [stats] }\n" TWO_SHEETS );
     step( &f, 1 );
-    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
-    assert_int_equal( figures.guests, 2 );
-    assert_int_equal( figures.crossings, -1 );
+    assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_OK );
+    assert_int_equal( stats.participants, 2 );
+    assert_int_equal( stats.intersections, -1 );
     release( &f );
 
     build( &f, "wisp: 1\nsubsteps: 4\ncontact: { compute: [intersections] }\n" TWO_SHEETS );
     step( &f, 1 );
-    assert_int_equal( wisp_read_contact_figures( f.world.world, &figures ), WISP_OK );
-    assert_int_equal( figures.crossings, 0 );
+    assert_int_equal( wisp_read_contact_stats( f.world.world, &stats ), WISP_OK );
+    assert_int_equal( stats.intersections, 0 );
     release( &f );
 }
 
@@ -373,7 +374,7 @@ static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
                                    "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" ) };
     const scene_world_options options = { .workers = 1 };
     assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_CONFLICT );
-    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );
+    assert_non_null( strstr( f.error.message, "test.yaml:3:5: surface 'cloth': " ) );
     wisp_scene_release( &f.scene );
 }
 
@@ -428,7 +429,7 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
                               "  - { name: cloth, generate: { shape: plane }, boundary: { min_spacing: 1 } }\n" ) };
     const scene_world_options options = { .workers = 1 };
     assert_int_equal( scene_world_create( &f.scene, &options, &f.world, &f.error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'cloth': " ) );
+    assert_non_null( strstr( f.error.message, "test.yaml:3:5: surface 'cloth': " ) );
     wisp_scene_release( &f.scene );
 }
 
@@ -441,7 +442,7 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
     {
         const char* file;
         bool has_layer;
-        int guests;
+        int participants;
     } files[] = {
         { "boundary_sphere.yaml", true, 0 },  { "boundary_bunny.yaml", true, 0 },
         { "balloons_press.yaml", false, 2 },  { "balloon_stack.yaml", false, 10 },
@@ -456,23 +457,23 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
         fixture f = { 0 };
         if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
         {
-            fail_msg( "refused: %s", f.error.sentence );
+            fail_msg( "refused: %s", f.error.message );
         }
         assert_int_equal( f.scene.surfaces[0].has_boundary, files[i].has_layer );
         create( &f, 2 );
         step( &f, 3 );
-        wisp_boundary_figures layer;
-        wisp_contact_figures contact;
+        wisp_boundary_stats layer;
+        wisp_contact_stats contact;
         if ( files[i].has_layer )
         {
-            assert_int_equal( wisp_read_boundary_figures( f.world.world, f.world.surfaces[0].entity, &layer ),
+            assert_int_equal( wisp_read_boundary_stats( f.world.world, f.world.surfaces[0].entity, &layer ),
                               WISP_OK );
             assert_true( layer.points > 1000 && !layer.refused && layer.skipped_elements == 0 );
         }
-        if ( files[i].guests > 0 )
+        if ( files[i].participants > 0 )
         {
-            assert_int_equal( wisp_read_contact_figures( f.world.world, &contact ), WISP_OK );
-            assert_int_equal( contact.guests, files[i].guests );
+            assert_int_equal( wisp_read_contact_stats( f.world.world, &contact ), WISP_OK );
+            assert_int_equal( contact.participants, files[i].participants );
         }
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
         release( &f );
@@ -483,10 +484,10 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_layer_without_keys_has_the_defaults_of_its_module ),
-        cmocka_unit_test( a_guest_without_keys_has_the_defaults_of_its_module ),
+        cmocka_unit_test( a_participant_without_keys_has_the_defaults_of_its_module ),
         cmocka_unit_test( contact_of_a_scene_has_the_defaults_of_its_module ),
         cmocka_unit_test( every_key_of_a_layer_reaches_its_place ),
-        cmocka_unit_test( every_key_of_a_guest_reaches_its_place ),
+        cmocka_unit_test( every_key_of_a_participant_reaches_its_place ),
         cmocka_unit_test( every_key_of_the_contact_of_a_scene_reaches_its_place ),
         cmocka_unit_test( every_word_is_the_enumerator_of_its_name ),
         cmocka_unit_test( an_instance_has_a_layer_and_a_contact_of_its_own ),
@@ -494,7 +495,7 @@ int main( void )
         cmocka_unit_test( a_layer_is_there_after_a_step_and_lies_on_its_surface ),
         cmocka_unit_test( a_layer_changes_no_bit_of_its_surface ),
         cmocka_unit_test( a_surface_without_a_layer_has_none ),
-        cmocka_unit_test( figures_of_contact_are_there_where_they_are_wanted ),
+        cmocka_unit_test( stats_of_contact_are_there_where_they_are_requested ),
         cmocka_unit_test( implicit_cloth_with_contact_is_refused_at_its_line ),
         cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_modules ),
         cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),

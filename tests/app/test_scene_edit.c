@@ -36,7 +36,7 @@ static void assert_edited( const char* text, const wisp_scene_edit* edits, int c
     wisp_error error = { 0 };
     if ( wisp_scene_edit_file( FROM, edits, count, TO, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     char is[4000];
     read_text( TO, is, sizeof is );
@@ -51,9 +51,9 @@ static void assert_not_edited( const char* text, wisp_scene_edit edit, const cha
     write_text( TO, "what was there" );
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_edit_file( FROM, &edit, 1, TO, &error ), WISP_BAD_INPUT );
-    if ( !strstr( error.sentence, words ) )
+    if ( !strstr( error.message, words ) )
     {
-        fail_msg( "'%s' is not in: %s", words, error.sentence );
+        fail_msg( "'%s' is not in: %s", words, error.message );
     }
     char is[4000];
     read_text( TO, is, sizeof is );
@@ -244,14 +244,14 @@ static void keys_that_do_not_go_alone_are_refused( void** state )
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ), no_name, "name" );
 }
 
-static void two_keys_that_want_one_comma_are_refused( void** state )
+static void two_keys_that_request_one_comma_are_refused( void** state )
 {
     (void)state;
     write_text( FROM, "{ wisp: 1, steps: 3, substeps: 3 }\n" );
     const wisp_scene_edit edits[2] = { { NULL, 0, NULL, "steps", "" }, no_substeps };
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_edit_file( FROM, edits, 2, TO, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, FROM ": two changes are at the same place" ) );
+    assert_non_null( strstr( error.message, FROM ": two changes are at the same place" ) );
     remove( FROM );
 }
 
@@ -264,7 +264,7 @@ static void what_is_not_there_is_refused_and_nothing_is_written( void** state )
     assert_not_edited( "wisp: 1\nsubsteps: [\n", substeps_7, "not YAML" );
 }
 
-static void a_value_in_several_pieces_is_refused_with_its_line( void** state )
+static void a_value_in_several_primitives_is_refused_with_its_line( void** state )
 {
     (void)state;
     const wisp_scene_edit edit = { "surfaces", 0, NULL, "name", "short" };
@@ -316,9 +316,9 @@ int main( void )
         cmocka_unit_test( a_key_that_is_not_there_stays_away ),
         cmocka_unit_test( keys_come_and_go_at_one_place ),
         cmocka_unit_test( keys_that_do_not_go_alone_are_refused ),
-        cmocka_unit_test( two_keys_that_want_one_comma_are_refused ),
+        cmocka_unit_test( two_keys_that_request_one_comma_are_refused ),
         cmocka_unit_test( what_is_not_there_is_refused_and_nothing_is_written ),
-        cmocka_unit_test( a_value_in_several_pieces_is_refused_with_its_line ),
+        cmocka_unit_test( a_value_in_several_primitives_is_refused_with_its_line ),
         cmocka_unit_test( a_result_that_is_no_scene_is_not_written ),
         cmocka_unit_test( without_a_place_to_write_nothing_is_written ),
     };

@@ -24,7 +24,7 @@ static wisp_scene parsed( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
@@ -56,11 +56,11 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
     assert_true( d->damping == def.damping && d->tolerance == def.tolerance );
     assert_true( d->stiffness == def.stiffness && d->weights == def.weights && d->damping_form == def.damping_form );
     assert_true( d->jacobian == def.jacobian && d->integrator == def.integrator );
-    assert_int_equal( d->newton_repeats, def.newton_repeats );
-    assert_int_equal( d->stiff_repeats, def.stiff_repeats );
+    assert_int_equal( d->newton_iterations, def.newton_iterations );
+    assert_int_equal( d->max_newton_iterations, def.max_newton_iterations );
     assert_int_equal( d->max_iterations, def.max_iterations );
-    assert_true( d->warm_start == def.warm_start && d->look_ahead == def.look_ahead );
-    assert_int_equal( d->made_by_default, def.made_by_default );
+    assert_true( d->warm_start == def.warm_start && d->speculative == def.speculative );
+    assert_int_equal( d->cookie, def.cookie );
     wisp_scene_release( &scene );
 }
 
@@ -86,17 +86,17 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
         "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
-    assert_int_equal( d->stiffness, WISP_IMPLICIT_STIFFNESS_SHEET );
+    assert_int_equal( d->stiffness, WISP_IMPLICIT_STIFFNESS_MATERIAL );
     assert_true( d->stretch_stiffness == 350.0f && d->bend_stiffness == 2e-6f && d->bend_rigidity == 3e-6f );
     assert_true( d->compression_stiffness == 150.0f && d->damping == 0.5f );
     assert_int_equal( d->weights, WISP_IMPLICIT_WEIGHTS_NONE );
     assert_int_equal( d->damping_form, WISP_IMPLICIT_DAMPING_AXIAL );
     assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
     assert_int_equal( d->integrator, WISP_IMPLICIT_BDF2 );
-    assert_int_equal( d->newton_repeats, 3 );
-    assert_int_equal( d->stiff_repeats, 5 );
+    assert_int_equal( d->newton_iterations, 3 );
+    assert_int_equal( d->max_newton_iterations, 5 );
     assert_int_equal( d->max_iterations, 77 );
-    assert_true( d->tolerance == 1e-6f && !d->warm_start && !d->look_ahead && !s->has_quad_links );
+    assert_true( d->tolerance == 1e-6f && !d->warm_start && !d->speculative && !s->has_quad_links );
     wisp_scene_release( &scene );
 }
 
@@ -112,7 +112,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
 #define WORD( key, member, word, value )                                                                             \
     { "{ " #key ": " #word " }", offsetof( wisp_implicit_cloth_def, member ), value }
         WORD( stiffness_model, stiffness, link, WISP_IMPLICIT_STIFFNESS_LINK ),
-        WORD( stiffness_model, stiffness, material, WISP_IMPLICIT_STIFFNESS_SHEET ),
+        WORD( stiffness_model, stiffness, material, WISP_IMPLICIT_STIFFNESS_MATERIAL ),
         WORD( weights, weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
         WORD( weights, weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
         WORD( weights, weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),
@@ -146,7 +146,7 @@ static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
                 "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
                 "  - { name: b, instance_of: a, implicit: { links: quad }, compute: [effect_stats] }\n" );
     assert_true( scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
-    assert_true( scene.surfaces[1].want_figures && !scene.surfaces[0].want_figures );
+    assert_true( scene.surfaces[1].request_stats && !scene.surfaces[0].request_stats );
     assert_null( scene.surfaces[0].implicit.stretch_pairs );
     wisp_scene_release( &scene );
 }
@@ -158,7 +158,7 @@ static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     assert_int_equal( scene.surface_count, 2 );
     assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
@@ -250,7 +250,7 @@ static void a_grid_that_is_no_grid_or_too_large_has_no_pairs( void** state )
         wisp_quad_pairs pairs;
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_quad_pairs_make( sizes[k][0], sizes[k][1], &pairs, &error ), WISP_BAD_INPUT );
-        assert_non_null( strstr( error.sentence, "quad pairs: " ) );
+        assert_non_null( strstr( error.message, "quad pairs: " ) );
         assert_true( !pairs.stretch && !pairs.bend && pairs.stretch_count == 0 && pairs.bend_count == 0 );
     }
 }
@@ -269,7 +269,7 @@ static void create( fixture* f, int workers )
     const scene_world_options options = { .workers = workers };
     if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
     {
-        fail_msg( "not built: %s", f->error.sentence );
+        fail_msg( "not built: %s", f->error.message );
     }
 }
 
@@ -285,7 +285,7 @@ static void step( fixture* f, int count )
     {
         if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
         {
-            fail_msg( "step %d: %s", i, f->error.sentence );
+            fail_msg( "step %d: %s", i, f->error.message );
         }
     }
 }
@@ -296,12 +296,12 @@ static void release( fixture* f )
     wisp_scene_release( &f->scene );
 }
 
-static wisp_implicit_cloth_figures figures_of( fixture* f, int surface )
+static wisp_implicit_cloth_stats stats_of( fixture* f, int surface )
 {
-    wisp_implicit_cloth_figures figures = { 0 };
-    assert_int_equal( wisp_read_implicit_cloth_figures( f->world.world, f->world.surfaces[surface].entity, &figures ),
+    wisp_implicit_cloth_stats stats = { 0 };
+    assert_int_equal( wisp_read_implicit_cloth_stats( f->world.world, f->world.surfaces[surface].entity, &stats ),
                       WISP_OK );
-    return figures;
+    return stats;
 }
 
 static wisp_vec3 first_point( fixture* f )
@@ -319,7 +319,7 @@ static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** 
 {
     (void)state;
     fixture f;
-    build( &f, "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+    build( &f, "wisp: 1\ndt: 0.01\nsurfaces:\n"
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
                "effect_stats], "
                "implicit: { links: quad } }\n"
@@ -327,10 +327,10 @@ static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** 
     step( &f, 1 );
     for ( int i = 0; i < 2; ++i )
     {
-        wisp_implicit_cloth_figures figures = figures_of( &f, i );
-        assert_int_equal( figures.stretch_links, 2352 );
-        assert_int_equal( figures.bend_links, 2208 );
-        assert_int_equal( figures.most_neighbours, 16 );
+        wisp_implicit_cloth_stats stats = stats_of( &f, i );
+        assert_int_equal( stats.stretch_links, 2352 );
+        assert_int_equal( stats.bend_links, 2208 );
+        assert_int_equal( stats.max_neighbours, 16 );
     }
     release( &f );
 }
@@ -341,15 +341,15 @@ static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_the
     fixture f;
     build(
         &f,
-        "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+        "wisp: 1\ndt: 0.01\nsurfaces:\n"
         "  - { name: a, generate: { shape: plane, columns: 5, rows: 4 }, pins: [0], compute: [points, effect_stats], "
         "implicit: {} }\n" );
     step( &f, 1 );
     // 4 * 4 + 5 * 3 along the sides, 4 * 3 diagonals of cells; an edge has two triangles unless it is one of the 14
     // of the border, and no two edges of a regular plane have the same opposite vertices
-    wisp_implicit_cloth_figures figures = figures_of( &f, 0 );
-    assert_int_equal( figures.stretch_links, 43 );
-    assert_int_equal( figures.bend_links, 43 - 14 );
+    wisp_implicit_cloth_stats stats = stats_of( &f, 0 );
+    assert_int_equal( stats.stretch_links, 43 );
+    assert_int_equal( stats.bend_links, 43 - 14 );
     assert_int_equal( scene_world_body( &f.world, 0 ).kind, SCENE_BODY_CLOTH );
     release( &f );
 }
@@ -360,7 +360,7 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
     fixture f;
     build(
         &f,
-        "wisp: 1\nstep_seconds: 0.01\nsurfaces:\n"
+        "wisp: 1\ndt: 0.01\nsurfaces:\n"
         "  - { name: a, generate: { shape: plane, columns: 9, rows: 9 }, pins: [0], compute: [points], implicit: { "
         "link_damping: 0 } }\n" );
     wisp_vec3 start = first_point( &f );
@@ -386,7 +386,7 @@ static void a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integr
     {
         char text[512];
         snprintf( text, sizeof text,
-                  "wisp: 1\nsteps: 10\nstep_seconds: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
+                  "wisp: 1\nsteps: 10\ndt: 0.01\ngravity: [0, 0, 0]\nsurfaces:\n"
                   "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, compute: [points], implicit: { "
                   "integrator: "
                   "%s } }\n"
@@ -439,14 +439,14 @@ static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
         fixture f = { 0 };
         if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
         {
-            fail_msg( "refused: %s", f.error.sentence );
+            fail_msg( "refused: %s", f.error.message );
         }
         assert_true( f.scene.surfaces[0].has_implicit );
         create( &f, 2 );
-        assert_int_equal( wisp_want_implicit_cloth_figures( f.world.world, f.world.surfaces[0].entity, true ),
+        assert_int_equal( wisp_request_implicit_cloth_stats( f.world.world, f.world.surfaces[0].entity, true ),
                           WISP_OK );
         step( &f, 3 );
-        assert_true( figures_of( &f, 0 ).iterations > 0 );
+        assert_true( stats_of( &f, 0 ).iterations > 0 );
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_HALTED ) == 0 );
         release( &f );
     }

@@ -88,7 +88,7 @@ static void every_example_of_the_document_is_a_scene( void** state )
         wisp_error error = { .status = WISP_OK };
         if ( wisp_scene_parse( at, (size_t)( end - at ), "example", &scene, &error ) != WISP_OK )
         {
-            fail_msg( "example %d is refused: %s", examples, error.sentence );
+            fail_msg( "example %d is refused: %s", examples, error.message );
         }
         wisp_scene_release( &scene );
         ++examples;
@@ -100,7 +100,7 @@ static void every_example_of_the_document_is_a_scene( void** state )
 
 // ---- the text ----
 
-static void every_key_has_a_sentence( void** state )
+static void every_key_has_a_message( void** state )
 {
     (void)state;
     int count = 0, keys = 0;
@@ -111,8 +111,8 @@ static void every_key_has_a_sentence( void** state )
     {
         if ( strncmp( line, "- `", 3 ) == 0 )
         {
-            const char* sentence = strstr( line, "): " );
-            assert_non_null( sentence );
+            const char* message = strstr( line, "): " );
+            assert_non_null( message );
             assert_true( line[strlen( line ) - 1] == '.' );
             ++keys;
         }
@@ -253,7 +253,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_document_has_the_keys_of_the_tables ),
         cmocka_unit_test( every_example_of_the_document_is_a_scene ),
-        cmocka_unit_test( every_key_has_a_sentence ),
+        cmocka_unit_test( every_key_has_a_message ),
         cmocka_unit_test( a_block_is_written_with_the_blocks_in_it ),
         cmocka_unit_test( an_unknown_block_writes_nothing ),
         cmocka_unit_test( a_default_is_that_of_the_module ),

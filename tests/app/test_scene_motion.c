@@ -25,7 +25,7 @@ static wisp_scene good( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
@@ -65,7 +65,7 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
     assert_true( def->bend_rigidity == expected.bend_rigidity && def->line_density == expected.line_density );
     assert_true( def->clamped == expected.clamped && def->diameter == expected.diameter );
     assert_int_equal( def->stretch_passes, expected.stretch_passes );
-    assert_int_equal( def->made_by_default, expected.made_by_default );
+    assert_int_equal( def->cookie, expected.cookie );
     assert_null( def->pins );
     assert_null( def->vertex_masses );
     wisp_scene_release( &scene );
@@ -82,21 +82,21 @@ static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** stat
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
     assert_true( scene.strands[0].grid.enabled && scene.strands[0].grid.cell == grid.cell );
     assert_true( scene.strands[0].grid.friction == grid.friction );
-    assert_int_equal( scene.strands[0].grid.made_by_default, grid.made_by_default );
+    assert_int_equal( scene.strands[0].grid.cookie, grid.cookie );
     assert_int_equal( scene.strands[1].ghosts.target_count, ghosts.target_count );
     assert_int_equal( scene.strands[1].ghosts.frame, ghosts.frame );
     assert_true( scene.strands[1].ghosts.tip_gain == ghosts.tip_gain && scene.strands[1].ghosts.capped );
-    assert_int_equal( scene.strands[1].ghosts.made_by_default, ghosts.made_by_default );
+    assert_int_equal( scene.strands[1].ghosts.cookie, ghosts.cookie );
     assert_int_equal( scene.strands[2].curves.kind, curves.kind );
     assert_int_equal( scene.strands[2].curves.samples, curves.samples );
-    assert_int_equal( scene.strands[2].curves.made_by_default, curves.made_by_default );
+    assert_int_equal( scene.strands[2].curves.cookie, curves.cookie );
     wisp_scene_release( &scene );
 }
 
 // ---- what is written ----
 
 static const char EVERY_KEY[] =
-    "wisp: 1\nsteps: 9\nstep_seconds: 0.5\n"
+    "wisp: 1\nsteps: 9\ndt: 0.5\n"
     "events: [ { step: 3, strands: hair, wind: [7, 8, 9] }, { step: 3, surface: cloth, velocity: [1, 0, 0] } ]\n"
     "strands:\n"
     "  - name: hair\n"
@@ -133,7 +133,7 @@ static void assert_dynamics( const wisp_strand_dynamics_def* d )
     assert_int_equal( d->solver, WISP_SOLVER_PBD );
     assert_int_equal( d->stretch_passes, 5 );
     assert_false( d->clamped );
-    assert_true( d->stretch_tolerance == 0.25f && d->follow_share == 0.5f && d->bend_rigidity == 1.0f );
+    assert_true( d->stretch_tolerance == 0.25f && d->leader_correction == 0.5f && d->bend_rigidity == 1.0f );
     assert_true( d->twist_rigidity == 2.0f && d->bend_damping == 3.0f && d->stretch_compliance == 4.0f );
     assert_true( d->bend_compliance == 5.0f && d->stretch_stiffness == 0.25f && d->bend_stiffness == 0.75f );
     assert_true( d->line_density == 6.0f && d->damping == 7.0f && d->air_density == 8.0f && d->drag == 9.0f );
@@ -176,8 +176,8 @@ static void every_key_of_motion_reaches_its_place( void** state )
     assert_true( hair->has_grid && hair->grid.cell == 0.5f && hair->grid.friction == 0.25f &&
                  hair->grid.repulsion == 12.0f );
     assert_true( hair->has_collision && hair->collision.thickness == 0.5f && hair->collision.friction == 0.25f );
-    assert_true( hair->collision.recovery_speed == 2.0f && hair->collision.mask == 9u && hair->want_contacts );
-    assert_true( hair->want_strain && hair->want_speed && hair->want_quality && !hair->want_points );
+    assert_true( hair->collision.max_push_out_speed == 2.0f && hair->collision.mask == 9u && hair->request_contacts );
+    assert_true( hair->request_strain && hair->request_speed && hair->request_motion_stats && !hair->request_points );
 
     assert_true( ghosts->is_scattered && ghosts->scatter.around == 0 && ghosts->scatter.count == 3 );
     assert_true( ghosts->scatter.radius == 0.125f && ghosts->scatter.seed == UINT64_MAX );
@@ -250,7 +250,7 @@ static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     assert_int_equal( scene.strands_count, 3 );
     assert_true( scene.strands[0].has_dynamics && scene.strands[0].has_head && scene.strands[0].has_grid );
@@ -263,12 +263,12 @@ static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
 
 static wisp_groom straight_groom( int dimension )
 {
-    wisp_groom_recipe recipe = wisp_default_groom_recipe( WISP_GROOM_STRAIGHT, dimension );
-    recipe.strand_count = 5;
-    recipe.vertices_per_strand = 4;
+    wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, dimension );
+    generator.strand_count = 5;
+    generator.vertices_per_strand = 4;
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
-    assert_int_equal( wisp_groom_make( &recipe, &groom, &error ), WISP_OK );
+    assert_int_equal( wisp_groom_generate( &generator, &groom, &error ), WISP_OK );
     return groom;
 }
 
@@ -336,14 +336,14 @@ static void scattering_more_strands_around_each_keeps_those_that_there_were( voi
     wisp_groom_release( &source );
 }
 
-static void scattering_too_many_strands_is_refused_before_memory_is_asked_for( void** state )
+static void scattering_too_many_strands_is_refused_before_memory_is_queried_for( void** state )
 {
     (void)state;
     wisp_groom source = straight_groom( 3 ), out;
     wisp_error error = { .status = WISP_OK };
     const wisp_scene_scatter scatter = { .around = 0, .count = 6710887, .radius = 0.01f, .seed = 3 };
     assert_int_equal( wisp_scene_make_scatter( &scatter, &source, &out, &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence,
+    assert_string_equal( error.message,
                          "6710887 strands around each of 5 have 134217740 vertices, expected at most 134217728" );
     assert_null( out.points );
     wisp_groom_release( &source );
@@ -408,7 +408,7 @@ int main( void )
         cmocka_unit_test( a_scene_with_every_key_of_moving_strands_is_read ),
         cmocka_unit_test( scattered_strands_are_their_targets_moved_across_the_root_within_the_radius ),
         cmocka_unit_test( scattering_more_strands_around_each_keeps_those_that_there_were ),
-        cmocka_unit_test( scattering_too_many_strands_is_refused_before_memory_is_asked_for ),
+        cmocka_unit_test( scattering_too_many_strands_is_refused_before_memory_is_queried_for ),
         cmocka_unit_test( curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

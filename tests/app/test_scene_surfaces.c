@@ -26,17 +26,17 @@ static wisp_scene good( const char* text )
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", error.sentence );
+        fail_msg( "refused: %s", error.message );
     }
     return scene;
 }
 
-static void demand_refusal( const char* text, const char* sentence )
+static void demand_refusal( const char* text, const char* message )
 {
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ), WISP_BAD_INPUT );
-    assert_string_equal( error.sentence, sentence );
+    assert_string_equal( error.message, message );
 }
 
 static void assert_vector( wisp_vec3 v, float x, float y, float z )
@@ -62,7 +62,7 @@ static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( 
     assert_int_equal( s->line, 3 );
     assert_int_equal( s->column, 5 );
     assert_true( s->mesh.is_made && !s->mesh.file && s->mesh.scale == 1.0f );
-    assert_int_equal( s->mesh.recipe.columns, wisp_default_mesh_recipe( WISP_MESH_PLANE_REGULAR ).columns );
+    assert_int_equal( s->mesh.generator.columns, wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ).columns );
     assert_int_equal( s->mesh.repairs + s->mesh.demands, 0 );
     assert_int_equal( s->instance_of, -1 );
     assert_true( s->pose.rotation.w == 1.0f );
@@ -71,10 +71,11 @@ static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( 
     assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
     assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->has_pin_pivot || s->has_outlet_nearest );
     assert_int_equal( s->pin_count + s->pin_box_count + s->pin_nearest_count + s->pin_path.count, 0 );
-    assert_false( s->want_points || s->want_normals || s->want_strain || s->want_speed || s->want_quality );
-    assert_int_equal( s->cloth.made_by_default, wisp_default_cloth_def().made_by_default );
-    assert_int_equal( s->balloon.made_by_default, wisp_default_balloon_def().made_by_default );
-    assert_int_equal( s->collision.made_by_default, wisp_default_collision_def().made_by_default );
+    assert_false( s->request_points || s->request_normals || s->request_strain || s->request_speed ||
+                  s->request_motion_stats );
+    assert_int_equal( s->cloth.cookie, wisp_default_cloth_def().cookie );
+    assert_int_equal( s->balloon.cookie, wisp_default_balloon_def().cookie );
+    assert_int_equal( s->collision.cookie, wisp_default_collision_def().cookie );
     wisp_scene_release( &scene );
 }
 
@@ -129,7 +130,7 @@ static void assert_pins( const wisp_scene_surface* s )
     assert_int_equal( s->pin_count, 2 );
     assert_true( s->pins[0] == 7 && s->pins[1] == 3 );
     assert_int_equal( s->pin_box_count, 1 );
-    assert_vector( s->pin_boxes[0].high, 1.0f, 0.5f, 1.0f );
+    assert_vector( s->pin_boxes[0].upper, 1.0f, 0.5f, 1.0f );
     assert_int_equal( s->pin_nearest_count, 2 );
     assert_vector( s->pin_nearest[1], 0.0f, 2.0f, 0.0f );
     assert_true( s->has_pin_pivot );
@@ -139,7 +140,7 @@ static void assert_pins( const wisp_scene_surface* s )
     assert_true( poses[0].time == 0.5f && poses[1].time == 1.0f && poses[0].pose.rotation.w == 1.0f );
     // what the second keyframe does not say is as in the first
     assert_vector( poses[1].pose.translation, 0.0f, 1.0f, 0.0f );
-    assert_near( wisp_quat_turn( poses[1].pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0.0f, 0.0f, -1.0f );
+    assert_near( wisp_quat_rotate( poses[1].pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0.0f, 0.0f, -1.0f );
 }
 
 static void every_key_of_a_cloth_reaches_its_place( void** state )
@@ -148,10 +149,10 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     wisp_scene scene = good( CLOTH_KEYS );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_string_equal( s->mesh.file, "scenes/meshes/cloth.ply" );
-    assert_int_equal( s->mesh.repairs, WISP_MESH_DROP_LOOSE | WISP_MESH_TURN_TRIANGLES );
-    assert_int_equal( s->mesh.demands, WISP_MESH_ORIENTED | WISP_MESH_ONE_SHELL );
+    assert_int_equal( s->mesh.repairs, WISP_MESH_DROP_UNREFERENCED | WISP_MESH_TURN_TRIANGLES );
+    assert_int_equal( s->mesh.demands, WISP_MESH_ORIENTED | WISP_MESH_ONE_COMPONENT );
     assert_true( s->mesh.scale == 0.5f );
-    assert_near( wisp_rigid_to_world( s->pose, ( wisp_vec3 ){ 1, 0, 0 } ), 1.0f, 3.0f, 3.0f );
+    assert_near( wisp_transform_to_world( s->pose, ( wisp_vec3 ){ 1, 0, 0 } ), 1.0f, 3.0f, 3.0f );
     assert_true( s->area_density == 0.3f && s->vertex_mass == 1e-4f && s->damping == 0.25f );
     assert_vector( s->velocity, 1.0f, 0.0f, 0.0f );
     assert_vector( s->angular_velocity, 0.0f, 2.0f, 0.0f );
@@ -159,13 +160,14 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     assert_true( s->strain_limit[0] == 0.75f && s->strain_limit[1] == 1.25f );
     assert_int_equal( s->levels, 4 );
     assert_int_equal( s->finest_level, 2 );
-    assert_int_equal( s->sweep, WISP_SWEEP_LIST );
+    assert_int_equal( s->solve_order, WISP_SOLVE_ORDER_LIST );
     assert_int_equal( s->tile_size, 128 );
     assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction == 2.0f );
-    assert_true( s->collision.recovery_speed == 3.0f );
+    assert_true( s->collision.max_push_out_speed == 3.0f );
     assert_int_equal( s->collision.mask, 33 );
-    assert_true( s->want_points && s->want_normals && s->want_strain && s->want_speed && s->want_quality );
-    assert_true( s->want_contacts && !s->want_figures );
+    assert_true( s->request_points && s->request_normals && s->request_strain && s->request_speed &&
+                 s->request_motion_stats );
+    assert_true( s->request_contacts && !s->request_stats );
     assert_true( s->has_cloth && !s->has_balloon );
     assert_cloth( &s->cloth );
     assert_pins( s );
@@ -190,12 +192,12 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
               "0.5 } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_balloon_def* b = &s->balloon;
-    assert_true( s->has_balloon && s->want_figures && !s->has_outlet_nearest );
+    assert_true( s->has_balloon && s->request_stats && !s->has_outlet_nearest );
     assert_true( b->solver == WISP_SOLVER_PBD && b->volume == WISP_SOLVER_PBD );
-    assert_true( b->edge_stiffness == 10.0f && b->cross_stiffness == 11.0f && b->stretch_share == 0.5f );
-    assert_true( b->bend_share == 0.25f && b->volume_share == 0.75f && b->fill == 1.5f &&
+    assert_true( b->edge_stiffness == 10.0f && b->bend_link_stiffness == 11.0f && b->stretch_stiffness == 0.5f );
+    assert_true( b->bend_stiffness == 0.25f && b->volume_stiffness == 0.75f && b->gas_ratio == 1.5f &&
                  b->inflation_rate == -0.5f );
-    assert_true( b->least_fill == 0.125f && b->atmospheric_pressure == 9e4f && b->temperature == 300.0f );
+    assert_true( b->min_gas_ratio == 0.125f && b->atmospheric_pressure == 9e4f && b->temperature == 300.0f );
     assert_true( b->gas_molar_mass == 0.002f && b->air_molar_mass == 0.03f &&
                  b->pressure == WISP_BALLOON_PRESSURE_GAS );
     assert_true( !b->buoyancy && b->drag_coefficient == 0.25f && b->drag == WISP_BALLOON_DRAG_NORMAL );
@@ -204,7 +206,8 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
     assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_PRINTED );
     assert_true( b->allow_open && !scene.surfaces[1].balloon.allow_open );
     assert_int_equal( s->fill_path_count, 2 );
-    assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].fill == 1.25f && s->fill_path[1].fill == 3.0f );
+    assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].gas_ratio == 1.25f &&
+                 s->fill_path[1].gas_ratio == 3.0f );
     assert_true( scene.surfaces[1].has_outlet_nearest && scene.surfaces[1].outlet_radius == 0.5f );
     assert_vector( scene.surfaces[1].outlet_nearest, 0.0f, 1.0f, 2.0f );
     wisp_scene_release( &scene );
@@ -234,9 +237,9 @@ static void colliders_have_the_sizes_of_their_shape( void** state )
     assert_vector( c[3].def.half_extent, 1.0f, 2.0f, 3.0f );
     assert_int_equal( c[3].path.count, 1 );
     // a keyframe without a rotation keeps that of the start
-    assert_near( wisp_rigid_to_world( c[3].path.poses[0].pose, ( wisp_vec3 ){ 1, 0, 0 } ), 4.0f, 6.0f, 6.0f );
+    assert_near( wisp_transform_to_world( c[3].path.poses[0].pose, ( wisp_vec3 ){ 1, 0, 0 } ), 4.0f, 6.0f, 6.0f );
     assert_string_equal( c[4].mesh.file, "scenes/rock.obj" );
-    assert_true( c[4].def.sheet && c[4].mesh.scale == 2.0f && c[4].mesh.demands == WISP_MESH_MANIFOLD );
+    assert_true( c[4].def.double_sided && c[4].mesh.scale == 2.0f && c[4].mesh.demands == WISP_MESH_MANIFOLD );
     wisp_scene_release( &scene );
 }
 
@@ -263,10 +266,10 @@ static void three_angles_turn_about_x_then_y_then_z( void** state )
                              "  - { name: b, shape: plane, rotation: { degrees: [0, 90, 90] } }\n"
                              "  - { name: c, shape: plane, rotation: { axis: [1, 1, 1], degrees: -240 } }\n" );
     // y goes to z by the first turn and to x by the second; x goes to -z, which the third leaves alone
-    assert_near( wisp_quat_turn( scene.colliders[0].def.pose.rotation, ( wisp_vec3 ){ 0, 1, 0 } ), 1, 0, 0 );
-    assert_near( wisp_quat_turn( scene.colliders[1].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 0, -1 );
+    assert_near( wisp_quat_rotate( scene.colliders[0].def.pose.rotation, ( wisp_vec3 ){ 0, 1, 0 } ), 1, 0, 0 );
+    assert_near( wisp_quat_rotate( scene.colliders[1].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 0, -1 );
     // a third of a turn about the diagonal takes each axis to the next
-    assert_near( wisp_quat_turn( scene.colliders[2].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 1, 0 );
+    assert_near( wisp_quat_rotate( scene.colliders[2].def.pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0, 1, 0 );
     wisp_scene_release( &scene );
 }
 
@@ -277,16 +280,16 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
     (void)state;
     for ( int shape = 0; shape < WISP_MESH_SHAPE_COUNT; ++shape )
     {
-        wisp_mesh_recipe recipe = wisp_default_mesh_recipe( (wisp_mesh_shape)shape );
-        recipe.columns = 9;
-        recipe.rows = 7;
-        recipe.level = 2;
-        recipe.segments = 11;
-        recipe.rings = 5;
-        recipe.length_segments = 3;
+        wisp_mesh_generator generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
+        generator.columns = 9;
+        generator.rows = 7;
+        generator.level = 2;
+        generator.segments = 11;
+        generator.rings = 5;
+        generator.length_segments = 3;
         wisp_mesh mesh;
-        assert_int_equal( wisp_mesh_make( &recipe, &mesh, NULL ), WISP_OK );
-        assert_int_equal( scene_recipe_vertices( &recipe ), mesh.vertex_count );
+        assert_int_equal( wisp_mesh_generate( &generator, &mesh, NULL ), WISP_OK );
+        assert_int_equal( scene_generator_vertices( &generator ), mesh.vertex_count );
         wisp_mesh_release( &mesh );
     }
 }
@@ -314,10 +317,10 @@ static void entries_of_the_script_come_in_the_order_of_their_steps( void** state
         assert_int_equal( scene.events[i].step, steps[i] );
     }
     assert_vector( scene.events[0].angular_velocity, 0.0f, 0.0f, 2.0f );
-    assert_true( scene.events[0].has_velocity && !scene.events[0].has_fill && !scene.events[0].release );
+    assert_true( scene.events[0].has_velocity && !scene.events[0].has_gas_ratio && !scene.events[0].release );
     assert_true( scene.events[1].release && scene.events[1].has_wind && !scene.events[1].has_velocity );
     assert_vector( scene.events[1].wind, 1.0f, 2.0f, 3.0f );
-    assert_true( scene.events[3].has_open && scene.events[3].open && scene.events[3].fill == 1.5f );
+    assert_true( scene.events[3].has_open && scene.events[3].open && scene.events[3].gas_ratio == 1.5f );
     assert_true( scene.events[3].has_inflation_rate && scene.events[3].inflation_rate == 0.25f );
     assert_int_equal( scene.events[3].surface, 1 );
     wisp_scene_release( &scene );
@@ -335,12 +338,12 @@ static void a_fill_after_its_keyframes_is_taken( void** state )
     wisp_scene_release( &scene );
 }
 
-static void points_are_wanted_where_an_output_writes_a_surface( void** state )
+static void points_are_requested_where_an_output_writes_a_surface( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, generate: { shape: plane } } ]\n"
                              "output: [ { surface: a, file: a.ply } ]\n" );
-    assert_true( scene.surfaces[0].want_points );
+    assert_true( scene.surfaces[0].request_points );
     assert_int_equal( scene.outputs[0].surface, 0 );
     assert_int_equal( scene.outputs[0].strands, -1 );
     wisp_scene_release( &scene );
@@ -407,12 +410,12 @@ static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
         wisp_error error = { .status = WISP_OK };
         if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
         {
-            fail_msg( "refused: %s", error.sentence );
+            fail_msg( "refused: %s", error.message );
         }
         assert_int_equal( scene.surface_count, files[i].surfaces );
         assert_int_equal( scene.collider_count, files[i].colliders );
         assert_int_equal( scene.event_count, files[i].events );
-        assert_true( scene.surfaces[0].want_points );
+        assert_true( scene.surfaces[0].request_points );
         wisp_scene_release( &scene );
     }
 }
@@ -430,7 +433,7 @@ int main( void )
         cmocka_unit_test( vertices_are_counted_as_the_maker_makes_them ),
         cmocka_unit_test( entries_of_the_script_come_in_the_order_of_their_steps ),
         cmocka_unit_test( a_fill_after_its_keyframes_is_taken ),
-        cmocka_unit_test( points_are_wanted_where_an_output_writes_a_surface ),
+        cmocka_unit_test( points_are_requested_where_an_output_writes_a_surface ),
         cmocka_unit_test( lists_of_surfaces_and_colliders_have_an_end ),
         cmocka_unit_test( a_long_list_of_keyframes_is_read_in_one_walk ),
         cmocka_unit_test( the_scenes_of_the_project_with_surfaces_are_read ),

@@ -32,7 +32,7 @@ static wisp_status build( fixture* f, const char* text )
     *f = ( fixture ){ 0 };
     if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &f->scene, &f->error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", f->error.sentence );
+        fail_msg( "refused: %s", f->error.message );
     }
     const scene_world_options options = { .workers = 1 };
     return scene_world_create( &f->scene, &options, &f->world, &f->error );
@@ -48,7 +48,7 @@ static void good( fixture* f, const char* text )
 {
     if ( build( f, text ) != WISP_OK )
     {
-        fail_msg( "not built: %s", f->error.sentence );
+        fail_msg( "not built: %s", f->error.message );
     }
 }
 
@@ -58,16 +58,16 @@ static void step( fixture* f, int count )
     {
         if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
         {
-            fail_msg( "step %d: %s", i, f->error.sentence );
+            fail_msg( "step %d: %s", i, f->error.message );
         }
     }
 }
 
-static void demand_refusal( const char* text, const char* sentence )
+static void demand_refusal( const char* text, const char* message )
 {
     fixture f;
     assert_int_equal( build( &f, text ), WISP_BAD_INPUT );
-    assert_string_equal( f.error.sentence, sentence );
+    assert_string_equal( f.error.message, message );
     assert_null( f.world.world );
     wisp_scene_release( &f.scene );
 }
@@ -78,7 +78,7 @@ static wisp_vec3 point_of( fixture* f, int body, int vertex )
     assert_non_null( points );
     if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
     {
-        fail_msg( "no points: %s", f->error.sentence );
+        fail_msg( "no points: %s", f->error.message );
     }
     wisp_vec3 point = points[vertex];
     free( points );
@@ -290,16 +290,16 @@ static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** st
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.001\nsteps: 3\nsurfaces:\n"
+    good( &f, "wisp: 1\ndt: 0.001\nsteps: 3\nsurfaces:\n"
               "  - { name: a, generate: { shape: icosphere, level: 3, radius: 1 }, compute: [effect_stats], gravity: "
               "[0, 0, 0], "
               "balloon: { gas_ratio: 1.5, outlet_nearest: [0, 2, 0], outlet_radius: 1.2, outlet_open: true, spin: "
               "none } }\n" );
     step( &f, 2 );
-    wisp_balloon_figures figures;
-    assert_int_equal( wisp_read_balloon_figures( f.world.world, f.world.surfaces[0].entity, &figures ), WISP_OK );
+    wisp_balloon_stats stats;
+    assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );
     // the jet leaves upwards through the top, so it pushes down
-    assert_true( figures.jet[1] < 0.0 && fabs( figures.jet[0] ) < 0.1 * fabs( figures.jet[1] ) );
+    assert_true( stats.jet[1] < 0.0 && fabs( stats.jet[0] ) < 0.1 * fabs( stats.jet[1] ) );
     release( &f );
 }
 
@@ -309,7 +309,7 @@ static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.1\nsteps: 100\nsurfaces:\n"
+    good( &f, "wisp: 1\ndt: 0.1\nsteps: 100\nsurfaces:\n"
               "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2, spacing: 2 }\n    pins: [0, 1, 2, 3]\n"
               "    compute: [points]\n    pin_keyframes:\n"
               "      - { time: 1, translate: [0, 1, 0] }\n"
@@ -329,7 +329,7 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.01\nsteps: 100\nsurfaces:\n"
+    good( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsurfaces:\n"
               "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
               "    compute: [points]\n    pin_keyframes: [{ time: 10, translate: [5, 0, 0] }]\n"
               "events: [{ time: 0.1, surface: a, release: true, velocity: [0, 0, 1] }]\n" );
@@ -347,22 +347,22 @@ static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** s
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
+    good( &f, "wisp: 1\ndt: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
               "  - { name: a, generate: { shape: icosphere, level: 1 }, compute: [effect_stats], "
               "balloon: { gas_ratio: 1.5, gas_ratio_keyframes: [[1, 1], [2, 2]] } }\n"
               "events: [{ step: 25, surface: a, gas_ratio: 1.25 }]\n" );
     static const struct
     {
         int steps;
-        double fill;
+        double gas_ratio;
     } story[] = { { 5, 1.5 }, { 5, 1.0 }, { 5, 1.5 }, { 5, 2.0 }, { 5, 2.0 }, { 1, 1.25 }, { 5, 1.25 } };
     for ( int i = 0; i < WISP_COUNT( story ); ++i )
     {
         step( &f, story[i].steps );
-        wisp_balloon_figures figures;
-        assert_int_equal( wisp_read_balloon_figures( f.world.world, f.world.surfaces[0].entity, &figures ), WISP_OK );
+        wisp_balloon_stats stats;
+        assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );
         // times and fills are floats
-        assert_true( fabs( figures.target_volume / figures.rest_volume - story[i].fill ) < 1e-5 );
+        assert_true( fabs( stats.target_volume / stats.rest_volume - story[i].gas_ratio ) < 1e-5 );
     }
     release( &f );
 }
@@ -371,7 +371,7 @@ static void the_outlet_opens_and_closes_when_the_script_says( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
+    good( &f, "wisp: 1\ndt: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
               "  - { name: a, generate: { shape: icosphere, level: 2, radius: 0.2 }, compute: [effect_stats], "
               "balloon: { gas_ratio: 1.5, outlet: [0] } }\n"
               "events:\n  - { step: 5, surface: a, outlet_open: true }\n  - { step: 10, surface: a, outlet_open: "
@@ -380,9 +380,9 @@ static void the_outlet_opens_and_closes_when_the_script_says( void** state )
     for ( int i = 0; i < 3; ++i )
     {
         step( &f, 5 );
-        wisp_balloon_figures figures;
-        assert_int_equal( wisp_read_balloon_figures( f.world.world, f.world.surfaces[0].entity, &figures ), WISP_OK );
-        lost[i] = figures.gas_lost;
+        wisp_balloon_stats stats;
+        assert_int_equal( wisp_read_balloon_stats( f.world.world, f.world.surfaces[0].entity, &stats ), WISP_OK );
+        lost[i] = stats.gas_lost;
     }
     assert_true( lost[0] == 0.0 && lost[1] > 0.0 && lost[2] == lost[1] );
     release( &f );
@@ -393,7 +393,7 @@ static void wind_of_the_script_blows_from_its_step_on( void** state )
     (void)state;
     fixture f;
     good( &f,
-          "wisp: 1\nstep_seconds: 0.01\nsteps: 40\nsurfaces:\n"
+          "wisp: 1\ndt: 0.01\nsteps: 40\nsurfaces:\n"
           "  - { name: a, generate: { shape: plane, columns: 4, rows: 4 }, gravity: [0, 0, 0], compute: [points], "
           "cloth: { drag_coefficient: 1 } }\n"
           "events: [{ step: 5, surface: a, wind: [0, 3, 0] }]\n" );
@@ -408,7 +408,7 @@ static void colliders_follow_their_keyframes( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nstep_seconds: 0.1\nsteps: 40\ncolliders:\n"
+    good( &f, "wisp: 1\ndt: 0.1\nsteps: 40\ncolliders:\n"
               "  - { name: a, shape: box, half_extent: [1, 1, 1], position: [1, 0, 0], keyframes: "
               "[{ time: 1, position: [3, 0, 0] }, { time: 2, position: [3, 0, 0], rotation: { degrees: [0, 180, 0] } "
               "}] }\n" );
@@ -440,43 +440,43 @@ static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_t
 
 // ---- what is asked for ----
 
-static void what_a_body_does_not_have_cannot_be_asked_for( void** state )
+static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
 {
     (void)state;
     fixture f;
     good( &f, "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 2 } }\n"
               "surfaces:\n  - { name: cloth, generate: { shape: plane } }\n"
               "colliders:\n  - { name: ground, shape: plane }\n" );
-    assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_STRAIN, &f.error ), WISP_BAD_INPUT );
-    assert_string_equal( f.error.sentence, "test.yaml: 'hair' has no strain" );
-    assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_WIDTH, &f.error ), WISP_BAD_INPUT );
-    assert_int_equal( scene_world_want( &f.world, 1, SCENE_WISH_COLOUR, &f.error ), WISP_BAD_INPUT );
-    assert_int_equal( scene_world_want( &f.world, 2, SCENE_WISH_POINTS, &f.error ), WISP_BAD_INPUT );
+    assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_STRAIN, &f.error ), WISP_BAD_INPUT );
+    assert_string_equal( f.error.message, "test.yaml: 'hair' has no strain" );
+    assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_WIDTH, &f.error ), WISP_BAD_INPUT );
+    assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_COLOUR, &f.error ), WISP_BAD_INPUT );
+    assert_int_equal( scene_world_request( &f.world, 2, SCENE_REQUEST_POINTS, &f.error ), WISP_BAD_INPUT );
     release( &f );
 }
 
-static void what_is_asked_for_is_there_after_a_step( void** state )
+static void what_is_queried_for_is_there_after_a_step( void** state )
 {
     (void)state;
     fixture f;
     good( &f,
           "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n" );
     float speeds[9] = { 1.0f };
-    wisp_quality quality;
-    assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_SPEED, &f.error ), WISP_OK );
-    assert_int_equal( scene_world_want( &f.world, 0, SCENE_WISH_QUALITY, &f.error ), WISP_OK );
-    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_WISH_SPEED, speeds, &f.error ), WISP_OK );
+    wisp_motion_stats motion_stats;
+    assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_SPEED, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_MOTION_STATS, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_SPEED, speeds, &f.error ), WISP_OK );
     assert_true( speeds[0] == 0.0f );
     step( &f, 1 );
-    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_WISH_SPEED, speeds, &f.error ), WISP_OK );
-    assert_int_equal( scene_world_quality( &f.world, 0, &quality, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_SPEED, speeds, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_motion_stats( &f.world, 0, &motion_stats, &f.error ), WISP_OK );
     // g over 1/60 s
     assert_true( fabsf( speeds[8] - 9.8f / 60.0f ) < 1e-6f );
-    assert_true( fabs( quality.speed_max - 9.8 / 60.0 ) < 1e-6 );
+    assert_true( fabs( motion_stats.speed_max - 9.8 / 60.0 ) < 1e-6 );
     assert_true( fabs( scene_world_time( &f.world ) - 1.0 / 60.0 ) < 1e-8 );
     wisp_vec3 points[9];
     assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_CONFLICT );
-    assert_non_null( strstr( f.error.sentence, "'cloth'" ) );
+    assert_non_null( strstr( f.error.message, "'cloth'" ) );
     release( &f );
 }
 
@@ -510,9 +510,10 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
-    demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
-                    "test.yaml:3:5: surface 'a': balloon: got 8 open edges, the first from vertex 0 to vertex 3, "
-                    "expected a closed mesh; allow_open closes holes" );
+    demand_refusal(
+        "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane, columns: 3, rows: 3 }, balloon: {} }\n",
+        "test.yaml:3:5: surface 'a': balloon: got 8 open edges, the first from vertex 0 to vertex 3, "
+        "expected a closed mesh; allow_open closes holes" );
     demand_refusal( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: icosphere, level: 1 } }\n"
                     "  - { name: b, instance_of: a, pins: [42] }\n",
                     "test.yaml:4:5: surface 'b': pins: got vertex 42, but the mesh has 42 vertices, counted from 0" );
@@ -527,11 +528,11 @@ static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )
     (void)state;
     fixture f;
     assert_int_equal( build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: no_such_mesh.obj }\n" ), WISP_IO_ERROR );
-    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: surface 'a': no_such_mesh.obj" ) );
+    assert_non_null( strstr( f.error.message, "test.yaml:3:5: surface 'a': no_such_mesh.obj" ) );
     wisp_scene_release( &f.scene );
     assert_int_equal( build( &f, "wisp: 1\ncolliders:\n  - { name: a, shape: mesh, file: no_such_mesh.obj }\n" ),
                       WISP_IO_ERROR );
-    assert_non_null( strstr( f.error.sentence, "test.yaml:3:5: collider 'a': no_such_mesh.obj" ) );
+    assert_non_null( strstr( f.error.message, "test.yaml:3:5: collider 'a': no_such_mesh.obj" ) );
     wisp_scene_release( &f.scene );
 }
 
@@ -552,7 +553,7 @@ static void the_scenes_of_the_project_run( void** state )
         if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK ||
              scene_world_create( &f.scene, &options, &f.world, &f.error ) != WISP_OK )
         {
-            fail_msg( "%s", f.error.sentence );
+            fail_msg( "%s", f.error.message );
         }
         step( &f, 3 );
         assert_true( wisp_world_counter( f.world.world, WISP_COUNT_STEPS ) == 3 );
@@ -579,8 +580,8 @@ int main( void )
         cmocka_unit_test( wind_of_the_script_blows_from_its_step_on ),
         cmocka_unit_test( colliders_follow_their_keyframes ),
         cmocka_unit_test( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through ),
-        cmocka_unit_test( what_a_body_does_not_have_cannot_be_asked_for ),
-        cmocka_unit_test( what_is_asked_for_is_there_after_a_step ),
+        cmocka_unit_test( what_a_body_does_not_have_cannot_be_queried_for ),
+        cmocka_unit_test( what_is_queried_for_is_there_after_a_step ),
         cmocka_unit_test( a_written_surface_is_read_back_where_it_was ),
         cmocka_unit_test( what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface ),
         cmocka_unit_test( a_missing_mesh_is_an_error_of_the_system_at_its_line ),

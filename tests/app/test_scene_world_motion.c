@@ -30,7 +30,7 @@ static wisp_status build( fixture* f, const char* text )
     *f = ( fixture ){ 0 };
     if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &f->scene, &f->error ) != WISP_OK )
     {
-        fail_msg( "refused: %s", f->error.sentence );
+        fail_msg( "refused: %s", f->error.message );
     }
     const scene_world_options options = { .workers = 1 };
     return scene_world_create( &f->scene, &options, &f->world, &f->error );
@@ -46,7 +46,7 @@ static void good( fixture* f, const char* text )
 {
     if ( build( f, text ) != WISP_OK )
     {
-        fail_msg( "not built: %s", f->error.sentence );
+        fail_msg( "not built: %s", f->error.message );
     }
 }
 
@@ -56,16 +56,16 @@ static void step( fixture* f, int count )
     {
         if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
         {
-            fail_msg( "step %d: %s", i, f->error.sentence );
+            fail_msg( "step %d: %s", i, f->error.message );
         }
     }
 }
 
-static void demand_refusal( const char* text, const char* sentence )
+static void demand_refusal( const char* text, const char* message )
 {
     fixture f;
     assert_int_equal( build( &f, text ), WISP_BAD_INPUT );
-    assert_string_equal( f.error.sentence, sentence );
+    assert_string_equal( f.error.message, message );
     assert_null( f.world.world );
     wisp_scene_release( &f.scene );
 }
@@ -77,7 +77,7 @@ static wisp_vec3* points_of( fixture* f, int body )
     assert_non_null( points );
     if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
     {
-        fail_msg( "no points: %s", f->error.sentence );
+        fail_msg( "no points: %s", f->error.message );
     }
     return points;
 }
@@ -179,7 +179,7 @@ static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
 // ---- heads ----
 
 static const char TURNING_HEAD[] =
-    "wisp: 1\nsteps: 20\nstep_seconds: 0.1\nsubsteps: 2\nstrands:\n"
+    "wisp: 1\nsteps: 20\ndt: 0.1\nsubsteps: 2\nstrands:\n"
     "  - name: hair\n    generate: { strands: 20, vertices: 5, scalp_radius: 0.1 }\n"
     "    transform: { translate: [1, 2, 3] }\n    dynamics: {}\n    compute: [points]\n"
     "    head: { keyframes: [ { time: 0.5, position: [1, 2, 3] }, { time: 1.5, position: [2, 2, 3], rotation: { "
@@ -204,7 +204,7 @@ static void roots_go_with_a_collider_of_the_same_keyframes( void** state )
         for ( int s = 0; s < 20; ++s )
         {
             const wisp_vec3 p = start[5 * s], own = { p.x - 1.0f, p.y - 2.0f, p.z - 3.0f };
-            const wisp_vec3 held = wisp_rigid_to_world( f.world.colliders[0].pose, own );
+            const wisp_vec3 held = wisp_transform_to_world( f.world.colliders[0].pose, own );
             // coordinates are below 4 m, where a float is within 2.4e-7, and a pose is a few sums of them
             assert_near( now[5 * s], held, 2e-6f );
         }
@@ -221,7 +221,7 @@ static void a_pivot_is_what_a_head_turns_about( void** state )
     (void)state;
     fixture f;
     good( &f,
-          "wisp: 1\nsteps: 12\nstep_seconds: 0.1\nstrands:\n"
+          "wisp: 1\nsteps: 12\ndt: 0.1\nstrands:\n"
           "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 4 }\n    dynamics: {}\n    compute: "
           "[points]\n"
           "    head: { pivot: [0, 1, 0], keyframes: [ { time: 1, position: [0, 1, 0], rotation: { axis: [0, 0, 1], "
@@ -236,7 +236,7 @@ static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
 {
     (void)state;
     fixture f;
-    good( &f, "wisp: 1\nsteps: 20\nstep_seconds: 0.05\nstrands:\n"
+    good( &f, "wisp: 1\nsteps: 20\ndt: 0.05\nstrands:\n"
               "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
               "on_surface: "
               "board, compute: [points] }\n"
@@ -261,7 +261,7 @@ static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
 // ---- ghosts ----
 
 static const char FOLLOWED[] =
-    "wisp: 1\nsteps: 10\nstep_seconds: 0.02\nsubsteps: 2\nstrands:\n"
+    "wisp: 1\nsteps: 10\ndt: 0.02\nsubsteps: 2\nstrands:\n"
     "  - name: guides\n    generate: { strands: 6, vertices: 8, length: 0.1 }\n    dynamics: {}\n"
     "    head: { keyframes: [ { time: 0.1, position: [0, 0.05, 0] } ] }\n    compute: [points]\n"
     "  - { name: ghosts, scatter: { around: guides, count: 3, radius: 0.01 }, ghosts: {}, compute: [points] }\n"
@@ -325,7 +325,7 @@ static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
                    "  - { name: ghosts, generate: { strands: 5, vertices: 9 }, ghosts: { targets: guides } }\n" ),
         WISP_BAD_INPUT );
     const char* place = "test.yaml:4:5: strands 'ghosts': ";
-    assert_memory_equal( f.error.sentence, place, strlen( place ) );
+    assert_memory_equal( f.error.message, place, strlen( place ) );
     assert_null( f.world.world );
     wisp_scene_release( &f.scene );
 }
@@ -357,7 +357,7 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
 
 // ---- what is asked of them ----
 
-static void strands_that_move_tell_strain_speed_and_quality_and_others_do_not( void** state )
+static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not( void** state )
 {
     (void)state;
     fixture f;
@@ -370,16 +370,16 @@ static void strands_that_move_tell_strain_speed_and_quality_and_others_do_not( v
         "  - { name: still, generate: { strands: 2, vertices: 2 } }\n" );
     step( &f, 3 );
     float speed[24], strain[24];
-    wisp_quality quality;
-    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_WISH_SPEED, speed, &f.error ), WISP_OK );
-    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_WISH_STRAIN, strain, &f.error ), WISP_OK );
-    assert_int_equal( scene_world_quality( &f.world, 0, &quality, &f.error ), WISP_OK );
+    wisp_motion_stats motion_stats;
+    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_SPEED, speed, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_STRAIN, strain, &f.error ), WISP_OK );
+    assert_int_equal( scene_world_motion_stats( &f.world, 0, &motion_stats, &f.error ), WISP_OK );
     // a chain let go level falls at least as fast as a stone: g t = 0.49 m/s after 3 steps, from the tip, 2/3 of it on the way
     assert_true( speed[5] > 0.3f && speed[0] == 0.0f );
     assert_true( strain[3] >= 0.0f && strain[3] <= 1e-3f ); // the tolerance of the direct solve
-    assert_true( fabs( quality.speed_max - (double)speed[5] ) < 0.2 );
-    assert_int_equal( scene_world_want( &f.world, 1, SCENE_WISH_SPEED, &f.error ), WISP_BAD_INPUT );
-    assert_string_equal( f.error.sentence, "test.yaml: 'still' has no speed" );
+    assert_true( fabs( motion_stats.speed_max - (double)speed[5] ) < 0.2 );
+    assert_int_equal( scene_world_request( &f.world, 1, SCENE_REQUEST_SPEED, &f.error ), WISP_BAD_INPUT );
+    assert_string_equal( f.error.message, "test.yaml: 'still' has no speed" );
     release( &f );
 }
 
@@ -414,7 +414,7 @@ static void open_scene( fixture* f, const char* file, int workers )
     if ( wisp_scene_read( path, &f->scene, &f->error ) != WISP_OK ||
          scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
     {
-        fail_msg( "%s", f->error.sentence );
+        fail_msg( "%s", f->error.message );
     }
 }
 
@@ -476,9 +476,9 @@ static void links_stretch_where_the_direct_solve_and_the_follower_do_not( void**
     double strain[3];
     for ( int body = 0; body < 3; ++body )
     {
-        wisp_quality quality;
-        assert_int_equal( scene_world_quality( &f.world, body, &quality, &f.error ), WISP_OK );
-        strain[body] = quality.strain_max;
+        wisp_motion_stats motion_stats;
+        assert_int_equal( scene_world_motion_stats( &f.world, body, &motion_stats, &f.error ), WISP_OK );
+        strain[body] = motion_stats.strain_max;
     }
     assert_true( strain[0] <= 1e-3 ); // the tolerance of the direct solve
     assert_true( strain[2] <= 1e-5 ); // segments are laid out at their length: rounding of coordinates
@@ -500,7 +500,7 @@ int main( void )
         cmocka_unit_test( ghosts_of_other_lengths_are_refused_at_their_line ),
         cmocka_unit_test( ghosts_of_other_lengths_follow_if_they_are_resampled ),
         cmocka_unit_test( masses_of_scattered_strands_are_counted_once_there_are_any ),
-        cmocka_unit_test( strands_that_move_tell_strain_speed_and_quality_and_others_do_not ),
+        cmocka_unit_test( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not ),
         cmocka_unit_test( the_script_blows_on_strands ),
         cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),

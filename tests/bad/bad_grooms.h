@@ -1,4 +1,4 @@
-/// Groom files that must be refused: a good file, what is done to it, and words of the sentence that must follow.
+/// Groom files that must be refused: a good file, what is done to it, and words of the message that must follow.
 /// make_bad_grooms.c writes them to tests/bad/groom; test_bad_grooms.c reads them from there.
 #pragma once
 

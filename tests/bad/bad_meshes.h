@@ -1,4 +1,4 @@
-/// Mesh files that must be refused, and words of the sentence that must follow. Texts and bytes are short enough to
+/// Mesh files that must be refused, and words of the message that must follow. Texts and bytes are short enough to
 /// stand here; the name says which reader gets them.
 #pragma once
 
@@ -74,9 +74,9 @@ static const bad_mesh bad_meshes[] = {
     BAD_MESH( "index_zero.obj", THREE "f 0 1 2\n", "line 4: got \"0\", expected a corner" ),
     BAD_MESH( "index_beyond.obj", THREE "f 1 2 3\nf 1 2 4\n", "line 5: face 1: got vertex 4, the file has 3" ),
     BAD_MESH( "index_huge.obj", THREE "f 1 2 4294967297\n", "line 4: got \"4294967297\", expected a corner" ),
-    BAD_MESH( "index_most.obj", THREE "f 1 2 2147483647\n", "face 0: got vertex 2147483647" ),
+    BAD_MESH( "max_index.obj", THREE "f 1 2 2147483647\n", "face 0: got vertex 2147483647" ),
     BAD_MESH( "index_before.obj", "v 0 0 0\nf -1 -1 -2\nv 1 1 1\n", "line 2: face 0: got vertex -2, the file has 1" ),
-    BAD_MESH( "index_least.obj", THREE "f 1 2 -2147483647\n", "got vertex -2147483647" ),
+    BAD_MESH( "min_index.obj", THREE "f 1 2 -2147483647\n", "got vertex -2147483647" ),
     BAD_MESH( "index_real.obj", THREE "f 1 2 3.0\n", "line 4: got \"3.0\", expected a corner" ),
     BAD_MESH( "index_word.obj", THREE "f a b c\n", "line 4: got \"a\", expected a corner" ),
     BAD_MESH( "slashes.obj", THREE "f 1/1/1/1 2 3\n", "line 4: got \"1/1/1/1\", expected a corner" ),

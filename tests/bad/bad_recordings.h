@@ -1,4 +1,4 @@
-/// Recordings and point caches that must be refused: a good file, what is done to it, and words of the sentence that
+/// Recordings and point caches that must be refused: a good file, what is done to it, and words of the message that
 /// must follow. make_bad_recordings.c writes them to tests/bad/recording, test_bad_recordings.c reads them there.
 /// The good files and the checksums are built from the description of the format, not by the code under test.
 #pragma once

@@ -20,7 +20,7 @@ static inline void expect_made( accuracy_scene_fn* make, accuracy_scene* out )
     wisp_error error = { 0 };
     if ( make( &quick_options, 7.0, out, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
 }
 
@@ -50,7 +50,7 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, int setting
     accuracy_run run = { .error = NAN };
     if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
     {
-        fail_msg( "%s: %s", scene->settings[setting].name, error.sentence );
+        fail_msg( "%s: %s", scene->settings[setting].name, error.message );
     }
     assert_true( run.ms_count > 0 && run.halted_at == 0 );
     free( run.ms );
@@ -81,7 +81,7 @@ static inline void expect_names_differ( const accuracy_scene* scene )
     assert_true( scene->setting_count > 0 );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
-        assert_true( scene->settings[i].series[0] == '\0' || scene->settings[i].knob > 0.0 );
+        assert_true( scene->settings[i].series[0] == '\0' || scene->settings[i].parameter > 0.0 );
         for ( int k = 0; k < i; ++k )
         {
             assert_string_not_equal( scene->settings[i].name, scene->settings[k].name );

@@ -18,7 +18,7 @@ static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
     wisp_error error = { 0 };
     if ( make( &options, 1.0, out, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
 }
 
@@ -48,7 +48,7 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, const char*
     }
     if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
     {
-        fail_msg( "%s: %s", name, error.sentence );
+        fail_msg( "%s: %s", name, error.message );
     }
     assert_true( run.ms_count > 0 );
     assert_int_equal( run.halted_at, 0 );
@@ -75,7 +75,7 @@ static inline double measure_of( const accuracy_scene* scene, const accuracy_run
     return NAN;
 }
 
-/// The order between two settings whose knobs are in this ratio.
+/// The order between two settings whose parameters are in this ratio.
 static inline double order_between( const accuracy_scene* scene, const char* coarse, const char* fine, double ratio )
 {
     return log( error_of( scene, coarse ) / error_of( scene, fine ) ) / log( ratio );
@@ -90,21 +90,22 @@ static inline void assert_same_hash( const accuracy_scene* scene, const char* na
     assert_true( run_setting( scene, name, 2, false ).hash == looked );
 }
 
-/// Names are told apart, series have a knob above 0 each, and settings of a series different ones.
+/// Names are told apart, series have a parameter above 0 each, and settings of a series different ones.
 static inline void assert_well_formed( const accuracy_scene* scene )
 {
     assert_true( scene->setting_count > 1 );
-    assert_true( scene->truth[0] != '\0' && scene->error_name[0] != '\0' && scene->error_unit[0] != '\0' );
+    assert_true( scene->reference[0] != '\0' && scene->error_name[0] != '\0' && scene->error_unit[0] != '\0' );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         const accuracy_setting* s = &scene->settings[i];
         assert_true( strlen( s->name ) < sizeof( s->name ) - 1 ); // one longer may have been cut
-        assert_true( s->series[0] == '\0' ? isnan( s->knob ) : s->knob > 0.0 );
+        assert_true( s->series[0] == '\0' ? isnan( s->parameter ) : s->parameter > 0.0 );
         for ( int k = 0; k < i; ++k )
         {
             const accuracy_setting* other = &scene->settings[k];
             assert_string_not_equal( other->name, s->name );
-            assert_true( s->series[0] == '\0' || strcmp( other->series, s->series ) != 0 || other->knob != s->knob );
+            assert_true( s->series[0] == '\0' || strcmp( other->series, s->series ) != 0 ||
+                         other->parameter != s->parameter );
         }
     }
 }

@@ -110,7 +110,7 @@ static inline void expect_ok( wisp_status status, const wisp_error* error )
 {
     if ( status != WISP_OK )
     {
-        fail_msg( "%s", error->sentence );
+        fail_msg( "%s", error->message );
     }
 }
 

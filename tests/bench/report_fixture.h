@@ -184,12 +184,12 @@ static inline void assert_anchors( const char* page )
 /// The text after `name="` of the tag at a place, as a number.
 static inline double attribute_of( const char* tag, const char* name )
 {
-    char wanted[40];
-    snprintf( wanted, sizeof( wanted ), " %s=\"", name );
-    const char* found = strstr( tag, wanted );
+    char requested[40];
+    snprintf( requested, sizeof( requested ), " %s=\"", name );
+    const char* found = strstr( tag, requested );
     assert_non_null( found );
     assert_true( found < tag + strcspn( tag, ">" ) );
-    return strtod( found + strlen( wanted ), NULL );
+    return strtod( found + strlen( requested ), NULL );
 }
 
 /// The plot of the first chart.
@@ -203,10 +203,10 @@ static inline const char* plot_of( const char* page )
 /// Coordinate of the tick with this label. @param axis 'x' or 'y'
 static inline double tick_at( const char* page, char axis, const char* label )
 {
-    char wanted[40], end[80];
-    snprintf( wanted, sizeof( wanted ), "<text class=\"tick %c\"", axis );
+    char requested[40], end[80];
+    snprintf( requested, sizeof( requested ), "<text class=\"tick %c\"", axis );
     snprintf( end, sizeof( end ), ">%s</text>", label );
-    for ( const char* at = strstr( plot_of( page ), wanted ); at; at = strstr( at + 1, wanted ) )
+    for ( const char* at = strstr( plot_of( page ), requested ); at; at = strstr( at + 1, requested ) )
     {
         if ( strncmp( strchr( at, '>' ), end, strlen( end ) ) == 0 )
         {

@@ -47,13 +47,13 @@ static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
 static void a_power_law_has_its_power_as_order( void** state )
 {
     (void)state;
-    double knob[6], error[6];
+    double parameter[6], error[6];
     for ( int i = 0; i < 6; ++i )
     {
-        knob[i] = 0.1 / ( 1 << i );
-        error[i] = 3.0 * pow( knob[i], 1.5 );
+        parameter[i] = 0.1 / ( 1 << i );
+        error[i] = 3.0 * pow( parameter[i], 1.5 );
     }
-    const accuracy_order order = accuracy_observed_order( knob, error, 6 );
+    const accuracy_order order = accuracy_observed_order( parameter, error, 6 );
     // logarithms and a straight line lose a few roundings of numbers about 10
     assert_true( fabs( order.slope - 1.5 ) < 1e-12 );
     assert_int_equal( order.used, 6 );
@@ -64,9 +64,9 @@ static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
 {
     (void)state;
     // in no order; first order down to 0.05, then a floor that wobbles; the coarsest was halted, and one is exact
-    const double knob[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
+    const double parameter[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
     const double error[] = { 0.1, NAN, 0.4, 0.2, 0.05, 0.051, 0.047, 0.0 };
-    const accuracy_order order = accuracy_observed_order( knob, error, 8 );
+    const accuracy_order order = accuracy_observed_order( parameter, error, 8 );
     assert_true( fabs( order.slope - 1.0 ) < 1e-12 );
     assert_int_equal( order.used, 4 );
     assert_int_equal( order.count, 6 );
@@ -75,11 +75,11 @@ static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
 static void a_series_that_does_not_fall_has_no_order( void** state )
 {
     (void)state;
-    const double knob[] = { 0.4, 0.2, 0.1 }, error[] = { 1.0, 1.1, 1.2 };
-    const accuracy_order order = accuracy_observed_order( knob, error, 3 );
+    const double parameter[] = { 0.4, 0.2, 0.1 }, error[] = { 1.0, 1.1, 1.2 };
+    const accuracy_order order = accuracy_observed_order( parameter, error, 3 );
     assert_true( isnan( order.slope ) );
     assert_int_equal( order.used, 1 );
-    assert_int_equal( accuracy_observed_order( knob, error, 0 ).count, 0 );
+    assert_int_equal( accuracy_observed_order( parameter, error, 0 ).count, 0 );
 }
 
 // ---- levels ----
@@ -200,7 +200,7 @@ static wisp_status fake_make( const bench_options* options, double seconds, accu
     (void)options;
     (void)error;
     assert_true( seconds > 0.0 );
-    *out = ( accuracy_scene ){ .truth = "closed form: the number of the setting",
+    *out = ( accuracy_scene ){ .reference = "closed form: the number of the setting",
                                .error_name = "distance",
                                .error_unit = "mm",
                                .measure_names = { "sag, mm" },
@@ -214,7 +214,7 @@ static wisp_status fake_make( const bench_options* options, double seconds, accu
     for ( int i = 0; i < FAKE_SETTINGS; ++i )
     {
         accuracy_setting* s = &out->settings[i];
-        *s = ( accuracy_setting ){ .knob_name = "substep, s", .knob = 1.0 + i, .order = 1.0 };
+        *s = ( accuracy_setting ){ .parameter_name = "substep, s", .parameter = 1.0 + i, .order = 1.0 };
         snprintf( s->name, sizeof( s->name ), "setting %d", i );
         snprintf( s->series, sizeof( s->series ), "%s", i < 3 ? "falling" : "" );
     }
@@ -308,7 +308,7 @@ static void the_table_has_times_errors_measures_and_the_front( void** state )
     results_free( &all );
 }
 
-static void rows_for_machines_name_scene_setting_truth_and_knob( void** state )
+static void rows_for_machines_name_scene_setting_reference_and_parameter( void** state )
 {
     (void)state;
     results all = run_fake( 1e-9, 2 );
@@ -402,11 +402,11 @@ static void charts_have_a_series_each_and_mark_the_front( void** state )
     assert_string_equal( point->label, "setting 1" );
 
     // from coarse to fine
-    const results_chart* knob = &all.charts[1];
-    assert_string_equal( knob->x_label, "substep, s" );
-    assert_int_equal( knob->series_count, 1 );
-    assert_int_equal( knob->series[0].count, 3 );
-    assert_true( knob->series[0].points[0].x == 3.0 && knob->series[0].points[2].x == 1.0 );
+    const results_chart* parameter = &all.charts[1];
+    assert_string_equal( parameter->x_label, "substep, s" );
+    assert_int_equal( parameter->series_count, 1 );
+    assert_int_equal( parameter->series[0].count, 3 );
+    assert_true( parameter->series[0].points[0].x == 3.0 && parameter->series[0].points[2].x == 1.0 );
     results_free( &all );
 }
 
@@ -429,7 +429,7 @@ static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** st
     results_free( &all );
 }
 
-static void a_setting_that_fails_ends_the_case_with_its_sentence( void** state )
+static void a_setting_that_fails_ends_the_case_with_its_message( void** state )
 {
     (void)state;
     fake.fails_at = 1;
@@ -437,7 +437,7 @@ static void a_setting_that_fails_ends_the_case_with_its_sentence( void** state )
     wisp_error error = { 0 };
     const bench_options options = bench_default_options();
     assert_int_equal( accuracy_bench_run( &fake_entry, 1, 1.0, &options, &all, &error ), WISP_CONFLICT );
-    assert_string_equal( error.sentence, "setting 1 has no world" );
+    assert_string_equal( error.message, "setting 1 has no world" );
     assert_int_equal( fake.destroyed, 1 );
     results_free( &all );
 }
@@ -450,7 +450,7 @@ static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_o
     static const struct
     {
         const char* series;
-        double knob;
+        double parameter;
         bool is_kept;
     } expected[] = {
         { "", NAN, true },       { "first", 8.0, true },   { "first", 4.0, false },  { "first", 2.0, true },
@@ -462,7 +462,7 @@ static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_o
     int numbers[WISP_COUNT( expected )];
     for ( int i = 0; i < WISP_COUNT( expected ); ++i )
     {
-        settings[i] = ( accuracy_setting ){ .knob = expected[i].knob };
+        settings[i] = ( accuracy_setting ){ .parameter = expected[i].parameter };
         snprintf( settings[i].name, sizeof( settings[i].name ), "%d", i );
         snprintf( settings[i].series, sizeof( settings[i].series ), "%s", expected[i].series );
     }
@@ -609,7 +609,7 @@ static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
     for ( int k = 0; k < WISP_COUNT( few_names ); ++k )
     {
         assert_string_equal( named_cell( table, 1 + k, "setting" ), few_names[k] );
-        errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the truth, mm" ) );
+        errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the reference, mm" ) );
         on_front += strcmp( named_cell( table, 1 + k, "front" ), "front" ) == 0;
         assert_true( all.rows[2 * k].hash == all.rows[2 * k + 1].hash && all.rows[2 * k].ms_median > 0.0 );
     }
@@ -643,13 +643,13 @@ int main( void )
         cmocka_unit_test_setup( with_one_worker_nothing_runs_twice, forget_fake ),
         cmocka_unit_test_setup( who_takes_more_than_its_share_sits_out, forget_fake ),
         cmocka_unit_test_setup( the_table_has_times_errors_measures_and_the_front, forget_fake ),
-        cmocka_unit_test_setup( rows_for_machines_name_scene_setting_truth_and_knob, forget_fake ),
+        cmocka_unit_test_setup( rows_for_machines_name_scene_setting_reference_and_parameter, forget_fake ),
         cmocka_unit_test_setup( at_equal_error_the_best_of_each_method_is_ranked_by_time, forget_fake ),
         cmocka_unit_test_setup( levels_that_would_say_the_same_are_said_once, forget_fake ),
         cmocka_unit_test_setup( observed_orders_stand_beside_the_promised, forget_fake ),
         cmocka_unit_test_setup( charts_have_a_series_each_and_mark_the_front, forget_fake ),
         cmocka_unit_test_setup( a_hash_that_depends_on_workers_fails_the_run_and_is_named, forget_fake ),
-        cmocka_unit_test_setup( a_setting_that_fails_ends_the_case_with_its_sentence, forget_fake ),
+        cmocka_unit_test_setup( a_setting_that_fails_ends_the_case_with_its_message, forget_fake ),
         cmocka_unit_test( a_real_scene_comes_nearer_with_shorter_steps ),
     };
     return cmocka_run_group_tests_name( "bench accuracy", tests, NULL, NULL );

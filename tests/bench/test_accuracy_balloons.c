@@ -1,4 +1,4 @@
-// The scenes of balloons in `wisp bench accuracy`: what falls with its knob, what does not, and where it ends.
+// The scenes of balloons in `wisp bench accuracy`: what falls with its parameter, what does not, and where it ends.
 #include "accuracy_fixture.h"
 
 accuracy_scene_fn accuracy_balloon_inflate, accuracy_balloon_flight, accuracy_balloon_meshes;
@@ -65,7 +65,7 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
 }
 
 // An icosahedron swells evenly, so its tensions and its volume belong together to what the solver left undone.
-static void an_icosahedron_is_as_even_as_the_closed_form_wants( void** state )
+static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state )
 {
     (void)state;
     const accuracy_run regular = look_at( &inflate, "xpbd, virial, 400 x 1" );
@@ -85,7 +85,7 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
     assert_true( more > 0.02 );
 }
 
-// A share of an error is no stiffness: more substeps make the source's skin rigid, and its size goes away from the truth.
+// A share of an error is no stiffness: more substeps make the source's skin rigid, and its size goes away from the reference.
 static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
 {
     (void)state;
@@ -166,7 +166,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_setting_of_a_balloon_has_a_name_of_its_own ),
         cmocka_unit_test( pressure_comes_to_the_closed_form_at_second_order ),
-        cmocka_unit_test( an_icosahedron_is_as_even_as_the_closed_form_wants ),
+        cmocka_unit_test( an_icosahedron_is_as_even_as_the_closed_form_requests ),
         cmocka_unit_test( the_gas_law_reads_what_the_constraint_does_not_hold ),
         cmocka_unit_test( the_forms_of_the_source_do_not_converge_with_substeps ),
         cmocka_unit_test( a_flight_comes_nearer_to_double_precision_with_substeps ),

@@ -1,4 +1,4 @@
-// The scene `closed_forms` of `wisp bench accuracy`: its truths are those that are printed elsewhere, and errors fall as promised.
+// The scene `closed_forms` of `wisp bench accuracy`: its references are those that are printed elsewhere, and errors fall as promised.
 #include "accuracy_fixture.h"
 
 accuracy_scene_fn accuracy_closed_forms;
@@ -6,7 +6,7 @@ accuracy_scene_fn accuracy_closed_forms;
 enum
 {
     MEASURED,
-    TRUTH,
+    REFERENCE,
     STRAIN,
     MOMENTUM,
     POINTS_MAX = 8,
@@ -35,16 +35,18 @@ static void every_closed_form_has_settings_of_its_own( void** state )
 }
 
 // Digits of tables, and of the reference for what no formula of this program has made.
-static void truths_are_what_the_references_print( void** state )
+static void references_are_what_the_references_print( void** state )
 {
     (void)state;
-    assert_true(
-        fabs( look_at( &scene, "terminal velocity of a plate, m/s, substeps 1" ).measures[TRUTH] - 1.37000 ) < 6e-6 );
-    assert_true( fabs( look_at( &scene, "lift of 0.14 m of helium, N, level 0" ).measures[TRUTH] - 0.11799 ) < 6e-6 );
+    assert_true( fabs( look_at( &scene, "terminal velocity of a plate, m/s, substeps 1" ).measures[REFERENCE] -
+                       1.37000 ) < 6e-6 );
+    assert_true( fabs( look_at( &scene, "lift of 0.14 m of helium, N, level 0" ).measures[REFERENCE] - 0.11799 ) <
+                 6e-6 );
     // 32 links hang a little lower than a rope
-    assert_true( fabs( look_at( &scene, "sag of a catenary, m, substeps 5" ).measures[TRUTH] - 0.26543751 ) < 3e-4 );
+    assert_true( fabs( look_at( &scene, "sag of a catenary, m, substeps 5" ).measures[REFERENCE] - 0.26543751 ) <
+                 3e-4 );
     // 16 masses of 1 g, and 136 weights in all on links of 100 N/m
-    const double longer = look_at( &scene, "elastic bar under its weight, m, substeps 5" ).measures[TRUTH];
+    const double longer = look_at( &scene, "elastic bar under its weight, m, substeps 5" ).measures[REFERENCE];
     assert_true( fabs( longer - 136.0 * 0.001 * 9.81 / 100.0 ) < 1e-12 );
 }
 
@@ -53,7 +55,7 @@ static void truths_are_what_the_references_print( void** state )
 typedef struct series_check
 {
     const char* series;
-    double finest; // error in %, at the finest knob
+    double finest; // error in %, at the finest parameter
     double slack;  // of the observed order
 } series_check;
 
@@ -77,19 +79,19 @@ static void errors_fall_at_the_promised_order( void** state )
     (void)state;
     for ( int c = 0; c < WISP_COUNT( checks ); ++c )
     {
-        double knob[POINTS_MAX], error[POINTS_MAX], promised = NAN;
+        double parameter[POINTS_MAX], error[POINTS_MAX], promised = NAN;
         int count = 0;
         for ( int i = 0; i < scene.setting_count && count < POINTS_MAX; ++i )
         {
             if ( strcmp( scene.settings[i].series, checks[c].series ) == 0 )
             {
                 promised = scene.settings[i].order;
-                knob[count] = scene.settings[i].knob;
+                parameter[count] = scene.settings[i].parameter;
                 error[count++] = run_setting( &scene, i, 1, true ).error;
             }
         }
         assert_true( count >= 3 );
-        const accuracy_order order = accuracy_observed_order( knob, error, count );
+        const accuracy_order order = accuracy_observed_order( parameter, error, count );
         print_message( "           %s: order %.2f, promised %.0f, finest %.4f %%\n", checks[c].series, order.slope,
                        promised, error[count - 1] );
         assert_int_equal( order.used, count );
@@ -148,7 +150,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_closed_form_has_settings_of_its_own ),
-        cmocka_unit_test( truths_are_what_the_references_print ),
+        cmocka_unit_test( references_are_what_the_references_print ),
         cmocka_unit_test( errors_fall_at_the_promised_order ),
         cmocka_unit_test( a_bar_that_has_converged_is_as_long_as_its_springs_say ),
         cmocka_unit_test( what_friction_holds_does_not_creep ),

@@ -4,7 +4,7 @@
 
 #include <jansson.h>
 
-// A scene that is cheap, and whose truth is stored.
+// A scene that is cheap, and whose reference is stored.
 #define RUN "bench accuracy --seconds 2 --scene balloon_flight --format json "
 
 // Of a row: the only keys that tell when it ran, and how many times there was time for.

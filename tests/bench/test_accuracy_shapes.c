@@ -61,10 +61,10 @@ static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** st
     const accuracy_run particles = run_setting( &scene, "particles, a thickness apart", 1, true );
     const accuracy_run exact = run_setting( &scene, "exact", 1, true );
     assert_true( measure_of( &scene, &nothing, "missed vertices %" ) > 10.0 );
-    assert_true( measure_of( &scene, &nothing, "crossings at most" ) > 0.0 );
+    assert_true( measure_of( &scene, &nothing, "intersections at most" ) > 0.0 );
     assert_true( particles.error < 0.1 * nothing.error );
     assert_true( exact.error < 0.1 * particles.error );
-    assert_true( measure_of( &scene, &exact, "crossings at most" ) == 0.0 );
+    assert_true( measure_of( &scene, &exact, "intersections at most" ) == 0.0 );
     assert_true( measure_of( &scene, &exact, "missed vertices %" ) == 0.0 );
     assert_same_hash( &scene, "particles, 2 thicknesses apart" );
     close_scene( &scene );

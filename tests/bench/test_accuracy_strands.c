@@ -1,4 +1,4 @@
-// Scenes of strands of the case `accuracy`: errors fall with their knob as they should, closed forms are met, what begins at
+// Scenes of strands of the case `accuracy`: errors fall with their parameter as they should, closed forms are met, what begins at
 // rest stays there, and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
 

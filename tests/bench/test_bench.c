@@ -116,7 +116,7 @@ static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state
     bench_free_samples( &variant, 1 );
 }
 
-static void a_step_that_fails_ends_the_run_with_its_sentence( void** state )
+static void a_step_that_fails_ends_the_run_with_its_message( void** state )
 {
     (void)state;
     step_log log = { .count = 0 };
@@ -126,7 +126,7 @@ static void a_step_that_fails_ends_the_run_with_its_sentence( void** state )
     wisp_error error = { 0 };
     assert_int_equal( bench_interleave( variants, 2, &effort, &error ), WISP_CONFLICT );
 
-    assert_string_equal( error.sentence, "step 5" );
+    assert_string_equal( error.message, "step 5" );
     bench_free_samples( variants, 2 );
 }
 
@@ -248,7 +248,7 @@ int main( void )
         cmocka_unit_test( short_steps_have_longer_turns_whose_first_step_does_not_count ),
         cmocka_unit_test( a_variant_that_is_warm_already_is_not_warmed_up ),
         cmocka_unit_test( the_time_ends_the_run_after_the_least_number_of_rounds ),
-        cmocka_unit_test( a_step_that_fails_ends_the_run_with_its_sentence ),
+        cmocka_unit_test( a_step_that_fails_ends_the_run_with_its_message ),
         cmocka_unit_test( every_case_has_a_name_of_its_own_and_a_purpose ),
         cmocka_unit_test( quick_is_shorter_unless_the_user_says_how_long ),
         cmocka_unit_test( a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart ),

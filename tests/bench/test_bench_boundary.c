@@ -76,9 +76,9 @@ static void a_pulse_changes_more_than_standing_still_and_less_than_everything( v
     assert_string_equal( cell( table, 1, changed ), "0.00" );
     assert_string_equal( cell( table, 2, 0 ), "all anew" );
     assert_string_equal( cell( table, 2, changed ), "100.00" );
-    double share = 0.0;
-    assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &share ), 1 ); // 10 %, no hysteresis
-    assert_true( share > 0.0 && share < 100.0 );
+    double fraction = 0.0;
+    assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &fraction ), 1 ); // 10 %, no hysteresis
+    assert_true( fraction > 0.0 && fraction < 100.0 );
     // without hysteresis a layer is a function of the positions, and they are back where they were
     const int hash = column_of( table, "hash" );
     assert_string_equal( cell( table, 9, hash ), cell( table, 1, hash ) );
@@ -118,7 +118,7 @@ typedef struct one_layer
 {
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    layer_entrant entrant;
+    layer_implementation implementation;
     wisp_boundary_def def;
 } one_layer;
 
@@ -129,17 +129,17 @@ static one_layer open_layer( float spacing )
     one_layer l = { .def = layer_def( &layer_laws[0], spacing ) };
     if ( layer_sphere( 11, 1.0f, &l.mesh, &error ) != WISP_OK ||
          layer_cook( &l.mesh, &l.fabric, &error ) != WISP_OK ||
-         layer_enter( l.fabric, &l.def, 1, &l.entrant, &error ) != WISP_OK ||
-         layer_step( &l.entrant, &error ) != WISP_OK )
+         layer_enter( l.fabric, &l.def, 1, &l.implementation, &error ) != WISP_OK ||
+         layer_step( &l.implementation, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return l;
 }
 
 static void close_layer( one_layer* l )
 {
-    surface_entrant_destroy( &l->entrant.surface );
+    surface_implementation_destroy( &l->implementation.surface );
     wisp_fabric_release( l->fabric );
     wisp_mesh_release( &l->mesh );
 }
@@ -148,9 +148,9 @@ static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
 {
     wisp_error error = { 0 };
     layer_check check;
-    if ( layer_compare( &l->entrant.surface, &l->mesh, def, &check, &error ) != WISP_OK )
+    if ( layer_compare( &l->implementation.surface, &l->mesh, def, &check, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return check;
 }
@@ -169,7 +169,8 @@ static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** s
     assert_true( isinf( check.farthest ) );
 
     // a vertex that moves after the step leaves its points behind; so little changes no count
-    float* x = wisp_world_column( l.entrant.surface.world, l.entrant.surface.entity, WISP_PARTICLE_POSITION, 0 );
+    float* x = wisp_world_column( l.implementation.surface.world, l.implementation.surface.entity,
+                                  WISP_PARTICLE_POSITION, 0 );
     x[4 * (size_t)l.fabric->vertex_slot[l.mesh.vertex_count / 2]] += 1e-4f;
     check = check_of( &l, &l.def );
     assert_false( layer_check_is_met( &check ) );
@@ -183,16 +184,16 @@ static void anew_is_all_elements_and_the_same_points( void** state )
     wisp_error error = { 0 };
     one_layer l = open_layer( 0.1f );
     wisp_boundary_view view;
-    wisp_boundary_figures figures;
-    assert_int_equal( layer_read( &l.entrant.surface, &view, &error ), WISP_OK );
+    wisp_boundary_stats stats;
+    assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
     const uint64_t hash = layer_hash( &view );
     for ( int is_anew = 0; is_anew < 2; ++is_anew )
     {
-        l.entrant.is_anew = is_anew == 1;
-        assert_int_equal( layer_step( &l.entrant, &error ), WISP_OK );
-        assert_int_equal( layer_read( &l.entrant.surface, &view, &error ), WISP_OK );
-        assert_int_equal( layer_read_figures( &l.entrant.surface, &figures, &error ), WISP_OK );
-        assert_int_equal( figures.changed_elements, is_anew == 1 ? figures.elements : 0 );
+        l.implementation.is_anew = is_anew == 1;
+        assert_int_equal( layer_step( &l.implementation, &error ), WISP_OK );
+        assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
+        assert_int_equal( layer_read_stats( &l.implementation.surface, &stats, &error ), WISP_OK );
+        assert_int_equal( stats.changed_elements, is_anew == 1 ? stats.elements : 0 );
         assert_true( layer_hash( &view ) == hash );
     }
     close_layer( &l );
@@ -230,7 +231,7 @@ static void pictures_are_written_where_there_is_a_folder( void** state )
     options.pictures = ".";
     if ( boundary_pictures( &plan, &all, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     assert_int_equal( all.note_count, 3 );
     for ( int i = 0; i < 3; ++i )
@@ -259,7 +260,7 @@ static int make_results( void** state )
     const boundary_plan plan = small_plan();
     if ( boundary_bench_run( &plan, &all, &error ) != WISP_OK )
     {
-        print_message( "%s\n", error.sentence );
+        print_message( "%s\n", error.message );
         return -1;
     }
     *state = &all;

@@ -18,9 +18,9 @@ static const bench_options quick = { .quick = true, .workers = 2 };
 static cloth_plan small_plan( void )
 {
     cloth_plan plan = cloth_default_plan( &quick );
-    plan.race_sizes[0] = 8;
-    plan.race_sizes[1] = 12;
-    plan.race_count = 2;
+    plan.comparison_sizes[0] = 8;
+    plan.comparison_sizes[1] = 12;
+    plan.comparison_count = 2;
     plan.hang_sizes[0] = 12;
     plan.hang_count = 1;
     plan.level_sizes[0] = 12;
@@ -29,20 +29,20 @@ static cloth_plan small_plan( void )
     plan.has_balloon = false;
     plan.sweep_size = 12;
     plan.scenario = ( scenario_plan ){ .warm_steps = 6, .measured_steps = 10, .turn_steps = 3 };
-    plan.race_seconds = 0.0;
-    plan.truth_factor = 16;
+    plan.comparison_seconds = 0.0;
+    plan.reference_factor = 16;
     return plan;
 }
 
 // ---- the case of cloth ----
 
-static void the_race_has_a_line_a_size_with_an_error_and_a_hash( void** state )
+static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** state )
 {
     (void)state;
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( cloth_race( &plan, &all, &error ), &error );
+    expect_ok( cloth_comparison( &plan, &all, &error ), &error );
     assert_false( all.failed );
     const results_table* table = find_table( &all, "Cloth against plain C" );
     assert_int_equal( table->row_count, 1 + 2 );
@@ -147,47 +147,47 @@ static void residuals_fall_with_passes_in_every_order( void** state )
     results_free( &all );
 }
 
-// ---- its truth ----
+// ---- its reference ----
 
-static void the_truth_projects_as_the_oracle_does( void** state )
+static void the_reference_projects_as_the_oracle_does( void** state )
 {
     (void)state;
     cloth_scene scene;
     wisp_fabric* fabric;
-    cloth_truth truth;
+    cloth_reference reference;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
     expect_ok( cloth_scene_make( 6, true, &scene, &error ), &error );
     expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
-    expect_ok( cloth_truth_create( &scene, fabric, &truth, &error ), &error );
-    assert_int_equal( truth.link_count, fabric->link_count );
-    double3* p = calloc( (size_t)truth.slot_count, sizeof( double3 ) );
+    expect_ok( cloth_reference_create( &scene, fabric, &reference, &error ), &error );
+    assert_int_equal( reference.link_count, fabric->link_count );
+    double3* p = calloc( (size_t)reference.slot_count, sizeof( double3 ) );
     assert_non_null( p );
     double h = (double)CLOTH_STEP;
-    for ( int i = 0; i < truth.slot_count; ++i )
+    for ( int i = 0; i < reference.slot_count; ++i )
     {
-        const double* q = truth.position[i];
-        double fall = truth.inverse_mass[i] > 0.0 ? h * h * (double)CLOTH_GRAVITY : 0.0;
+        const double* q = reference.position[i];
+        double fall = reference.inverse_mass[i] > 0.0 ? h * h * (double)CLOTH_GRAVITY : 0.0;
         p[i] = double3_make( q[0], q[1] - fall, q[2] );
     }
-    for ( int i = 0; i < truth.link_count; ++i )
+    for ( int i = 0; i < reference.link_count; ++i )
     {
-        int a = truth.links[i][0], b = truth.links[i][1];
+        int a = reference.links[i][0], b = reference.links[i][1];
         double3 da, db;
-        constraint_oracle_distance_step( p[a], p[b], truth.inverse_mass[a], truth.inverse_mass[b], truth.rest[i], &da,
-                                         &db );
-        p[a] = double3_add( p[a], double3_scale( truth.stiffness[i], da ) );
-        p[b] = double3_add( p[b], double3_scale( truth.stiffness[i], db ) );
+        constraint_oracle_distance_step( p[a], p[b], reference.inverse_mass[a], reference.inverse_mass[b],
+                                         reference.rest[i], &da, &db );
+        p[a] = double3_add( p[a], double3_scale( reference.stiffness[i], da ) );
+        p[b] = double3_add( p[b], double3_scale( reference.stiffness[i], db ) );
     }
-    cloth_truth_step( &truth, 1 );
-    for ( int i = 0; i < truth.slot_count; ++i )
+    cloth_reference_step( &reference, 1 );
+    for ( int i = 0; i < reference.slot_count; ++i )
     {
-        const double* q = truth.position[i];
+        const double* q = reference.position[i];
         // the same arithmetic in another association
         assert_true( double3_distance( p[i], double3_make( q[0], q[1], q[2] ) ) < 1e-14 );
     }
     free( p );
-    cloth_truth_destroy( &truth );
+    cloth_reference_destroy( &reference );
     wisp_fabric_release( fabric );
     cloth_scene_free( &scene );
 }
@@ -197,12 +197,13 @@ static void the_truth_projects_as_the_oracle_does( void** state )
 static void a_hash_of_its_own_fails_the_run( void** state )
 {
     (void)state;
-    surface_entrant entrants[2] = { { .recipe = { .workers = 1 } }, { .recipe = { .workers = 2 } } };
+    surface_implementation implementations[2] = { { .generator = { .workers = 1 } },
+                                                  { .generator = { .workers = 2 } } };
     results all = { 0 };
     const uint64_t same[2] = { 7, 7 }, apart[2] = { 7, 8 };
-    scenario_check_hashes( entrants, 2, same, "a row", &all );
+    scenario_check_hashes( implementations, 2, same, "a row", &all );
     assert_false( all.failed );
-    scenario_check_hashes( entrants, 2, apart, "a row", &all );
+    scenario_check_hashes( implementations, 2, apart, "a row", &all );
     assert_true( all.failed );
     assert_true( has_note( &all, "FAILED: a row: 2 workers give hash 0000000000000008" ) );
     results_free( &all );
@@ -223,7 +224,7 @@ static void an_error_above_its_tolerance_or_without_a_number_fails_the_run( void
     }
 }
 
-static void a_claim_that_is_not_met_is_a_sentence_and_no_failure( void** state )
+static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
 {
     (void)state;
     results all = { 0 };
@@ -238,22 +239,22 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
     (void)state;
     cloth_scene scene;
     wisp_fabric* fabric;
-    surface_entrant entrant;
-    scenario_figures figures;
+    surface_implementation implementation;
+    scenario_stats stats;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SWEEP_COLOUR, 0 };
+    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
     const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
     expect_ok( cloth_scene_make( 6, false, &scene, &error ), &error );
     expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
-    expect_ok( cloth_entrant_create( &scene, fabric, &setting, NULL, 1, &entrant, &error ), &error );
-    expect_ok( surface_entrant_step( &entrant, &error ), &error );
-    float* position = wisp_world_column( entrant.world, entrant.entity, WISP_PARTICLE_POSITION, 0 );
+    expect_ok( cloth_implementation_create( &scene, fabric, &setting, NULL, 1, &implementation, &error ), &error );
+    expect_ok( surface_implementation_step( &implementation, &error ), &error );
+    float* position = wisp_world_column( implementation.world, implementation.entity, WISP_PARTICLE_POSITION, 0 );
     position[4 * fabric->vertex_slot[17]] = NAN;
-    expect_ok( scenario_run( &entrant, 1, &plan, NULL, NULL, &figures, &error ), &error );
-    assert_int_equal( figures.halted_at, entrant.halted_at );
-    assert_int_equal( figures.halted_at, 2 );
-    assert_true( isnan( figures.ms[0].median ) && isnan( figures.stretch_max ) && isnan( figures.path ) );
-    surface_entrant_destroy( &entrant );
+    expect_ok( scenario_run( &implementation, 1, &plan, NULL, NULL, &stats, &error ), &error );
+    assert_int_equal( stats.halted_at, implementation.halted_at );
+    assert_int_equal( stats.halted_at, 2 );
+    assert_true( isnan( stats.ms[0].median ) && isnan( stats.stretch_max ) && isnan( stats.path ) );
+    surface_implementation_destroy( &implementation );
     wisp_fabric_release( fabric );
     cloth_scene_free( &scene );
 }
@@ -304,14 +305,14 @@ static void a_figure_that_is_not_met_fails_the_run( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( the_race_has_a_line_a_size_with_an_error_and_a_hash ),
+        cmocka_unit_test( the_comparison_has_a_line_a_size_with_an_error_and_a_hash ),
         cmocka_unit_test( other_engines_stand_beside_only_where_they_were_measured ),
         cmocka_unit_test( levels_are_compared_with_a_converged_run_on_both_meshes ),
         cmocka_unit_test( residuals_fall_with_passes_in_every_order ),
-        cmocka_unit_test( the_truth_projects_as_the_oracle_does ),
+        cmocka_unit_test( the_reference_projects_as_the_oracle_does ),
         cmocka_unit_test( a_hash_of_its_own_fails_the_run ),
         cmocka_unit_test( an_error_above_its_tolerance_or_without_a_number_fails_the_run ),
-        cmocka_unit_test( a_claim_that_is_not_met_is_a_sentence_and_no_failure ),
+        cmocka_unit_test( a_claim_that_is_not_met_is_a_message_and_no_failure ),
         cmocka_unit_test( a_cloth_that_leaves_its_bounds_is_shown_as_halted ),
         cmocka_unit_test( the_balloon_shows_volume_pressure_and_memory_beside_time ),
         cmocka_unit_test( a_figure_that_is_not_met_fails_the_run ),

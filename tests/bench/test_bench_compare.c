@@ -1,4 +1,4 @@
-// `wisp bench cloth --compare` at sizes of moments: its truth files, which nobody vouches for, and what its tables say.
+// `wisp bench cloth --compare` at sizes of moments: its reference files, which nobody vouches for, and what its tables say.
 #include "bench_tables.h"
 
 #include "compare_bench.h"
@@ -9,7 +9,7 @@
 
 static const bench_options quick = { .quick = true, .workers = 2 };
 
-// ---- truth files ----
+// ---- reference files ----
 
 enum
 {
@@ -17,7 +17,7 @@ enum
     LOOKS = 3,
 };
 
-static const char file_name[] = "test_bench_compare.truth";
+static const char file_name[] = "test_bench_compare.reference";
 
 typedef struct file_bytes
 {
@@ -25,35 +25,36 @@ typedef struct file_bytes
     size_t size;
 } file_bytes;
 
-static compare_truth small_truth( float* points )
+static compare_reference small_reference( float* points )
 {
-    compare_truth truth = { .scenario = COMPARE_TAUT,
-                            .vertex_count = VERTICES,
-                            .look_count = LOOKS,
-                            .mesh_hash = 0x0123456789abcdefull,
-                            .rate = 8000.0,
-                            .rest_rate = 400.0,
-                            .order = 2.0,
-                            .residual = 1e-11,
-                            .points = points };
+    compare_reference reference = { .scenario = COMPARE_TAUT,
+                                    .vertex_count = VERTICES,
+                                    .look_count = LOOKS,
+                                    .mesh_hash = 0x0123456789abcdefull,
+                                    .rate = 8000.0,
+                                    .rest_rate = 400.0,
+                                    .order = 2.0,
+                                    .residual = 1e-11,
+                                    .points = points };
     const compare_physics physics = compare_physics_of( COMPARE_TAUT );
-    compare_truth_facts( &physics, truth.facts );
+    compare_reference_info( &physics, reference.info );
     for ( int i = 0; i < LOOKS * VERTICES * 3; ++i )
     {
         points[i] = 0.1f * (float)i - 1.0f;
     }
     for ( int k = 0; k < LOOKS; ++k )
     {
-        truth.looks[k] = ( compare_truth_look ){ .time = 0.05 * k, .look = { 1.0, 0.1 * k, -2.0, k }, .doubt = 1e-6 };
+        reference.looks[k] =
+            ( compare_reference_look ){ .time = 0.05 * k, .look = { 1.0, 0.1 * k, -2.0, k }, .doubt = 1e-6 };
     }
-    return truth;
+    return reference;
 }
 
-static file_bytes written( const compare_truth* truth )
+static file_bytes written( const compare_reference* reference )
 {
     wisp_error error = { 0 };
     file_bytes file = { .size = 0 };
-    expect_ok( compare_truth_write( truth, file_name, &error ), &error );
+    expect_ok( compare_reference_write( reference, file_name, &error ), &error );
     FILE* stream = fopen( file_name, "rb" );
     assert_non_null( stream );
     file.bytes = malloc( 65536 );
@@ -70,62 +71,66 @@ static void expect_refused( const unsigned char* bytes, size_t size, const char*
     unsigned char* copy = malloc( size > 0 ? size : 1 );
     assert_non_null( copy );
     memcpy( copy, bytes, size );
-    compare_truth truth;
+    compare_reference reference;
     wisp_error error = { 0 };
-    assert_int_equal( compare_truth_parse( copy, size, "given.truth", &truth, &error ), WISP_BAD_INPUT );
-    assert_null( truth.points );
-    assert_ptr_equal( strstr( error.sentence, "given.truth: " ), error.sentence );
-    if ( !strstr( error.sentence, part ) )
+    assert_int_equal( compare_reference_parse( copy, size, "given.reference", &reference, &error ), WISP_BAD_INPUT );
+    assert_null( reference.points );
+    assert_ptr_equal( strstr( error.message, "given.reference: " ), error.message );
+    if ( !strstr( error.message, part ) )
     {
-        fail_msg( "'%s' does not say '%s'", error.sentence, part );
+        fail_msg( "'%s' does not say '%s'", error.message, part );
     }
     free( copy );
 }
 
-static void a_truth_comes_back_as_it_was_written( void** state )
+static void a_reference_comes_back_as_it_was_written( void** state )
 {
     (void)state;
     float points[LOOKS * VERTICES * 3];
-    const compare_truth truth = small_truth( points );
+    const compare_reference reference = small_reference( points );
     wisp_error error = { 0 };
-    compare_truth back;
-    expect_ok( compare_truth_write( &truth, file_name, &error ), &error );
-    expect_ok( compare_truth_read( file_name, &back, &error ), &error );
+    compare_reference back;
+    expect_ok( compare_reference_write( &reference, file_name, &error ), &error );
+    expect_ok( compare_reference_read( file_name, &back, &error ), &error );
     remove( file_name );
-    assert_int_equal( back.scenario, truth.scenario );
+    assert_int_equal( back.scenario, reference.scenario );
     assert_int_equal( back.vertex_count, VERTICES );
     assert_int_equal( back.look_count, LOOKS );
-    assert_true( back.mesh_hash == truth.mesh_hash && back.rate == truth.rate && back.rest_rate == truth.rest_rate );
-    assert_true( back.order == truth.order && back.residual == truth.residual );
-    assert_memory_equal( back.facts, truth.facts, sizeof( truth.facts ) );
-    assert_memory_equal( back.looks, truth.looks, sizeof( truth.looks ) );
+    assert_true( back.mesh_hash == reference.mesh_hash && back.rate == reference.rate &&
+                 back.rest_rate == reference.rest_rate );
+    assert_true( back.order == reference.order && back.residual == reference.residual );
+    assert_memory_equal( back.info, reference.info, sizeof( reference.info ) );
+    assert_memory_equal( back.looks, reference.looks, sizeof( reference.looks ) );
     assert_memory_equal( back.points, points, sizeof( points ) );
-    compare_truth_free( &back );
+    compare_reference_free( &back );
 }
 
-static void a_truth_that_is_cut_off_anywhere_is_refused( void** state )
+static void a_reference_that_is_cut_off_anywhere_is_refused( void** state )
 {
     (void)state;
     float points[LOOKS * VERTICES * 3];
-    const compare_truth truth = small_truth( points );
-    file_bytes file = written( &truth );
+    const compare_reference reference = small_reference( points );
+    file_bytes file = written( &reference );
     assert_int_equal( file.size, 160 + LOOKS * ( 48 + 12 * VERTICES ) + 8 );
     for ( size_t size = 0; size < file.size; ++size )
     {
-        expect_refused( file.bytes, size, size < 168 ? "too few for a truth" : "bytes, there are" );
+        expect_refused( file.bytes, size, size < 168 ? "too few for a reference" : "bytes, there are" );
     }
     free( file.bytes );
 }
 
-static void a_truth_with_a_wrong_byte_is_refused_wherever_it_is( void** state )
+static void a_reference_with_a_wrong_byte_is_refused_wherever_it_is( void** state )
 {
     (void)state;
     float points[LOOKS * VERTICES * 3];
-    const compare_truth truth = small_truth( points );
-    file_bytes file = written( &truth );
+    const compare_reference reference = small_reference( points );
+    file_bytes file = written( &reference );
     for ( size_t at = 0; at < file.size; ++at )
     {
-        const char* part = at < 8 ? "this is no truth file" : at < 16 ? "are not known" : at < 24 ? "" : "checksum";
+        const char* part = at < 8    ? "this is no reference file"
+                           : at < 16 ? "are not known"
+                           : at < 24 ? ""
+                                     : "checksum";
         // the lowest bit of `scenario` makes another one that is known
         part = at == 12 ? "checksum" : part;
         file.bytes[at] ^= 1u;
@@ -153,10 +158,10 @@ static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( v
         { 20, { 4, 0, 0, 0 }, "4 looks at 5 vertices take" },
     };
     float points[LOOKS * VERTICES * 3];
-    const compare_truth truth = small_truth( points );
+    const compare_reference reference = small_reference( points );
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
-        file_bytes file = written( &truth );
+        file_bytes file = written( &reference );
         memcpy( file.bytes + wrong[i].at, wrong[i].value, 4 );
         expect_refused( file.bytes, file.size, wrong[i].part );
         free( file.bytes );
@@ -169,36 +174,38 @@ static void numbers_that_no_cloth_has_are_refused_by_look( void** state )
     for ( int kind = 0; kind < 5; ++kind )
     {
         float points[LOOKS * VERTICES * 3];
-        compare_truth truth = small_truth( points );
+        compare_reference reference = small_reference( points );
         points[VERTICES * 3 + 2] = kind == 0 ? NAN : kind == 1 ? INFINITY : kind == 2 ? -2e6f : 0.0f;
-        truth.looks[1].look.energy = kind == 3 ? (double)NAN : 0.0;
-        truth.looks[1].time = kind == 4 ? 0.0 : 0.05;
-        file_bytes file = written( &truth );
+        reference.looks[1].look.energy = kind == 3 ? (double)NAN : 0.0;
+        reference.looks[1].time = kind == 4 ? 0.0 : 0.05;
+        file_bytes file = written( &reference );
         expect_refused( file.bytes, file.size, "look 1 has a number that is out of range" );
         free( file.bytes );
     }
 }
 
-static void a_truth_of_another_cloth_is_refused( void** state )
+static void a_reference_of_another_cloth_is_refused( void** state )
 {
     (void)state;
     compare_scene scene;
     wisp_error error = { 0 };
     expect_ok( compare_scene_make( COMPARE_TAUT, 64, &scene, &error ), &error );
-    compare_truth truth = { .vertex_count = 64, .look_count = scene.physics.look_count + 1, .mesh_hash = scene.hash };
-    compare_truth_facts( &scene.physics, truth.facts );
-    expect_ok( compare_truth_check( &truth, &scene, "t", &error ), &error );
-    truth.facts[0] *= 2.0;
-    assert_int_equal( compare_truth_check( &truth, &scene, "t", &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "another material or scene than `taut`" ) );
-    truth.facts[0] *= 0.5;
-    truth.mesh_hash ^= 1;
-    assert_int_equal( compare_truth_check( &truth, &scene, "t", &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "another mesh, of 64 vertices" ) );
+    compare_reference reference = { .vertex_count = 64,
+                                    .look_count = scene.physics.look_count + 1,
+                                    .mesh_hash = scene.hash };
+    compare_reference_info( &scene.physics, reference.info );
+    expect_ok( compare_reference_check( &reference, &scene, "t", &error ), &error );
+    reference.info[0] *= 2.0;
+    assert_int_equal( compare_reference_check( &reference, &scene, "t", &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.message, "another material or scene than `taut`" ) );
+    reference.info[0] *= 0.5;
+    reference.mesh_hash ^= 1;
+    assert_int_equal( compare_reference_check( &reference, &scene, "t", &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.message, "another mesh, of 64 vertices" ) );
     compare_scene_free( &scene );
 }
 
-static void a_truth_that_is_not_there_is_a_sentence( void** state )
+static void a_reference_that_is_not_there_is_a_message( void** state )
 {
     (void)state;
     compare_plan plan = compare_default_plan( &quick );
@@ -206,7 +213,7 @@ static void a_truth_that_is_not_there_is_a_sentence( void** state )
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( compare_bench_run( &plan, &all, &error ), WISP_IO_ERROR );
-    assert_non_null( strstr( error.sentence, "no_such_folder/drape.truth: " ) );
+    assert_non_null( strstr( error.message, "no_such_folder/drape.reference: " ) );
     results_free( &all );
 }
 
@@ -312,13 +319,13 @@ static void errors_of_the_draped_cloth_fall_with_the_step( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_truth_comes_back_as_it_was_written ),
-        cmocka_unit_test( a_truth_that_is_cut_off_anywhere_is_refused ),
-        cmocka_unit_test( a_truth_with_a_wrong_byte_is_refused_wherever_it_is ),
+        cmocka_unit_test( a_reference_comes_back_as_it_was_written ),
+        cmocka_unit_test( a_reference_that_is_cut_off_anywhere_is_refused ),
+        cmocka_unit_test( a_reference_with_a_wrong_byte_is_refused_wherever_it_is ),
         cmocka_unit_test( counts_that_are_out_of_range_or_not_those_of_the_file_are_refused ),
         cmocka_unit_test( numbers_that_no_cloth_has_are_refused_by_look ),
-        cmocka_unit_test( a_truth_of_another_cloth_is_refused ),
-        cmocka_unit_test( a_truth_that_is_not_there_is_a_sentence ),
+        cmocka_unit_test( a_reference_of_another_cloth_is_refused ),
+        cmocka_unit_test( a_reference_that_is_not_there_is_a_message ),
         cmocka_unit_test( the_tables_are_whole ),
         cmocka_unit_test( errors_of_the_taut_cloth_fall_with_the_step ),
         cmocka_unit_test( errors_of_the_draped_cloth_fall_with_the_step ),

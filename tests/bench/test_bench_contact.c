@@ -1,11 +1,11 @@
 // The case `contact` at sizes of moments: what searches finds the same, tables have what they should, and the
-// measures of overlap and of crossings see what is there.
+// measures of overlap and of intersections see what is there.
 #include "bench_tables.h"
 
 #include "contact_bench.h"
 #include "contact_overlap.h"
 #include "contact_probe.h"
-#include "contact_soup.h"
+#include "contact_query_input.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -20,7 +20,7 @@ static contact_plan small_plan( void )
         .sheet_sides = { 12, 24 },
         .sphere_levels = { 1, 3 },
         .size_count = 2,
-        .brute_most = 1e5, // the smaller size asks all, the larger one a sample
+        .max_brute = 1e5, // the smaller size asks all, the larger one a sample
         .query_seconds = 0.0,
         .fold_side = 16,
         .fold_steps = 50,
@@ -64,7 +64,7 @@ static void every_search_has_a_line_for_every_kind_and_size( void** state )
         automatic += strstr( search, "(auto)" ) != NULL ? 1 : 0;
         assert_true( number( table, r, "pairs" ) > 0.0 );
     }
-    const int contests = SOUP_SOURCES * 2 * SOUP_KINDS;
+    const int contests = QUERY_INPUT_SOURCES * 2 * QUERY_INPUT_KINDS;
     assert_int_equal( automatic, contests );
     assert_int_equal( table->row_count - 1, 2 * contests + brute );
     // 144 particles and 397 edges of the sheet, 84 and 240 of the spheres, whose triangles are 242 and 160
@@ -160,7 +160,7 @@ static void a_way_that_takes_too_long_ends_early( void** state )
     contact_run run;
     wisp_error error = { 0 };
     assert_int_equal( contact_make_cloth( 6, &scene, &error ), WISP_OK );
-    const contact_race race = {
+    const contact_comparison comparison = {
         .scene = &scene,
         .enter = contact_enter_fold,
         .ways = &way,
@@ -172,7 +172,7 @@ static void a_way_that_takes_too_long_ends_early( void** state )
         .name = "contact.fold",
         .span = 1.0,
     };
-    assert_int_equal( contact_race_run( &race, &run, &error ), WISP_OK );
+    assert_int_equal( contact_comparison_run( &comparison, &run, &error ), WISP_OK );
     assert_true( run.steps > 0 && run.steps < 100 );
     assert_true( run.same_hash );
     contact_scene_free( &scene );
@@ -257,7 +257,7 @@ static void a_probe_calls_once_and_hands_a_failure_on( void** state )
     assert_int_equal( contact_probe_open( 2, &probe, &error ), WISP_OK );
     assert_int_equal( contact_probe_run( &probe, fail_on_purpose, &calls, &error ), WISP_CONFLICT );
     assert_int_equal( calls, 1 );
-    assert_non_null( strstr( error.sentence, "on purpose" ) );
+    assert_non_null( strstr( error.message, "on purpose" ) );
     contact_probe_close( &probe );
 }
 

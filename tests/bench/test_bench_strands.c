@@ -20,10 +20,10 @@ static strands_plan small_plan( void )
     plan.sizes[0] = 20;
     plan.sizes[1] = 100;
     plan.size_count = 2;
-    plan.scenario_steps = STRANDS_TRUTH_STEPS;
+    plan.scenario_steps = STRANDS_REFERENCE_STEPS;
     plan.few_settings_strands = 50;
     plan.few_settings = 2;
-    plan.race_seconds = 0.0;
+    plan.comparison_seconds = 0.0;
     plan.head_sides[0] = 4;
     plan.head_count = 1;
     plan.head_steps = 15;
@@ -59,12 +59,12 @@ static void solve_dense( double a[SEGMENTS][SEGMENTS], double* x )
         x[pivot] = swap;
         for ( int i = 0; i < SEGMENTS; ++i )
         {
-            double share = i == k ? 0.0 : a[i][k] / a[k][k];
+            double fraction = i == k ? 0.0 : a[i][k] / a[k][k];
             for ( int j = 0; j < SEGMENTS; ++j )
             {
-                a[i][j] -= share * a[k][j];
+                a[i][j] -= fraction * a[k][j];
             }
-            x[i] -= share * x[k];
+            x[i] -= fraction * x[k];
         }
     }
     for ( int k = 0; k < SEGMENTS; ++k )
@@ -171,38 +171,38 @@ static double distance_to_engine( plain_strand_stretch how, int steps, double* m
         STRANDS = 20,
     };
     strands_shape shape;
-    strands_entrant entrant;
+    strands_implementation implementation;
     plain_strands plain;
     wisp_error error = { 0 };
     const bool sweeps = how == PLAIN_STRAND_SWEEP;
     const strands_setting setting = { "one", sweeps ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT,
                                       WISP_STRAND_BEND_LINKS, 2, 10 };
     expect_ok( strands_shape_make_horizontal( STRANDS, &shape, &error ), &error );
-    strands_recipe recipe = strands_default_recipe( &shape );
-    recipe.dynamics = strands_setting_dynamics( &setting );
-    recipe.substeps = setting.substeps;
-    expect_ok( strands_entrant_create( &recipe, &entrant, &error ), &error );
+    strands_generator generator = strands_default_generator( &shape );
+    generator.dynamics = strands_setting_dynamics( &setting );
+    generator.substeps = setting.substeps;
+    expect_ok( strands_implementation_create( &generator, &implementation, &error ), &error );
     assert_true(
-        plain_strands_create( &plain, shape.points, STRANDS, STRANDS_VERTICES, recipe.dynamics.line_density ) );
+        plain_strands_create( &plain, shape.points, STRANDS, STRANDS_VERTICES, generator.dynamics.line_density ) );
     plain.bend_compliance = STRANDS_BEND_COMPLIANCE;
     plain.stretch = how;
     plain.substeps = setting.substeps;
-    expect_ok( strands_entrant_steps( &entrant, steps, &error ), &error );
+    expect_ok( strands_implementation_steps( &implementation, steps, &error ), &error );
     for ( int s = 0; s < steps; ++s )
     {
         plain_strands_step( &plain, STRANDS_STEP );
     }
     const wisp_vec3* points;
-    expect_ok( strands_entrant_points( &entrant, &points, &error ), &error );
+    expect_ok( strands_implementation_points( &implementation, &points, &error ), &error );
     double distance = strands_rms_distance( points, plain.position, strands_shape_size( &shape ) );
     *moved = strands_rms_distance( points, shape.points, strands_shape_size( &shape ) );
     plain_strands_destroy( &plain );
-    strands_entrant_destroy( &entrant );
+    strands_implementation_destroy( &implementation );
     strands_shape_free( &shape );
     return distance;
 }
 
-static void both_sides_of_the_race_compute_the_same( void** state )
+static void both_sides_of_the_comparison_compute_the_same( void** state )
 {
     (void)state;
     for ( int how = 0; how < 2; ++how )
@@ -222,7 +222,7 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
 {
     (void)state;
     strands_shape few, many;
-    strands_entrant entrant;
+    strands_implementation implementation;
     wisp_error error = { 0 };
     expect_ok( strands_shape_make_horizontal( 7, &few, &error ), &error );
     expect_ok( strands_shape_make_horizontal( 40, &many, &error ), &error );
@@ -237,19 +237,19 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
         assert_true( fabs( sqrt( x * x + z * z ) - along ) < 4.0 * (double)FLT_EPSILON );
     }
     const strands_setting rod = { "rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 10 };
-    strands_recipe recipe = strands_default_recipe( &few );
-    recipe.dynamics = strands_setting_dynamics( &rod );
-    expect_ok( strands_entrant_create( &recipe, &entrant, &error ), &error );
-    expect_ok( strands_entrant_steps( &entrant, 10, &error ), &error );
+    strands_generator generator = strands_default_generator( &few );
+    generator.dynamics = strands_setting_dynamics( &rod );
+    expect_ok( strands_implementation_create( &generator, &implementation, &error ), &error );
+    expect_ok( strands_implementation_steps( &implementation, 10, &error ), &error );
     const wisp_vec3* points;
-    expect_ok( strands_entrant_points( &entrant, &points, &error ), &error );
+    expect_ok( strands_implementation_points( &implementation, &points, &error ), &error );
     for ( int s = 0; s < 7; ++s )
     {
         const wisp_vec3 root = points[s * STRANDS_VERTICES];
         assert_true( root.x == 0.0f && root.y == 0.0f && root.z == 0.0f );
         assert_true( points[s * STRANDS_VERTICES + STRANDS_VERTICES - 1].y < -1e-3f );
     }
-    strands_entrant_destroy( &entrant );
+    strands_implementation_destroy( &implementation );
     strands_shape_free( &few );
     strands_shape_free( &many );
 }
@@ -288,13 +288,13 @@ static void guides_are_the_means_of_neighbours( void** state )
 
 // ---- the tables ----
 
-static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
+static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** state )
 {
     (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_race( &plan, &all, &error ), &error );
+    expect_ok( strands_comparison( &plan, &all, &error ), &error );
     expect_good( &all );
     assert_fits_terminal( &all );
     const results_table* table = find_table( &all, "Strands x 20 vertices" );
@@ -330,7 +330,7 @@ static void the_race_has_a_line_a_setting_and_the_kernels_alone( void** state )
     results_free( &all );
 }
 
-static void more_substeps_come_nearer_to_the_truth( void** state )
+static void more_substeps_come_nearer_to_the_reference( void** state )
 {
     (void)state;
     strands_plan plan = small_plan();
@@ -344,8 +344,8 @@ static void more_substeps_come_nearer_to_the_truth( void** state )
         assert_string_equal( all.rows[r].variant, "direct" );
         assert_true( value_of( &all.rows[r].error, "rms_share_of_length" ) <
                      value_of( &all.rows[r - 1].error, "rms_share_of_length" ) );
-        assert_true( value_of( &all.rows[r].error, "energy_lost_share" ) <
-                     value_of( &all.rows[r - 1].error, "energy_lost_share" ) );
+        assert_true( value_of( &all.rows[r].error, "energy_lost_fraction" ) <
+                     value_of( &all.rows[r - 1].error, "energy_lost_fraction" ) );
     }
     results_free( &all );
 }
@@ -414,7 +414,7 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
     results_free( &all );
 }
 
-static void the_figures_of_guide_hair_are_met( void** state )
+static void the_stats_of_guide_hair_are_met( void** state )
 {
     (void)state;
     static figures_fn* const ghosts[] = {
@@ -454,16 +454,16 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( plain_tridiagonal_solves_the_whole_system ),
         cmocka_unit_test( vertices_of_plain_strands_have_half_the_mass_of_each_segment ),
-        cmocka_unit_test( both_sides_of_the_race_compute_the_same ),
+        cmocka_unit_test( both_sides_of_the_comparison_compute_the_same ),
         cmocka_unit_test( strands_start_horizontal_with_their_roots_pinned ),
         cmocka_unit_test( a_nan_is_never_a_small_stretch ),
         cmocka_unit_test( guides_are_the_means_of_neighbours ),
-        cmocka_unit_test( the_race_has_a_line_a_setting_and_the_kernels_alone ),
-        cmocka_unit_test( more_substeps_come_nearer_to_the_truth ),
+        cmocka_unit_test( the_comparison_has_a_line_a_setting_and_the_kernels_alone ),
+        cmocka_unit_test( more_substeps_come_nearer_to_the_reference ),
         cmocka_unit_test( closed_forms_are_met ),
         cmocka_unit_test( a_hair_at_rest_does_not_depend_on_the_rate_of_steps ),
         cmocka_unit_test( lone_ghosts_without_sway_are_their_guides ),
-        cmocka_unit_test( the_figures_of_guide_hair_are_met ),
+        cmocka_unit_test( the_stats_of_guide_hair_are_met ),
         cmocka_unit_test( pictures_of_ghosts_are_written ),
     };
     return cmocka_run_group_tests_name( "bench strands", tests, NULL, NULL );

@@ -29,7 +29,7 @@ static effect_world open_world( const effect* const* effects, int count, bool is
     }
     if ( status != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return world;
 }
@@ -58,7 +58,7 @@ static void read_plan( effect_world* world, char* text )
     wisp_error error = { WISP_OK, "" };
     if ( effect_world_plan( world, text, NULL, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
 }
 
@@ -89,8 +89,8 @@ static int place_of( const pass_list* list, const wisp_pass* pass )
 
 static bool conflict( const wisp_pass* a, const wisp_pass* b )
 {
-    const store_mask writes_a = plan_mask( a->writes ) | plan_mask( a->across ),
-                     writes_b = plan_mask( b->writes ) | plan_mask( b->across );
+    const store_mask writes_a = plan_mask( a->writes ) | plan_mask( a->foreign ),
+                     writes_b = plan_mask( b->writes ) | plan_mask( b->foreign );
     return ( writes_a & ( writes_b | plan_mask( b->reads ) ) ) != 0 || ( writes_b & plan_mask( a->reads ) ) != 0;
 }
 
@@ -313,7 +313,8 @@ static void an_empty_world_grows_by_its_registry_alone( void** state )
 static void every_effect_that_moves_something_moves_it( void** state )
 {
     (void)state;
-    static const char* const STILL[] = { "boundary", "climate", "strand_look" }; // what they write is not points
+    static const char* const STILL[] = { "boundary", "environment",
+                                         "strand_appearance" }; // what they write is not points
     int count;
     const effect* all = effects_all( &count );
     for ( int i = 0; i < count; ++i )

@@ -21,7 +21,7 @@
 
 enum
 {
-    most_vertices = 1024
+    max_vertices = 1024
 };
 
 static double3 widen( wisp_vec3 p )
@@ -33,8 +33,8 @@ static double3 widen( wisp_vec3 p )
 static frozen_oracle_options widen_options( const plain_frozen_hair_options* o )
 {
     static const frozen_oracle_blend blends[] = { FROZEN_ORACLE_BLEND_ARC, FROZEN_ORACLE_BLEND_CHORD };
-    static const frozen_oracle_gap gaps[] = { FROZEN_ORACLE_GAP_PROSE, FROZEN_ORACLE_GAP_PRINTED,
-                                              FROZEN_ORACLE_GAP_CLOSING, FROZEN_ORACLE_GAP_WET };
+    static const frozen_oracle_gap gaps[] = { FROZEN_ORACLE_GAP_ABSOLUTE, FROZEN_ORACLE_GAP_SIGNED,
+                                              FROZEN_ORACLE_GAP_REVERSED, FROZEN_ORACLE_GAP_NONE };
     static const frozen_oracle_gap_reference references[] = { FROZEN_ORACLE_GAP_REFERENCE_STAGE,
                                                               FROZEN_ORACLE_GAP_REFERENCE_ITERATION };
     frozen_oracle_options wide = frozen_oracle_default_options();
@@ -44,14 +44,14 @@ static frozen_oracle_options widen_options( const plain_frozen_hair_options* o )
     wide.clump_radius = o->clump_radius;
     wide.clump_iterations = o->clump_iterations;
     wide.clump_step = o->clump_step;
-    wide.guard_distance = o->guard_distance;
+    wide.min_distance = o->min_distance;
     wide.lambda_min = o->lambda_min;
     wide.length_floor = o->length_floor;
     wide.dimension = o->dimension;
     wide.blend = blends[o->blend];
     wide.gap = gaps[o->gap];
     wide.gap_reference = references[o->gap_reference];
-    wide.guard = o->guard;
+    wide.min_distance_clamp = o->min_distance_clamp;
     wide.deform = o->deform;
     wide.align = o->align;
     wide.seed = o->seed;
@@ -61,8 +61,8 @@ static frozen_oracle_options widen_options( const plain_frozen_hair_options* o )
 
 static plain_frozen_hair create_plain( const frozen_scene* scene, const plain_frozen_hair_options* options )
 {
-    float xyz[3 * most_vertices], per_strand[3][most_vertices];
-    assert_in_range( scene->vertex_count, 1, most_vertices );
+    float xyz[3 * max_vertices], per_strand[3][max_vertices];
+    assert_in_range( scene->vertex_count, 1, max_vertices );
     for ( int v = 0; v < scene->vertex_count; ++v )
     {
         xyz[3 * v] = (float)scene->rest[v].x;
@@ -141,7 +141,7 @@ static double3 shaken( double3 p, double amount, int trial, int v, int dimension
 static double amplified( const frozen_scene* scene, frozen_oracle_options options, const double3* deformed,
                          const double3* expected, double amount )
 {
-    static double3 shifted[most_vertices], out[most_vertices];
+    static double3 shifted[max_vertices], out[max_vertices];
     frozen_oracle_hair hair = scene->hair;
     double largest = amount;
     hair.rest = shifted;
@@ -193,7 +193,7 @@ typedef struct agreement
 static void assert_plain_equals_oracle( const frozen_scene* scene, const plain_frozen_hair_options* options,
                                         agreement* total )
 {
-    static double3 deformed[most_vertices], aligned[most_vertices], expected[most_vertices];
+    static double3 deformed[max_vertices], aligned[max_vertices], expected[max_vertices];
     frozen_oracle_options wide = widen_options( options ), no_clump = wide;
     plain_frozen_hair plain = create_plain( scene, options );
     assert_true( plain_frozen_hair_run( &plain ) );
@@ -216,7 +216,7 @@ static void assert_plain_equals_oracle( const frozen_scene* scene, const plain_f
         {
             fail_msg( "stage %d is off by %g m, tolerance %g m, blend %d gap %d reference %d guard %d", stage + 1,
                       errors[stage], tolerances[stage], options->blend, options->gap, options->gap_reference,
-                      options->guard );
+                      options->min_distance_clamp );
         }
         total->used = fmax( total->used, errors[stage] / tolerances[stage] );
     }
@@ -278,7 +278,7 @@ static void plain_equals_the_oracle( void** state )
         options.blend = (plain_hair_blend)( n % 2 );
         options.gap = (plain_hair_gap)( n / 2 % 4 );
         options.gap_reference = (plain_hair_gap_reference)( n / 8 % 2 );
-        options.guard = n / 16 == 0;
+        options.min_distance_clamp = n / 16 == 0;
         assert_plain_equals_oracle( &scene, &options, &total );
     }
     print_message( "           used %.0f %% of the tolerance, at most %.2g m; clumping moves by %.2g m\n",
@@ -345,7 +345,7 @@ static void a_repeated_run_gives_the_same_bits_and_a_new_event_does_not( void** 
     plain_frozen_hair_options options = options_for( 3 );
     plain_frozen_hair plain = create_plain( &scene, &options );
     size_t bytes = (size_t)scene.vertex_count * sizeof( wisp_vec3 );
-    wisp_vec3 first[most_vertices];
+    wisp_vec3 first[max_vertices];
     assert_true( plain_frozen_hair_run( &plain ) );
     memcpy( first, plain.position, bytes );
     plain.options.event += 1;

@@ -96,7 +96,7 @@ static triangle_oracle make_oracle( const fixture* f )
     triangle_oracle_lump( &def, (double)f->material.area_density, f->masses );
     if ( triangle_oracle_create( &def, &params, &cloth, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return cloth;
 }
@@ -168,23 +168,23 @@ static void a_hanging_cloth_moves_as_that_of_the_engine( void** state )
     setting.has_ball = false;
     setting.pins = pins;
     setting.pin_count = 2;
-    surface_entrant ours;
+    surface_implementation ours;
     wisp_error error = { 0 };
     assert_int_equal( triangle_enter( &f->scene, &setting, &ours, &error ), WISP_OK );
     const wisp_vec3* points = NULL;
     for ( int step = 0; step < STEPS; ++step )
     {
         plain_implicit_cloth_step( &plain, setting.seconds );
-        assert_int_equal( surface_entrant_step( &ours, &error ), WISP_OK );
+        assert_int_equal( surface_implementation_step( &ours, &error ), WISP_OK );
     }
-    assert_int_equal( surface_entrant_points( &ours, &points, &error ), WISP_OK );
+    assert_int_equal( surface_implementation_points( &ours, &points, &error ), WISP_OK );
     for ( int v = 0; v < VERTICES; ++v )
     {
         // twice as far as plain C may be from the oracle
         assert_true( double3_distance( widened( plain.position[v] ), widened( points[v] ) ) <
                      64.0 * (double)FLT_EPSILON );
     }
-    surface_entrant_destroy( &ours );
+    surface_implementation_destroy( &ours );
     plain_implicit_cloth_destroy( &plain );
 }
 

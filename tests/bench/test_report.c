@@ -265,7 +265,7 @@ static void a_picture_is_embedded_byte_by_byte( void** state )
     }
 }
 
-static void assert_one_sentence( const char* path, const char* why )
+static void assert_one_message( const char* path, const char* why )
 {
     results all = empty_results();
     results_add_picture( &all, path, "a caption" );
@@ -279,25 +279,25 @@ static void assert_one_sentence( const char* path, const char* why )
     results_free( &all );
 }
 
-static void a_picture_that_cannot_be_read_is_one_sentence( void** state )
+static void a_picture_that_cannot_be_read_is_one_message( void** state )
 {
     (void)state;
     unsigned char picture[PICTURE_SIZE];
     size_t size = make_picture( picture, PICTURE_SIZE );
-    assert_one_sentence( "report_missing.png", "The picture report_missing.png cannot be shown: No such file" );
-    assert_one_sentence( "/", "it is not a file" );
+    assert_one_message( "report_missing.png", "The picture report_missing.png cannot be shown: No such file" );
+    assert_one_message( "/", "it is not a file" );
     write_bytes( "report_bad.png", "a letter", 8 );
-    assert_one_sentence( "report_bad.png", "it is not a whole PNG" );
+    assert_one_message( "report_bad.png", "it is not a whole PNG" );
     write_bytes( "report_bad.png", picture, size - 1 );
-    assert_one_sentence( "report_bad.png", "it is not a whole PNG" );
+    assert_one_message( "report_bad.png", "it is not a whole PNG" );
     write_bytes( "report_bad.png", "", 0 );
-    assert_one_sentence( "report_bad.png", "it is not a whole PNG" );
+    assert_one_message( "report_bad.png", "it is not a whole PNG" );
     write_bytes( "report_bad.png", picture, size );
     assert_int_equal( truncate( "report_bad.png", ( 16 << 20 ) + 1 ), 0 );
-    assert_one_sentence( "report_bad.png", "it is larger than 16 MB" );
+    assert_one_message( "report_bad.png", "it is larger than 16 MB" );
     remove( "report_bad.png" );
     assert_int_equal( mkfifo( "report_bad.png", 0600 ), 0 );
-    assert_one_sentence( "report_bad.png", "it is not a file" ); // and nobody waits for the other end
+    assert_one_message( "report_bad.png", "it is not a file" ); // and nobody waits for the other end
     remove( "report_bad.png" );
 }
 
@@ -331,11 +331,11 @@ static void a_file_that_cannot_be_written_is_an_error_that_names_it( void** stat
     wisp_error error = { 0 };
     fill( &all, "quiet" );
     assert_int_equal( report_write_file( &all, &quiet_run, "no such folder/out.html", &error ), WISP_IO_ERROR );
-    assert_non_null( strstr( error.sentence, "no such folder/out.html" ) );
+    assert_non_null( strstr( error.message, "no such folder/out.html" ) );
     if ( access( "/dev/full", W_OK ) == 0 )
     {
         assert_int_equal( report_write_file( &all, &quiet_run, "/dev/full", &error ), WISP_IO_ERROR );
-        assert_non_null( strstr( error.sentence, "/dev/full" ) );
+        assert_non_null( strstr( error.message, "/dev/full" ) );
         FILE* full = fopen( "/dev/full", "w" );
         assert_non_null( full );
         assert_int_equal( report_write( &all, &quiet_run, full, &error ), WISP_IO_ERROR );
@@ -358,7 +358,7 @@ int main( void )
         cmocka_unit_test( the_same_results_give_the_same_bytes ),
         cmocka_unit_test( a_decimal_comma_changes_no_byte ),
         cmocka_unit_test( a_picture_is_embedded_byte_by_byte ),
-        cmocka_unit_test( a_picture_that_cannot_be_read_is_one_sentence ),
+        cmocka_unit_test( a_picture_that_cannot_be_read_is_one_message ),
         cmocka_unit_test( a_file_holds_what_a_stream_would ),
         cmocka_unit_test( a_file_that_cannot_be_written_is_an_error_that_names_it ),
     };

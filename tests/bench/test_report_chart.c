@@ -164,8 +164,8 @@ static void one_point_of_any_size_stands_inside( void** state )
 // 1, 2 or 5 times a power of ten, up to rounding.
 static bool is_round( double value )
 {
-    double share = value / pow( 10.0, floor( log10( value ) + 1e-9 ) );
-    return fabs( share - 1.0 ) < 1e-6 || fabs( share - 2.0 ) < 1e-6 || fabs( share - 5.0 ) < 1e-6;
+    double fraction = value / pow( 10.0, floor( log10( value ) + 1e-9 ) );
+    return fabs( fraction - 1.0 ) < 1e-6 || fabs( fraction - 2.0 ) < 1e-6 || fabs( fraction - 5.0 ) < 1e-6;
 }
 
 static int label_count( const report_axis* axis )
@@ -189,15 +189,15 @@ static void linear_ticks_are_round_few_and_hold_all_values( void** state )
         report_axis axis = report_axis_make( ends[i][0], ends[i][1], false );
         double step = axis.ticks[1].value - axis.ticks[0].value;
         double slack = 1e-6 * step;
-        assert_true( axis.low <= ends[i][0] + slack && axis.high >= ends[i][1] - slack );
+        assert_true( axis.lower <= ends[i][0] + slack && axis.upper >= ends[i][1] - slack );
         assert_true( axis.tick_count >= 3 && axis.tick_count <= 8 );
         assert_true( is_round( step ) );
         for ( int t = 0; t < axis.tick_count; ++t )
         {
-            assert_near( axis.ticks[t].value, axis.low + t * step, slack );
+            assert_near( axis.ticks[t].value, axis.lower + t * step, slack );
             assert_true( axis.ticks[t].label[0] != '\0' );
         }
-        assert_true( axis.ticks[axis.tick_count - 1].value == axis.high );
+        assert_true( axis.ticks[axis.tick_count - 1].value == axis.upper );
     }
 }
 
@@ -210,9 +210,9 @@ static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
     for ( int i = 0; i < WISP_COUNT( ends ); ++i )
     {
         report_axis axis = report_axis_make( ends[i][0], ends[i][1], true );
-        assert_true( axis.low <= ends[i][0] * ( 1.0 + 1e-8 ) && axis.high >= ends[i][1] * ( 1.0 - 1e-8 ) );
-        assert_true( axis.low > 0.1 * ends[i][0] && axis.high < 10.0 * ends[i][1] );
-        assert_true( is_round( axis.low ) && is_round( axis.high ) );
+        assert_true( axis.lower <= ends[i][0] * ( 1.0 + 1e-8 ) && axis.upper >= ends[i][1] * ( 1.0 - 1e-8 ) );
+        assert_true( axis.lower > 0.1 * ends[i][0] && axis.upper < 10.0 * ends[i][1] );
+        assert_true( is_round( axis.lower ) && is_round( axis.upper ) );
         assert_true( label_count( &axis ) >= 2 && label_count( &axis ) <= 10 );
         for ( int t = 1; t < axis.tick_count; ++t )
         {
@@ -349,7 +349,7 @@ static void sixteen_series_differ_in_colour_or_shape( void** state )
 
 // ---- bars ----
 
-static double bar_share( const char* page, int number )
+static double bar_fraction( const char* page, int number )
 {
     const char* at = strstr( page, "<rect class=\"bar\" height" );
     for ( int i = 0; i < number && at; ++i )
@@ -388,18 +388,18 @@ static void bars_are_as_long_as_their_values( void** state )
 {
     (void)state;
     char* page = page_of_bars( ( const double[] ){ 2.0, 8.0, NAN, 0.5 }, 4, false );
-    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
-    assert_near( bar_share( page, 1 ), 25.0, ROUNDED ); // of the other series
-    assert_near( bar_share( page, 2 ), 100.0, ROUNDED );
-    assert_near( bar_share( page, 3 ), 6.25, ROUNDED );
+    assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_fraction( page, 1 ), 25.0, ROUNDED ); // of the other series
+    assert_near( bar_fraction( page, 2 ), 100.0, ROUNDED );
+    assert_near( bar_fraction( page, 3 ), 6.25, ROUNDED );
     // what is not known has a line and no bar
     assert_non_null( strstr( page, ">effect 2</th><td class=\"bar\"></td><td class=\"n\">-</td>" ) );
     assert_non_null( strstr( page, "rowspan=\"2\">effect 0</th>" ) );
     free( page );
 
     page = page_of_bars( ( const double[] ){ -1.0, 3.0 }, 2, false );
-    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
-    assert_near( bar_share( page, 2 ), 75.0, ROUNDED );
+    assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_fraction( page, 2 ), 75.0, ROUNDED );
     free( page );
 }
 
@@ -407,9 +407,9 @@ static void logarithmic_bars_begin_a_decade_below_the_smallest( void** state )
 {
     (void)state;
     char* page = page_of_bars( ( const double[] ){ 1.0, 1000.0, 10.0 }, 3, true );
-    assert_near( bar_share( page, 0 ), 25.0, ROUNDED );
-    assert_near( bar_share( page, 2 ), 100.0, ROUNDED );
-    assert_near( bar_share( page, 3 ), 50.0, ROUNDED );
+    assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
+    assert_near( bar_fraction( page, 2 ), 100.0, ROUNDED );
+    assert_near( bar_fraction( page, 3 ), 50.0, ROUNDED );
     free( page );
 }
 

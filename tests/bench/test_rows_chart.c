@@ -75,7 +75,7 @@ static void the_front_is_what_nothing_beats( void** state )
     all.rows[all.row_count - 1].steps = 4; // so it has no place among them
     rows_chart_add(
         &( rows_chart ){
-            .name = "race", .title = "t", .least_steps = 5, .x = rows_ms, .y = error_of, .is_front = true },
+            .name = "race", .title = "t", .min_steps = 5, .x = rows_ms, .y = error_of, .is_front = true },
         &all );
     assert_int_equal( all.charts[0].series_count, 1 );
     const results_series* series = &all.charts[0].series[0];

@@ -24,7 +24,7 @@ typedef enum flaw
     NOT_A_STRAIN, // the same, of the strain
     GAINS,        // energy in one frame
     TREMBLES,     // in the last frames
-    RACES,        // for one frame
+    COMPARISONS,  // for one frame
     HALTED,
     CROSSES, // for one frame
 } flaw;
@@ -48,7 +48,7 @@ static wisp_status fake_look( void* context, int frame, stability_look* out, wis
     out->is_finite = !( kind == NOT_A_NUMBER && frame == 40 );
     out->strain = kind == NOT_A_STRAIN && frame == 40 ? NAN : out->strain;
     out->energy += kind == GAINS && frame == 40 ? 1.0 : 0.0;
-    out->speed = kind == TREMBLES && frame > 95 ? 0.5 : kind == RACES && frame == 40 ? 1e3 : out->speed;
+    out->speed = kind == TREMBLES && frame > 95 ? 0.5 : kind == COMPARISONS && frame == 40 ? 1e3 : out->speed;
     out->is_halted = kind == HALTED && frame >= 40;
     out->breach = kind == CROSSES && frame == 40 ? 1.0 : 0.0;
     return WISP_OK;
@@ -112,7 +112,7 @@ static void every_flaw_breaks_the_limit_that_it_should( void** state )
         [LATE] = STABILITY_LIMIT_RECOVERY,       [STAYS_LONG] = STABILITY_LIMIT_STRAIN,
         [NOT_A_NUMBER] = STABILITY_LIMIT_FINITE, [NOT_A_STRAIN] = STABILITY_LIMIT_FINITE,
         [GAINS] = STABILITY_LIMIT_ENERGY,        [TREMBLES] = STABILITY_LIMIT_JITTER,
-        [RACES] = STABILITY_LIMIT_SPEED,         [HALTED] = STABILITY_LIMIT_HALTED,
+        [COMPARISONS] = STABILITY_LIMIT_SPEED,   [HALTED] = STABILITY_LIMIT_HALTED,
         [CROSSES] = STABILITY_LIMIT_BREACH,
     };
     for ( int kind = LATE; kind <= CROSSES; ++kind )
@@ -227,7 +227,7 @@ static void every_quick_cell_holds_or_breaks_as_the_list_says( void** state )
     wisp_error error = { 0 };
     if ( stability_bench( &quick, &all, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     for ( int i = 0; i < all.note_count && all.failed; ++i )
     {

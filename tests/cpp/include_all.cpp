@@ -3,35 +3,35 @@
 #include "wisp/explain.h"
 #include "wisp/fabric.h"
 #include "wisp/jobs.h"
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 #include "wisp/samples.h"
 #include "wisp/shapes.h"
 #include "wisp/tune.h"
 #include "wisp/variants.h"
 #include "wisp/wisp.h"
 
-#include "wisp/module/box_pairs.h"
+#include "wisp/module/aabb_pairs.h"
 #include "wisp/module/components.h"
-#include "wisp/module/crossings.h"
+#include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"
 #include "wisp/module/module.h"
-#include "wisp/module/pieces.h"
+#include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
 #include "wisp/module/sampling.h"
 #include "wisp/module/space.h"
 #include "wisp/module/springs.h"
-#include "wisp/module/swarm.h"
+#include "wisp/module/particle_batch.h"
 
 #include "balloon.h"
 #include "boundary.h"
-#include "climate.h"
+#include "environment.h"
 #include "cloth.h"
 #include "collision.h"
 #include "contact.h"
 #include "frozen_hair.h"
 #include "guide_hair.h"
 #include "implicit_cloth.h"
-#include "strand_look.h"
+#include "strand_appearance.h"
 #include "strands.h"
 
 #include <cstdio>
@@ -54,7 +54,7 @@ static bool can_step( const wisp_module* const* modules, int count )
     wisp_error error = {};
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        std::printf( "no world: %s\n", error.sentence );
+        std::printf( "no world: %s\n", error.message );
         return false;
     }
     const bool good = wisp_world_step( world, 1.0f / 60.0f ) == WISP_OK;
@@ -73,7 +73,7 @@ static bool draws_numbers()
 int main()
 {
     const wisp_module own = { "cpp", declare };
-    const wisp_module* const modules[] = { &wisp_climate_module, &wisp_frozen_hair_module, &wisp_strand_look_module,
+    const wisp_module* const modules[] = { &wisp_environment_module, &wisp_frozen_hair_module, &wisp_strand_appearance_module,
                                            &own };
     const bool stepped = can_step( modules, WISP_COUNT( modules ) );
     const bool drew = draws_numbers();

@@ -112,11 +112,11 @@ static inline test_mesh test_mesh_moebius( int length, int height )
     {
         for ( int y = 0; y < height; ++y )
         {
-            double turn = 6.28318530717959 * x / length, across = y - ( height - 1 ) * 0.5, radius = length;
-            double reach = radius + across * cos( turn / 2 );
+            double turn = 6.28318530717959 * x / length, foreign = y - ( height - 1 ) * 0.5, radius = length;
+            double reach = radius + foreign * cos( turn / 2 );
             mesh.points[x * height + y] =
                 ( wisp_vec3 ){ (float)( reach * cos( turn ) ), (float)( reach * sin( turn ) ),
-                               (float)( across * sin( turn / 2 ) ) };
+                               (float)( foreign * sin( turn / 2 ) ) };
             if ( y + 1 < height )
             {
                 bool seam = x + 1 == length;
@@ -206,18 +206,19 @@ static inline wisp_fabric* test_fabric_cook( const wisp_fabric_def* def )
 /// Nobody writes what another lane of the group or another tile of the colour uses. `slot4` finds the slots of a lane.
 typedef int32_t test_slot4_fn( const wisp_fabric* f, int32_t at, int k );
 
-static inline int32_t test_link_slot4( const wisp_fabric* f, int32_t at, int k )
+static inline int32_t test_link_slot_x4( const wisp_fabric* f, int32_t at, int k )
 {
-    return k == 0 ? f->link_a4[at] : f->link_b4[at];
+    return k == 0 ? f->link_a_x4[at] : f->link_b_x4[at];
 }
 
-static inline int32_t test_hinge_slot4( const wisp_fabric* f, int32_t at, int k )
+static inline int32_t test_hinge_slot_x4( const wisp_fabric* f, int32_t at, int k )
 {
-    return f->hinge_slot4[( (size_t)( at / 8 ) * 4 + (size_t)k ) * 8 + (size_t)( at % 8 )];
+    return f->hinge_slot_x4[( (size_t)( at / 8 ) * 4 + (size_t)k ) * 8 + (size_t)( at % 8 )];
 }
 
-static inline void assert_tile_is_safe( const wisp_fabric* f, const wisp_schedule* s, int arity, test_slot4_fn* slot4,
-                                        int tile, int32_t* tile_of_slot, int32_t* lane_of_slot )
+static inline void assert_tile_is_safe( const wisp_fabric* f, const wisp_schedule* s, int arity,
+                                        test_slot4_fn* slot_x4, int tile, int32_t* tile_of_slot,
+                                        int32_t* lane_of_slot )
 {
     assert_true( s->tile_begin[tile] % 8 == 0 && s->tile_begin[tile] < s->tile_begin[tile + 1] );
     assert_true( s->constraint[s->tile_begin[tile]] >= 0 );
@@ -225,8 +226,8 @@ static inline void assert_tile_is_safe( const wisp_fabric* f, const wisp_schedul
     {
         for ( int k = 0; k < arity; ++k )
         {
-            int32_t slot = slot4( f, i, k ) / 4;
-            assert_true( slot4( f, i, k ) % 4 == 0 && slot >= 0 && slot < f->vertex_count + f->tile_count );
+            int32_t slot = slot_x4( f, i, k ) / 4;
+            assert_true( slot_x4( f, i, k ) % 4 == 0 && slot >= 0 && slot < f->vertex_count + f->tile_count );
             assert_int_equal( slot >= f->vertex_count, s->constraint[i] < 0 );
 
             // other tiles of the colour, dummies included
@@ -242,7 +243,7 @@ static inline void assert_tile_is_safe( const wisp_fabric* f, const wisp_schedul
 }
 
 static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_schedule* s, int arity, int count,
-                                            test_slot4_fn* slot4 )
+                                            test_slot4_fn* slot_x4 )
 {
     size_t bytes = (size_t)f->slot_count * sizeof( int32_t );
     int32_t* tile_of_slot = malloc( bytes + 1 );
@@ -263,7 +264,7 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
         memset( tile_of_slot, 0xff, bytes );
         for ( int tile = s->colour_tile[colour]; tile < s->colour_tile[colour + 1]; ++tile )
         {
-            assert_tile_is_safe( f, s, arity, slot4, tile, tile_of_slot, lane_of_slot );
+            assert_tile_is_safe( f, s, arity, slot_x4, tile, tile_of_slot, lane_of_slot );
         }
     }
     for ( int32_t i = 0; i < s->slot_count; ++i )
@@ -292,23 +293,23 @@ static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric
     };
     char* role = calloc( (size_t)f->slot_count + 1, 1 );
     wisp_fabric of_level = *f;
-    of_level.link_a4 = level->a4;
-    of_level.link_b4 = level->b4;
-    assert_schedule_is_safe( &of_level, &level->schedule, 2, level->link_count, test_link_slot4 );
+    of_level.link_a_x4 = level->a_x4;
+    of_level.link_b_x4 = level->b_x4;
+    assert_schedule_is_safe( &of_level, &level->schedule, 2, level->link_count, test_link_slot_x4 );
     for ( int i = 0; i < level->vertex_count; ++i )
     {
-        assert_true( level->vertex4[i] >= 0 && level->vertex4[i] < 4 * f->vertex_count );
-        role[level->vertex4[i] / 4] = PARENT;
+        assert_true( level->vertex_x4[i] >= 0 && level->vertex_x4[i] < 4 * f->vertex_count );
+        role[level->vertex_x4[i] / 4] = PARENT;
     }
     for ( int i = 0; i < level->child_count; ++i )
     {
-        assert_true( level->child4[i] >= 0 && level->child4[i] < 4 * f->vertex_count );
-        assert_int_equal( role[level->child4[i] / 4], 0 );
-        role[level->child4[i] / 4] = CHILD;
+        assert_true( level->child_x4[i] >= 0 && level->child_x4[i] < 4 * f->vertex_count );
+        assert_int_equal( role[level->child_x4[i] / 4], 0 );
+        role[level->child_x4[i] / 4] = CHILD;
     }
     for ( int i = 0; i < WISP_FABRIC_PARENTS * fabric_padded( level->child_count ); ++i )
     {
-        int32_t parent = level->parent4[i] / 4;
+        int32_t parent = level->parent_x4[i] / 4;
         assert_true( parent >= 0 && parent <= f->vertex_count );
         assert_true( role[parent] == PARENT || level->weight[i] == 0.0f );
     }
@@ -323,16 +324,16 @@ static inline void assert_fabric_is_safe( const wisp_fabric* f )
     }
     for ( int i = 0; i < f->tether_count * f->slot_count; ++i )
     {
-        assert_true( f->tether4[i] >= 0 && f->tether4[i] < 4 * f->slot_count && f->tether_rest[i] >= 0.0f );
+        assert_true( f->tether_x4[i] >= 0 && f->tether_x4[i] < 4 * f->slot_count && f->tether_rest[i] >= 0.0f );
     }
-    assert_schedule_is_safe( f, &f->link_order, 2, f->link_count, test_link_slot4 );
+    assert_schedule_is_safe( f, &f->link_order, 2, f->link_count, test_link_slot_x4 );
     assert_schedule_is_safe( f, &f->hinge_order, 4, f->hinge_order.slot_count > 0 ? f->hinge_count : 0,
-                             test_hinge_slot4 );
+                             test_hinge_slot_x4 );
     for ( int32_t e = 0; e < f->ring_begin[f->ring_slice_count]; ++e )
     {
         for ( int lane = 0; lane < 8; ++lane )
         {
-            assert_true( f->ring4[e][lane] >= 0 && f->ring4[e][lane] < 4 * f->slot_count );
+            assert_true( f->ring_x4[e][lane] >= 0 && f->ring_x4[e][lane] < 4 * f->slot_count );
         }
     }
 }
@@ -351,7 +352,7 @@ static inline int64_t test_pair( int32_t a, int32_t b )
 /// Edges by sorting all sides of all triangles, and what kind each is by looking at its neighbours in that list.
 static inline void assert_edges_are_those_of_the_triangles( const wisp_fabric* f )
 {
-    int sides = 3 * f->triangle_count, edge = 0, hinges = 0, borders = 0, wild = 0;
+    int sides = 3 * f->triangle_count, edge = 0, hinges = 0, borders = 0, nonmanifold = 0;
     int64_t* side = calloc( (size_t)sides + 1, sizeof( int64_t ) );
     for ( int i = 0; i < sides; ++i )
     {
@@ -371,12 +372,12 @@ static inline void assert_edges_are_those_of_the_triangles( const wisp_fabric* f
         assert_int_equal( f->edges[2 * edge + 1], pair & 0x7fffffff );
         hinges += uses[0] == 1 && uses[1] == 1 ? 1 : 0;
         borders += uses[0] + uses[1] == 1 ? 1 : 0;
-        wild += uses[0] > 1 || uses[1] > 1 ? 1 : 0;
+        nonmanifold += uses[0] > 1 || uses[1] > 1 ? 1 : 0;
     }
     assert_int_equal( edge, f->edge_count );
     assert_int_equal( hinges, f->hinge_count );
-    assert_int_equal( borders, f->border_edge_count );
-    assert_int_equal( wild, f->wild_edge_count );
+    assert_int_equal( borders, f->open_edge_count );
+    assert_int_equal( nonmanifold, f->nonmanifold_edge_count );
     free( side );
 }
 
@@ -414,12 +415,12 @@ static inline double test_distance( wisp_vec3 a, wisp_vec3 b )
     return sqrt( x * x + y * y + z * z );
 }
 
-static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bool cross_links )
+static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bool bend_links )
 {
-    // cross links are counted by the hinges whose opposite vertices differ, in order
+    // bend links are counted by the hinges whose opposite vertices differ, in order
     int32_t* hinge_of_link = calloc( (size_t)f->link_count + 1, sizeof( int32_t ) );
     int link = f->edge_count;
-    for ( int h = 0; h < f->hinge_count && cross_links; ++h )
+    for ( int h = 0; h < f->hinge_count && bend_links; ++h )
     {
         if ( f->hinges[4 * h + 2] != f->hinges[4 * h + 3] )
         {
@@ -438,15 +439,15 @@ static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bo
         }
         const int32_t* v =
             c < f->edge_count ? f->edges + 2 * (size_t)c : f->hinges + 4 * (size_t)hinge_of_link[c] + 2;
-        assert_int_equal( f->link_a4[i], 4 * v[0] );
-        assert_int_equal( f->link_b4[i], 4 * v[1] );
+        assert_int_equal( f->link_a_x4[i], 4 * v[0] );
+        assert_int_equal( f->link_b_x4[i], 4 * v[1] );
         assert_true( f->link_rest[i] == (float)test_distance( f->rest[v[0]], f->rest[v[1]] ) );
     }
     for ( int i = 0; i < f->hinge_order.slot_count; ++i )
     {
         for ( int k = 0; k < 4 && f->hinge_order.constraint[i] >= 0; ++k )
         {
-            assert_int_equal( test_hinge_slot4( f, i, k ), 4 * f->hinges[4 * f->hinge_order.constraint[i] + k] );
+            assert_int_equal( test_hinge_slot_x4( f, i, k ), 4 * f->hinges[4 * f->hinge_order.constraint[i] + k] );
         }
     }
     free( hinge_of_link );
@@ -460,7 +461,7 @@ static inline int64_t test_arrow( int32_t a, int32_t b )
 static inline int32_t test_ring_slot( const wisp_fabric* f, int32_t slot, int32_t entry )
 {
     int32_t at = f->ring_begin[slot / 8] + entry;
-    return at < f->ring_begin[slot / 8 + 1] ? f->ring4[at][slot % 8] / 4 : slot;
+    return at < f->ring_begin[slot / 8 + 1] ? f->ring_x4[at][slot % 8] / 4 : slot;
 }
 
 /// The arrows that the entries around a slot draw, sorted, against those of the triangles that have it.
@@ -585,7 +586,7 @@ static inline void assert_fabric_holds( const wisp_fabric* f, const wisp_fabric_
     assert_areas_are_thirds_of_triangles( f );
     assert_edges_are_those_of_the_triangles( f );
     assert_hinges_are_two_triangles( f );
-    assert_lanes_hold_their_constraints( f, def->cross_links );
+    assert_lanes_hold_their_constraints( f, def->bend_links );
     assert_rings_are_those_of_the_triangles( f );
     assert_fabric_is_safe( f );
     assert_int_equal( f->hinge_order.slot_count > 0, def->hinges && f->hinge_count > 0 );

@@ -16,11 +16,11 @@ extern const wisp_kernels kernels_avx512_emulated;
 
 enum
 {
-    MOST_TABLES = 5,
+    MAX_TABLES = 5,
 };
 
 /// Every table the processor has, the one without intrinsics, and AVX-512 emulated. @return how many
-static inline int usable_tables( const wisp_kernels* tables[MOST_TABLES] )
+static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
 {
     int count = 0;
     tables[count++] = kernels_select( "baseline", NULL );
@@ -68,12 +68,12 @@ enum
 typedef struct constraints
 {
     _Alignas( 64 ) float position[BODIES][4];
-    int32_t slot4[GROUPS][4][8];              // corners of hinges; the first two are ends of links
-    int32_t a4[CONSTRAINTS], b4[CONSTRAINTS]; // the same two, as links want them
-    float rest[CONSTRAINTS];                  // m
-    float angle[CONSTRAINTS];                 // rad
-    float weights[GROUPS][4][8];              // of isometric hinges
-    float scale[CONSTRAINTS];                 // 1/m^2
+    int32_t slot_x4[GROUPS][4][8];                // corners of hinges; the first two are ends of links
+    int32_t a_x4[CONSTRAINTS], b_x4[CONSTRAINTS]; // the same two, as links want them
+    float rest[CONSTRAINTS];                      // m
+    float angle[CONSTRAINTS];                     // rad
+    float weights[GROUPS][4][8];                  // of isometric hinges
+    float scale[CONSTRAINTS];                     // 1/m^2
     float stiffness[CONSTRAINTS];
     float compliance[CONSTRAINTS];
     float lambda[CONSTRAINTS];
@@ -81,14 +81,14 @@ typedef struct constraints
 
 static inline void set_slot( constraints* s, int c, int corner, int slot )
 {
-    s->slot4[c / 8][corner][c % 8] = 4 * slot;
-    s->a4[c] = corner == 0 ? 4 * slot : s->a4[c];
-    s->b4[c] = corner == 1 ? 4 * slot : s->b4[c];
+    s->slot_x4[c / 8][corner][c % 8] = 4 * slot;
+    s->a_x4[c] = corner == 0 ? 4 * slot : s->a_x4[c];
+    s->b_x4[c] = corner == 1 ? 4 * slot : s->b_x4[c];
 }
 
 static inline float* body( constraints* s, int c, int corner )
 {
-    return s->position[s->slot4[c / 8][corner][c % 8] / 4];
+    return s->position[s->slot_x4[c / 8][corner][c % 8] / 4];
 }
 
 static inline void place( constraints* s, int c, int corner, float x, float y, float z, float w )
@@ -153,12 +153,12 @@ static inline void tangle( constraints* s )
     }
 }
 
-static inline wisp_link_job link_job( constraints* s )
+static inline wisp_link_args link_args( constraints* s )
 {
-    return ( wisp_link_job ){
+    return ( wisp_link_args ){
         .position = s->position[0],
-        .a4 = s->a4,
-        .b4 = s->b4,
+        .a_x4 = s->a_x4,
+        .b_x4 = s->b_x4,
         .rest = s->rest,
         .stiffness = s->stiffness,
         .compliance = s->compliance,
@@ -170,11 +170,11 @@ static inline wisp_link_job link_job( constraints* s )
 }
 
 /// Without a stiffness it is for xpbd.
-static inline wisp_hinge_job hinge_job( constraints* s, bool isometric, bool pbd )
+static inline wisp_hinge_args hinge_args( constraints* s, bool isometric, bool pbd )
 {
-    return ( wisp_hinge_job ){
+    return ( wisp_hinge_args ){
         .position = s->position[0],
-        .slot4 = s->slot4[0][0],
+        .slot_x4 = s->slot_x4[0][0],
         .rest = isometric ? s->weights[0][0] : s->angle,
         .scale = s->scale,
         .stiffness = pbd ? s->stiffness : NULL,

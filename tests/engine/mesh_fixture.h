@@ -5,7 +5,7 @@
 
 #include "mesh_triangle.h"
 
-#include "wisp/mesh_tree.h"
+#include "wisp/collision_mesh.h"
 
 #include <float.h>
 #include <math.h>
@@ -41,23 +41,23 @@ static inline void test_mesh_add_triangle( test_mesh* m, int32_t a, int32_t b, i
     t[2] = c;
 }
 
-static inline wisp_mesh_tree_def test_mesh_def( const test_mesh* m, bool deforms )
+static inline wisp_collision_mesh_def test_mesh_def( const test_mesh* m, bool deforms )
 {
-    return ( wisp_mesh_tree_def ){ .points = m->points,
-                                   .triangles = m->triangles,
-                                   .point_count = m->point_count,
-                                   .triangle_count = m->triangle_count,
-                                   .deforms = deforms };
+    return ( wisp_collision_mesh_def ){ .points = m->points,
+                                        .triangles = m->triangles,
+                                        .point_count = m->point_count,
+                                        .triangle_count = m->triangle_count,
+                                        .deforms = deforms };
 }
 
-static inline wisp_mesh_tree* test_mesh_tree( const test_mesh* m, bool deforms )
+static inline wisp_collision_mesh* test_collision_mesh( const test_mesh* m, bool deforms )
 {
-    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
-    wisp_mesh_tree* tree = NULL;
+    wisp_collision_mesh_def def = test_mesh_def( m, deforms );
+    wisp_collision_mesh* tree = NULL;
     wisp_error error = { 0 };
-    if ( wisp_mesh_tree_create( &def, NULL, &tree, &error ) != WISP_OK )
+    if ( wisp_collision_mesh_create( &def, NULL, &tree, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return tree;
 }
@@ -170,22 +170,22 @@ static inline test_mesh test_mesh_read( const char* path )
 
 static inline float* test_mesh_quads( const test_mesh* m )
 {
-    float* quads = calloc( 4 * (size_t)m->point_count, sizeof( float ) );
-    assert_non_null( quads );
+    float* xyzw = calloc( 4 * (size_t)m->point_count, sizeof( float ) );
+    assert_non_null( xyzw );
     for ( int i = 0; i < m->point_count; ++i )
     {
-        memcpy( quads + 4 * (size_t)i, m->points + i, sizeof( wisp_vec3 ) );
+        memcpy( xyzw + 4 * (size_t)i, m->points + i, sizeof( wisp_vec3 ) );
     }
-    return quads;
+    return xyzw;
 }
 
 /// The closest triangle of all, the lowest of equals.
-static inline int32_t naive_closest( const test_mesh* m, const float* quads, wisp_vec3 p, triangle_nearest* best )
+static inline int32_t naive_closest( const test_mesh* m, const float* xyzw, wisp_vec3 p, triangle_nearest* best )
 {
     int32_t found = -1;
     for ( int32_t k = 0; k < m->triangle_count; ++k )
     {
-        triangle_corners t = triangle_load( quads, m->triangles, k );
+        triangle_corners t = triangle_load( xyzw, m->triangles, k );
         triangle_nearest nearest;
         triangle_find_nearest( &nearest, &t, double3_widen( p ) );
         if ( found < 0 || nearest.squared < best->squared )
@@ -198,19 +198,19 @@ static inline int32_t naive_closest( const test_mesh* m, const float* quads, wis
 }
 
 /// The triangle that is crossed first, the lowest of equals; -1 for none.
-static inline int32_t naive_crossing( const test_mesh* m, const float* quads, wisp_vec3 from, wisp_vec3 to,
-                                      triangle_crossing* best )
+static inline int32_t naive_intersection( const test_mesh* m, const float* xyzw, wisp_vec3 from, wisp_vec3 to,
+                                          triangle_intersection* best )
 {
     int32_t found = -1;
     for ( int32_t k = 0; k < m->triangle_count; ++k )
     {
-        triangle_corners t = triangle_load( quads, m->triangles, k );
-        triangle_crossing crossing;
-        if ( triangle_cross( &t, double3_widen( from ), double3_widen( to ), &crossing ) &&
-             ( found < 0 || crossing.time < best->time ) )
+        triangle_corners t = triangle_load( xyzw, m->triangles, k );
+        triangle_intersection intersection;
+        if ( triangle_cross( &t, double3_widen( from ), double3_widen( to ), &intersection ) &&
+             ( found < 0 || intersection.time < best->time ) )
         {
             found = k;
-            *best = crossing;
+            *best = intersection;
         }
     }
     return found;
@@ -218,12 +218,12 @@ static inline int32_t naive_crossing( const test_mesh* m, const float* quads, wi
 
 /// How many turns the surface makes around a point, by solid angles (Van Oosterom and Strackee 1983): 1 inside a closed
 /// mesh, 0 outside.
-static inline double winding_number( const test_mesh* m, const float* quads, wisp_vec3 point )
+static inline double winding_number( const test_mesh* m, const float* xyzw, wisp_vec3 point )
 {
     double sum = 0.0;
     for ( int32_t k = 0; k < m->triangle_count; ++k )
     {
-        triangle_corners t = triangle_load( quads, m->triangles, k );
+        triangle_corners t = triangle_load( xyzw, m->triangles, k );
         double3 p = double3_widen( point );
         double3 a = double3_sub( t.at[0], p ), b = double3_sub( t.at[1], p ), c = double3_sub( t.at[2], p );
         double la = sqrt( double3_dot( a, a ) ), lb = sqrt( double3_dot( b, b ) ), lc = sqrt( double3_dot( c, c ) );
@@ -250,39 +250,39 @@ static inline wisp_vec3 test_sum( wisp_vec3 a, wisp_vec3 b )
     return test_along( a, 1.0f, b );
 }
 
-static inline wisp_mesh_nearest closest( wisp_mesh_tree* tree, wisp_vec3 p, float radius )
+static inline wisp_mesh_nearest closest( wisp_collision_mesh* tree, wisp_vec3 p, float radius )
 {
     wisp_mesh_nearest nearest;
-    wisp_mesh_tree_closest( tree, &( wisp_mesh_query ){ p, radius }, 1, &nearest, NULL );
+    wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ p, radius }, 1, &nearest, NULL );
     return nearest;
 }
 
-static inline wisp_mesh_hit sweep( wisp_mesh_tree* tree, wisp_vec3 from, wisp_vec3 to )
+static inline wisp_mesh_hit sweep( wisp_collision_mesh* tree, wisp_vec3 from, wisp_vec3 to )
 {
     wisp_mesh_hit hit;
-    wisp_mesh_tree_sweep( tree, &( wisp_mesh_path ){ from, to }, 1, &hit, NULL );
+    wisp_collision_mesh_cast( tree, &( wisp_mesh_path ){ from, to }, 1, &hit, NULL );
     return hit;
 }
 
 // Its middle and half the edge of a cube around it.
 static inline wisp_vec3 middle_of( const test_mesh* m, float* size )
 {
-    wisp_vec3 low = m->points[0], high = low;
+    wisp_vec3 lower = m->points[0], upper = lower;
     for ( int i = 1; i < m->point_count; ++i )
     {
         wisp_vec3 p = m->points[i];
-        low = ( wisp_vec3 ){ fminf( low.x, p.x ), fminf( low.y, p.y ), fminf( low.z, p.z ) };
-        high = ( wisp_vec3 ){ fmaxf( high.x, p.x ), fmaxf( high.y, p.y ), fmaxf( high.z, p.z ) };
+        lower = ( wisp_vec3 ){ fminf( lower.x, p.x ), fminf( lower.y, p.y ), fminf( lower.z, p.z ) };
+        upper = ( wisp_vec3 ){ fmaxf( upper.x, p.x ), fmaxf( upper.y, p.y ), fmaxf( upper.z, p.z ) };
     }
-    *size = 0.5f * fmaxf( fmaxf( high.x - low.x, 1e-3f ), fmaxf( high.y - low.y, high.z - low.z ) );
-    return ( wisp_vec3 ){ 0.5f * ( low.x + high.x ), 0.5f * ( low.y + high.y ), 0.5f * ( low.z + high.z ) };
+    *size = 0.5f * fmaxf( fmaxf( upper.x - lower.x, 1e-3f ), fmaxf( upper.y - lower.y, upper.z - lower.z ) );
+    return ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
 }
 
 /// Numbers that are none are counted and answered with nothing.
-static inline void assert_refuses_bad_numbers( wisp_mesh_tree* tree )
+static inline void assert_refuses_bad_numbers( wisp_collision_mesh* tree )
 {
     const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, 1e18f, 2e18f, -FLT_MAX };
-    wisp_mesh_work work = { 0 };
+    wisp_collision_mesh_query_stats work = { 0 };
     uint64_t expected = 0;
     for ( int i = 0; i < 3 * WISP_COUNT( bad ); ++i )
     {
@@ -291,9 +291,9 @@ static inline void assert_refuses_bad_numbers( wisp_mesh_tree* tree )
         ( &query.point.x )[i % 3] = ( &to.to.x )[i % 3] = ( &from.from.x )[i % 3] = bad[i / 3];
         wisp_mesh_nearest nearest;
         wisp_mesh_hit hits[2];
-        wisp_mesh_tree_closest( tree, &query, 1, &nearest, &work );
-        wisp_mesh_tree_sweep( tree, &to, 1, hits, &work );
-        wisp_mesh_tree_sweep( tree, &from, 1, hits + 1, &work );
+        wisp_collision_mesh_closest( tree, &query, 1, &nearest, &work );
+        wisp_collision_mesh_cast( tree, &to, 1, hits, &work );
+        wisp_collision_mesh_cast( tree, &from, 1, hits + 1, &work );
         assert_true( nearest.triangle == -1 && hits[0].triangle == -1 && hits[1].triangle == -1 );
         expected += 3;
     }
@@ -301,19 +301,19 @@ static inline void assert_refuses_bad_numbers( wisp_mesh_tree* tree )
     for ( int i = 0; i < WISP_COUNT( radii ); ++i )
     {
         wisp_mesh_nearest nearest;
-        wisp_mesh_tree_closest( tree, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
+        wisp_collision_mesh_closest( tree, &( wisp_mesh_query ){ { 0, 0, 0 }, radii[i] }, 1, &nearest, &work );
         assert_int_equal( nearest.triangle, -1 );
         expected += 1;
     }
     assert_int_equal( work.refused, expected );
-    assert_int_equal( work.asked, expected );
+    assert_int_equal( work.queried, expected );
     assert_int_equal( work.answered, 0 );
 }
 
 /// A ball about the origin is found from the ends of the reach.
-static inline void assert_answers_the_ends_of_the_reach( wisp_mesh_tree* tree )
+static inline void assert_answers_the_ends_of_the_reach( wisp_collision_mesh* tree )
 {
-    const float r = WISP_MESH_TREE_REACH;
+    const float r = WISP_COLLISION_MESH_REACH;
     wisp_mesh_nearest far = closest( tree, ( wisp_vec3 ){ r, -r, r }, INFINITY );
     assert_true( far.triangle >= 0 );
     // the diagonal of the reach, to its rounding
@@ -328,16 +328,16 @@ static inline void assert_answers_the_ends_of_the_reach( wisp_mesh_tree* tree )
 static inline bool test_trees_are_absent( void )
 {
     test_mesh m = test_mesh_sheet( 1, 0.0f );
-    wisp_mesh_tree_def def = test_mesh_def( &m, false );
-    wisp_mesh_tree* tree = NULL;
+    wisp_collision_mesh_def def = test_mesh_def( &m, false );
+    wisp_collision_mesh* tree = NULL;
     wisp_error error = { 0 };
-    wisp_status status = wisp_mesh_tree_create( &def, NULL, &tree, &error );
-    wisp_mesh_tree_release( tree );
+    wisp_status status = wisp_collision_mesh_create( &def, NULL, &tree, &error );
+    wisp_collision_mesh_release( tree );
     test_mesh_free( &m );
-    bool absent = status == WISP_CONFLICT && strstr( error.sentence, "need Embree" ) != NULL;
+    bool absent = status == WISP_CONFLICT && strstr( error.message, "need Embree" ) != NULL;
     if ( absent )
     {
-        printf( "skipped: %s\n", error.sentence );
+        printf( "skipped: %s\n", error.message );
     }
     return absent;
 }

@@ -19,9 +19,9 @@ typedef struct fake_pass
     const char* name; // as the plan prints it
     wisp_stage stage;
     wisp_domain domain;
-    const char *needs, *lacks, *reads, *writes, *across; // letters; null for none
-    char on_change;                                      // a letter, or 0
-    bool asks;                                           // is_due answers what fake.due says
+    const char *required, *excluded, *reads, *writes, *foreign; // letters; null for none
+    char on_change;                                             // a letter, or 0
+    bool asks;                                                  // is_due answers what fake.due says
     int grain;
 } fake_pass;
 
@@ -37,12 +37,12 @@ static struct
 {
     const fake_pass* passes;
     int pass_count;
-    const wisp_join* join; // null: none
+    const wisp_fusion* join; // null: none
     wisp_component components[FAKE_COMPONENTS];
     fake_run runs[FAKE_TRACE];
     _Atomic int run_count;
     bool due;
-    int asked;       // how often is_due was called
+    int queried;     // how often is_due was called
     int runs_before; // how many runs there were when it was called last
     test_log log;
 } fake;
@@ -70,7 +70,7 @@ static inline void fake_trace_joined( wisp_frame* frame, const wisp_span* span, 
 static inline bool fake_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     (void)frame, (void)entity, (void)user;
-    fake.asked += 1;
+    fake.queried += 1;
     fake.runs_before = atomic_load( &fake.run_count );
     return fake.due;
 }
@@ -114,24 +114,24 @@ static inline wisp_status fake_declare( wisp_registry* r )
             .user = (void*)(uintptr_t)f,
             .grain = f->grain,
         };
-        fill_uses( pass.needs, f->needs );
-        fill_uses( pass.lacks, f->lacks );
+        fill_uses( pass.required, f->required );
+        fill_uses( pass.excluded, f->excluded );
         fill_uses( pass.reads, f->reads );
         fill_uses( pass.writes, f->writes );
-        fill_uses( pass.across, f->across );
+        fill_uses( pass.foreign, f->foreign );
         status = wisp_declare_pass( r, &pass );
     }
-    return status == WISP_OK && fake.join != NULL ? wisp_declare_join( r, fake.join ) : status;
+    return status == WISP_OK && fake.join != NULL ? wisp_declare_fusion( r, fake.join ) : status;
 }
 
 static const wisp_module fake_module = { .name = "fake", .declare = fake_declare };
 
 // ---- worlds ----
 
-static inline wisp_world* open_world_with( const wisp_world_def* wanted )
+static inline wisp_world* open_world_with( const wisp_world_def* requested )
 {
     static const wisp_module* const modules[] = { &fake_module };
-    wisp_world_def def = *wanted;
+    wisp_world_def def = *requested;
     def.modules = def.modules != NULL ? def.modules : modules;
     def.module_count = def.module_count > 0 ? def.module_count : WISP_COUNT( modules );
     def.log = test_log_listen;
@@ -140,7 +140,7 @@ static inline wisp_world* open_world_with( const wisp_world_def* wanted )
     wisp_error error = { WISP_OK, "" };
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        fail_msg( "no world: %s", error.sentence );
+        fail_msg( "no world: %s", error.message );
     }
     return world;
 }
@@ -176,19 +176,19 @@ static inline wisp_entity add_with( wisp_world* world, const char* components )
     return entity;
 }
 
-static inline void want( wisp_world* world, wisp_entity entity, const char* components )
+static inline void request( wisp_world* world, wisp_entity entity, const char* components )
 {
     for ( int i = 0; components[i] != 0; ++i )
     {
-        assert_int_equal( wisp_want( world, entity, letter( components[i] ) ), WISP_OK );
+        assert_int_equal( wisp_request( world, entity, letter( components[i] ) ), WISP_OK );
     }
 }
 
-static inline void unwant( wisp_world* world, wisp_entity entity, const char* components )
+static inline void cancel_request( wisp_world* world, wisp_entity entity, const char* components )
 {
     for ( int i = 0; components[i] != 0; ++i )
     {
-        assert_int_equal( wisp_unwant( world, entity, letter( components[i] ) ), WISP_OK );
+        assert_int_equal( wisp_cancel_request( world, entity, letter( components[i] ) ), WISP_OK );
     }
 }
 
@@ -203,7 +203,7 @@ static inline void step( wisp_world* world )
 // ---- plans as reports ----
 
 /// The pass of that name, which is there.
-static inline const wisp_plan_pass* pass_of( const wisp_plan_report* report, const char* name )
+static inline const wisp_plan_pass* pass_of( const wisp_plan_info* report, const char* name )
 {
     for ( int i = 0; i < report->pass_count; ++i )
     {

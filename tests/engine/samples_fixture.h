@@ -130,7 +130,7 @@ typedef struct layer
     wisp_allocator allocator;
     jobs_pool* pool;
     wisp_samples samples;
-    wisp_samples_job job;
+    wisp_samples_args args;
     wisp_status status;
 } layer;
 
@@ -141,7 +141,7 @@ static inline layer* layer_open( const samples_mesh* m, float spacing, int worke
     l->allocator = test_host_allocator( &l->host );
     l->pool = jobs_create( &l->allocator, workers, NULL, NULL );
     const size_t edges = (size_t)m->edge_count, triangles = (size_t)m->triangle_count;
-    l->job = ( wisp_samples_job ){
+    l->args = ( wisp_samples_args ){
         .position = m->position,
         .normal = m->normal,
         .edges = m->edges,
@@ -161,11 +161,11 @@ static inline layer* layer_open( const samples_mesh* m, float spacing, int worke
 
 static inline void layer_close( layer* l )
 {
-    free( l->job.edge_length );
-    free( l->job.edge_points );
-    free( l->job.triangle_extent );
-    free( l->job.triangle_axis );
-    free( l->job.triangle_points );
+    free( l->args.edge_length );
+    free( l->args.edge_points );
+    free( l->args.triangle_extent );
+    free( l->args.triangle_axis );
+    free( l->args.triangle_points );
     wisp_samples_release( &l->samples, &l->allocator );
     jobs_destroy( l->pool );
     assert_host_has_all_back( &l->host );
@@ -175,7 +175,7 @@ static inline void layer_close( layer* l )
 static inline void layer_run( void* context )
 {
     layer* l = context;
-    l->status = wisp_samples_update( &l->samples, jobs_everyone( l->pool ), kernels_select( NULL, NULL ), &l->job );
+    l->status = wisp_samples_update( &l->samples, jobs_everyone( l->pool ), kernels_select( NULL, NULL ), &l->args );
 }
 
 static inline wisp_status layer_try( layer* l )
@@ -192,7 +192,7 @@ static inline void layer_update( layer* l )
 static inline int32_t layer_element( const layer* l, int point )
 {
     int32_t element;
-    memcpy( &element, l->samples.quads + 4 * point + 3, sizeof( element ) );
+    memcpy( &element, l->samples.xyzw + 4 * point + 3, sizeof( element ) );
     return element;
 }
 
@@ -205,7 +205,7 @@ static inline void assert_same_points( const wisp_samples* a, const wisp_samples
     assert_memory_equal( a->begin, b->begin, ( (size_t)elements + 1 ) * sizeof( int32_t ) );
     if ( bytes > 0 )
     {
-        assert_memory_equal( a->quads, b->quads, bytes );
+        assert_memory_equal( a->xyzw, b->xyzw, bytes );
         assert_memory_equal( a->normals, b->normals, bytes );
         assert_memory_equal( a->parents, b->parents, bytes );
         assert_memory_equal( a->weights, b->weights, bytes );

@@ -27,7 +27,7 @@ typedef enum cloud_shape
 typedef struct cloud
 {
     int count;
-    float* quads;
+    float* xyzw;
 } cloud;
 
 static inline wisp_vec3 cloud_point( cloud_shape shape, int i, int count )
@@ -65,13 +65,13 @@ static inline wisp_vec3 cloud_point( cloud_shape shape, int i, int count )
 static inline cloud make_cloud( cloud_shape shape, int count )
 {
     cloud c = { count, calloc( 4 * (size_t)count + 4, sizeof( float ) ) };
-    assert_non_null( c.quads );
+    assert_non_null( c.xyzw );
     for ( int i = 0; i < count; ++i )
     {
         wisp_vec3 p = cloud_point( shape, i, count );
         int32_t owner = test_random( i, 3, count / 4 + 1 );
-        memcpy( c.quads + 4 * (size_t)i, &p, sizeof( p ) );
-        memcpy( c.quads + 4 * (size_t)i + 3, &owner, sizeof( owner ) );
+        memcpy( c.xyzw + 4 * (size_t)i, &p, sizeof( p ) );
+        memcpy( c.xyzw + 4 * (size_t)i + 3, &owner, sizeof( owner ) );
     }
     return c;
 }
@@ -139,8 +139,7 @@ static inline void run_grid_build( void* context )
 {
     space* s = context;
     int fine = s->fine > 0 ? s->fine : 1;
-    s->status =
-        wisp_grid_build( &s->grid, jobs_everyone( s->pool ), s->items->quads, s->items->count, s->cell, fine );
+    s->status = wisp_grid_build( &s->grid, jobs_everyone( s->pool ), s->items->xyzw, s->items->count, s->cell, fine );
 }
 
 static inline wisp_status build_grid( space* s, const cloud* items, float cell )

@@ -14,7 +14,7 @@ enum
     ROWS = 8 * SLICES,
     VERTICES = ROWS - 11, // a slice and a half pad
     LINKS = 4 * VERTICES,
-    MOST_ENTRIES = 40 * SLICES,
+    MAX_ENTRIES = 40 * SLICES,
 };
 
 static const double EPSILON = (double)FLT_EPSILON;
@@ -35,10 +35,9 @@ typedef struct springs
     _Alignas( 64 ) float velocity[ROWS][4];
     _Alignas( 64 ) float start[ROWS][4];
     int32_t begin[2 * SLICES + 1];
-    _Alignas( 64 ) int32_t other4[MOST_ENTRIES][8];
-    _Alignas( 64 ) float rest[MOST_ENTRIES][8], load[MOST_ENTRIES][8], ramp[MOST_ENTRIES][8],
-        damping[MOST_ENTRIES][8];
-    _Alignas( 64 ) float axis[MOST_ENTRIES][4][8];
+    _Alignas( 64 ) int32_t other_x4[MAX_ENTRIES][8];
+    _Alignas( 64 ) float rest[MAX_ENTRIES][8], load[MAX_ENTRIES][8], ramp[MAX_ENTRIES][8], damping[MAX_ENTRIES][8];
+    _Alignas( 64 ) float axis[MAX_ENTRIES][4][8];
     _Alignas( 64 ) float rhs[SLICES][3][8], inverse[SLICES][6][8], filter[SLICES][6][8];
     _Alignas( 64 ) float direction[ROWS][4];
     _Alignas( 64 ) float product[SLICES][3][8], solution[SLICES][3][8], search[SLICES][3][8];
@@ -81,14 +80,14 @@ static inline void place_entries( springs* s )
         entry += most;
     }
     s->begin[2 * SLICES] = s->entry_count = entry;
-    assert_true( entry <= MOST_ENTRIES );
+    assert_true( entry <= MAX_ENTRIES );
     for ( int slice = 0; slice < SLICES; ++slice )
     {
         for ( int e = s->begin[2 * slice]; e < s->begin[2 * slice + 2]; ++e )
         {
             for ( int lane = 0; lane < 8; ++lane )
             {
-                s->other4[e][lane] = 4 * ( 8 * slice + lane );
+                s->other_x4[e][lane] = 4 * ( 8 * slice + lane );
             }
         }
     }
@@ -97,7 +96,7 @@ static inline void place_entries( springs* s )
         const spring* l = s->link + k / 2;
         const int own = k % 2 == 0 ? l->i : l->j, other = k % 2 == 0 ? l->j : l->i;
         const int e = s->begin[2 * ( own / 8 ) + ( l->bends ? 1 : 0 )] + filled[own][l->bends]++;
-        s->other4[e][own % 8] = 4 * other;
+        s->other_x4[e][own % 8] = 4 * other;
         s->rest[e][own % 8] = l->rest;
         s->load[e][own % 8] = l->load;
         s->ramp[e][own % 8] = l->ramp;
@@ -158,7 +157,7 @@ static inline wisp_spring_links links_of( const springs* s )
 {
     return ( wisp_spring_links ){
         .begin = s->begin,
-        .other4 = s->other4,
+        .other_x4 = s->other_x4,
         .rest = s->rest,
         .load = s->load,
         .ramp = s->ramp,
@@ -176,9 +175,9 @@ enum
     VARIANTS = 8,
 };
 
-static inline wisp_spring_job spring_job( springs* s, int variant )
+static inline wisp_spring_args spring_args( springs* s, int variant )
 {
-    return ( wisp_spring_job ){
+    return ( wisp_spring_args ){
         .links = links_of( s ),
         .position = s->position[0],
         .velocity = s->velocity[0],
@@ -195,13 +194,13 @@ static inline wisp_spring_job spring_job( springs* s, int variant )
 
 static inline void assemble( const wisp_kernels* k, springs* s, int variant )
 {
-    const wisp_spring_job job = spring_job( s, variant );
-    s->undirected = k->spring_assemble( &job, 0, SLICES );
+    const wisp_spring_args args = spring_args( s, variant );
+    s->undirected = k->spring_assemble( &args, 0, SLICES );
 }
 
-static inline wisp_conjugate_job conjugate( springs* s )
+static inline wisp_conjugate_args conjugate( springs* s )
 {
-    return ( wisp_conjugate_job ){
+    return ( wisp_conjugate_args ){
         .links = links_of( s ),
         .axis = (const float( * )[4][8])s->axis,
         .inverse = (const float( * )[6][8])s->inverse,

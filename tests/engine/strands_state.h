@@ -15,21 +15,21 @@ typedef struct strands_state
     _Alignas( 64 ) float position[STRAND_ROWS][3][16];
     float previous[STRAND_ROWS][3][16], velocity[STRAND_ROWS][3][16];
     float weight[STRAND_ROWS][16], length[STRAND_ROWS][16], tension[STRAND_ROWS][16];
-    float most_tension[STRAND_ROWS][16];
+    float max_tension[STRAND_ROWS][16];
     float rest2[STRAND_ROWS][16], lambda[STRAND_ROWS][16]; // of links two apart
     float inverse_length[STRAND_ROWS][16], stiffness[STRAND_ROWS][16], factor[STRAND_ROWS][3][16];
     float frame[STRAND_ROWS][4][16], rest[STRAND_ROWS][3][16], rest_twist[STRAND_ROWS][2][16];
     float twist_stiffness[STRAND_ROWS][16];
     float root[STRAND_GROUPS][3][16], turn[STRAND_GROUPS][4][16], clamp[STRAND_GROUPS][4][16];
-    float share[STRAND_GROUPS][16];
+    float fraction[STRAND_GROUPS][16];
     float scratch[20 * WISP_STRAND_SCRATCH];
     int32_t group_row[STRAND_GROUPS + 1];
     int count[STRAND_GROUPS][16]; // vertices of a lane's strand
 } strands_state;
 
-static inline float strand_random( int row, int lane, int what, float low, float high )
+static inline float strand_random( int row, int lane, int what, float lower, float upper )
 {
-    return test_random_float( row * 16 + lane, what, low, high );
+    return test_random_float( row * 16 + lane, what, lower, upper );
 }
 
 // A frame whose z axis points along e.
@@ -56,7 +56,7 @@ static inline void make_strands( strands_state* s )
         {
             s->count[g][lane] = LONGEST[g] - lane / 4 > 0 ? LONGEST[g] - lane / 4 : ( lane == 15 ? 0 : 1 );
             s->turn[g][3][lane] = s->clamp[g][3][lane] = 1.0f;
-            s->share[g][lane] = strand_random( g, lane, 18, 0.2f, 1.0f );
+            s->fraction[g][lane] = strand_random( g, lane, 18, 0.2f, 1.0f );
             float at[3] = { 0.02f * (float)lane, 0.01f * (float)g, 0.0f };
             for ( int row = s->group_row[g]; row < s->group_row[g + 1]; ++row )
             {
@@ -78,7 +78,7 @@ static inline void make_strands( strands_state* s )
                 s->rest2[row][lane] = left > 1 ? strand_random( row, lane, 10, 8e-3f, 1.1e-2f ) : -1.0f;
                 s->lambda[row][lane] = strand_random( row, lane, 11, -1e-9f, 1e-9f );
                 s->tension[row][lane] = left > 0 ? strand_random( row, lane, 12, -1e-5f, 1e-4f ) : 0.0f;
-                s->most_tension[row][lane] = 6e-5f;
+                s->max_tension[row][lane] = 6e-5f;
                 s->stiffness[row][lane] = left > 0 ? strand_random( row, lane, 13, 1e-6f, 3e-6f ) : 0.0f;
                 s->twist_stiffness[row][lane] = left > 0 ? 0.7f * s->stiffness[row][lane] : 0.0f;
                 s->factor[row][0][lane] = 0.1f * s->weight[row][lane];
@@ -97,67 +97,67 @@ static inline void make_strands( strands_state* s )
     memcpy( s->previous, s->position, sizeof( s->previous ) );
 }
 
-static inline wisp_strand_motion_job motion_job( strands_state* s, float dt )
+static inline wisp_strand_motion_args motion_args( strands_state* s, float dt )
 {
-    return ( wisp_strand_motion_job ){ s->group_row,
-                                       s->position[0][0],
-                                       s->previous[0][0],
-                                       s->velocity[0][0],
-                                       s->weight[0],
-                                       s->root[0][0],
-                                       { 0.5f, -9.81f, 0.25f },
-                                       s->share[0],
-                                       dt };
+    return ( wisp_strand_motion_args ){ s->group_row,
+                                        s->position[0][0],
+                                        s->previous[0][0],
+                                        s->velocity[0][0],
+                                        s->weight[0],
+                                        s->root[0][0],
+                                        { 0.5f, -9.81f, 0.25f },
+                                        s->fraction[0],
+                                        dt };
 }
 
-static inline wisp_strand_stretch_job stretch_job( strands_state* s, float dt, int passes )
+static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt, int passes )
 {
-    return ( wisp_strand_stretch_job ){ .group_row = s->group_row,
-                                        .position = s->position[0][0],
-                                        .weight = s->weight[0],
-                                        .length = s->length[0],
-                                        .tension = s->tension[0],
-                                        .keeps_tension = true,
-                                        .passes = passes,
-                                        .tolerance = 1e-3f,
-                                        .previous = s->previous[0][0],
-                                        .dt = dt,
-                                        .scratch = s->scratch };
+    return ( wisp_strand_stretch_args ){ .group_row = s->group_row,
+                                         .position = s->position[0][0],
+                                         .weight = s->weight[0],
+                                         .length = s->length[0],
+                                         .tension = s->tension[0],
+                                         .keeps_tension = true,
+                                         .passes = passes,
+                                         .tolerance = 1e-3f,
+                                         .previous = s->previous[0][0],
+                                         .dt = dt,
+                                         .scratch = s->scratch };
 }
 
-static inline wisp_strand_link_job strand_links( strands_state* s, int stride, bool pbd )
+static inline wisp_strand_link_args strand_links( strands_state* s, int stride, bool pbd )
 {
-    return ( wisp_strand_link_job ){ .group_row = s->group_row,
+    return ( wisp_strand_link_args ){ .group_row = s->group_row,
+                                      .position = s->position[0][0],
+                                      .weight = s->weight[0],
+                                      .rest = stride == 1 ? s->length[0] : s->rest2[0],
+                                      .lambda = pbd ? NULL : s->lambda[0],
+                                      .stride = stride,
+                                      .stiffness = 0.7f,
+                                      .compliance = 1e-3f,
+                                      .inverse_dt2 = pbd ? 0.0f : 1e4f };
+}
+
+static inline wisp_strand_rod_args rod_args( strands_state* s, float dt, bool curved, float damping )
+{
+    return ( wisp_strand_rod_args ){ .group_row = s->group_row,
                                      .position = s->position[0][0],
+                                     .previous = s->previous[0][0],
                                      .weight = s->weight[0],
-                                     .rest = stride == 1 ? s->length[0] : s->rest2[0],
-                                     .lambda = pbd ? NULL : s->lambda[0],
-                                     .stride = stride,
-                                     .stiffness = 0.7f,
-                                     .compliance = 1e-3f,
-                                     .inverse_dt2 = pbd ? 0.0f : 1e4f };
-}
-
-static inline wisp_strand_rod_job rod_job( strands_state* s, float dt, bool curved, float damping )
-{
-    return ( wisp_strand_rod_job ){ .group_row = s->group_row,
-                                    .position = s->position[0][0],
-                                    .previous = s->previous[0][0],
-                                    .weight = s->weight[0],
-                                    .inverse_length = s->inverse_length[0],
-                                    .stiffness = s->stiffness[0],
-                                    .factor = s->factor[0][0],
-                                    .tension = s->tension[0],
-                                    .most_tension = s->most_tension[0],
-                                    .acceleration = { 0.5f, -9.81f, 0.25f },
-                                    .share = s->share[0],
-                                    .root = s->turn[0][0],
-                                    .clamp = s->clamp[0][0],
-                                    .frame = curved ? s->frame[0][0] : NULL,
-                                    .rest = s->rest[0][0],
-                                    .rest_twist = s->rest_twist[0][0],
-                                    .twist_stiffness = s->twist_stiffness[0],
-                                    .damping = damping,
-                                    .dt = dt,
-                                    .scratch = s->scratch };
+                                     .inverse_length = s->inverse_length[0],
+                                     .stiffness = s->stiffness[0],
+                                     .factor = s->factor[0][0],
+                                     .tension = s->tension[0],
+                                     .max_tension = s->max_tension[0],
+                                     .acceleration = { 0.5f, -9.81f, 0.25f },
+                                     .fraction = s->fraction[0],
+                                     .root = s->turn[0][0],
+                                     .clamp = s->clamp[0][0],
+                                     .frame = curved ? s->frame[0][0] : NULL,
+                                     .rest = s->rest[0][0],
+                                     .rest_twist = s->rest_twist[0][0],
+                                     .twist_stiffness = s->twist_stiffness[0],
+                                     .damping = damping,
+                                     .dt = dt,
+                                     .scratch = s->scratch };
 }

@@ -42,10 +42,10 @@ static inline test_mesh test_plane( int n, float spacing )
 
 static inline int test_midpoint( test_mesh* m, int32_t* made, int* made_count, int a, int b )
 {
-    int low = a < b ? a : b, high = a < b ? b : a;
+    int lower = a < b ? a : b, upper = a < b ? b : a;
     for ( int k = 0; k < *made_count; ++k )
     {
-        if ( made[3 * k] == low && made[3 * k + 1] == high )
+        if ( made[3 * k] == lower && made[3 * k + 1] == upper )
         {
             return made[3 * k + 2];
         }
@@ -54,7 +54,7 @@ static inline int test_midpoint( test_mesh* m, int32_t* made, int* made_count, i
     wisp_vec3 r = { p.x + q.x, p.y + q.y, p.z + q.z };
     float length = sqrtf( r.x * r.x + r.y * r.y + r.z * r.z );
     m->points[m->vertex_count] = ( wisp_vec3 ){ r.x / length, r.y / length, r.z / length };
-    const int32_t row[3] = { low, high, m->vertex_count };
+    const int32_t row[3] = { lower, upper, m->vertex_count };
     memcpy( made + 3 * ( *made_count )++, row, sizeof( row ) );
     return m->vertex_count++;
 }
@@ -120,7 +120,7 @@ static inline wisp_entity test_surface_of( wisp_world* world, const wisp_fabric_
     wisp_error error = { 0 };
     if ( wisp_fabric_cook( fabric_def, NULL, &def.fabric, &error ) != WISP_OK )
     {
-        fail_msg( "no fabric: %s", error.sentence );
+        fail_msg( "no fabric: %s", error.message );
     }
     wisp_entity e;
     if ( wisp_add_surface( world, &def, &e ) != WISP_OK )
@@ -131,9 +131,9 @@ static inline wisp_entity test_surface_of( wisp_world* world, const wisp_fabric_
     return e;
 }
 
-static inline wisp_quality quality_of( wisp_world* world, wisp_entity e )
+static inline wisp_motion_stats motion_stats_of( wisp_world* world, wisp_entity e )
 {
-    wisp_quality q;
-    assert_int_equal( wisp_world_quality( world, e, &q ), WISP_OK );
+    wisp_motion_stats q;
+    assert_int_equal( wisp_read_motion_stats( world, e, &q ), WISP_OK );
     return q;
 }

@@ -1,4 +1,4 @@
-// The bottom room: memory, sentences, the assert hook, the clock, random numbers.
+// The bottom room: memory, messages, the assert hook, the clock, random numbers.
 
 // Standard error is redirected and a child process aborts: POSIX, which -std=c17 hides unless it is asked for.
 #define _POSIX_C_SOURCE 200809L
@@ -75,7 +75,7 @@ static void blocks_come_from_the_hooks_and_return_to_them_with_their_size( void*
     assert_int_equal( host.bytes_held, 0 );
 }
 
-static void blocks_without_hooks_are_aligned_as_asked( void** state )
+static void blocks_without_hooks_are_aligned_as_queried( void** state )
 {
     (void)state;
     const wisp_allocator zero = { 0 };
@@ -204,20 +204,20 @@ static void a_buffer_that_cannot_grow_is_unchanged( void** state )
 // One step: pieces of many sizes and alignments, each filled, so that an overlap would show.
 static void run_step( base_arena* arena )
 {
-    unsigned char* piece[50];
+    unsigned char* primitive[50];
     for ( size_t k = 0; k < 50; ++k )
     {
         size_t alignment = (size_t)1 << ( k * 7 % 9 );
-        piece[k] = base_arena_push( arena, 13 * k + 1, alignment );
-        assert_non_null( piece[k] );
-        assert_int_equal( (uintptr_t)piece[k] % alignment, 0 );
-        memset( piece[k], (int)k, 13 * k + 1 );
+        primitive[k] = base_arena_push( arena, 13 * k + 1, alignment );
+        assert_non_null( primitive[k] );
+        assert_int_equal( (uintptr_t)primitive[k] % alignment, 0 );
+        memset( primitive[k], (int)k, 13 * k + 1 );
     }
     for ( size_t k = 0; k < 50; ++k )
     {
         for ( size_t byte = 0; byte < 13 * k + 1; ++byte )
         {
-            assert_int_equal( piece[k][byte], k );
+            assert_int_equal( primitive[k][byte], k );
         }
     }
 }
@@ -281,7 +281,7 @@ static void an_arena_without_memory_says_null_and_recovers( void** state )
     assert_null( base_arena_push( &arena, 100, 8 ) );
     host.out_of_memory = false;
 
-    // The wish was recorded, so the reset fulfils it in one block.
+    // The request was recorded, so the reset fulfils it in one block.
     base_arena_reset( &arena );
     assert_int_equal( host.allocate_count, 1 );
     assert_non_null( base_arena_push( &arena, 100, 8 ) );
@@ -331,7 +331,7 @@ static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( 
     base_arena_release( &arena );
 }
 
-// ---- sentences
+// ---- messages
 
 static void failing_fills_the_error_and_hands_the_status_back( void** state )
 {
@@ -340,11 +340,11 @@ static void failing_fills_the_error_and_hands_the_status_back( void** state )
     wisp_status status = wisp_fail( &error, WISP_BAD_INPUT, "%s:%d: edge %d has no length", "a.obj", 7, 12 );
     assert_int_equal( status, WISP_BAD_INPUT );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_string_equal( error.sentence, "a.obj:7: edge 12 has no length" );
+    assert_string_equal( error.message, "a.obj:7: edge 12 has no length" );
     assert_int_equal( wisp_fail( NULL, WISP_IO_ERROR, "nobody listens" ), WISP_IO_ERROR );
 }
 
-static void a_sentence_too_long_is_cut_at_the_end( void** state )
+static void a_message_too_long_is_cut_at_the_end( void** state )
 {
     (void)state;
     char text[1000];
@@ -355,8 +355,8 @@ static void a_sentence_too_long_is_cut_at_the_end( void** state )
 
     wisp_fail( &error, WISP_CONFLICT, "%s", text );
 
-    assert_int_equal( strlen( error.sentence ), sizeof error.sentence - 1 );
-    assert_memory_equal( error.sentence, text, sizeof error.sentence - 1 );
+    assert_int_equal( strlen( error.message ), sizeof error.message - 1 );
+    assert_memory_equal( error.message, text, sizeof error.message - 1 );
 }
 
 static void a_cut_never_splits_a_utf8_character( void** state )
@@ -375,30 +375,30 @@ static void a_cut_never_splits_a_utf8_character( void** state )
             wisp_error error = { 0 };
             wisp_fail( &error, WISP_BAD_INPUT, "%s", text );
 
-            size_t capacity = sizeof error.sentence - 1;
+            size_t capacity = sizeof error.message - 1;
             bool whole = lead + size <= capacity;
             size_t expected = whole || lead > capacity ? capacity : lead;
-            assert_int_equal( strlen( error.sentence ), expected );
-            assert_memory_equal( error.sentence, text, expected );
+            assert_int_equal( strlen( error.message ), expected );
+            assert_memory_equal( error.message, text, expected );
         }
     }
 }
 
-static void a_sentence_is_one_line( void** state )
+static void a_message_is_one_line( void** state )
 {
     (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "no file\tnamed \"%s\"\r\n", "two\nlines" );
-    assert_string_equal( error.sentence, "no file named \"two lines\"" );
+    assert_string_equal( error.message, "no file named \"two lines\"" );
 }
 
-static void a_sentence_may_quote_the_one_it_replaces( void** state )
+static void a_message_may_quote_the_one_it_replaces( void** state )
 {
     (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "vertex 3 is not a number" );
-    wisp_fail( &error, error.status, "drape.scene: %s", error.sentence );
-    assert_string_equal( error.sentence, "drape.scene: vertex 3 is not a number" );
+    wisp_fail( &error, error.status, "drape.scene: %s", error.message );
+    assert_string_equal( error.message, "drape.scene: vertex 3 is not a number" );
 }
 
 static void every_status_has_a_name_of_its_own( void** state )
@@ -423,15 +423,15 @@ typedef struct heard
 {
     int count;
     wisp_log_level level;
-    char sentence[600];
+    char message[600];
 } heard;
 
-static void hear( void* user, wisp_log_level level, const char* sentence )
+static void hear( void* user, wisp_log_level level, const char* message )
 {
     heard* h = user;
     h->count += 1;
     h->level = level;
-    strncpy( h->sentence, sentence, sizeof h->sentence - 1 );
+    strncpy( h->message, message, sizeof h->message - 1 );
 }
 
 static void the_log_reaches_the_host_as_one_line( void** state )
@@ -442,7 +442,7 @@ static void the_log_reaches_the_host_as_one_line( void** state )
     base_log_write( &log, WISP_LOG_INFO, "step %d\n", 5 );
     assert_int_equal( h.count, 1 );
     assert_int_equal( h.level, WISP_LOG_INFO );
-    assert_string_equal( h.sentence, "step 5" );
+    assert_string_equal( h.message, "step 5" );
     base_log_write( &log, WISP_LOG_ERROR, "%s", "late" );
     assert_int_equal( h.count, 2 );
     assert_int_equal( h.level, WISP_LOG_ERROR );
@@ -609,15 +609,15 @@ static void random_numbers_fill_the_bins_evenly( void** state )
     for ( uint64_t seed = 0; seed < 8; ++seed )
     {
         wisp_random_key key = wisp_random_make_key( seed, 2, 0 );
-        int high[256] = { 0 }, low[256] = { 0 };
+        int upper[256] = { 0 }, lower[256] = { 0 };
         for ( uint32_t a = 0; a < SAMPLE_COUNT; ++a )
         {
             uint64_t bits = wisp_random_bits( key, a, 0, 0 );
-            high[bits >> 56] += 1;
-            low[bits >> 40 & 255] += 1; // the lowest bits that a float keeps
+            upper[bits >> 56] += 1;
+            lower[bits >> 40 & 255] += 1; // the lowest bits that a float keeps
         }
-        assert_uniform_over_256_bins( high, SAMPLE_COUNT );
-        assert_uniform_over_256_bins( low, SAMPLE_COUNT );
+        assert_uniform_over_256_bins( upper, SAMPLE_COUNT );
+        assert_uniform_over_256_bins( lower, SAMPLE_COUNT );
     }
 }
 
@@ -665,7 +665,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( blocks_come_from_the_hooks_and_return_to_them_with_their_size ),
-        cmocka_unit_test( blocks_without_hooks_are_aligned_as_asked ),
+        cmocka_unit_test( blocks_without_hooks_are_aligned_as_queried ),
         cmocka_unit_test( no_bytes_are_no_block ),
         cmocka_unit_test( impossible_sizes_are_refused_before_they_reach_the_hooks ),
         cmocka_unit_test( a_product_of_sizes_that_overflows_is_noticed ),
@@ -678,10 +678,10 @@ int main( void )
         cmocka_unit_test( an_absurd_push_does_not_keep_an_arena_from_growing ),
         cmocka_unit_test( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect ),
         cmocka_unit_test( failing_fills_the_error_and_hands_the_status_back ),
-        cmocka_unit_test( a_sentence_too_long_is_cut_at_the_end ),
+        cmocka_unit_test( a_message_too_long_is_cut_at_the_end ),
         cmocka_unit_test( a_cut_never_splits_a_utf8_character ),
-        cmocka_unit_test( a_sentence_is_one_line ),
-        cmocka_unit_test( a_sentence_may_quote_the_one_it_replaces ),
+        cmocka_unit_test( a_message_is_one_line ),
+        cmocka_unit_test( a_message_may_quote_the_one_it_replaces ),
         cmocka_unit_test( every_status_has_a_name_of_its_own ),
         cmocka_unit_test( the_log_reaches_the_host_as_one_line ),
         cmocka_unit_test( without_a_host_warnings_go_to_stderr_and_information_goes_nowhere ),

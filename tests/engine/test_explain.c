@@ -15,18 +15,18 @@ enum
 };
 
 static const fake_pass CHAIN[] = {
-    { "make", WISP_STAGE_INPUT, GROUP, .needs = "N", .writes = "A" },
+    { "make", WISP_STAGE_INPUT, GROUP, .required = "N", .writes = "A" },
     { "bend", WISP_STAGE_PROJECT, ENTITY, .reads = "A", .writes = "A" },
     { "show", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
-    { "needy", SHAPE, GROUP, .needs = "NM", .writes = "C" },
-    { "idle", SHAPE, GROUP, .needs = "N", .lacks = "P", .writes = "D" },
-    { "torn", SHAPE, GROUP, .needs = "KL", .writes = "E" },
-    { "shy", SHAPE, GROUP, .needs = "K", .lacks = "O", .writes = "F" },
+    { "needy", SHAPE, GROUP, .required = "NM", .writes = "C" },
+    { "idle", SHAPE, GROUP, .required = "N", .excluded = "P", .writes = "D" },
+    { "torn", SHAPE, GROUP, .required = "KL", .writes = "E" },
+    { "shy", SHAPE, GROUP, .required = "K", .excluded = "O", .writes = "F" },
 };
 
-static wisp_plan_report* explain( wisp_world* world )
+static wisp_plan_info* explain( wisp_world* world )
 {
-    wisp_plan_report* report = NULL;
+    wisp_plan_info* report = NULL;
     if ( wisp_world_explain( world, &report ) != WISP_OK )
     {
         fail_msg( "no report: %s", wisp_world_message( world ) );
@@ -34,7 +34,7 @@ static wisp_plan_report* explain( wisp_world* world )
     return report;
 }
 
-static const wisp_plan_module* module_of( const wisp_plan_report* report, const char* name )
+static const wisp_plan_module* module_of( const wisp_plan_info* report, const char* name )
 {
     for ( int i = 0; i < report->module_count; ++i )
     {
@@ -50,7 +50,7 @@ static const wisp_plan_module* module_of( const wisp_plan_report* report, const 
 static wisp_world* open_chain( void )
 {
     wisp_world* world = OPEN_WORLD( CHAIN );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     add_with( world, "KO" );
     add_with( world, "L" );
     return world;
@@ -73,8 +73,8 @@ static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
 {
     (void)state;
     wisp_world* world = open_chain();
-    wisp_plan_report* report = explain( world );
-    assert_int_equal( report->kept_count, 3 );
+    wisp_plan_info* report = explain( world );
+    assert_int_equal( report->active_count, 3 );
     const char* const in_order[] = { "make", "bend", "show" };
     const char* const loops[] = { "before", "iteration", "after" };
     const char* const stages[] = { "input", "project", "observe" };
@@ -85,7 +85,7 @@ static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
         assert_string_equal( p->module, "fake" );
         assert_string_equal( p->loop, loops[i] );
         assert_string_equal( p->stage, stages[i] );
-        assert_int_equal( p->state, WISP_PLAN_KEPT );
+        assert_int_equal( p->state, WISP_PLAN_ACTIVE );
         assert_int_equal( p->wave, 0 );
         assert_int_equal( p->entities, 1 );
         assert_int_equal( p->items, i == 1 ? 1 : ROWS );
@@ -94,21 +94,21 @@ static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
     }
     assert_string_equal( report->passes[0].domain, "strand group" );
     assert_string_equal( report->passes[1].domain, "entity" );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
-static void a_kept_pass_tells_what_it_uses_and_all_who_want_it( void** state )
+static void a_kept_pass_tells_what_it_uses_and_all_who_request_it( void** state )
 {
     (void)state;
     wisp_world* world = open_chain();
-    wisp_plan_report* report = explain( world );
+    wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *show = pass_of( report, "show" );
-    assert_list( make->needs, "N" );
+    assert_list( make->required, "N" );
     assert_list( make->reads, "" );
     assert_list( make->writes, "A" );
     assert_list( show->reads, "A" );
-    assert_list( pass_of( report, "idle" )->lacks, "P" );
+    assert_list( pass_of( report, "idle" )->excluded, "P" );
     assert_int_equal( make->reason_count, 2 );
     assert_string_equal( make->reasons[0].component, "fake.A" );
     assert_string_equal( make->reasons[0].reader, "bend" );
@@ -117,7 +117,7 @@ static void a_kept_pass_tells_what_it_uses_and_all_who_want_it( void** state )
     assert_string_equal( show->reasons[0].component, "fake.B" );
     assert_null( show->reasons[0].reader );
     assert_string_equal( make->because, "fake.A read by bend and show" );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -133,14 +133,14 @@ static void of_many_readers_words_name_three_and_the_list_has_all( void** state 
         { "r5", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "AB" );
-    wisp_plan_report* report = explain( world );
+    request( world, add_with( world, "" ), "AB" );
+    wisp_plan_info* report = explain( world );
     const wisp_plan_pass* make = pass_of( report, "make" );
     assert_int_equal( make->reason_count, 6 );
     assert_null( make->reasons[0].reader );
     assert_string_equal( make->reasons[5].reader, "r5" );
     assert_string_equal( make->because, "fake.A requested by the scene and read by r3, r4, r5 and 2 others" );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -154,12 +154,12 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
         const char *missing, *because;
     } expected[] = {
         { "needy", WISP_PLAN_MISSING, "M", "needs component fake.M, which no entity has" },
-        { "torn", WISP_PLAN_APART, "", "needs components fake.K and fake.L, which no single entity has together" },
-        { "shy", WISP_PLAN_KEPT_OUT, "", "excluded by component fake.O" },
-        { "idle", WISP_PLAN_UNWANTED, "", "neither requested nor read: component fake.D" },
+        { "torn", WISP_PLAN_SPLIT, "", "needs components fake.K and fake.L, which no single entity has together" },
+        { "shy", WISP_PLAN_EXCLUDED, "", "excluded by component fake.O" },
+        { "idle", WISP_PLAN_UNREQUESTED, "", "neither requested nor read: component fake.D" },
     };
     wisp_world* world = open_chain();
-    wisp_plan_report* report = explain( world );
+    wisp_plan_info* report = explain( world );
     for ( int i = 0; i < WISP_COUNT( expected ); ++i )
     {
         const wisp_plan_pass* p = pass_of( report, expected[i].pass );
@@ -169,9 +169,9 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
         assert_null( p->loop );
         assert_int_equal( p->wave, -1 );
         assert_int_equal( p->reason_count, 0 );
-        assert_true( isnan( p->share ) );
+        assert_true( isnan( p->fraction ) );
     }
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -182,13 +182,13 @@ static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .writes = "A" },
         { "show", SHAPE, GROUP, .reads = "A", .writes = "B" },
-        { "needy", SHAPE, GROUP, .needs = "A", .writes = "C" },
+        { "needy", SHAPE, GROUP, .required = "A", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
-    wisp_plan_report* report = explain( world );
+    request( world, add_with( world, "" ), "B" );
+    wisp_plan_info* report = explain( world );
     assert_int_equal( pass_of( report, "needy" )->state, WISP_PLAN_MISSING );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -201,8 +201,8 @@ static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state
     def.substeps = 3;
     def.iterations = 2;
     wisp_world* world = open_world_with( &def );
-    want( world, add_with( world, "N" ), "B" );
-    wisp_plan_report* report = explain( world );
+    request( world, add_with( world, "N" ), "B" );
+    wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *bend = pass_of( report, "bend" ),
                          *show = pass_of( report, "show" );
     assert_int_equal( make->runs, 1 );
@@ -211,10 +211,10 @@ static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state
     assert_int_equal( bend->bytes, 2 * ROWS * ROW_BYTES ); // reads A, writes A
     assert_int_equal( show->bytes, 2 * ROWS * ROW_BYTES ); // reads A, writes B
     // 1 : 12 : 2; each quotient is rounded once
-    assert_true( fabs( make->share - 1.0 / 15.0 ) <= DBL_EPSILON );
-    assert_true( fabs( bend->share - 12.0 / 15.0 ) <= DBL_EPSILON );
-    assert_true( fabs( make->share + bend->share + show->share - 1.0 ) <= 3.0 * DBL_EPSILON );
-    wisp_plan_report_release( report );
+    assert_true( fabs( make->fraction - 1.0 / 15.0 ) <= DBL_EPSILON );
+    assert_true( fabs( bend->fraction - 12.0 / 15.0 ) <= DBL_EPSILON );
+    assert_true( fabs( make->fraction + bend->fraction + show->fraction - 1.0 ) <= 3.0 * DBL_EPSILON );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -222,17 +222,17 @@ static void what_a_pass_touches_of_others_is_predicted_too( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "meet", SHAPE, ENTITY, .needs = "N", .writes = "B", .across = "A" },
+        { "meet", SHAPE, ENTITY, .required = "N", .writes = "B", .foreign = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     add_with( world, "A" );
     add_with( world, "A" );
-    wisp_plan_report* report = explain( world );
+    wisp_plan_info* report = explain( world );
     // B of its own entity is written; A of two others is read and written
     assert_int_equal( pass_of( report, "meet" )->bytes, ( 1 + 2 * 2 ) * ROWS * ROW_BYTES );
-    assert_list( pass_of( report, "meet" )->across, "A" );
-    wisp_plan_report_release( report );
+    assert_list( pass_of( report, "meet" )->foreign, "A" );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -245,8 +245,8 @@ static void passes_of_one_node_are_told_as_fused( void** state )
         { "third", SHAPE, ENTITY, .reads = "B", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "C" );
-    wisp_plan_report* report = explain( world );
+    request( world, add_with( world, "" ), "C" );
+    wisp_plan_info* report = explain( world );
     assert_int_equal( report->node_count, 2 );
     assert_int_equal( report->wave_count, 2 );
     assert_false( report->passes[0].is_fused );
@@ -254,7 +254,7 @@ static void passes_of_one_node_are_told_as_fused( void** state )
     assert_int_equal( report->passes[0].node, report->passes[1].node );
     assert_false( report->passes[2].is_fused );
     assert_int_equal( report->passes[2].wave, 1 );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
@@ -263,9 +263,11 @@ static wisp_status declare_other( wisp_registry* r )
     static const wisp_column_def columns[] = { { "value", sizeof( int32_t ) } };
     const wisp_component lacked = wisp_declare_component(
         r, &( wisp_component_def ){ "other.settings", WISP_TABLE_ENTITY, columns, WISP_COUNT( columns ) } );
-    const wisp_pass pass = {
-        .name = "other.run", .stage = WISP_STAGE_SHAPE, .needs = { lacked }, .writes = { lacked }, .run = fake_trace
-    };
+    const wisp_pass pass = { .name = "other.run",
+                             .stage = WISP_STAGE_SHAPE,
+                             .required = { lacked },
+                             .writes = { lacked },
+                             .run = fake_trace };
     return wisp_declare_pass( r, &pass );
 }
 
@@ -280,38 +282,38 @@ static void an_absent_module_tells_the_component_that_it_lacks( void** state )
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     wisp_world* world = open_world_with( &def );
-    want( world, add_with( world, "N" ), "B" );
-    wisp_plan_report* report = explain( world );
+    request( world, add_with( world, "N" ), "B" );
+    wisp_plan_info* report = explain( world );
     assert_int_equal( report->module_count, 3 ); // the engine's own passes, too
     assert_string_equal( report->modules[0].name, "wisp" );
     const wisp_plan_module *mine = module_of( report, "fake" ), *absent = module_of( report, "other" );
-    assert_int_equal( mine->kept_count, 3 );
+    assert_int_equal( mine->active_count, 3 );
     assert_int_equal( mine->pass_count, WISP_COUNT( CHAIN ) );
     assert_string_equal( mine->because, "" );
-    assert_int_equal( absent->kept_count, 0 );
+    assert_int_equal( absent->active_count, 0 );
     assert_string_equal( absent->missing, "other.settings" );
     assert_string_equal( absent->because, "needs component other.settings, which no entity has" );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
-static void a_module_that_nobody_wants_says_so_of_its_nearest_pass( void** state )
+static void a_module_that_nobody_requests_says_so_of_its_nearest_pass( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "N" );
-    wisp_plan_report* report = explain( world );
+    wisp_plan_info* report = explain( world );
     const wisp_plan_module* m = module_of( report, "fake" );
-    assert_int_equal( m->kept_count, 0 );
+    assert_int_equal( m->active_count, 0 );
     assert_null( m->missing );
     assert_string_equal( m->because, "make: neither requested nor read: component fake.A" );
-    wisp_plan_report_release( report );
+    wisp_plan_info_release( report );
     wisp_world_destroy( world );
 }
 
 typedef struct line_check
 {
-    const wisp_plan_report* report;
+    const wisp_plan_info* report;
     int count;
 } line_check;
 
@@ -321,7 +323,7 @@ static void compare_line( void* user, const char* line )
     char expected[512];
     if ( check->count == 0 )
     {
-        wisp_plan_report_text( check->report, expected, sizeof( expected ) );
+        wisp_plan_info_text( check->report, expected, sizeof( expected ) );
     }
     else
     {
@@ -339,9 +341,9 @@ static void the_printed_plan_is_the_report_in_lines( void** state )
     assert_int_equal( wisp_world_plan( world, compare_line, &check ), WISP_OK );
     assert_int_equal( check.count, 1 + check.report->pass_count );
     char cut[12];
-    wisp_plan_report_text( check.report, cut, sizeof( cut ) );
+    wisp_plan_info_text( check.report, cut, sizeof( cut ) );
     assert_int_equal( strlen( cut ), sizeof( cut ) - 1 );
-    wisp_plan_report_release( (wisp_plan_report*)(uintptr_t)check.report );
+    wisp_plan_info_release( (wisp_plan_info*)(uintptr_t)check.report );
     wisp_world_destroy( world );
 }
 
@@ -350,18 +352,18 @@ static void a_report_stays_as_it_is_and_gives_its_memory_back( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "B" );
+    request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 3 );
     const size_t memory = wisp_world_memory( world );
-    wisp_plan_report* report = explain( world );
+    wisp_plan_info* report = explain( world );
     assert_int_equal( report->hash, world->plan.hash );
-    unwant( world, e, "B" );
+    cancel_request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
-    assert_int_equal( report->kept_count, 3 );
+    assert_int_equal( report->active_count, 3 );
     assert_string_equal( report->passes[2].reasons[0].component, "fake.B" );
-    wisp_plan_report_release( report );
-    wisp_plan_report_release( NULL );
-    want( world, e, "B" );
+    wisp_plan_info_release( report );
+    wisp_plan_info_release( NULL );
+    request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 3 );
     assert_int_equal( wisp_world_memory( world ), memory );
     wisp_world_destroy( world );
@@ -371,15 +373,15 @@ static void a_refused_plan_gives_no_report( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
-    want( world, add_with( world, "" ), "C" );
-    wisp_plan_report* report = (wisp_plan_report*)(uintptr_t)1;
+    request( world, add_with( world, "" ), "C" );
+    wisp_plan_info* report = (wisp_plan_info*)(uintptr_t)1;
     assert_int_equal( wisp_world_explain( world, &report ), WISP_CONFLICT );
     assert_null( report );
     assert_non_null( strstr( wisp_world_message( world ), "fake.C" ) );
     wisp_world_destroy( world );
 }
 
-static void without_memory_there_is_a_sentence_and_no_report( void** state )
+static void without_memory_there_is_a_message_and_no_report( void** state )
 {
     (void)state;
     test_host host = { 0 };
@@ -388,15 +390,15 @@ static void without_memory_there_is_a_sentence_and_no_report( void** state )
     def.workers = 1;
     def.allocator = test_host_allocator( &host );
     wisp_world* world = open_world_with( &def );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 3 );
     test_host_refuse( &host, 1, false );
-    wisp_plan_report* report = NULL;
+    wisp_plan_info* report = NULL;
     assert_int_equal( wisp_world_explain( world, &report ), WISP_NO_MEMORY );
     assert_null( report );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     test_host_refuse( &host, 0, false );
-    wisp_plan_report_release( explain( world ) );
+    wisp_plan_info_release( explain( world ) );
     wisp_world_destroy( world );
     assert_host_has_all_back( &host );
 }
@@ -405,7 +407,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_kept_pass_tells_where_it_runs_and_on_what ),
-        cmocka_unit_test( a_kept_pass_tells_what_it_uses_and_all_who_want_it ),
+        cmocka_unit_test( a_kept_pass_tells_what_it_uses_and_all_who_request_it ),
         cmocka_unit_test( of_many_readers_words_name_three_and_the_list_has_all ),
         cmocka_unit_test( an_absent_pass_tells_which_of_four_things_keeps_it_away ),
         cmocka_unit_test( rows_between_passes_are_not_what_a_pass_could_need ),
@@ -413,11 +415,11 @@ int main( void )
         cmocka_unit_test( what_a_pass_touches_of_others_is_predicted_too ),
         cmocka_unit_test( passes_of_one_node_are_told_as_fused ),
         cmocka_unit_test( an_absent_module_tells_the_component_that_it_lacks ),
-        cmocka_unit_test( a_module_that_nobody_wants_says_so_of_its_nearest_pass ),
+        cmocka_unit_test( a_module_that_nobody_requests_says_so_of_its_nearest_pass ),
         cmocka_unit_test( the_printed_plan_is_the_report_in_lines ),
         cmocka_unit_test( a_report_stays_as_it_is_and_gives_its_memory_back ),
         cmocka_unit_test( a_refused_plan_gives_no_report ),
-        cmocka_unit_test( without_memory_there_is_a_sentence_and_no_report ),
+        cmocka_unit_test( without_memory_there_is_a_message_and_no_report ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-// Coarse levels: which vertices, which links, which parents; on planes, where straight lines are the truth.
+// Coarse levels: which vertices, which links, which parents; on planes, where straight lines are the reference.
 #include "fabric_planes.h"
 
 // What a level's spacing is, in mean edges, at level 0 of the list.
@@ -34,7 +34,7 @@ static int* levels_of_slots( const wisp_fabric* f )
     {
         for ( int i = 0; i < f->levels[l].vertex_count; ++i )
         {
-            level[f->levels[l].vertex4[i] / 4] += 1;
+            level[f->levels[l].vertex_x4[i] / 4] += 1;
         }
     }
     return level;
@@ -61,20 +61,20 @@ static void assert_levels_hold( const wisp_fabric* f )
         for ( int i = 0; i < fabric_padded( at->vertex_count ); ++i )
         {
             bool pads = i >= at->vertex_count;
-            assert_true( pads ? at->vertex4[i] == 4 * f->vertex_count
-                              : i == 0 || at->vertex4[i - 1] < at->vertex4[i] );
+            assert_true( pads ? at->vertex_x4[i] == 4 * f->vertex_count
+                              : i == 0 || at->vertex_x4[i - 1] < at->vertex_x4[i] );
         }
         for ( int i = 0; i < fabric_padded( at->child_count ); ++i )
         {
-            const int32_t* parent4 = at->parent4 + ( i / 8 * WISP_FABRIC_PARENTS * 8 + i % 8 );
+            const int32_t* parent_x4 = at->parent_x4 + ( i / 8 * WISP_FABRIC_PARENTS * 8 + i % 8 );
             const float* weight = at->weight + ( i / 8 * WISP_FABRIC_PARENTS * 8 + i % 8 );
             bool pads = i >= at->child_count;
             double sum = 0.0;
-            assert_true( pads ? at->child4[i] == 4 * f->vertex_count : level[at->child4[i] / 4] == l );
+            assert_true( pads ? at->child_x4[i] == 4 * f->vertex_count : level[at->child_x4[i] / 4] == l );
             for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
             {
                 assert_true( weight[8 * k] >= 0.0f );
-                assert_true( pads ? weight[8 * k] == 0.0f : level[parent4[8 * k] / 4] > l );
+                assert_true( pads ? weight[8 * k] == 0.0f : level[parent_x4[8 * k] / 4] > l );
                 sum += weight[8 * k];
             }
 
@@ -84,7 +84,7 @@ static void assert_levels_hold( const wisp_fabric* f )
         int links = 0;
         for ( int i = 0; i < at->schedule.slot_count; ++i )
         {
-            int32_t a = at->a4[i] / 4, b = at->b4[i] / 4;
+            int32_t a = at->a_x4[i] / 4, b = at->b_x4[i] / 4;
             bool pads = at->schedule.constraint[i] < 0;
             links += pads ? 0 : 1;
             assert_true( pads ? at->rest[i] == 0.0f : level[a] > l && level[b] > l );
@@ -107,7 +107,7 @@ static int wrong_links( const wisp_fabric* f, const wisp_vec3* flat, double tole
         {
             if ( at->schedule.constraint[i] >= 0 )
             {
-                wisp_vec3 a = flat[f->slot_vertex[at->a4[i] / 4]], b = flat[f->slot_vertex[at->b4[i] / 4]];
+                wisp_vec3 a = flat[f->slot_vertex[at->a_x4[i] / 4]], b = flat[f->slot_vertex[at->b_x4[i] / 4]];
                 double expected = test_distance( a, b );
                 wrong += fabs( at->rest[i] - expected ) > tolerance * expected ? 1 : 0;
             }
@@ -123,11 +123,11 @@ static int wrong_children( const wisp_fabric* f, const wisp_vec3* flat, int l, d
     int wrong = 0;
     for ( int i = 0; i < at->child_count; ++i )
     {
-        wisp_vec3 sum = { 0.0f, 0.0f, 0.0f }, child = flat[f->slot_vertex[at->child4[i] / 4]];
+        wisp_vec3 sum = { 0.0f, 0.0f, 0.0f }, child = flat[f->slot_vertex[at->child_x4[i] / 4]];
         for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
         {
             int place = ( i / 8 * WISP_FABRIC_PARENTS + k ) * 8 + i % 8;
-            wisp_vec3 p = flat[f->slot_vertex[at->parent4[place] / 4]];
+            wisp_vec3 p = flat[f->slot_vertex[at->parent_x4[place] / 4]];
             sum.x += at->weight[place] * p.x;
             sum.z += at->weight[place] * p.z;
         }
@@ -155,7 +155,7 @@ static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
                 double nearest = 1e30;
                 for ( int i = 0; i < f->levels[l].vertex_count; ++i )
                 {
-                    int b = f->levels[l].vertex4[i] / 4;
+                    int b = f->levels[l].vertex_x4[i] / 4;
                     nearest = a == b ? nearest : fmin( nearest, test_distance( f->rest[a], f->rest[b] ) );
                 }
 
@@ -192,7 +192,7 @@ static void attachments_are_in_every_level_and_not_linked_to_each_other( void** 
         for ( int i = 0; i < at->schedule.slot_count; ++i )
         {
             bool pads = at->schedule.constraint[i] < 0;
-            assert_true( pads || f->rest[at->a4[i] / 4].z > 0.0f || f->rest[at->b4[i] / 4].z > 0.0f );
+            assert_true( pads || f->rest[at->a_x4[i] / 4].z > 0.0f || f->rest[at->b_x4[i] / 4].z > 0.0f );
         }
 
         // a dense border does not make a coarse level dense
@@ -265,7 +265,7 @@ static void levels_thin_out_by_about_four_and_stop_before_they_are_tiny( void** 
     test_mesh_free( &mesh );
 }
 
-static void no_more_levels_come_than_are_asked_for_and_the_same_ones( void** state )
+static void no_more_levels_come_than_are_queried_for_and_the_same_ones( void** state )
 {
     (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 40, 40, 0.2f, 1.0f );
@@ -281,7 +281,7 @@ static void no_more_levels_come_than_are_asked_for_and_the_same_ones( void** sta
         assert_int_equal( a->vertex_count, b->vertex_count );
         assert_int_equal( a->link_count, b->link_count );
         assert_int_equal( a->schedule.slot_count, b->schedule.slot_count );
-        assert_memory_equal( a->vertex4, b->vertex4, (size_t)a->vertex_count * 4 );
+        assert_memory_equal( a->vertex_x4, b->vertex_x4, (size_t)a->vertex_count * 4 );
         assert_memory_equal( a->rest, b->rest, (size_t)a->schedule.slot_count * 4 );
         assert_memory_equal( a->weight, b->weight, (size_t)fabric_padded( a->child_count ) * 16 );
     }
@@ -361,7 +361,7 @@ static void a_closed_mesh_without_attachments_has_levels( void** state )
         const wisp_fabric_level* at = &f->levels[l];
         for ( int i = 0; i < at->schedule.slot_count; ++i )
         {
-            double chord = test_distance( f->rest[at->a4[i] / 4], f->rest[at->b4[i] / 4] );
+            double chord = test_distance( f->rest[at->a_x4[i] / 4], f->rest[at->b_x4[i] / 4] );
             double circle = 2.0 * asin( fmin( 1.0, 0.5 * chord ) );
             assert_true( fabs( at->rest[i] - circle ) <= 0.02 * circle );
         }
@@ -390,13 +390,13 @@ static void shells_have_no_links_or_parents_in_common_and_loose_vertices_stay_al
         const wisp_fabric_level* at = &f->levels[l];
         for ( int i = 0; i < at->schedule.slot_count; ++i )
         {
-            int32_t a = f->slot_vertex[at->a4[i] / 4], b = f->slot_vertex[at->b4[i] / 4];
+            int32_t a = f->slot_vertex[at->a_x4[i] / 4], b = f->slot_vertex[at->b_x4[i] / 4];
             assert_true( a < 288 && b < 288 && ( a < 144 ) == ( b < 144 ) );
         }
         for ( int i = 0; i < 4 * at->child_count / 8 * 8; ++i )
         {
             int child = i / 32 * 8 + i % 8;
-            int32_t c = f->slot_vertex[at->child4[child] / 4], p = f->slot_vertex[at->parent4[i] / 4];
+            int32_t c = f->slot_vertex[at->child_x4[child] / 4], p = f->slot_vertex[at->parent_x4[i] / 4];
             assert_true( child >= at->child_count || ( c < 144 ) == ( p < 144 ) );
         }
     }
@@ -513,7 +513,7 @@ int main( void )
         cmocka_unit_test( large_levels_run_in_tiles_and_small_ones_in_one ),
         cmocka_unit_test( a_finest_level_of_two_begins_where_the_second_would_be ),
         cmocka_unit_test( levels_thin_out_by_about_four_and_stop_before_they_are_tiny ),
-        cmocka_unit_test( no_more_levels_come_than_are_asked_for_and_the_same_ones ),
+        cmocka_unit_test( no_more_levels_come_than_are_queried_for_and_the_same_ones ),
         cmocka_unit_test( on_planes_links_are_straight_lines_and_parents_surround_their_children ),
         cmocka_unit_test( rolling_a_plane_up_changes_no_link ),
         cmocka_unit_test( levels_of_large_meshes_are_measured_over_coarse_ones_and_still_hold ),

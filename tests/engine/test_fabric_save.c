@@ -55,10 +55,10 @@ static void assert_refused( const void* bytes, size_t size, const char* part )
     wisp_fabric* fabric = (wisp_fabric*)&error;
     assert_int_equal( load_exact( bytes, size, &fabric, &error ), WISP_BAD_INPUT );
     assert_null( fabric );
-    assert_one_sentence( error.sentence );
-    if ( strstr( error.sentence, part ) == NULL )
+    assert_one_message( error.message );
+    if ( strstr( error.message, part ) == NULL )
     {
-        fail_msg( "'%s' does not say '%s'", error.sentence, part );
+        fail_msg( "'%s' does not say '%s'", error.message, part );
     }
 }
 
@@ -69,12 +69,12 @@ static void assert_level_is_equal( const wisp_fabric_level* a, const wisp_fabric
     assert_int_equal( a->link_count, b->link_count );
     assert_int_equal( a->child_count, b->child_count );
     assert_int_equal( a->schedule.slot_count, b->schedule.slot_count );
-    assert_memory_equal( a->vertex4, b->vertex4, (size_t)fabric_padded( a->vertex_count ) * 4 );
-    assert_memory_equal( a->a4, b->a4, lanes );
-    assert_memory_equal( a->b4, b->b4, lanes );
+    assert_memory_equal( a->vertex_x4, b->vertex_x4, (size_t)fabric_padded( a->vertex_count ) * 4 );
+    assert_memory_equal( a->a_x4, b->a_x4, lanes );
+    assert_memory_equal( a->b_x4, b->b_x4, lanes );
     assert_memory_equal( a->rest, b->rest, lanes );
-    assert_memory_equal( a->child4, b->child4, children );
-    assert_memory_equal( a->parent4, b->parent4, WISP_FABRIC_PARENTS * children );
+    assert_memory_equal( a->child_x4, b->child_x4, children );
+    assert_memory_equal( a->parent_x4, b->parent_x4, WISP_FABRIC_PARENTS * children );
     assert_memory_equal( a->weight, b->weight, WISP_FABRIC_PARENTS * children );
 }
 
@@ -93,7 +93,7 @@ static void a_loaded_fabric_is_the_saved_one( void** state )
         wisp_error error = { 0 };
         if ( load_exact( s.bytes, s.size, &second, &error ) != WISP_OK )
         {
-            fail_msg( "mesh %d: %s", i, error.sentence );
+            fail_msg( "mesh %d: %s", i, error.message );
         }
         assert_true( first->hash == second->hash );
         assert_fabric_holds( second, &def );
@@ -225,7 +225,7 @@ static void a_forged_word_is_refused_or_harms_nobody( void** state )
             else
             {
                 assert_int_equal( error.status, WISP_BAD_INPUT );
-                assert_one_sentence( error.sentence );
+                assert_one_message( error.message );
                 refused += 1;
             }
         }
@@ -272,12 +272,13 @@ static void lanes_that_share_a_vertex_are_refused( void** state )
     (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int count = fabric->link_order.slot_count;
-    int32_t *number = copy_words( fabric->link_order.constraint, count ), *a4 = copy_words( fabric->link_a4, count );
-    int32_t *b4 = copy_words( fabric->link_b4, count ), *rest = copy_words( fabric->link_rest, count );
+    int32_t *number = copy_words( fabric->link_order.constraint, count ),
+            *a_x4 = copy_words( fabric->link_a_x4, count );
+    int32_t *b_x4 = copy_words( fabric->link_b_x4, count ), *rest = copy_words( fabric->link_rest, count );
 
     // bring a constraint of the same tile that shares a vertex with lane 0 into lane 1
-    int32_t *columns[] = { number, a4, b4, rest }, other = 8;
-    while ( a4[other] != a4[0] && b4[other] != a4[0] )
+    int32_t *columns[] = { number, a_x4, b_x4, rest }, other = 8;
+    while ( a_x4[other] != a_x4[0] && b_x4[other] != a_x4[0] )
     {
         other += 1;
     }
@@ -290,8 +291,8 @@ static void lanes_that_share_a_vertex_are_refused( void** state )
     }
     wisp_fabric forged = *fabric;
     forged.link_order.constraint = number;
-    forged.link_a4 = a4;
-    forged.link_b4 = b4;
+    forged.link_a_x4 = a_x4;
+    forged.link_b_x4 = b_x4;
     forged.link_rest = (const float*)(const void*)rest;
     assert_forgery_is_refused( forged, "at the same time" );
     for ( int i = 0; i < 4; ++i )
@@ -311,12 +312,12 @@ static void a_foreign_dummy_is_refused( void** state )
         pad += 1;
     }
     assert_true( pad < fabric->link_order.slot_count && fabric->tile_count > 1 );
-    int32_t* a4 = copy_words( fabric->link_a4, fabric->link_order.slot_count );
-    a4[pad] = 4 * ( fabric->vertex_count + ( a4[pad] / 4 == fabric->vertex_count ? 1 : 0 ) );
+    int32_t* a_x4 = copy_words( fabric->link_a_x4, fabric->link_order.slot_count );
+    a_x4[pad] = 4 * ( fabric->vertex_count + ( a_x4[pad] / 4 == fabric->vertex_count ? 1 : 0 ) );
     wisp_fabric forged = *fabric;
-    forged.link_a4 = a4;
+    forged.link_a_x4 = a_x4;
     assert_forgery_is_refused( forged, "dummy" );
-    free( a4 );
+    free( a_x4 );
     wisp_fabric_release( fabric );
 }
 
@@ -325,10 +326,10 @@ static void arrays_that_contradict_the_triangles_are_refused( void** state )
     (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int entries = fabric->ring_begin[fabric->ring_slice_count] * 8;
-    int32_t* ring4 = copy_words( fabric->ring4, entries );
-    ring4[entries / 2] += 4;
+    int32_t* ring_x4 = copy_words( fabric->ring_x4, entries );
+    ring_x4[entries / 2] += 4;
     wisp_fabric forged = *fabric;
-    forged.ring4 = ( const int32_t( * )[8] )(void*)ring4;
+    forged.ring_x4 = ( const int32_t( * )[8] )(void*)ring_x4;
     assert_forgery_is_refused( forged, "ring" );
 
     int32_t* slots = copy_words( fabric->vertex_slot, fabric->vertex_count );
@@ -342,7 +343,7 @@ static void arrays_that_contradict_the_triangles_are_refused( void** state )
     forged = *fabric;
     forged.triangles = triangles;
     assert_forgery_is_refused( forged, "triangle 10" );
-    free( ring4 );
+    free( ring_x4 );
     free( slots );
     free( triangles );
     wisp_fabric_release( fabric );

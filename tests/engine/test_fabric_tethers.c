@@ -14,7 +14,7 @@ static wisp_fabric* cook_tethers( const test_mesh* mesh, const int32_t* attachme
 
 static int32_t tether_slot( const wisp_fabric* f, int k, int slot )
 {
-    return f->tether4[(size_t)k * (size_t)f->slot_count + (size_t)slot] / 4;
+    return f->tether_x4[(size_t)k * (size_t)f->slot_count + (size_t)slot] / 4;
 }
 
 static double tether_rest( const wisp_fabric* f, int k, int slot )
@@ -217,13 +217,13 @@ static void shells_hang_from_their_own_attachments_only( void** state )
         far.points[v].y = 0.5f;
     }
     mesh = test_mesh_join( test_mesh_join( test_mesh_plane( 9, 9 ), far ), test_mesh_plane( 5, 5 ) );
-    int loose = mesh.vertex_count++;
-    const int32_t attachments[] = { 0, 8, 81, 80, loose };
+    int unreferenced = mesh.vertex_count++;
+    const int32_t attachments[] = { 0, 8, 81, 80, unreferenced };
     wisp_fabric* f = cook_tethers( &mesh, attachments, 5 );
     for ( int slot = 0; slot < f->slot_count; ++slot )
     {
         int v = f->slot_vertex[slot];
-        int expected = v < 0 || v == loose ? 0 : v < 81 ? 3 : v < 130 ? 1 : 0;
+        int expected = v < 0 || v == unreferenced ? 0 : v < 81 ? 3 : v < 130 ? 1 : 0;
         int own = 0;
         for ( int k = 0; k < f->tether_count; ++k )
         {
@@ -289,7 +289,7 @@ static void the_same_mesh_has_the_same_tethers_bit_for_bit( void** state )
     }
     wisp_fabric *a = cook_tethers( &mesh, attachments, 40 ), *b = cook_tethers( &mesh, attachments, 40 );
     size_t count = (size_t)a->tether_count * (size_t)a->slot_count;
-    assert_memory_equal( a->tether4, b->tether4, count * sizeof( int32_t ) );
+    assert_memory_equal( a->tether_x4, b->tether_x4, count * sizeof( int32_t ) );
     assert_memory_equal( a->tether_rest, b->tether_rest, count * sizeof( float ) );
     wisp_fabric_release( a );
     wisp_fabric_release( b );

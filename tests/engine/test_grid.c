@@ -32,14 +32,14 @@ static void assert_sorted_naively( const wisp_grid* g, const cloud* c )
     assert_non_null( keys );
     for ( int i = 0; i < c->count; ++i )
     {
-        keys[i] = ( keyed_item ){ cell_of( g, c->quads + 4 * (size_t)i ), i };
+        keys[i] = ( keyed_item ){ cell_of( g, c->xyzw + 4 * (size_t)i ), i };
     }
     qsort( keys, (size_t)c->count, sizeof( *keys ), by_cell_then_item );
     int cells = g->dims[0] * g->dims[1] * g->dims[2], wrong = g->count != c->count ? 1 : 0;
     for ( int slot = 0; slot < c->count; ++slot )
     {
         const keyed_item key = keys[slot];
-        const float* q = c->quads + 4 * (size_t)key.item;
+        const float* q = c->xyzw + 4 * (size_t)key.item;
         wrong += g->item[slot] != key.item || g->owner[slot] != owner_of( q ) ? 1 : 0;
         wrong += g->x[slot] != q[0] || g->y[slot] != q[1] || g->z[slot] != q[2] ? 1 : 0;
         wrong += slot < g->cell_begin[key.cell] || slot >= g->cell_begin[key.cell + 1] ? 1 : 0;
@@ -67,7 +67,7 @@ static void slots_are_the_items_sorted_by_cell_and_number( void** state )
                 cloud c = make_cloud( (cloud_shape)shape, COUNTS[i] );
                 assert_int_equal( build_grid( s, &c, cloud_radius( (cloud_shape)shape ) ), WISP_OK );
                 assert_sorted_naively( &s->grid, &c );
-                free( c.quads );
+                free( c.xyzw );
             }
         }
         space_close( s );
@@ -86,7 +86,7 @@ static void many_blocks_of_items_are_sorted_alike( void** state )
         assert_sorted_naively( &s->grid, &c );
         space_close( s );
     }
-    free( c.quads );
+    free( c.xyzw );
 }
 
 // How far an item lies outside its cell, m; rounding is allowed to put it there.
@@ -99,8 +99,8 @@ static double outside_cell( const wisp_grid* g, const float* quad )
         int axis = g->axis[i], place = rest % g->dims[axis];
         rest /= g->dims[axis];
         double edge = (double)g->cell / ( i == 0 ? g->fine : 1 );
-        double low = (double)g->origin[axis] + place * edge, high = low + edge;
-        most = fmax( most, fmax( low - (double)quad[axis], (double)quad[axis] - high ) );
+        double lower = (double)g->origin[axis] + place * edge, upper = lower + edge;
+        most = fmax( most, fmax( lower - (double)quad[axis], (double)quad[axis] - upper ) );
     }
     return most;
 }
@@ -117,30 +117,30 @@ static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** st
         double most = 0.0;
         for ( int i = 0; i < c.count; ++i )
         {
-            most = fmax( most, outside_cell( &s->grid, c.quads + 4 * (size_t)i ) );
+            most = fmax( most, outside_cell( &s->grid, c.xyzw + 4 * (size_t)i ) );
         }
         assert_true( most <= (double)s->grid.slack );
-        free( c.quads );
+        free( c.xyzw );
     }
     space_close( s );
 }
 
-static void cells_are_as_wide_as_wanted_unless_there_would_be_too_many( void** state )
+static void cells_are_as_wide_as_requested_unless_there_would_be_too_many( void** state )
 {
     (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
         cloud c = make_cloud( (cloud_shape)shape, 5000 );
-        float wanted = cloud_radius( (cloud_shape)shape );
-        assert_int_equal( build_grid( s, &c, wanted ), WISP_OK );
+        float requested = cloud_radius( (cloud_shape)shape );
+        assert_int_equal( build_grid( s, &c, requested ), WISP_OK );
         const wisp_grid* g = &s->grid;
-        assert_true( g->cell >= wanted );
+        assert_true( g->cell >= requested );
         // four cells an item, and a few that a handful of items may have
         assert_true( (double)g->dims[0] * g->dims[1] * g->dims[2] <= 4.0 * c.count + 64.0 );
         bool sparse = shape == CLOUD_SPREAD || shape == CLOUD_CLUSTERS || shape == CLOUD_LINE;
         assert_int_equal( g->coarse, sparse );
-        free( c.quads );
+        free( c.xyzw );
     }
     space_close( s );
 }
@@ -164,7 +164,7 @@ static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
         assert_int_equal( 1 << g->axis[0] | 1 << g->axis[1] | 1 << g->axis[2], 7 );
         assert_true( cells_of_rank( g, 0 ) <= cells_of_rank( g, 1 ) &&
                      cells_of_rank( g, 1 ) <= cells_of_rank( g, 2 ) );
-        free( c.quads );
+        free( c.xyzw );
     }
     space_close( s );
 }
@@ -192,7 +192,7 @@ static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many(
         assert_true( rows * cut <= most );
         // a cut less than asked for has a reason
         assert_true( g->fine == 4 || rows * ( g->fine + 1 ) * whole > most );
-        free( c.quads );
+        free( c.xyzw );
     }
     space_close( s );
 }
@@ -210,7 +210,7 @@ static void slots_behind_the_last_may_be_read( void** state )
         sum += (float)( s->grid.item[slot] + s->grid.owner[slot] );
     }
     assert_true( sum == 0.0f ); // and they are never left to chance
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -220,7 +220,7 @@ int main( void )
         cmocka_unit_test( slots_are_the_items_sorted_by_cell_and_number ),
         cmocka_unit_test( many_blocks_of_items_are_sorted_alike ),
         cmocka_unit_test( an_item_lies_in_its_cell_or_no_further_off_than_the_slack ),
-        cmocka_unit_test( cells_are_as_wide_as_wanted_unless_there_would_be_too_many ),
+        cmocka_unit_test( cells_are_as_wide_as_requested_unless_there_would_be_too_many ),
         cmocka_unit_test( the_axis_with_the_fewest_cells_is_the_fastest ),
         cmocka_unit_test( cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many ),
         cmocka_unit_test( slots_behind_the_last_may_be_read ),

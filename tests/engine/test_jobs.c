@@ -11,7 +11,7 @@ static const int WAVE_SIZES[] = { 0, 1, 2, 7, 1000, 100000 };
 
 enum
 {
-    MOST_BLOCKS = 100000,
+    MAX_BLOCKS = 100000,
     HOST_THREADS = 3,
 };
 
@@ -20,7 +20,7 @@ enum
 typedef struct thread_host
 {
     int calls;
-    int most_blocks_of_a_call;
+    int max_blocks_of_a_call;
     // of the call that runs
     wisp_block_fn* run;
     void* context;
@@ -49,8 +49,7 @@ static void thread_host_parallel_for( void* user, int block_count, wisp_block_fn
 {
     thread_host* host = user;
     host->calls += 1;
-    host->most_blocks_of_a_call =
-        block_count > host->most_blocks_of_a_call ? block_count : host->most_blocks_of_a_call;
+    host->max_blocks_of_a_call = block_count > host->max_blocks_of_a_call ? block_count : host->max_blocks_of_a_call;
     host->run = run;
     host->context = context;
     host->block_count = block_count;
@@ -103,9 +102,9 @@ static void count_waves( void* context )
     for ( int w = 0; w < wave->waves; ++w )
     {
         int size = WAVE_SIZES[test_random( wave->seed, w, WISP_COUNT( WAVE_SIZES ) )];
-        memset( wave->runs, 0, MOST_BLOCKS * sizeof( int ) );
+        memset( wave->runs, 0, MAX_BLOCKS * sizeof( int ) );
         jobs_run_wave( wave->pool, size, count_block, wave );
-        for ( int b = 0; b < MOST_BLOCKS; ++b )
+        for ( int b = 0; b < MAX_BLOCKS; ++b )
         {
             wave->wrong_counts += wave->runs[b] != ( b < size ? 1 : 0 ) ? 1 : 0;
         }
@@ -115,7 +114,7 @@ static void count_waves( void* context )
 static counted_wave run_counted_waves( int workers, wisp_parallel_for_fn* host, void* host_user, int waves )
 {
     counted_wave wave = { .pool = jobs_create( NULL, workers, host, host_user ), .waves = waves, .seed = workers };
-    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    wave.runs = calloc( MAX_BLOCKS, sizeof( int ) );
     assert_non_null( wave.pool );
     assert_non_null( wave.runs );
     jobs_enter( wave.pool, count_waves, &wave );
@@ -296,7 +295,7 @@ static void a_wave_outside_an_entered_pool_runs_on_the_caller( void** state )
 {
     (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .waves = 20, .seed = 1 };
-    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    wave.runs = calloc( MAX_BLOCKS, sizeof( int ) );
     assert_non_null( wave.runs );
     count_waves( &wave );
     free( wave.runs );
@@ -317,27 +316,27 @@ static void a_host_is_called_once_a_wave( void** state )
     (void)state;
     thread_host host = { 0 };
     counted_wave wave = { .pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host ) };
-    wave.runs = calloc( MOST_BLOCKS, sizeof( int ) );
+    wave.runs = calloc( MAX_BLOCKS, sizeof( int ) );
     assert_non_null( wave.runs );
     jobs_enter( wave.pool, run_three_waves, &wave );
     free( wave.runs );
     jobs_destroy( wave.pool );
     assert_int_equal( host.calls, 3 );
-    assert_int_equal( host.most_blocks_of_a_call, 1000 );
+    assert_int_equal( host.max_blocks_of_a_call, 1000 );
 }
 
 // ---- loops ----
 
 enum
 {
-    LOOP_MOST_BLOCKS = 1200,
+    LOOP_MAX_BLOCKS = 1200,
 };
 
 typedef struct loop_cut
 {
     const wisp_parallel* parallel;
     int count, grain;
-    int begin[LOOP_MOST_BLOCKS], end[LOOP_MOST_BLOCKS], calls[LOOP_MOST_BLOCKS];
+    int begin[LOOP_MAX_BLOCKS], end[LOOP_MAX_BLOCKS], calls[LOOP_MAX_BLOCKS];
     _Atomic int outside;
     _Atomic int workers_used[WISP_MAX_WORKERS];
 } loop_cut;
@@ -346,7 +345,7 @@ static void note_range( void* context, int begin, int end, int worker )
 {
     loop_cut* cut = context;
     int block = begin / cut->grain;
-    if ( begin < 0 || end > cut->count || block >= LOOP_MOST_BLOCKS )
+    if ( begin < 0 || end > cut->count || block >= LOOP_MAX_BLOCKS )
     {
         atomic_fetch_add( &cut->outside, 1 );
         return;
@@ -366,7 +365,7 @@ static void run_loop( void* context )
 static void assert_cut_is_fixed( const loop_cut* cut )
 {
     assert_int_equal( cut->outside, 0 );
-    for ( int b = 0; b < LOOP_MOST_BLOCKS; ++b )
+    for ( int b = 0; b < LOOP_MAX_BLOCKS; ++b )
     {
         int begin = b * cut->grain, end = begin + cut->grain < cut->count ? begin + cut->grain : cut->count;
         assert_int_equal( cut->calls[b], begin < cut->count ? 1 : 0 );
@@ -454,20 +453,20 @@ typedef struct scratch_use
 static void use_scratch( void* context, int block, int worker )
 {
     scratch_use* use = context;
-    unsigned char* pieces[2];
+    unsigned char* primitives[2];
     for ( int i = 0; i < 2; ++i )
     {
-        pieces[i] = wisp_parallel_scratch( use->parallel, worker, SCRATCH_BYTES );
-        atomic_fetch_add( &use->missing, pieces[i] == NULL ? 1 : 0 );
-        atomic_fetch_add( &use->misaligned, (uintptr_t)pieces[i] % 64 != 0 ? 1 : 0 );
-        if ( pieces[i] != NULL )
+        primitives[i] = wisp_parallel_scratch( use->parallel, worker, SCRATCH_BYTES );
+        atomic_fetch_add( &use->missing, primitives[i] == NULL ? 1 : 0 );
+        atomic_fetch_add( &use->misaligned, (uintptr_t)primitives[i] % 64 != 0 ? 1 : 0 );
+        if ( primitives[i] != NULL )
         {
-            memset( pieces[i], ( 2 * block + i ) % 251, SCRATCH_BYTES );
+            memset( primitives[i], ( 2 * block + i ) % 251, SCRATCH_BYTES );
         }
     }
-    for ( int k = 0; k < 2 * SCRATCH_BYTES && pieces[0] != NULL && pieces[1] != NULL; ++k )
+    for ( int k = 0; k < 2 * SCRATCH_BYTES && primitives[0] != NULL && primitives[1] != NULL; ++k )
     {
-        bool same = pieces[k / SCRATCH_BYTES][k % SCRATCH_BYTES] == ( 2 * block + k / SCRATCH_BYTES ) % 251;
+        bool same = primitives[k / SCRATCH_BYTES][k % SCRATCH_BYTES] == ( 2 * block + k / SCRATCH_BYTES ) % 251;
         atomic_fetch_add( &use->damaged, same ? 0 : 1 );
     }
 }
@@ -507,13 +506,13 @@ static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
     jobs_pool* pool = jobs_create( &allocator, 3, NULL, NULL );
     scratch_use use;
     enter_scratch_use( &use, pool, 1 ); // a lone block runs on the caller
-    int64_t asked = atomic_load( &host.asked );
+    int64_t queried = atomic_load( &host.queried );
     for ( int i = 0; i < 20; ++i )
     {
         enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
         assert_int_equal( use.missing + use.damaged, 0 );
     }
-    assert_int_equal( atomic_load( &host.asked ), asked );
+    assert_int_equal( atomic_load( &host.queried ), queried );
     jobs_destroy( pool );
     assert_host_has_all_back( &host );
 }

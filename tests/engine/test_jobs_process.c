@@ -67,7 +67,7 @@ static void watch_threads( void* context, int block, int worker )
 typedef struct watched_waves
 {
     jobs_pool* pool;
-    int most_threads;
+    int max_threads;
 } watched_waves;
 
 static void run_watched_waves( void* context )
@@ -75,32 +75,32 @@ static void run_watched_waves( void* context )
     watched_waves* watched = context;
     for ( int i = 0; i < 20; ++i )
     {
-        jobs_run_wave( watched->pool, 50, watch_threads, &watched->most_threads );
+        jobs_run_wave( watched->pool, 50, watch_threads, &watched->max_threads );
     }
 }
 
-static int most_threads( int workers, wisp_parallel_for_fn* host, void* host_user )
+static int max_threads( int workers, wisp_parallel_for_fn* host, void* host_user )
 {
     watched_waves watched = { jobs_create( NULL, workers, host, host_user ), 0 };
     jobs_enter( watched.pool, run_watched_waves, &watched );
     jobs_destroy( watched.pool );
     int after = thread_count();
-    return after > watched.most_threads ? after : watched.most_threads;
+    return after > watched.max_threads ? after : watched.max_threads;
 }
 
 static int threads_of_one_worker( void )
 {
-    return most_threads( 1, NULL, NULL );
+    return max_threads( 1, NULL, NULL );
 }
 
 static int threads_of_a_host( void )
 {
-    return most_threads( HOST_WORKERS, serial_host_parallel_for, NULL );
+    return max_threads( HOST_WORKERS, serial_host_parallel_for, NULL );
 }
 
 static int threads_of_two_workers( void )
 {
-    return most_threads( 2, NULL, NULL );
+    return max_threads( 2, NULL, NULL );
 }
 
 static void one_worker_never_starts_a_thread( void** state )
@@ -131,7 +131,7 @@ static uint64_t hash_after_a_step( int workers )
     if ( wisp_world_create( &def, &world, NULL ) == WISP_OK )
     {
         wisp_entity strands = test_add_strands( world, 500, 8 );
-        bool stepped = wisp_want( world, strands, WISP_STRAND_POINTS ) == WISP_OK;
+        bool stepped = wisp_request( world, strands, WISP_STRAND_POINTS ) == WISP_OK;
         stepped = stepped && wisp_world_step( world, 0.01f ) == WISP_OK;
         hash = stepped ? wisp_world_hash( world ) : 0;
     }
@@ -183,9 +183,9 @@ static int sleeping_threads( void )
 }
 
 // The system starts, ends and puts to sleep in its own time; if it never does, the alarm of exit_of_child() comes.
-static void wait_until( int ( *count )( void ), int wanted )
+static void wait_until( int ( *count )( void ), int requested )
 {
-    while ( count() != wanted )
+    while ( count() != requested )
     {
         usleep( 1000 );
     }
@@ -285,7 +285,7 @@ static int fork_with_three_workers( void )
             return 2;
         }
         wisp_entity strands = test_add_strands( world_of_parent, 500, 8 );
-        bool stepped = wisp_want( world_of_parent, strands, WISP_STRAND_POINTS ) == WISP_OK &&
+        bool stepped = wisp_request( world_of_parent, strands, WISP_STRAND_POINTS ) == WISP_OK &&
                        wisp_world_step( world_of_parent, 0.01f ) == WISP_OK;
         if ( pass == 0 )
         {
@@ -314,10 +314,10 @@ static void a_process_with_workers_may_fork_and_both_step_the_world( void** stat
 
 static int warnings;
 
-static void count_warnings( void* user, wisp_log_level level, const char* sentence )
+static void count_warnings( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
-    warnings += level == WISP_LOG_WARNING && strstr( sentence, "no thread" ) != NULL ? 1 : 0;
+    warnings += level == WISP_LOG_WARNING && strstr( message, "no thread" ) != NULL ? 1 : 0;
 }
 
 // Threads whose stacks no address space can hold are what the system does not start.
@@ -339,7 +339,7 @@ static int step_without_threads( void )
         return 3;
     }
     wisp_entity strands = test_add_strands( world, 500, 8 );
-    bool same = wisp_want( world, strands, WISP_STRAND_POINTS ) == WISP_OK &&
+    bool same = wisp_request( world, strands, WISP_STRAND_POINTS ) == WISP_OK &&
                 wisp_world_step( world, 0.01f ) == WISP_OK && wisp_world_hash( world ) == hash_of_parent &&
                 wisp_world_step( world, 0.01f ) == WISP_OK;
     const int threads = thread_count();

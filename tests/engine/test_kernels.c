@@ -95,7 +95,7 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
     wisp_entity id;
     assert_int_equal( wisp_add_strands( world, &strands, &id ), WISP_OK );
     assert_int_equal( wisp_set_frozen_hair( world, id, def ), WISP_OK );
-    assert_int_equal( wisp_want( world, id, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, id, WISP_STRAND_POINTS ), WISP_OK );
     for ( int step = 0; step < 3; ++step )
     {
         wisp_vec3 cursor = { 0.05f, -0.1f - 0.03f * (float)step, 0.0f };
@@ -127,14 +127,14 @@ static void every_table_gives_the_same_bits( void** state )
             def.blend_chord = variant % 3 == 1;
             def.reach_nearest = variant % 3 == 2;
             def.direction_from_root = variant % 2 == 1;
-            def.guard = variant != 5;
+            def.min_distance_clamp = variant != 5;
             def.clump_iterations = 1 + variant;
             def.base = variant == 6 ? WISP_BASE_PREVIOUS : WISP_BASE_REST;
-            uint64_t truth = run_pipeline( tables[0], g, dimension, &def );
+            uint64_t reference = run_pipeline( tables[0], g, dimension, &def );
             for ( int t = 1; t < table_count; ++t )
             {
                 uint64_t hash = run_pipeline( tables[t], g, dimension, &def );
-                if ( hash != truth )
+                if ( hash != reference )
                 {
                     fail_msg( "%s differs from %s: dimension %d, variant %d", tables[t]->isa, tables[0]->isa,
                               dimension, variant );
@@ -155,7 +155,7 @@ enum
 
 typedef struct cloud
 {
-    float quads[CLOUD + 8][4];
+    float xyzw[CLOUD + 8][4];
     int32_t vertex[CLOUD + 8];
 } cloud;
 
@@ -166,13 +166,13 @@ static void make_cloud( cloud* c, int dimension, uint64_t seed )
     for ( int i = 0; i < CLOUD; ++i )
     {
         int32_t owner = i % OWNERS;
-        c->quads[i][0] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 0, 0 );
-        c->quads[i][1] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 1, 0 );
-        c->quads[i][2] = dimension == 3 ? 0.1f * wisp_random_unit_float( key, (uint32_t)i, 2, 0 ) : 0.0f;
-        memcpy( &c->quads[i][3], &owner, sizeof( owner ) );
+        c->xyzw[i][0] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 0, 0 );
+        c->xyzw[i][1] = 0.1f * wisp_random_unit_float( key, (uint32_t)i, 1, 0 );
+        c->xyzw[i][2] = dimension == 3 ? 0.1f * wisp_random_unit_float( key, (uint32_t)i, 2, 0 ) : 0.0f;
+        memcpy( &c->xyzw[i][3], &owner, sizeof( owner ) );
         c->vertex[i] = 1 + i / OWNERS;
     }
-    memcpy( c->quads[77], c->quads[3], 3 * sizeof( float ) ); // a pair without a direction
+    memcpy( c->xyzw[77], c->xyzw[3], 3 * sizeof( float ) ); // a pair without a direction
 }
 
 // The displacement of one slot by the plainest loop over all slots, with the kernel's own roundings.
@@ -199,7 +199,7 @@ typedef struct attraction
 {
     wisp_grid grid;
     wisp_neighbours neighbours;
-    _Alignas( 64 ) float quads[CLOUD + 8][4];
+    _Alignas( 64 ) float xyzw[CLOUD + 8][4];
     _Alignas( 64 ) float tentative[CLOUD + 8][4];
     _Alignas( 64 ) float displacement[( CLOUD + 7 ) / 8][3][8];
     int32_t vertex[CLOUD + 8];
@@ -208,23 +208,23 @@ typedef struct attraction
 static void attract( attraction* a, const wisp_kernels* kernels, const wisp_parallel* parallel, const cloud* c,
                      float h, bool planar )
 {
-    assert_int_equal( wisp_grid_build( &a->grid, parallel, c->quads[0], CLOUD, 1.6f * h, 3 ), WISP_OK );
-    memset( a->quads, 0, sizeof( a->quads ) );
+    assert_int_equal( wisp_grid_build( &a->grid, parallel, c->xyzw[0], CLOUD, 1.6f * h, 3 ), WISP_OK );
+    memset( a->xyzw, 0, sizeof( a->xyzw ) );
     memset( a->vertex, 0, sizeof( a->vertex ) );
     for ( int slot = 0; slot < CLOUD; ++slot )
     {
-        memcpy( a->quads[slot], c->quads[a->grid.item[slot]], 4 * sizeof( float ) );
+        memcpy( a->xyzw[slot], c->xyzw[a->grid.item[slot]], 4 * sizeof( float ) );
         a->vertex[slot] = c->vertex[a->grid.item[slot]];
     }
     wisp_neighbour_query query = {
-        .quads = a->quads[0], .query_count = CLOUD, .near_radius = 1.0001f * h, .shell_radius = 1.6f * h, .limit = 512
+        .xyzw = a->xyzw[0], .query_count = CLOUD, .near_radius = 1.0001f * h, .skin_radius = 1.6f * h, .limit = 512
     };
     assert_int_equal( wisp_neighbours_build( &a->neighbours, parallel, kernels, &a->grid, &query ), WISP_OK );
-    wisp_adhesion_job job = {
-        .current = a->quads[0],
+    wisp_adhesion_args args = {
+        .current = a->xyzw[0],
         .tentative = a->tentative[0],
         .displacement = a->displacement[0][0],
-        .searched = a->quads[0],
+        .searched = a->xyzw[0],
         .owner = a->grid.owner,
         .vertex = a->vertex,
         .attracting = { a->neighbours.near },
@@ -232,9 +232,9 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
         .radius = h,
         .step = 0.1f * h,
         .planar = planar,
-        .gap = WISP_GAP_PROSE,
+        .gap = WISP_GAP_ABSOLUTE,
     };
-    kernels->adhesion_attract( &job, 0, a->neighbours.slice_count );
+    kernels->adhesion_attract( &args, 0, a->neighbours.slice_count );
 }
 
 static void sums_through_the_grid_are_those_of_brute_force( void** state )
@@ -258,10 +258,10 @@ static void sums_through_the_grid_are_those_of_brute_force( void** state )
         attract( a, kernels, jobs_everyone( pool ), c, h, dimension == 2 );
         for ( int slot = 0; slot < CLOUD; ++slot )
         {
-            wisp_vec3 truth = brute_force( (const float( * )[4])a->quads, a->grid.owner, slot, h, 0.1f * h );
+            wisp_vec3 reference = brute_force( (const float( * )[4])a->xyzw, a->grid.owner, slot, h, 0.1f * h );
             float found[3] = { a->displacement[slot / 8][0][slot % 8], a->displacement[slot / 8][1][slot % 8],
                                a->displacement[slot / 8][2][slot % 8] };
-            assert_memory_equal( found, &truth, sizeof( truth ) );
+            assert_memory_equal( found, &reference, sizeof( reference ) );
         }
     }
     wisp_grid_release( &a->grid, &allocator );
@@ -278,13 +278,13 @@ static void a_cap_names_a_table_at_most_that_wide_or_is_refused( void** state )
     assert_string_equal( kernels_select( "baseline", &error )->isa, "baseline" );
     assert_null( kernels_select( "avx9", &error ) );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "avx9" ) );
+    assert_non_null( strstr( error.message, "avx9" ) );
 
     assert_int_equal( setenv( "WISP_ISA", "baseline", 1 ), 0 );
     assert_string_equal( kernels_select( NULL, &error )->isa, "baseline" );
     assert_int_equal( setenv( "WISP_ISA", "sse9", 1 ), 0 );
     assert_null( kernels_select( NULL, &error ) );
-    assert_non_null( strstr( error.sentence, "WISP_ISA" ) );
+    assert_non_null( strstr( error.message, "WISP_ISA" ) );
     unsetenv( "WISP_ISA" );
 }
 

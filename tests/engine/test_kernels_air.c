@@ -15,7 +15,7 @@ typedef struct air_scene
     _Alignas( 64 ) float old_velocity[SLOTS][4];
     _Alignas( 64 ) float velocity[SLOTS][4];
     int32_t ring_begin[SLOTS / 8 + 1];
-    int32_t ring4[SLOTS / 8 * RING][8];
+    int32_t ring_x4[SLOTS / 8 * RING][8];
 } air_scene;
 
 static air_scene* new_scene( void )
@@ -42,21 +42,21 @@ static air_scene* new_scene( void )
             {
                 // every third fan is short: its own slot pads
                 const int own = slice * 8 + lane, other = ( own + 1 + e * 7 % 5 + e ) % SLOTS;
-                s->ring4[slice * RING + e][lane] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
+                s->ring_x4[slice * RING + e][lane] = 4 * ( own % 3 == 0 && e > 3 ? own : other );
             }
         }
     }
     return s;
 }
 
-static wisp_ring_air_job job_of( air_scene* s )
+static wisp_ring_air_args job_of( air_scene* s )
 {
-    return ( wisp_ring_air_job ){
+    return ( wisp_ring_air_args ){
         .position = s->position[0],
         .old_velocity = s->old_velocity[0],
         .velocity = s->velocity[0],
         .ring_begin = s->ring_begin,
-        .ring4 = (const int32_t( * )[8])s->ring4,
+        .ring_x4 = (const int32_t( * )[8])s->ring_x4,
         .wind = { 3.0f, -1.0f, 0.5f },
         .density = 1.2f,
         .drag = 1.1f,
@@ -67,8 +67,8 @@ static wisp_ring_air_job job_of( air_scene* s )
 
 static void run( const wisp_kernels* kernels, air_scene* s )
 {
-    const wisp_ring_air_job job = job_of( s );
-    kernels->ring_air( &job, 0, SLOTS / 8 );
+    const wisp_ring_air_args args = job_of( s );
+    kernels->ring_air( &args, 0, SLOTS / 8 );
 }
 
 static void make_strange( air_scene* s )
@@ -83,11 +83,11 @@ static void make_strange( air_scene* s )
 static void every_table_gives_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int strange = 0; strange < 2; ++strange )
     {
-        air_scene* found[MOST_TABLES];
+        air_scene* found[MAX_TABLES];
         for ( int t = 0; t < count; ++t )
         {
             found[t] = new_scene();
@@ -112,9 +112,9 @@ typedef struct vector
     double x, y, z;
 } vector;
 
-static vector load( float quads[][4], int slot )
+static vector load( float xyzw[][4], int slot )
 {
-    return ( vector ){ (double)quads[slot][0], (double)quads[slot][1], (double)quads[slot][2] };
+    return ( vector ){ (double)xyzw[slot][0], (double)xyzw[slot][1], (double)xyzw[slot][2] };
 }
 
 static vector combine( double s, vector a, double t, vector b )
@@ -133,12 +133,12 @@ static vector cross( vector a, vector b )
 }
 
 // F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) )
-static vector triangle_force( const wisp_ring_air_job* job, air_scene* s, const int slots[3], double* rate )
+static vector triangle_force( const wisp_ring_air_args* args, air_scene* s, const int slots[3], double* rate )
 {
     const vector p = load( s->position, slots[0] );
     const vector e = combine( 1.0, load( s->position, slots[1] ), -1.0, p );
     const vector f = combine( 1.0, load( s->position, slots[2] ), -1.0, p ), normal = cross( e, f );
-    vector u = { (double)job->wind.x, (double)job->wind.y, (double)job->wind.z };
+    vector u = { (double)args->wind.x, (double)args->wind.y, (double)args->wind.z };
     for ( int k = 0; k < 3; ++k )
     {
         u = combine( 1.0, u, -1.0 / 3.0, load( s->old_velocity, slots[k] ) );
@@ -151,17 +151,17 @@ static vector triangle_force( const wisp_ring_air_job* job, air_scene* s, const 
     }
     const double facing = dot( u, normal ) / ( 2.0 * area );
     const vector n = combine( ( facing < 0.0 ? -1.0 : 1.0 ) / ( 2.0 * area ), normal, 0.0, normal );
-    const double pressure = 0.5 * (double)job->density * area * fabs( facing );
-    const vector across = combine( speed, n, -dot( u, n ) / speed, u );
-    *rate = pressure * ( (double)job->drag + (double)job->lift );
-    return combine( pressure * (double)job->drag, u, pressure * (double)job->lift, across );
+    const double pressure = 0.5 * (double)args->density * area * fabs( facing );
+    const vector foreign = combine( speed, n, -dot( u, n ) / speed, u );
+    *rate = pressure * ( (double)args->drag + (double)args->lift );
+    return combine( pressure * (double)args->drag, u, pressure * (double)args->lift, foreign );
 }
 
 static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
 {
     (void)state;
     air_scene* s = new_scene();
-    const wisp_ring_air_job job = job_of( s );
+    const wisp_ring_air_args args = job_of( s );
     run( widest_table(), s );
     for ( int v = 0; v < SLOTS; ++v )
     {
@@ -170,12 +170,12 @@ static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
         for ( int e = 1; e < RING; ++e )
         {
             double own;
-            const int slots[3] = { v, s->ring4[v / 8 * RING + e - 1][v % 8] / 4,
-                                   s->ring4[v / 8 * RING + e][v % 8] / 4 };
-            force = combine( 1.0, force, 1.0 / 3.0, triangle_force( &job, s, slots, &own ) );
+            const int slots[3] = { v, s->ring_x4[v / 8 * RING + e - 1][v % 8] / 4,
+                                   s->ring_x4[v / 8 * RING + e][v % 8] / 4 };
+            force = combine( 1.0, force, 1.0 / 3.0, triangle_force( &args, s, slots, &own ) );
             rate += own / 3.0;
         }
-        const double w = (double)s->position[v][3], dt = (double)job.dt, change = dt * w / ( 1.0 + dt * w * rate );
+        const double w = (double)s->position[v][3], dt = (double)args.dt, change = dt * w / ( 1.0 + dt * w * rate );
         const vector expected = combine( 1.0, load( s->old_velocity, v ), change, force );
         // forces of a handful of newtons on as little as half a gram are taken back by the rate: what remains is below the
         // speeds of wind and vertices, and so is its rounding, some thirty times

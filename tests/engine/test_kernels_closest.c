@@ -28,7 +28,7 @@ typedef struct pairs
 {
     pair_shape shape;
     _Alignas( 64 ) float point[4 * PAIRS][4];
-    int32_t point4[4][8 * CLOSEST_GROUPS];
+    int32_t point_x4[4][8 * CLOSEST_GROUPS];
     float distance[8 * CLOSEST_GROUPS];
     float weight[CLOSEST_GROUPS][4][8];
     float normal[CLOSEST_GROUPS][3][8];
@@ -36,7 +36,7 @@ typedef struct pairs
 
 static float* corner( pairs* s, int pair, int k )
 {
-    return s->point[s->point4[k][pair] / 4];
+    return s->point[s->point_x4[k][pair] / 4];
 }
 
 static double3 at( pairs* s, int pair, int k )
@@ -79,7 +79,7 @@ static pairs* new_pairs( pair_shape shape )
     {
         for ( int k = 0; k < 4; ++k )
         {
-            s->point4[k][i] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
+            s->point_x4[k][i] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
             corner( s, i, k )[3] = k % 2 == 0 ? NAN : 1.0f; // not looked at
             put( s, i, k, random_vector( i, k, 1.0 ) );
         }
@@ -87,16 +87,16 @@ static pairs* new_pairs( pair_shape shape )
     return s;
 }
 
-static void run( const wisp_kernels* kernels, pairs* s, bool wants_weights, int begin, int end )
+static void run( const wisp_kernels* kernels, pairs* s, bool requests_weights, int begin, int end )
 {
-    const wisp_closest_job job = {
-        .quads = s->point[0],
-        .point4 = { s->point4[0], s->point4[1], s->point4[2], s->point4[3] },
+    const wisp_closest_args args = {
+        .xyzw = s->point[0],
+        .point_x4 = { s->point_x4[0], s->point_x4[1], s->point_x4[2], s->point_x4[3] },
         .distance = s->distance,
-        .weight = wants_weights ? s->weight : NULL,
-        .normal = wants_weights ? s->normal : NULL,
+        .weight = requests_weights ? s->weight : NULL,
+        .normal = requests_weights ? s->normal : NULL,
     };
-    ( s->shape == TRIANGLE ? kernels->closest_triangle : kernels->closest_segments )( &job, begin, end );
+    ( s->shape == TRIANGLE ? kernels->closest_triangle : kernels->closest_segments )( &args, begin, end );
 }
 
 // ---- pairs of all kinds ----
@@ -260,7 +260,7 @@ static void assert_same_answers( const pairs* found, const pairs* expected )
 static void every_table_gives_the_same_bits_however_the_range_is_cut( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int kind = 0; kind <= WISP_COUNT( KINDS ); ++kind )
     {
@@ -311,7 +311,7 @@ typedef struct found_pair
 {
     double3 x[4];
     int first; // corners of the first side
-    contact_oracle_closest truth;
+    contact_oracle_closest reference;
     double distance, size;
     float weight[4];
     double3 normal;
@@ -327,7 +327,8 @@ static found_pair read_pair( pairs* s, int i )
         f.weight[k] = s->weight[g][k][l];
     }
     f.normal = double3_make( (double)s->normal[g][0][l], (double)s->normal[g][1][l], (double)s->normal[g][2][l] );
-    f.truth = first == 1 ? contact_oracle_point_triangle( f.x[0], f.x + 1 ) : contact_oracle_segments( f.x, f.x + 2 );
+    f.reference =
+        first == 1 ? contact_oracle_point_triangle( f.x[0], f.x + 1 ) : contact_oracle_segments( f.x, f.x + 2 );
     for ( int k = 0; k < 4; ++k )
     {
         f.size = fmax( f.size, double3_distance( f.x[k], f.x[3] ) );
@@ -350,21 +351,21 @@ static void check_weights( const found_pair* f, int number )
         between = double3_add( between, double3_scale( (double)f->weight[k], double3_sub( f->x[k], f->x[0] ) ) );
     }
     assert_true( sums[0] == 1.0f && sums[1] == 1.0f );
-    assert_near( double3_length( between ), f->truth.distance, ROUNDING * f->size,
+    assert_near( double3_length( between ), f->reference.distance, ROUNDING * f->size,
                  "length of the weighted sum of pair", number );
 }
 
 // How far the plane across the normal parts the sides, less than nothing if it does not.
 static double parted( const found_pair* f )
 {
-    double low = INFINITY, high = -INFINITY;
+    double lower = INFINITY, upper = -INFINITY;
     for ( int k = 0; k < 4; ++k )
     {
         const double along = double3_dot( f->normal, double3_sub( f->x[k], f->x[0] ) );
-        low = k < f->first ? fmin( low, along ) : low;
-        high = k < f->first ? high : fmax( high, along );
+        lower = k < f->first ? fmin( lower, along ) : lower;
+        upper = k < f->first ? upper : fmax( upper, along );
     }
-    return low - high;
+    return lower - upper;
 }
 
 static void check_normal( const found_pair* f, int number )
@@ -376,13 +377,13 @@ static void check_normal( const found_pair* f, int number )
     }
     assert_near( double3_length( f->normal ), 1.0, 4.0 * (double)FLT_EPSILON, "length of the normal of pair",
                  number );
-    assert_near( parted( f ), f->truth.distance, 2.0 * ROUNDING * f->size, "what parts pair", number );
-    if ( f->truth.distance >= 1e-4 * f->size )
+    assert_near( parted( f ), f->reference.distance, 2.0 * ROUNDING * f->size, "what parts pair", number );
+    if ( f->reference.distance >= 1e-4 * f->size )
     {
         // A vector off by a rounding of the size, four times as long as that which decides. Two points of a side may be
         // equally near but for a rounding of the square, which is a root of it apart.
-        const double most = 4.0 * ROUNDING * f->size / f->truth.distance + sqrt( 16.0 * (double)FLT_EPSILON );
-        assert_near( double3_angle( f->normal, f->truth.normal ), 0.0, fmin( most, 1e-2 ),
+        const double most = 4.0 * ROUNDING * f->size / f->reference.distance + sqrt( 16.0 * (double)FLT_EPSILON );
+        assert_near( double3_angle( f->normal, f->reference.normal ), 0.0, fmin( most, 1e-2 ),
                      "angle of the normal of pair", number );
     }
 }
@@ -401,7 +402,7 @@ static void closest_points_are_those_of_the_oracle( void** state )
             {
                 const int number = ( kind * 10 + n ) * 100000 + i;
                 const found_pair f = read_pair( s, i );
-                assert_near( f.distance, f.truth.distance, ROUNDING * f.size, "distance of pair", number );
+                assert_near( f.distance, f.reference.distance, ROUNDING * f.size, "distance of pair", number );
                 check_weights( &f, number );
                 check_normal( &f, number );
             }
@@ -480,10 +481,10 @@ static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
         {
             const found_pair f = read_pair( s, i );
             const double3 u = SHAPES[n] == TRIANGLE ? double3_sub( f.x[2], f.x[1] ) : double3_sub( f.x[1], f.x[0] ),
-                          across =
+                          foreign =
                               SHAPES[n] == TRIANGLE ? double3_sub( f.x[3], f.x[1] ) : double3_sub( f.x[3], f.x[2] ),
-                          face = double3_cross( u, across );
-            if ( double3_length( face ) < 0.01 * double3_length( u ) * double3_length( across ) )
+                          face = double3_cross( u, foreign );
+            if ( double3_length( face ) < 0.01 * double3_length( u ) * double3_length( foreign ) )
             {
                 continue; // in a plane with itself, but for a hundredth
             }

@@ -12,7 +12,7 @@ typedef struct half_spaces
     _Alignas( 64 ) float position[PARTICLES][4];
     float previous[PARTICLES][4];
     float rows[PARTICLES][3][16]; // of three rows each particle has the one in the middle
-    int32_t particle4[PARTICLES], row16[PARTICLES];
+    int32_t particle_x4[PARTICLES], row16[PARTICLES];
 } half_spaces;
 
 enum
@@ -57,14 +57,14 @@ static void make_rows( half_spaces* h )
         row[STATIC] = test_random_float( i, 21, 0.0f, 1.0f );
         row[KINETIC] = 0.5f * row[STATIC];
         h->position[i][3] = 1.0f + (float)i;
-        h->particle4[i] = 4 * ( ( i + 5 ) % PARTICLES );
+        h->particle_x4[i] = 4 * ( ( i + 5 ) % PARTICLES );
         h->row16[i] = 16 * ( 3 * ( ( i + 5 ) % PARTICLES ) + 1 );
     }
 }
 
-static wisp_half_space_job job_on( half_spaces* h )
+static wisp_half_space_args job_on( half_spaces* h )
 {
-    return ( wisp_half_space_job ){ h->position[0], h->previous[0], h->rows[0][0], h->particle4, h->row16 };
+    return ( wisp_half_space_args ){ h->position[0], h->previous[0], h->rows[0][0], h->particle_x4, h->row16 };
 }
 
 static float dot( const float a[3], const float b[3] )
@@ -92,10 +92,10 @@ static bool push_one( float p[4], const float previous[4], float row[16] )
     }
     const float length = sqrtf( dot( u, u ) );
     const bool sticks = length <= row[STATIC] * pushed;
-    const float share = sticks ? 1.0f : row[KINETIC] * pushed / length;
+    const float fraction = sticks ? 1.0f : row[KINETIC] * pushed / length;
     for ( int k = 0; k < 3; ++k )
     {
-        const float now = -share * u[k];
+        const float now = -fraction * u[k];
         p[k] += now - row[RUBBED + k];
         row[RUBBED + k] = now;
     }
@@ -120,15 +120,15 @@ static void every_table_pushes_and_rubs_as_one_by_one( void** state )
         }
     }
     assert_true( sticking > 10 && sliding > 10 && free > 10 );
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
     {
         make_rows( &found );
-        const wisp_half_space_job job = job_on( &found );
+        const wisp_half_space_args args = job_on( &found );
         for ( int s = 0; s < SWEEPS; ++s )
         {
-            tables[t]->half_space( &job, 0, PARTICLES );
+            tables[t]->half_space( &args, 0, PARTICLES );
         }
         assert_memory_equal( &found, &expected, sizeof( found ) );
     }
@@ -138,7 +138,7 @@ static void a_group_that_is_filled_up_moves_each_particle_once( void** state )
 {
     (void)state;
     static half_spaces expected, found;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
     {
@@ -147,15 +147,15 @@ static void a_group_that_is_filled_up_moves_each_particle_once( void** state )
         for ( int k = 0; k < 8; ++k )
         {
             const int i = k < 3 ? k : 2;
-            found.particle4[k] = expected.particle4[k] = 4 * i;
+            found.particle_x4[k] = expected.particle_x4[k] = 4 * i;
             found.row16[k] = expected.row16[k] = 16 * ( 3 * i + 1 );
         }
         for ( int i = 0; i < 3; ++i )
         {
             push_one( expected.position[i], expected.previous[i], expected.rows[i][1] );
         }
-        const wisp_half_space_job job = job_on( &found );
-        tables[t]->half_space( &job, 0, 8 );
+        const wisp_half_space_args args = job_on( &found );
+        tables[t]->half_space( &args, 0, 8 );
         assert_memory_equal( &found, &expected, sizeof( found ) );
     }
 }

@@ -79,12 +79,12 @@ static void release_ball( ball* b )
     free( b->area );
 }
 
-static wisp_ring_job ring_job( ball* b, wisp_vec3 origin )
+static wisp_ring_args ring_args( ball* b, wisp_vec3 origin )
 {
-    return ( wisp_ring_job ){
+    return ( wisp_ring_args ){
         .position = b->position[0],
         .ring_begin = b->fabric->ring_begin,
-        .ring4 = b->fabric->ring4,
+        .ring_x4 = b->fabric->ring_x4,
         .origin = origin,
         .gradient = b->gradient[0][0],
         .area = b->area[0],
@@ -101,9 +101,9 @@ static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
     (void)state;
     const wisp_vec3 centre = { 3000.0f, -2000.0f, 10000.0f };
     ball b = make_ball( 0.7f, centre );
-    wisp_ring_job job = ring_job( &b, centre );
+    wisp_ring_args args = ring_args( &b, centre );
     wisp_ring_sums sums;
-    widest_table()->ring_gradient( &job, 0, b.fabric->ring_slice_count, &sums );
+    widest_table()->ring_gradient( &args, 0, b.fabric->ring_slice_count, &sums );
 
     // a lane adds the terms of 64 slices in floats, and each addition rounds once
     const double sum_rounding = BLOCK * (double)FLT_EPSILON;
@@ -154,19 +154,19 @@ static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void**
 {
     (void)state;
     ball b = make_ball( 1.0f, ( wisp_vec3 ){ 0.5f, 0.25f, -0.125f } );
-    wisp_ring_job job = ring_job( &b, b.fabric->rest[0] );
+    wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     wisp_ring_sums whole, sum = { 0.0, 0.0 };
-    widest_table()->ring_gradient( &job, 0, b.fabric->ring_slice_count, &whole );
+    widest_table()->ring_gradient( &args, 0, b.fabric->ring_slice_count, &whole );
     float( *gradient )[3][8] = new_aligned( BLOCK * sizeof( *gradient ) );
     float( *area )[8] = new_aligned( BLOCK * sizeof( *area ) );
-    job.gradient = gradient[0][0];
-    job.area = area[0];
+    args.gradient = gradient[0][0];
+    args.area = area[0];
     for ( int begin = 0; begin < b.fabric->ring_slice_count; begin += BLOCK )
     {
         int end = begin + BLOCK < b.fabric->ring_slice_count ? begin + BLOCK : b.fabric->ring_slice_count;
         wisp_ring_sums part;
-        job.first_slice = begin;
-        widest_table()->ring_gradient( &job, begin, end, &part );
+        args.first_slice = begin;
+        widest_table()->ring_gradient( &args, begin, end, &part );
         sum.volume += part.volume;
         sum.weighted += part.weighted;
         assert_memory_equal( gradient, b.gradient + begin, (size_t)( end - begin ) * sizeof( *gradient ) );
@@ -182,8 +182,8 @@ static void normals_are_unit_vectors_along_the_area_vectors( void** state )
 {
     (void)state;
     ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
-    wisp_ring_job job = ring_job( &b, b.fabric->rest[0] );
-    widest_table()->ring_normal( &job, 0, b.fabric->ring_slice_count );
+    wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
+    widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
     double3* gradient = calloc( (size_t)b.mesh.vertex_count, sizeof( double3 ) );
     assert_non_null( gradient );
     constraint_oracle_volume_gradient( b.mesh.positions, b.mesh.vertex_count, b.mesh.triangles, b.mesh.triangle_count,
@@ -211,8 +211,8 @@ static void normals_of_what_is_too_small_to_square_are_zero( void** state )
 {
     (void)state;
     ball b = make_ball( 1e-10f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    wisp_ring_job job = ring_job( &b, b.fabric->rest[0] );
-    widest_table()->ring_normal( &job, 0, b.fabric->ring_slice_count );
+    wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
+    widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
     for ( int slot = 0; slot < b.fabric->slot_count; ++slot )
     {
         assert_true( double3_length( column_of( b.gradient[slot / 8], slot % 8 ) ) == 0.0 );
@@ -227,21 +227,21 @@ enum
     COUNT = 256,
 };
 
-typedef struct swarm
+typedef struct particle_batch
 {
     _Alignas( 64 ) float position[COUNT][4];
     float previous[COUNT][4], velocity[COUNT][4], moved[COUNT][4];
     float gradient[COUNT / 8][3][8];
-    int32_t anchor4[2 * COUNT];
+    int32_t anchor_x4[2 * COUNT];
     float rest[2 * COUNT];
-    int32_t child4[COUNT / 64][8], parent4[COUNT / 64][4][8];
+    int32_t child_x4[COUNT / 64][8], parent_x4[COUNT / 64][4][8];
     float weight[COUNT / 64][4][8];
-} swarm;
+} particle_batch;
 
 // The first two slices are anchors, every other one of them pinned; the second half are parents, the first are children.
-static swarm* new_swarm( void )
+static particle_batch* new_particle_batch( void )
 {
-    swarm* s = new_aligned( sizeof( swarm ) );
+    particle_batch* s = new_aligned( sizeof( particle_batch ) );
     for ( int i = 0; i < COUNT; ++i )
     {
         for ( int k = 0; k < 3; ++k )
@@ -254,29 +254,29 @@ static swarm* new_swarm( void )
         }
         s->position[i][3] = i < 16 ? (float)( i % 2 ) : i % 5 == 0 ? 0.0f : 0.5f * (float)( i % 7 + 1 );
         s->previous[i][3] = s->position[i][3];
-        s->anchor4[i] = 4 * ( i < 16 || i % 11 == 0 ? i : i % 16 );
+        s->anchor_x4[i] = 4 * ( i < 16 || i % 11 == 0 ? i : i % 16 );
         s->rest[i] = i < 16 || i % 11 == 0 ? 0.0f : test_random_float( i, 15, 0.2f, 1.5f );
 
         // the second layer: one anchor for eight slots, in every other slice a pinned one
-        s->anchor4[COUNT + i] = 4 * ( i / 8 % 16 );
+        s->anchor_x4[COUNT + i] = 4 * ( i / 8 % 16 );
         s->rest[COUNT + i] = i < 16 ? 0.0f : test_random_float( i, 16, 0.2f, 1.5f );
     }
     for ( int child = 0; child < COUNT / 8; ++child )
     {
         int slice = child / 8, lane = child % 8;
-        s->child4[slice][lane] = 4 * ( child * 3 % ( COUNT / 2 ) );
+        s->child_x4[slice][lane] = 4 * ( child * 3 % ( COUNT / 2 ) );
         for ( int k = 0; k < 4; ++k )
         {
-            s->parent4[slice][k][lane] = 4 * ( COUNT / 2 + ( child * 5 + k * 17 ) % ( COUNT / 2 ) );
+            s->parent_x4[slice][k][lane] = 4 * ( COUNT / 2 + ( child * 5 + k * 17 ) % ( COUNT / 2 ) );
             s->weight[slice][k][lane] = 0.125f * (float)( k == 0 ? 2 + child % 2 : k == 1 ? 3 - child % 2 : k - 1 );
         }
     }
     return s;
 }
 
-static wisp_particle_job particle_job( swarm* s )
+static wisp_particle_args particle_args( particle_batch* s )
 {
-    return ( wisp_particle_job ){
+    return ( wisp_particle_args ){
         .position = s->position[0],
         .previous = s->previous[0],
         .velocity = s->velocity[0],
@@ -285,11 +285,11 @@ static wisp_particle_job particle_job( swarm* s )
     };
 }
 
-static wisp_tether_job tether_job( swarm* s )
+static wisp_tether_args tether_args( particle_batch* s )
 {
-    return ( wisp_tether_job ){
+    return ( wisp_tether_args ){
         .position = s->position[0],
-        .anchor4 = s->anchor4,
+        .anchor_x4 = s->anchor_x4,
         .rest = s->rest,
         .layer_count = 1,
         .slot_count = COUNT,
@@ -297,94 +297,94 @@ static wisp_tether_job tether_job( swarm* s )
     };
 }
 
-static wisp_prolong_job prolong_job( swarm* s )
+static wisp_prolong_args prolong_args( particle_batch* s )
 {
-    return ( wisp_prolong_job ){
+    return ( wisp_prolong_args ){
         .position = s->position[0],
         .moved = s->moved[0],
-        .child4 = s->child4[0],
-        .parent4 = s->parent4[0][0],
+        .child_x4 = s->child_x4[0],
+        .parent_x4 = s->parent_x4[0][0],
         .weight = s->weight[0][0],
     };
 }
 
-static void run_all( const wisp_kernels* kernels, swarm* s )
+static void run_all( const wisp_kernels* kernels, particle_batch* s )
 {
-    wisp_particle_job job = particle_job( s );
-    wisp_tether_job tether = tether_job( s );
-    wisp_prolong_job prolong = prolong_job( s );
-    wisp_push_job push = { s->position[0], s->gradient[0][0], 0.01f };
-    kernels->accelerate( &job, 0, COUNT );
-    kernels->predict( &job, 0, COUNT );
+    wisp_particle_args args = particle_args( s );
+    wisp_tether_args tether = tether_args( s );
+    wisp_prolong_args prolong = prolong_args( s );
+    wisp_push_args push = { s->position[0], s->gradient[0][0], 0.01f };
+    kernels->accelerate( &args, 0, COUNT );
+    kernels->predict( &args, 0, COUNT );
     kernels->prolong( &prolong, 0, COUNT / 64 );
     tether.layer_count = 2;
     kernels->tether( &tether, 0, COUNT );
     kernels->push( &push, 0, COUNT / 8 );
-    kernels->velocity( &job, 0, COUNT );
+    kernels->velocity( &args, 0, COUNT );
 }
 
 static void every_table_gives_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
-    swarm* truth = new_swarm();
-    ball truth_ball = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
-    wisp_ring_job truth_job = ring_job( &truth_ball, ( wisp_vec3 ){ 1.0f, 2.0f, 2.5f } );
-    wisp_ring_sums truth_sums, sums;
-    int slices = truth_ball.fabric->ring_slice_count;
-    size_t gradient_size = (size_t)slices * sizeof( *truth_ball.gradient );
+    particle_batch* reference = new_particle_batch();
+    ball reference_ball = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
+    wisp_ring_args reference_args = ring_args( &reference_ball, ( wisp_vec3 ){ 1.0f, 2.0f, 2.5f } );
+    wisp_ring_sums reference_sums, sums;
+    int slices = reference_ball.fabric->ring_slice_count;
+    size_t gradient_size = (size_t)slices * sizeof( *reference_ball.gradient );
     float* normals = new_aligned( gradient_size );
-    run_all( tables[0], truth );
-    tables[0]->ring_normal( &truth_job, 0, slices );
-    memcpy( normals, truth_ball.gradient, gradient_size );
-    tables[0]->ring_gradient( &truth_job, 0, slices, &truth_sums );
+    run_all( tables[0], reference );
+    tables[0]->ring_normal( &reference_args, 0, slices );
+    memcpy( normals, reference_ball.gradient, gradient_size );
+    tables[0]->ring_gradient( &reference_args, 0, slices, &reference_sums );
     for ( int t = 1; t < table_count; ++t )
     {
-        swarm* s = new_swarm();
+        particle_batch* s = new_particle_batch();
         run_all( tables[t], s );
-        assert_memory_equal( s, truth, sizeof( *s ) );
+        assert_memory_equal( s, reference, sizeof( *s ) );
         free( s );
 
         ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
-        wisp_ring_job job = ring_job( &b, truth_job.origin );
-        tables[t]->ring_normal( &job, 0, slices );
+        wisp_ring_args args = ring_args( &b, reference_args.origin );
+        tables[t]->ring_normal( &args, 0, slices );
         assert_memory_equal( b.gradient, normals, gradient_size );
-        tables[t]->ring_gradient( &job, 0, slices, &sums );
-        assert_memory_equal( b.gradient, truth_ball.gradient, gradient_size );
-        assert_memory_equal( b.area, truth_ball.area, (size_t)slices * sizeof( *b.area ) );
-        assert_memory_equal( &sums, &truth_sums, sizeof( sums ) );
+        tables[t]->ring_gradient( &args, 0, slices, &sums );
+        assert_memory_equal( b.gradient, reference_ball.gradient, gradient_size );
+        assert_memory_equal( b.area, reference_ball.area, (size_t)slices * sizeof( *b.area ) );
+        assert_memory_equal( &sums, &reference_sums, sizeof( sums ) );
         release_ball( &b );
     }
-    free( truth );
+    free( reference );
     free( normals );
-    release_ball( &truth_ball );
+    release_ball( &reference_ball );
 }
 
 static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_particle_job job = particle_job( s );
-    const float a[3] = { job.acceleration.x, job.acceleration.y, job.acceleration.z };
-    widest_table()->accelerate( &job, 0, COUNT );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_particle_args args = particle_args( s );
+    const float a[3] = { args.acceleration.x, args.acceleration.y, args.acceleration.z };
+    widest_table()->accelerate( &args, 0, COUNT );
     for ( int i = 0; i < COUNT; ++i )
     {
         for ( int k = 0; k < 4; ++k )
         {
             bool moves = start->position[i][3] > 0.0f && k < 3;
-            float expected = moves ? start->velocity[i][k] + a[k] * job.dt : start->velocity[i][k];
+            float expected = moves ? start->velocity[i][k] + a[k] * args.dt : start->velocity[i][k];
             assert_true( s->velocity[i][k] == expected );
         }
     }
-    widest_table()->predict( &job, 0, COUNT );
+    widest_table()->predict( &args, 0, COUNT );
     for ( int i = 0; i < COUNT; ++i )
     {
         assert_memory_equal( s->previous[i], start->position[i], sizeof( s->previous[i] ) );
         for ( int k = 0; k < 4; ++k )
         {
             bool moves = start->position[i][3] > 0.0f && k < 3;
-            float expected = moves ? start->position[i][k] + s->velocity[i][k] * job.dt : start->position[i][k];
+            float expected = moves ? start->position[i][k] + s->velocity[i][k] * args.dt : start->position[i][k];
             assert_true( s->position[i][k] == expected );
         }
     }
@@ -396,21 +396,21 @@ static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
 static void velocities_are_differences_over_time( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_particle_job job = particle_job( s );
-    widest_table()->velocity( &job, 0, COUNT );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_particle_args args = particle_args( s );
+    widest_table()->velocity( &args, 0, COUNT );
     for ( int i = 0; i < COUNT; ++i )
     {
         for ( int k = 0; k < 4; ++k )
         {
             bool moves = s->position[i][3] > 0.0f && k < 3;
-            float v = start->velocity[i][k], predicted = v * job.dt + s->previous[i][k];
-            float expected = moves ? v + ( s->position[i][k] - predicted ) / job.dt : 0.0f;
+            float v = start->velocity[i][k], predicted = v * args.dt + s->previous[i][k];
+            float expected = moves ? v + ( s->position[i][k] - predicted ) / args.dt : 0.0f;
             assert_true( s->velocity[i][k] == expected );
-            double exact = ( (double)s->position[i][k] - (double)s->previous[i][k] ) / (double)job.dt;
+            double exact = ( (double)s->position[i][k] - (double)s->previous[i][k] ) / (double)args.dt;
             // four roundings of numbers no larger than the largest of position, prediction and velocity dt, over dt
             double largest = fmax( fabs( (double)s->position[i][k] ), fabs( (double)predicted ) );
-            double allowed = 4.0 * FLT_EPSILON * ( largest / (double)job.dt + fabs( (double)v ) );
+            double allowed = 4.0 * FLT_EPSILON * ( largest / (double)args.dt + fabs( (double)v ) );
             assert_true( moves == false || fabs( (double)expected - exact ) <= allowed );
         }
     }
@@ -421,14 +421,14 @@ static void velocities_are_differences_over_time( void** state )
 static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_particle_job job = particle_job( s );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_particle_args args = particle_args( s );
     for ( int i = 0; i < COUNT; ++i )
     {
         s->position[i][0] += 1000.0f; // where a difference of positions would have few digits left
     }
-    widest_table()->predict( &job, 0, COUNT );
-    widest_table()->velocity( &job, 0, COUNT );
+    widest_table()->predict( &args, 0, COUNT );
+    widest_table()->velocity( &args, 0, COUNT );
     for ( int i = 0; i < COUNT; ++i )
     {
         for ( int k = 0; k < 3 && s->position[i][3] > 0.0f; ++k )
@@ -443,15 +443,15 @@ static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** 
 static void a_push_moves_by_inverse_mass_and_gradient( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_push_job job = { s->position[0], s->gradient[0][0], -0.37f };
-    widest_table()->push( &job, 0, COUNT / 8 );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_push_args args = { s->position[0], s->gradient[0][0], -0.37f };
+    widest_table()->push( &args, 0, COUNT / 8 );
     for ( int i = 0; i < COUNT; ++i )
     {
         float w = start->position[i][3];
         for ( int k = 0; k < 4; ++k )
         {
-            float change = k < 3 ? w * job.factor * s->gradient[i / 8][k][i % 8] : 0.0f;
+            float change = k < 3 ? w * args.factor * s->gradient[i / 8][k][i % 8] : 0.0f;
             assert_true( s->position[i][k] == start->position[i][k] + change );
         }
     }
@@ -462,16 +462,16 @@ static void a_push_moves_by_inverse_mass_and_gradient( void** state )
 static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_tether_job job = tether_job( s );
-    widest_table()->tether( &job, 0, COUNT );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_tether_args args = tether_args( s );
+    widest_table()->tether( &args, 0, COUNT );
     int pulled = 0, slack = 0;
     for ( int i = 0; i < COUNT; ++i )
     {
-        const float *p = start->position[i], *a = start->position[s->anchor4[i] / 4];
+        const float *p = start->position[i], *a = start->position[s->anchor_x4[i] / 4];
         double3 from =
             double3_make( (double)p[0] - (double)a[0], (double)p[1] - (double)a[1], (double)p[2] - (double)a[2] );
-        double longest = (double)( s->rest[i] * job.slack ), length = double3_length( from );
+        double longest = (double)( s->rest[i] * args.slack ), length = double3_length( from );
         bool may = s->rest[i] > 0.0f && p[3] > 0.0f && a[3] == 0.0f;
         if ( may == false || length <= longest )
         {
@@ -498,18 +498,18 @@ static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
 static void layers_of_tethers_pull_one_after_another( void** state )
 {
     (void)state;
-    swarm *together = new_swarm(), *in_turn = new_swarm();
-    wisp_tether_job both = tether_job( together ), one = tether_job( in_turn );
+    particle_batch *together = new_particle_batch(), *in_turn = new_particle_batch();
+    wisp_tether_args both = tether_args( together ), one = tether_args( in_turn );
     both.layer_count = 2;
     widest_table()->tether( &both, 0, COUNT );
     widest_table()->tether( &one, 0, COUNT );
-    swarm* first = new_swarm();
-    memcpy( first, in_turn, sizeof( swarm ) );
-    one.anchor4 += COUNT;
+    particle_batch* first = new_particle_batch();
+    memcpy( first, in_turn, sizeof( particle_batch ) );
+    one.anchor_x4 += COUNT;
     one.rest += COUNT;
     widest_table()->tether( &one, 0, COUNT );
-    assert_memory_equal( together, in_turn, sizeof( swarm ) );
-    assert_memory_not_equal( in_turn, first, sizeof( swarm ) );
+    assert_memory_equal( together, in_turn, sizeof( particle_batch ) );
+    assert_memory_not_equal( in_turn, first, sizeof( particle_batch ) );
     free( together );
     free( in_turn );
     free( first );
@@ -518,13 +518,13 @@ static void layers_of_tethers_pull_one_after_another( void** state )
 static void a_parent_without_weight_is_not_looked_at( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *other = new_swarm();
+    particle_batch *s = new_particle_batch(), *other = new_particle_batch();
     memset( s->weight[1][2], 0, sizeof( s->weight[1][2] ) );
     memset( other->weight[1][2], 0, sizeof( other->weight[1][2] ) );
-    memset( other->parent4[1][2], 0, sizeof( other->parent4[1][2] ) );
+    memset( other->parent_x4[1][2], 0, sizeof( other->parent_x4[1][2] ) );
     memset( other->moved[0], 0xff, sizeof( other->moved[0] ) );
-    wisp_prolong_job job = prolong_job( s ), blind = prolong_job( other );
-    widest_table()->prolong( &job, 0, COUNT / 64 );
+    wisp_prolong_args args = prolong_args( s ), blind = prolong_args( other );
+    widest_table()->prolong( &args, 0, COUNT / 64 );
     widest_table()->prolong( &blind, 0, COUNT / 64 );
     assert_memory_equal( s->position, other->position, sizeof( s->position ) );
     free( s );
@@ -534,14 +534,14 @@ static void a_parent_without_weight_is_not_looked_at( void** state )
 static void children_follow_their_parents_by_weight( void** state )
 {
     (void)state;
-    swarm *s = new_swarm(), *start = new_swarm();
-    wisp_prolong_job job = prolong_job( s );
-    widest_table()->prolong( &job, 0, COUNT / 64 );
+    particle_batch *s = new_particle_batch(), *start = new_particle_batch();
+    wisp_prolong_args args = prolong_args( s );
+    widest_table()->prolong( &args, 0, COUNT / 64 );
     int pinned = 0, child_of[COUNT];
     memset( child_of, -1, sizeof( child_of ) );
     for ( int child = 0; child < COUNT / 8; ++child )
     {
-        child_of[s->child4[child / 8][child % 8] / 4] = child;
+        child_of[s->child_x4[child / 8][child % 8] / 4] = child;
     }
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -553,7 +553,7 @@ static void children_follow_their_parents_by_weight( void** state )
             double expected = (double)start->position[i][k];
             for ( int parent = 0; parent < 4 && moves && k < 3; ++parent )
             {
-                int slot = s->parent4[slice][parent][lane] / 4;
+                int slot = s->parent_x4[slice][parent][lane] / 4;
                 expected += (double)s->weight[slice][parent][lane] * (double)start->moved[slot][k];
             }
 
@@ -572,22 +572,22 @@ static void the_first_particle_beyond_the_bound_is_found( void** state )
 {
     (void)state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 10.5f, -10.5f };
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
-    swarm* s = new_swarm();
-    const wisp_bound_job job = { s->position[0], s->velocity[0], 10.0f };
+    particle_batch* s = new_particle_batch();
+    const wisp_bound_args args = { s->position[0], s->velocity[0], 10.0f };
     for ( int t = 0; t < table_count; ++t )
     {
         s->position[3][3] = 1e9f; // an inverse mass may be anything
-        assert_int_equal( tables[t]->first_beyond( &job, 0, COUNT ), COUNT );
+        assert_int_equal( tables[t]->first_beyond( &args, 0, COUNT ), COUNT );
         for ( int i = 0; i < 6 * COUNT; ++i )
         {
             float* number = i % 6 < 3 ? &s->position[i / 6][i % 6] : &s->velocity[i / 6][i % 6 - 3];
             const float kept = *number, later = s->velocity[COUNT - 1][2];
             s->velocity[COUNT - 1][2] = NAN;
             *number = wrong[i % WISP_COUNT( wrong )];
-            assert_int_equal( tables[t]->first_beyond( &job, 0, COUNT ), i / 6 );
-            assert_int_equal( tables[t]->first_beyond( &job, 0, i / 48 * 8 ), i / 48 * 8 );
+            assert_int_equal( tables[t]->first_beyond( &args, 0, COUNT ), i / 6 );
+            assert_int_equal( tables[t]->first_beyond( &args, 0, i / 48 * 8 ), i / 48 * 8 );
             *number = kept;
             s->velocity[COUNT - 1][2] = later;
         }

@@ -13,13 +13,13 @@ enum
 typedef struct crowd
 {
     _Alignas( 64 ) float position[COUNT][4], velocity[COUNT][4];
-    wisp_rigid_job job;
+    wisp_rigid_args args;
 } crowd;
 
 // Near the world's origin or far from it, slow or fast, spread out or along a line, or so heavy that squares are no floats.
 static crowd make_crowd( int kind )
 {
-    crowd c = { .job = { .origin = { 0.0f, 0.0f, 0.0f } } };
+    crowd c = { .args = { .origin = { 0.0f, 0.0f, 0.0f } } };
     const float far = kind == 1 ? 300.0f : 0.0f, fast = kind == 2 ? 200.0f : 0.0f;
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -32,31 +32,31 @@ static crowd make_crowd( int kind )
         c.position[i][3] =
             i % 7 == 3 ? 0.0f : test_random_float( i, 6, 0.5f, 100.0f ) * ( kind == 4 ? 1e-35f : 1.0f );
     }
-    c.job.origin = ( wisp_vec3 ){ c.position[1][0], c.position[1][1], c.position[1][2] };
-    c.job.drift = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
-    c.job.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
-    c.job.turning = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
-    c.job.share = 0.375f;
+    c.args.origin = ( wisp_vec3 ){ c.position[1][0], c.position[1][1], c.position[1][2] };
+    c.args.drift = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
+    c.args.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
+    c.args.turning = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
+    c.args.fraction = 0.375f;
     return c;
 }
 
-static wisp_rigid_job job_of( crowd* c )
+static wisp_rigid_args job_of( crowd* c )
 {
-    wisp_rigid_job job = c->job;
-    job.position = c->position[0];
-    job.velocity = c->velocity[0];
-    return job;
+    wisp_rigid_args args = c->args;
+    args.position = c->position[0];
+    args.velocity = c->velocity[0];
+    return args;
 }
 
 static void every_table_gives_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < KINDS * count; ++i )
     {
         crowd found = make_crowd( i % KINDS ), expected = make_crowd( i % KINDS );
-        const wisp_rigid_job one = job_of( &found ), other = job_of( &expected );
+        const wisp_rigid_args one = job_of( &found ), other = job_of( &expected );
         wisp_rigid_sums sums, expected_sums;
         tables[i / KINDS]->rigid_sums( &one, 8, COUNT, &sums );
         tables[0]->rigid_sums( &other, 8, COUNT, &expected_sums );
@@ -71,8 +71,8 @@ static void every_table_gives_the_same_bits( void** state )
 static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] )
 {
     const float *p = c->position[i], *v = c->velocity[i];
-    const wisp_vec3 o = c->job.origin, d = c->job.drift;
-    const double mass = p[3] > 0.0f ? (double)c->job.inverse_mass / (double)p[3] : 0.0;
+    const wisp_vec3 o = c->args.origin, d = c->args.drift;
+    const double mass = p[3] > 0.0f ? (double)c->args.inverse_mass / (double)p[3] : 0.0;
     const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y, (double)p[2] - (double)o.z },
                  u[3] = { (double)v[0] - (double)d.x, (double)v[1] - (double)d.y, (double)v[2] - (double)d.z };
     double terms[16] = { 1.0, r[0], r[1], r[2], u[0], u[1], u[2] };
@@ -98,21 +98,21 @@ static void sums_are_those_of_all_that_move( void** state )
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind );
-        const wisp_rigid_job job = job_of( &c );
+        const wisp_rigid_args args = job_of( &c );
         wisp_rigid_sums found;
         double sums[16] = { 0.0 }, sizes[16] = { 0.0 }, numbers[16];
         for ( int i = 16; i < COUNT - 8; ++i )
         {
             add_terms( &c, i, sums, sizes );
         }
-        widest_table()->rigid_sums( &job, 16, COUNT - 8, &found );
+        widest_table()->rigid_sums( &args, 16, COUNT - 8, &found );
         memcpy( numbers, &found, sizeof( numbers ) );
         for ( int k = 0; k < 16; ++k )
         {
             // a product of three numbers, and 32 terms to a sum
             assert_near( numbers[k], sums[k], 4.0 * (double)FLT_EPSILON * sizes[k], "sum", 16 * kind + k );
         }
-        widest_table()->rigid_sums( &job, 16, 16, &found );
+        widest_table()->rigid_sums( &args, 16, 16, &found );
         assert_true( found.mass == 0.0 && found.yz == 0.0 );
     }
 }
@@ -123,13 +123,13 @@ static void velocities_go_their_share_of_the_way( void** state )
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind ), before = make_crowd( kind );
-        const wisp_rigid_job job = job_of( &c );
-        widest_table()->rigid_approach( &job, 16, COUNT - 8 );
+        const wisp_rigid_args args = job_of( &c );
+        widest_table()->rigid_approach( &args, 16, COUNT - 8 );
         for ( int i = 0; i < COUNT; ++i )
         {
             const bool goes = i >= 16 && i < COUNT - 8 && c.position[i][3] > 0.0f;
             const float* p = c.position[i];
-            const wisp_vec3 o = job.origin, w = job.turning, d = job.drift;
+            const wisp_vec3 o = args.origin, w = args.turning, d = args.drift;
             const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y,
                                   (double)p[2] - (double)o.z };
             const double rigid[3] = { (double)d.x + (double)w.y * r[2] - (double)w.z * r[1],
@@ -138,7 +138,7 @@ static void velocities_go_their_share_of_the_way( void** state )
             for ( int k = 0; k < 3; ++k )
             {
                 const double v = (double)before.velocity[i][k];
-                const double there = v + (double)job.share * ( rigid[k] - v );
+                const double there = v + (double)args.fraction * ( rigid[k] - v );
                 assert_near( (double)c.velocity[i][k], goes ? there : v,
                              goes ? 4.0 * (double)FLT_EPSILON * ( 8.0 + fabs( v ) ) : 0.0, "velocity", 3 * i + k );
             }

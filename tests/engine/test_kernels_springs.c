@@ -7,7 +7,7 @@
 static void every_table_solves_to_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -17,12 +17,12 @@ static void every_table_solves_to_the_same_bits( void** state )
             springs* s = new_springs();
             make_filters( s );
             assemble( tables[t], s, variant );
-            const wisp_conjugate_job job = conjugate( s );
-            s->sum[0] = tables[t]->conjugate_advance( &job, 0.0f, 0, SLICES );
-            s->sum[1] = tables[t]->spring_product( &job, 0, SLICES );
-            s->sum[2] = tables[t]->conjugate_advance( &job, 0.37f, 0, SLICES );
-            tables[t]->conjugate_turn( &job, 0.37f, 0.61f, 0, SLICES );
-            s->sum[3] = tables[t]->spring_product( &job, 0, SLICES );
+            const wisp_conjugate_args args = conjugate( s );
+            s->sum[0] = tables[t]->conjugate_advance( &args, 0.0f, 0, SLICES );
+            s->sum[1] = tables[t]->spring_product( &args, 0, SLICES );
+            s->sum[2] = tables[t]->conjugate_advance( &args, 0.37f, 0, SLICES );
+            tables[t]->conjugate_turn( &args, 0.37f, 0.61f, 0, SLICES );
+            s->sum[3] = tables[t]->spring_product( &args, 0, SLICES );
             if ( first != NULL && memcmp( s, first, sizeof( *s ) ) != 0 )
             {
                 fail_msg( "%s differs from %s: variant %d", tables[t]->isa, tables[0]->isa, variant );
@@ -40,7 +40,7 @@ static void sums_are_those_of_blocks_in_order( void** state )
     springs *whole = new_springs(), *cut = new_springs();
     assemble( widest_table(), whole, 0 );
     assemble( widest_table(), cut, 0 );
-    const wisp_conjugate_job a = conjugate( whole ), b = conjugate( cut );
+    const wisp_conjugate_args a = conjugate( whole ), b = conjugate( cut );
     const double product = widest_table()->spring_product( &a, 0, SLICES );
     const double advance = widest_table()->conjugate_advance( &a, 0.5f, 0, SLICES );
     double products = 0.0, advances = 0.0;
@@ -68,7 +68,7 @@ typedef struct arcs
     _Alignas( 64 ) float position[16][4];
     _Alignas( 64 ) float nothing[16][4];
     int32_t begin[5];
-    _Alignas( 64 ) int32_t other4[1][8];
+    _Alignas( 64 ) int32_t other_x4[1][8];
     _Alignas( 64 ) float one[1][8], ramp[1][8], zero[1][8], axis[1][4][8], rhs[2][3][8], inverse[2][6][8];
 } arcs;
 
@@ -79,12 +79,12 @@ static void bend_arcs( const float y[8], arcs* a )
     {
         a->position[lane][0] = y[lane];
         a->position[lane][3] = a->position[8 + lane][3] = 1.0f;
-        a->other4[0][lane] = 4 * ( 8 + lane );
+        a->other_x4[0][lane] = 4 * ( 8 + lane );
         a->one[0][lane] = 1.0f;
         a->ramp[0][lane] = 1e12f;
     }
-    const wisp_spring_job job = {
-        .links = { a->begin, (const int32_t( * )[8])a->other4, (const float( * )[8])a->one,
+    const wisp_spring_args args = {
+        .links = { a->begin, (const int32_t( * )[8])a->other_x4, (const float( * )[8])a->one,
                    (const float( * )[8])a->one, (const float( * )[8])a->ramp, (const float( * )[8])a->zero },
         .position = a->position[0],
         .velocity = a->nothing[0],
@@ -94,7 +94,7 @@ static void bend_arcs( const float y[8], arcs* a )
         .rhs = a->rhs,
         .inverse = a->inverse,
     };
-    assert_int_equal( widest_table()->spring_assemble( &job, 0, 1 ), 0 );
+    assert_int_equal( widest_table()->spring_assemble( &args, 0, 1 ), 0 );
 }
 
 // The fit is within 3e-9 of F s and 6e-7 of F', s = sqrt( y + 0.217 ) being 0.47 to 1.1. Rounding: t carries three roundings of a
@@ -155,7 +155,7 @@ static void an_arc_as_long_as_at_rest_or_longer_pulls_nowhere( void** state )
 typedef struct term
 {
     double3 d;
-    double pull, along, across;           // N; kg, with time and damping
+    double pull, along, foreign;          // N; kg, with time and damping
     double damping_along, damping_across; // kg
     double pull_off, along_off;           // bounds
 } term;
@@ -169,7 +169,7 @@ static term term_of( const springs* s, const spring* l, int variant )
     if ( r == 0.0 )
     {
         t.along = t.damping_along = damping;
-        t.across = t.damping_across = ( variant & AXIAL ) != 0 ? 0.0 : damping;
+        t.foreign = t.damping_across = ( variant & AXIAL ) != 0 ? 0.0 : damping;
         return t;
     }
     t.d = double3_scale( 1.0 / r, way );
@@ -195,14 +195,14 @@ static term term_of( const springs* s, const spring* l, int variant )
     t.damping_along = damping;
     t.damping_across = ( variant & AXIAL ) != 0 ? 0.0 : damping;
     t.along = h * h * k1 + t.damping_along;
-    t.across = h * h * k2 + t.damping_across;
+    t.foreign = h * h * k2 + t.damping_across;
     return t;
 }
 
 // K2' u + ( K1' - K2' ) d d'u
-static double3 spread( double3 d, double along, double across, double3 u )
+static double3 spread( double3 d, double along, double foreign, double3 u )
 {
-    return double3_add( double3_scale( across, u ), double3_scale( ( along - across ) * double3_dot( d, u ), d ) );
+    return double3_add( double3_scale( foreign, u ), double3_scale( ( along - foreign ) * double3_dot( d, u ), d ) );
 }
 
 // Where the larger of two bending loads is a matter of rounding, so is the slope.
@@ -231,7 +231,7 @@ static void add_matrix( double matrix[3][3], const term* t )
     {
         for ( int b = 0; b < 3; ++b )
         {
-            matrix[a][b] += ( t->along - t->across ) * d[a] * d[b] + ( a == b ? t->across : 0.0 );
+            matrix[a][b] += ( t->along - t->foreign ) * d[a] * d[b] + ( a == b ? t->foreign : 0.0 );
         }
     }
 }
@@ -242,20 +242,20 @@ static void add_plain( plain_rows* p, const springs* s, const spring* l, int var
     const term t = term_of( s, l, variant );
     const bool lost = double3_length( t.d ) == 0.0;
     const double h = (double)STEP, along = repeat ? t.damping_along : t.along;
-    const double across = repeat ? t.damping_across : t.across;
+    const double foreign = repeat ? t.damping_across : t.foreign;
     const double3 u = double3_sub( vector( s->velocity[l->i] ), vector( s->velocity[l->j] ) );
-    const double3 drag = lost ? double3_scale( across, u ) : spread( t.d, along, across, u );
+    const double3 drag = lost ? double3_scale( foreign, u ) : spread( t.d, along, foreign, u );
     const double3 push = double3_sub( double3_scale( h * t.pull, t.d ), drag );
     const double off =
         h * t.pull_off + 8.0 * EPSILON * h * fabs( t.pull ) +
-        ( 12.0 * EPSILON * ( along + fabs( across ) ) + t.along_off ) * ( double3_length( u ) + EPSILON );
+        ( 12.0 * EPSILON * ( along + fabs( foreign ) ) + t.along_off ) * ( double3_length( u ) + EPSILON );
     p->rhs[l->i] = double3_add( p->rhs[l->i], push );
     p->rhs[l->j] = double3_sub( p->rhs[l->j], push );
     const int ends[2] = { l->i, l->j };
     for ( int k = 0; k < 2; ++k )
     {
         p->off[ends[k]] += off;
-        p->size[ends[k]] += fabs( t.along ) + fabs( t.across );
+        p->size[ends[k]] += fabs( t.along ) + fabs( t.foreign );
         add_matrix( p->matrix[ends[k]], &t );
     }
     p->undirected += lost ? 2 : 0;
@@ -337,9 +337,9 @@ static void no_link_is_stiffer_than_the_stiffest( void** state )
     assert_true( lowered > 0 );
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
-        wisp_spring_job job = spring_job( s, variant );
-        job.stiffest = stiffest;
-        widest_table()->spring_assemble( &job, 0, SLICES );
+        wisp_spring_args args = spring_args( s, variant );
+        args.stiffest = stiffest;
+        widest_table()->spring_assemble( &args, 0, SLICES );
         assemble( widest_table(), softer, variant );
         assert_same_rows( s, softer );
         assemble( widest_table(), whole, variant );
@@ -363,9 +363,9 @@ static void links_span_places_where_there_are_some( void** state )
     {
         s->position[row][0] = s->position[row][1] = s->position[row][2] = 7.0f;
     }
-    wisp_spring_job job = spring_job( s, REPEAT );
-    job.place = place[0];
-    widest_table()->spring_assemble( &job, 0, SLICES );
+    wisp_spring_args args = spring_args( s, REPEAT );
+    args.place = place[0];
+    widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), expected, REPEAT );
     assert_same_rows( s, expected );
     free( expected );
@@ -377,9 +377,9 @@ static void a_reach_stiffens_and_does_not_pull( void** state )
 {
     (void)state;
     springs *s = new_springs(), *plain = new_springs();
-    wisp_spring_job job = spring_job( s, REPEAT );
-    job.reach = 1.0f;
-    widest_table()->spring_assemble( &job, 0, SLICES );
+    wisp_spring_args args = spring_args( s, REPEAT );
+    args.reach = 1.0f;
+    widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), plain, REPEAT );
     assert_memory_equal( s->rhs, plain->rhs, sizeof( s->rhs ) );
     assert_memory_not_equal( s->inverse, plain->inverse, sizeof( s->inverse ) );
@@ -394,8 +394,8 @@ static void rows_that_pad_have_nothing_to_say( void** state )
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
         assemble( widest_table(), s, variant );
-        const wisp_conjugate_job job = conjugate( s );
-        widest_table()->spring_product( &job, 0, SLICES );
+        const wisp_conjugate_args args = conjugate( s );
+        widest_table()->spring_product( &args, 0, SLICES );
         for ( int row = VERTICES; row < ROWS; ++row )
         {
             assert_true( double3_length( lane_vector( (const float( * )[3][8])s->rhs, row ) ) == 0.0 );
@@ -540,7 +540,7 @@ static void a_product_is_that_of_the_matrix( void** state )
         assemble( widest_table(), s, variant & ~FULL );
         plain_rows* p = calloc( 1, sizeof( plain_rows ) );
         assert_non_null( p );
-        double truth = 0.0, size = 0.0;
+        double reference = 0.0, size = 0.0;
         for ( int row = 0; row < ROWS; ++row )
         {
             p->rhs[row] = double3_scale( (double)s->position[row][3], vector( s->direction[row] ) );
@@ -550,16 +550,16 @@ static void a_product_is_that_of_the_matrix( void** state )
             const spring* l = s->link + k;
             const term t = term_of( s, l, variant & ~FULL );
             const double3 u = double3_sub( vector( s->direction[l->i] ), vector( s->direction[l->j] ) );
-            const double along = double3_length( t.d ) > 0.0 ? t.along : t.across;
-            const double3 push = spread( t.d, along, t.across, u );
-            const double off = ( 16.0 * EPSILON * ( t.along + t.across ) + t.along_off ) * double3_length( u );
+            const double along = double3_length( t.d ) > 0.0 ? t.along : t.foreign;
+            const double3 push = spread( t.d, along, t.foreign, u );
+            const double off = ( 16.0 * EPSILON * ( t.along + t.foreign ) + t.along_off ) * double3_length( u );
             p->rhs[l->i] = double3_add( p->rhs[l->i], push );
             p->rhs[l->j] = double3_sub( p->rhs[l->j], push );
             p->off[l->i] += off;
             p->off[l->j] += off;
         }
-        const wisp_conjugate_job job = conjugate( s );
-        const double sum = widest_table()->spring_product( &job, 0, SLICES );
+        const wisp_conjugate_args args = conjugate( s );
+        const double sum = widest_table()->spring_product( &args, 0, SLICES );
         for ( int row = 0; row < ROWS; ++row )
         {
             const double3 found = lane_vector( (const float( * )[3][8])s->product, row );
@@ -567,10 +567,10 @@ static void a_product_is_that_of_the_matrix( void** state )
                 EPSILON * (double)s->position[row][3] * double3_length( vector( s->direction[row] ) );
             assert_near( double3_distance( found, p->rhs[row] ), 0.0, p->off[row] + 2.0 * rounding, "product of row",
                          row );
-            truth += double3_dot( vector( s->direction[row] ), p->rhs[row] );
+            reference += double3_dot( vector( s->direction[row] ), p->rhs[row] );
             size += 2.0 * ( p->off[row] + rounding );
         }
-        assert_near( sum, truth, size + 64.0 * EPSILON * truth, "c . q of variant", variant );
+        assert_near( sum, reference, size + 64.0 * EPSILON * reference, "c . q of variant", variant );
         free( p );
     }
     free( s );
@@ -579,8 +579,8 @@ static void a_product_is_that_of_the_matrix( void** state )
 static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS][4] )
 {
     memcpy( s->direction, q, sizeof( s->direction ) );
-    const wisp_conjugate_job job = conjugate( s );
-    widest_table()->spring_product( &job, 0, SLICES );
+    const wisp_conjugate_args args = conjugate( s );
+    widest_table()->spring_product( &args, 0, SLICES );
     double sum = 0.0;
     for ( int row = 0; row < ROWS; ++row )
     {
@@ -626,12 +626,12 @@ static void an_advance_and_a_turn_are_what_they_say( void** state )
     springs *s = new_springs(), *before = new_springs();
     make_filters( s );
     assemble( widest_table(), s, 0 );
-    const wisp_conjugate_job job = conjugate( s );
-    widest_table()->spring_product( &job, 0, SLICES );
+    const wisp_conjugate_args args = conjugate( s );
+    widest_table()->spring_product( &args, 0, SLICES );
     memcpy( before, s, sizeof( *s ) );
     const float a = 0.25f, b = 0.5f;
-    const double sum = widest_table()->conjugate_advance( &job, a, 0, SLICES );
-    double truth = 0.0, size = 0.0;
+    const double sum = widest_table()->conjugate_advance( &args, a, 0, SLICES );
+    double reference = 0.0, size = 0.0;
     for ( int row = 0; row < ROWS; ++row )
     {
         const double3 q = lane_vector( (const float( * )[3][8])before->product, row );
@@ -655,11 +655,11 @@ static void an_advance_and_a_turn_are_what_they_say( void** state )
                                (double)s->inverse[row / 8][5][l] );
         assert_near( double3_distance( lane_vector( (const float( * )[3][8])s->search, row ), search ), 0.0,
                      16.0 * EPSILON * scale, "s", row );
-        truth += double3_dot( left, search );
+        reference += double3_dot( left, search );
         size += ( double3_length( was ) + double3_length( q ) ) * scale;
     }
-    assert_near( sum, truth, 32.0 * EPSILON * size, "r . s", 0 );
-    widest_table()->conjugate_turn( &job, a, b, 0, SLICES );
+    assert_near( sum, reference, 32.0 * EPSILON * size, "r . s", 0 );
+    widest_table()->conjugate_turn( &args, a, b, 0, SLICES );
     for ( int row = 0; row < ROWS; ++row )
     {
         const double3 search = lane_vector( (const float( * )[3][8])s->search, row );

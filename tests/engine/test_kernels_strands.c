@@ -8,10 +8,10 @@ static const float DT = 1.0f / 600.0f;
 
 static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
 {
-    const wisp_strand_motion_job motion = motion_job( s, DT );
-    const wisp_strand_damp_job damp = { s->group_row, s->position[0][0], s->velocity[0][0],     s->weight[0],
-                                        0.9f,         { 1, 2, 3 },       { 0.5f, -1.0f, 2.0f }, { 0.1f, 0, 0 } };
-    const wisp_strand_air_job air = {
+    const wisp_strand_motion_args motion = motion_args( s, DT );
+    const wisp_strand_damp_args damp = { s->group_row, s->position[0][0], s->velocity[0][0],     s->weight[0],
+                                         0.9f,         { 1, 2, 3 },       { 0.5f, -1.0f, 2.0f }, { 0.1f, 0, 0 } };
+    const wisp_strand_air_args air = {
         s->group_row, s->position[0][0], s->velocity[0][0], s->weight[0], s->length[0], { 3, 0, 1 }, 4e-5f, DT
     };
     k->strand_damp( &damp, 0, STRAND_GROUPS );
@@ -19,22 +19,22 @@ static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
     k->strand_predict( &motion, 0, STRAND_GROUPS );
     if ( kind == 0 || kind == 1 )
     {
-        const wisp_strand_rod_job rod = rod_job( s, DT, kind == 1, kind == 1 ? 0.01f : 0.0f );
+        const wisp_strand_rod_args rod = rod_args( s, DT, kind == 1, kind == 1 ? 0.01f : 0.0f );
         k->strand_rod( &rod, 0, STRAND_GROUPS );
     }
     for ( int stride = 2; stride > 0 && kind == 2; --stride )
     {
-        const wisp_strand_link_job pbd = strand_links( s, stride, true ), xpbd = strand_links( s, stride, false );
+        const wisp_strand_link_args pbd = strand_links( s, stride, true ), xpbd = strand_links( s, stride, false );
         k->strand_link( &pbd, 0, STRAND_GROUPS );
         k->strand_link( &xpbd, 0, STRAND_GROUPS );
     }
     if ( kind == 3 )
     {
-        const wisp_strand_follow_job follow = { s->group_row, s->position[0][0], s->previous[0][0],
-                                                s->weight[0], s->length[0],      0.9f };
+        const wisp_strand_follow_args follow = { s->group_row, s->position[0][0], s->previous[0][0],
+                                                 s->weight[0], s->length[0],      0.9f };
         k->strand_follow( &follow, 0, STRAND_GROUPS );
     }
-    const wisp_strand_stretch_job stretch = stretch_job( s, DT, 2 );
+    const wisp_strand_stretch_args stretch = stretch_args( s, DT, 2 );
     k->strand_stretch( &stretch, 0, STRAND_GROUPS );
     k->strand_velocity( &motion, 0, STRAND_GROUPS );
 }
@@ -43,7 +43,7 @@ static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
 {
     (void)state;
     static strands_state first, other;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int kind = 0; kind < 4; ++kind )
     {
@@ -71,10 +71,10 @@ static void ranges_of_groups_may_be_cut_anywhere( void** state )
     const wisp_kernels* k = widest_table();
     make_strands( &whole );
     make_strands( &cut );
-    const wisp_strand_rod_job rod = rod_job( &whole, DT, true, 0.0f ), rod_cut = rod_job( &cut, DT, true, 0.0f );
-    const wisp_strand_stretch_job stretch = stretch_job( &whole, DT, 3 ), stretch_cut = stretch_job( &cut, DT, 3 );
-    const wisp_strand_link_job links = strand_links( &whole, 2, false ), links_cut = strand_links( &cut, 2, false );
-    const wisp_strand_link_job sweep = strand_links( &whole, 1, true ), sweep_cut = strand_links( &cut, 1, true );
+    const wisp_strand_rod_args rod = rod_args( &whole, DT, true, 0.0f ), rod_cut = rod_args( &cut, DT, true, 0.0f );
+    const wisp_strand_stretch_args stretch = stretch_args( &whole, DT, 3 ), stretch_cut = stretch_args( &cut, DT, 3 );
+    const wisp_strand_link_args links = strand_links( &whole, 2, false ), links_cut = strand_links( &cut, 2, false );
+    const wisp_strand_link_args sweep = strand_links( &whole, 1, true ), sweep_cut = strand_links( &cut, 1, true );
     k->strand_rod( &rod, 0, STRAND_GROUPS );
     k->strand_link( &links, 0, STRAND_GROUPS );
     k->strand_link( &sweep, 0, STRAND_GROUPS );
@@ -136,8 +136,8 @@ static void segments_have_their_rest_length_after_the_direct_solve( void** state
     static strands_state s;
     make_strands( &s );
     assert_true( largest_error( &s ) > 0.05 );
-    const wisp_strand_stretch_job job = stretch_job( &s, DT, 8 );
-    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), 0 );
+    const wisp_strand_stretch_args args = stretch_args( &s, DT, 8 );
+    assert_int_equal( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ), 0 );
     // lengths of 5 mm at 0.3 m from the origin: rounding of a position is 6e-6 of a length
     assert_true( largest_error( &s ) < 2e-5 );
 }
@@ -147,9 +147,9 @@ static void follow_the_leader_is_exact_and_leaves_leaders_alone( void** state )
     (void)state;
     static strands_state s;
     make_strands( &s );
-    const wisp_strand_follow_job job = { s.group_row, s.position[0][0], s.previous[0][0],
-                                         s.weight[0], s.length[0],      0.9f };
-    widest_table()->strand_follow( &job, 0, STRAND_GROUPS );
+    const wisp_strand_follow_args args = { s.group_row, s.position[0][0], s.previous[0][0],
+                                           s.weight[0], s.length[0],      0.9f };
+    widest_table()->strand_follow( &args, 0, STRAND_GROUPS );
     assert_true( largest_error( &s ) < 1e-5 );
 }
 
@@ -159,12 +159,12 @@ static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( v
     static strands_state s, before;
     make_strands( &s );
     before = s;
-    const wisp_strand_stretch_job job = stretch_job( &s, DT, 3 );
-    const wisp_strand_rod_job rod = rod_job( &s, DT, true, 0.01f );
-    const wisp_strand_link_job links = strand_links( &s, 2, false );
+    const wisp_strand_stretch_args args = stretch_args( &s, DT, 3 );
+    const wisp_strand_rod_args rod = rod_args( &s, DT, true, 0.01f );
+    const wisp_strand_link_args links = strand_links( &s, 2, false );
     widest_table()->strand_rod( &rod, 0, STRAND_GROUPS );
     widest_table()->strand_link( &links, 0, STRAND_GROUPS );
-    widest_table()->strand_stretch( &job, 0, STRAND_GROUPS );
+    widest_table()->strand_stretch( &args, 0, STRAND_GROUPS );
     for ( int row = 0; row < STRAND_ROWS; ++row )
     {
         for ( int lane = 0; lane < 16; ++lane )
@@ -184,7 +184,7 @@ static void strands_without_a_direction_are_laid_out_from_the_root( void** state
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
     memset( s.previous, 0, sizeof( s.previous ) );
-    const wisp_strand_stretch_job job = stretch_job( &s, DT, 2 );
+    const wisp_strand_stretch_args args = stretch_args( &s, DT, 2 );
     int strands = 0;
     for ( int g = 0; g < STRAND_GROUPS; ++g )
     {
@@ -193,7 +193,7 @@ static void strands_without_a_direction_are_laid_out_from_the_root( void** state
             strands += s.count[g][lane] > 1 ? 1 : 0;
         }
     }
-    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), strands );
+    assert_int_equal( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ), strands );
     assert_true( largest_error( &s ) < 1e-6 );
     assert_true( s.position[1][1][0] < 0.0f && s.position[1][0][0] == 0.0f ); // downwards
 }
@@ -216,9 +216,9 @@ static void what_is_laid_out_is_no_faster_than_it_was_predicted_to_be( void** st
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
     memset( s.previous, 0, sizeof( s.previous ) );
-    wisp_strand_stretch_job job = stretch_job( &s, DT, 2 );
-    job.velocity = s.velocity[0][0];
-    assert_true( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ) > 0 );
+    wisp_strand_stretch_args args = stretch_args( &s, DT, 2 );
+    args.velocity = s.velocity[0][0];
+    assert_true( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ) > 0 );
     for ( int i = 0; i < STRAND_ROWS * 16; ++i )
     {
         const int row = i / 16, lane = i % 16;
@@ -240,8 +240,8 @@ static void what_is_not_finite_is_laid_out_too( void** state )
     s.position[5][1][3] = NAN;
     s.position[6][2][7] = INFINITY;
     s.position[8][0][1] = 3e30f;
-    const wisp_strand_stretch_job job = stretch_job( &s, DT, 8 );
-    assert_int_equal( widest_table()->strand_stretch( &job, 0, STRAND_GROUPS ), 3 );
+    const wisp_strand_stretch_args args = stretch_args( &s, DT, 8 );
+    assert_int_equal( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ), 3 );
     assert_true( largest_error( &s ) < 1e-2 ); // false for what is not finite
     assert_true( s.tension[5][3] == 0.0f );
 }
@@ -263,7 +263,7 @@ static void air_leaves_motion_along_the_strand_alone( void** state )
             }
         }
     }
-    const wisp_strand_air_job air = {
+    const wisp_strand_air_args air = {
         s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0], s.length[0], { 1, 0, 0 }, 4e-5f, DT
     };
     widest_table()->strand_air( &air, 1, 2 );
@@ -289,9 +289,9 @@ static void damping_leaves_the_rigid_motion_alone( void** state )
         }
     }
     before = s;
-    const wisp_strand_damp_job job = { s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0],
-                                       0.5f,        { 1, 2, 3 },      { 0, 0, 2 },      { 0, 0, 0 } };
-    widest_table()->strand_damp( &job, 0, STRAND_GROUPS );
+    const wisp_strand_damp_args args = { s.group_row, s.position[0][0], s.velocity[0][0], s.weight[0],
+                                         0.5f,        { 1, 2, 3 },      { 0, 0, 2 },      { 0, 0, 0 } };
+    widest_table()->strand_damp( &args, 0, STRAND_GROUPS );
     for ( int i = 0; i < STRAND_ROWS * 48; ++i )
     {
         const int row = i / 48, k = i / 16 % 3, lane = i % 16;
@@ -305,13 +305,13 @@ static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** s
     static strands_state s;
     make_strands( &s );
     const float before = s.position[s.group_row[1]][0][2];
-    const wisp_strand_motion_job job = motion_job( &s, DT );
-    widest_table()->strand_predict( &job, 0, STRAND_GROUPS );
+    const wisp_strand_motion_args args = motion_args( &s, DT );
+    widest_table()->strand_predict( &args, 0, STRAND_GROUPS );
     const int row = s.group_row[1];
     assert_true( s.position[row][0][2] == s.root[1][0][2] );
     assert_near( (double)s.velocity[row][0][2], (double)( ( s.root[1][0][2] - before ) / DT ), 1e-4, "root", 2 );
     const float v = s.velocity[row][0][2];
-    widest_table()->strand_velocity( &job, 0, STRAND_GROUPS );
+    widest_table()->strand_velocity( &args, 0, STRAND_GROUPS );
     assert_true( s.velocity[row][0][2] == v );
 }
 
@@ -319,7 +319,7 @@ static void advancing_is_taking_velocities_and_predicting( void** state )
 {
     (void)state;
     static strands_state one, two;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
     {
@@ -327,8 +327,8 @@ static void advancing_is_taking_velocities_and_predicting( void** state )
         for ( int k = 0; k < 2; ++k )
         {
             make_strands( s[k] );
-            const wisp_strand_motion_job motion = motion_job( s[k], DT );
-            const wisp_strand_stretch_job stretch = stretch_job( s[k], DT, 2 );
+            const wisp_strand_motion_args motion = motion_args( s[k], DT );
+            const wisp_strand_stretch_args stretch = stretch_args( s[k], DT, 2 );
             tables[t]->strand_predict( &motion, 0, STRAND_GROUPS );
             tables[t]->strand_stretch( &stretch, 0, STRAND_GROUPS );
             if ( k == 0 )
@@ -351,21 +351,21 @@ static void the_first_row_beyond_the_bound_is_found( void** state )
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 10.1f, -10.1f };
     static strands_state s;
     make_strands( &s );
-    const wisp_strand_bound_job job = { s.position[0][0], s.velocity[0][0], 10.0f };
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_strand_bound_args args = { s.position[0][0], s.velocity[0][0], 10.0f };
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
     {
-        assert_int_equal( tables[t]->strand_first_beyond( &job, 0, STRAND_ROWS ), STRAND_ROWS );
+        assert_int_equal( tables[t]->strand_first_beyond( &args, 0, STRAND_ROWS ), STRAND_ROWS );
         for ( int i = 0; i < STRAND_ROWS * 96; ++i )
         {
             const int row = i / 96, k = i / 16 % 3, lane = i % 16;
             float* number = i / 48 % 2 == 0 ? &s.position[row][k][lane] : &s.velocity[row][k][lane];
             const float kept = *number;
             *number = WRONG[i % WISP_COUNT( WRONG )];
-            assert_int_equal( tables[t]->strand_first_beyond( &job, 0, STRAND_ROWS ), row );
-            assert_int_equal( tables[t]->strand_first_beyond( &job, 0, row ), row );
-            assert_int_equal( tables[t]->strand_first_beyond( &job, row + 1, STRAND_ROWS ), STRAND_ROWS );
+            assert_int_equal( tables[t]->strand_first_beyond( &args, 0, STRAND_ROWS ), row );
+            assert_int_equal( tables[t]->strand_first_beyond( &args, 0, row ), row );
+            assert_int_equal( tables[t]->strand_first_beyond( &args, row + 1, STRAND_ROWS ), STRAND_ROWS );
             *number = kept;
         }
     }

@@ -69,11 +69,11 @@ static void make_odd( constraints* s, int first )
 {
     for ( int c = first; c < first + 48; ++c )
     {
-        float tiny = ldexpf( 1.0f, -3 * ( c - first ) ), high = c % 3 == 0 ? 0.0f : tiny;
+        float tiny = ldexpf( 1.0f, -3 * ( c - first ) ), upper = c % 3 == 0 ? 0.0f : tiny;
         place( s, c, 0, 0.1f, 0.2f, 0.0f, 1.0f );
         place( s, c, 1, 0.1f, 0.2f, tiny, c % 2 == 0 ? 1.0f : 1e-12f );
-        place( s, c, 2, 0.1f, 0.2f + high, 0.0f, 0.0f );
-        place( s, c, 3, 0.1f, 0.2f, high, 1e9f );
+        place( s, c, 2, 0.1f, 0.2f + upper, 0.0f, 0.0f );
+        place( s, c, 3, 0.1f, 0.2f, upper, 1e9f );
     }
 }
 
@@ -81,57 +81,57 @@ typedef void run_fn( const wisp_kernels* kernels, constraints* s );
 
 static void run_link_pbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_link_job job = link_job( s );
-    kernels->link_pbd( &job, 0, CONSTRAINTS );
+    wisp_link_args args = link_args( s );
+    kernels->link_pbd( &args, 0, CONSTRAINTS );
 }
 
 static void run_link_xpbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_link_job job = link_job( s );
-    kernels->link_xpbd( &job, 0, CONSTRAINTS );
+    wisp_link_args args = link_args( s );
+    kernels->link_xpbd( &args, 0, CONSTRAINTS );
 }
 
 static void run_link_xpbd_once( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_link_job job = link_job( s );
-    job.lambda = NULL;
-    kernels->link_xpbd( &job, 0, CONSTRAINTS );
+    wisp_link_args args = link_args( s );
+    args.lambda = NULL;
+    kernels->link_xpbd( &args, 0, CONSTRAINTS );
 }
 
 static void run_link_unilateral( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_link_job job = link_job( s );
-    kernels->link_unilateral( &job, 0, CONSTRAINTS );
+    wisp_link_args args = link_args( s );
+    kernels->link_unilateral( &args, 0, CONSTRAINTS );
 }
 
 static void run_link_limit( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_link_job job = link_job( s );
-    kernels->link_limit( &job, 0, CONSTRAINTS );
+    wisp_link_args args = link_args( s );
+    kernels->link_limit( &args, 0, CONSTRAINTS );
 }
 
 static void run_dihedral_pbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_hinge_job job = hinge_job( s, false, true );
-    kernels->hinge_dihedral( &job, 0, CONSTRAINTS );
+    wisp_hinge_args args = hinge_args( s, false, true );
+    kernels->hinge_dihedral( &args, 0, CONSTRAINTS );
 }
 
 static void run_dihedral_xpbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_hinge_job job = hinge_job( s, false, false );
-    kernels->hinge_dihedral( &job, 0, CONSTRAINTS );
+    wisp_hinge_args args = hinge_args( s, false, false );
+    kernels->hinge_dihedral( &args, 0, CONSTRAINTS );
 }
 
 static void run_isometric_pbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_hinge_job job = hinge_job( s, true, true );
-    kernels->hinge_isometric( &job, 0, CONSTRAINTS );
+    wisp_hinge_args args = hinge_args( s, true, true );
+    kernels->hinge_isometric( &args, 0, CONSTRAINTS );
 }
 
 static void run_isometric_xpbd( const wisp_kernels* kernels, constraints* s )
 {
-    wisp_hinge_job job = hinge_job( s, true, false );
-    kernels->hinge_isometric( &job, 0, CONSTRAINTS );
+    wisp_hinge_args args = hinge_args( s, true, false );
+    kernels->hinge_isometric( &args, 0, CONSTRAINTS );
 }
 
 static run_fn* const PROJECTIONS[] = {
@@ -142,7 +142,7 @@ static run_fn* const PROJECTIONS[] = {
 static void every_table_projects_to_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     for ( int variant = 0; variant < 4; ++variant )
     {
@@ -157,21 +157,21 @@ static void every_table_projects_to_the_same_bits( void** state )
         }
         for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
         {
-            constraints* truth = copy_of( start );
-            PROJECTIONS[k]( tables[0], truth );
-            assert_true( memcmp( truth, start, sizeof( *start ) ) != 0 );
+            constraints* reference = copy_of( start );
+            PROJECTIONS[k]( tables[0], reference );
+            assert_true( memcmp( reference, start, sizeof( *start ) ) != 0 );
             for ( int t = 1; t < table_count; ++t )
             {
                 constraints* s = copy_of( start );
                 PROJECTIONS[k]( tables[t], s );
-                if ( memcmp( s, truth, sizeof( *s ) ) != 0 )
+                if ( memcmp( s, reference, sizeof( *s ) ) != 0 )
                 {
                     fail_msg( "%s differs from %s: variant %d, projection %d", tables[t]->isa, tables[0]->isa,
                               variant, k );
                 }
                 free( s );
             }
-            free( truth );
+            free( reference );
         }
         free( start );
     }
@@ -180,20 +180,20 @@ static void every_table_projects_to_the_same_bits( void** state )
 static void a_range_may_be_cut_between_groups( void** state )
 {
     (void)state;
-    constraints *whole = new_constraints( true ), *pieces = new_constraints( true );
+    constraints *whole = new_constraints( true ), *primitives = new_constraints( true );
     tangle( whole );
-    tangle( pieces );
+    tangle( primitives );
     run_link_xpbd( widest_table(), whole );
-    wisp_link_job job = link_job( pieces );
+    wisp_link_args args = link_args( primitives );
     for ( int begin = 0, length = 8; begin < CONSTRAINTS; begin += length, length = length % 40 + 8 )
     {
         int end = begin + length < CONSTRAINTS ? begin + length : CONSTRAINTS;
-        widest_table()->link_xpbd( &job, begin, end );
+        widest_table()->link_xpbd( &args, begin, end );
     }
-    assert_memory_equal( whole->position, pieces->position, sizeof( whole->position ) );
-    assert_memory_equal( whole->lambda, pieces->lambda, sizeof( whole->lambda ) );
+    assert_memory_equal( whole->position, primitives->position, sizeof( whole->position ) );
+    assert_memory_equal( whole->lambda, primitives->lambda, sizeof( whole->lambda ) );
     free( whole );
-    free( pieces );
+    free( primitives );
 }
 
 // ---- links ----
@@ -306,15 +306,15 @@ static void iterations_settle_where_compliance_balances( void** state )
     memset( s->lambda, 0, sizeof( s->lambda ) );
     for ( int c = 0; c < 16; ++c )
     {
-        s->a4[c] = c % 8 == 0 ? 4 * ( c / 8 ) : 4 * 100;
-        s->b4[c] = c % 8 == 0 ? 4 * ( c / 8 + 1 ) : 4 * 100;
+        s->a_x4[c] = c % 8 == 0 ? 4 * ( c / 8 ) : 4 * 100;
+        s->b_x4[c] = c % 8 == 0 ? 4 * ( c / 8 + 1 ) : 4 * 100;
         s->rest[c] = 1.0f;
         s->compliance[c] = 5e-5f;
     }
-    wisp_link_job job = link_job( s );
+    wisp_link_args args = link_args( s );
     for ( int iteration = 0; iteration < 50; ++iteration )
     {
-        widest_table()->link_xpbd( &job, 0, 16 );
+        widest_table()->link_xpbd( &args, 0, 16 );
     }
 
     // alpha is 5e-5 / (0.01 s)^2; fifty iterations round a position of up to three metres fifty times

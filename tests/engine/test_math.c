@@ -44,8 +44,8 @@ static float scalar_cosine( float x )
 static void quads_are_loaded_by_index_and_transposed( void** state )
 {
     (void)state;
-    _Alignas( 16 ) float quads[4 * 40];
-    memcpy( quads, ordinary, sizeof quads );
+    _Alignas( 16 ) float xyzw[4 * 40];
+    memcpy( xyzw, ordinary, sizeof xyzw );
     for ( int round = 0; round < 40; ++round )
     {
         int32_t index[8];
@@ -54,8 +54,8 @@ static void quads_are_loaded_by_index_and_transposed( void** state )
             index[l] = 4 * ( ( round * 17 + l * l * 11 ) % 40 );
         }
         lane8 x, y, z, w, x3, y3, z3;
-        lane8_load_xyzw( quads, index, &x, &y, &z, &w );
-        lane8_load_xyz( quads, index, &x3, &y3, &z3 );
+        lane8_load_xyzw( xyzw, index, &x, &y, &z, &w );
+        lane8_load_xyz( xyzw, index, &x3, &y3, &z3 );
         float got[7][8];
         lane8_storeu( got[0], x );
         lane8_storeu( got[1], y );
@@ -68,7 +68,7 @@ static void quads_are_loaded_by_index_and_transposed( void** state )
         {
             for ( int l = 0; l < 8; ++l )
             {
-                assert_same_bits( got[row][l], quads[index[l] + row % 4], 8 * row + l );
+                assert_same_bits( got[row][l], xyzw[index[l] + row % 4], 8 * row + l );
             }
         }
     }
@@ -97,34 +97,34 @@ static void rows_and_lanes_change_places( void** state )
 static void quads_are_stored_in_lane_order( void** state )
 {
     (void)state;
-    _Alignas( 16 ) float quads[4 * 10];
+    _Alignas( 16 ) float xyzw[4 * 10];
     for ( int k = 0; k < 40; ++k )
     {
-        quads[k] = -7.0f;
+        xyzw[k] = -7.0f;
     }
-    lane8_store_xyzw_contiguous( quads + 4, lane8_loadu( ordinary ), lane8_loadu( ordinary + 8 ),
+    lane8_store_xyzw_contiguous( xyzw + 4, lane8_loadu( ordinary ), lane8_loadu( ordinary + 8 ),
                                  lane8_loadu( ordinary + 16 ), lane8_loadu( ordinary + 24 ) );
     for ( int k = 0; k < 40; ++k )
     {
         bool outside = k < 4 || k >= 36;
-        assert_same_bits( quads[k], outside ? -7.0f : ordinary[( k - 4 ) % 4 * 8 + ( k - 4 ) / 4], k );
+        assert_same_bits( xyzw[k], outside ? -7.0f : ordinary[( k - 4 ) % 4 * 8 + ( k - 4 ) / 4], k );
     }
 }
 
 static void contiguous_quads_are_loaded_in_lane_order( void** state )
 {
     (void)state;
-    _Alignas( 16 ) float quads[4 * 8];
-    memcpy( quads, ordinary, sizeof quads );
+    _Alignas( 16 ) float xyzw[4 * 8];
+    memcpy( xyzw, ordinary, sizeof xyzw );
     lane8 q[4];
-    lane8_load_xyzw_contiguous( quads, q + 0, q + 1, q + 2, q + 3 );
+    lane8_load_xyzw_contiguous( xyzw, q + 0, q + 1, q + 2, q + 3 );
     for ( int row = 0; row < 4; ++row )
     {
         float got[8];
         lane8_storeu( got, q[row] );
         for ( int l = 0; l < 8; ++l )
         {
-            assert_same_bits( got[l], quads[4 * l + row], 8 * row + l );
+            assert_same_bits( got[l], xyzw[4 * l + row], 8 * row + l );
         }
     }
 }

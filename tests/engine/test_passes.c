@@ -75,13 +75,13 @@ static wisp_entity add_link( hosted* h, float length, wisp_component component, 
     def.pins = pins;
     def.pin_count = 2;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_attach( h->world, e, component ), WISP_OK );
     const wisp_fabric* f = wisp_world_fabric( h->world, e );
     float* column = wisp_world_column( h->world, e, component, 0 );
     for ( int slot = 0; slot < f->link_order.slot_count; ++slot )
     {
-        int a = f->slot_vertex[f->link_a4[slot] / 4], b = f->slot_vertex[f->link_b4[slot] / 4];
+        int a = f->slot_vertex[f->link_a_x4[slot] / 4], b = f->slot_vertex[f->link_b_x4[slot] / 4];
         bool chosen = f->link_order.constraint[slot] >= 0 && a + b == 2;
         column[slot] = chosen ? value : component == WISP_LINK_COMPLIANCE ? 1e12f : 0.0f;
     }
@@ -197,8 +197,8 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     def.pins = &pin;
     def.pin_count = 1;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
     free( start );
     test_mesh_free( &mesh );
     return e;
@@ -248,7 +248,7 @@ static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
     run( h.world, 1 );
     assert_true( has_pass( h.world, "surface.levels" ) );
     // 0.3 everywhere before; the pinned corner is pulled at by one vertex and its neighbours
-    assert_true( quality_of( h.world, stretched ).strain_mean < 0.1 );
+    assert_true( motion_stats_of( h.world, stretched ).strain_mean < 0.1 );
     for ( int v = 0; v < 17 * 17; ++v )
     {
         const wisp_vec3 p = point( h.world, slack, v );
@@ -290,7 +290,7 @@ static wisp_status declare_probe( wisp_registry* registry )
                                                            .name = "probe.look",
                                                            .stage = WISP_STAGE_VELOCITY,
                                                            .domain = WISP_DOMAIN_ENTITY,
-                                                           .needs = { WISP_PARTICLE_TARGET },
+                                                           .required = { WISP_PARTICLE_TARGET },
                                                            .reads = { WISP_PARTICLE_POSITION },
                                                            .writes = { WISP_PARTICLE_VELOCITY },
                                                            .run = look_at_pin,
@@ -319,9 +319,9 @@ static void a_carried_pin_goes_its_way_in_equal_parts( void** state )
     assert_int_equal( seen->count, SUBSTEPS );
     for ( int i = 0; i < SUBSTEPS; ++i )
     {
-        double share = (double)( i + 1 ) / SUBSTEPS;
-        assert_near( (double)seen->pin[i].x, share * 0.3, 1e-6 );
-        assert_near( (double)seen->pin[i].y, share * -0.7, 1e-6 );
+        double fraction = (double)( i + 1 ) / SUBSTEPS;
+        assert_near( (double)seen->pin[i].x, fraction * 0.3, 1e-6 );
+        assert_near( (double)seen->pin[i].y, fraction * -0.7, 1e-6 );
     }
     assert_memory_equal( seen->pin + SUBSTEPS - 1, &target, sizeof( target ) );
     close_world( &h );
@@ -339,7 +339,7 @@ static void what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named( void*
     velocity[4 * f->vertex_slot[17]] = 2e8f; // 2e6 m in a step
     run( h->world, 1 );
     assert_true( wisp_is_halted( h->world, e ) );
-    assert_one_sentence( h->log.last );
+    assert_one_message( h->log.last );
     assert_non_null( strstr( h->log.last, "vertex 17" ) );
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_HALTED ), 1 );
 }
@@ -366,7 +366,7 @@ static void a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back( v
 
 // ---- what is observed ----
 
-static void figures_of_a_turning_ball_are_those_of_the_mesh( void** state )
+static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
 {
     hosted* h = *state;
     test_mesh ball = test_ball( 3 );
@@ -374,13 +374,13 @@ static void figures_of_a_turning_ball_are_those_of_the_mesh( void** state )
     wisp_surface_def def = wisp_default_surface_def();
     def.vertex_mass = 0.01f;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
-    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
     assert_int_equal(
         wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 2.0f, 0.0f, 0.0f }, ( wisp_vec3 ){ 0.0f, 3.0f, 0.0f } ),
         WISP_OK );
     assert_int_equal( wisp_world_step( h->world, 1e-4f ), WISP_OK );
-    wisp_quality q = quality_of( h->world, e );
+    wisp_motion_stats q = motion_stats_of( h->world, e );
     double volume = 0.0, inertia = 0.0, mass = 0.01 * ball.vertex_count;
     for ( int t = 0; t < ball.triangle_count; ++t )
     {
@@ -423,7 +423,7 @@ static void potential_energy_falls_by_what_kinetic_energy_gains( void** state )
     assert_int_equal( wisp_unpin( h->world, e, &pin, 1 ), WISP_OK );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 50 );
-    wisp_quality q = quality_of( h->world, e );
+    wisp_motion_stats q = motion_stats_of( h->world, e );
     double fallen = 9.8 * (double)DT * (double)DT * 50.0 * 51.0 / 2.0, speed = 9.8 * 0.5;
     assert_near( q.potential_energy, -q.mass * 9.8 * fallen, 1e-4 * q.mass );
     assert_near( q.kinetic_energy, 0.5 * q.mass * speed * speed, 1e-3 * q.mass );
@@ -452,13 +452,13 @@ static void nobody_asks_so_nobody_runs( void** state )
     {
         assert_false( has_pass( h->world, absent[i] ) );
     }
-    const char* const present[] = { "particles.predict", "particles.velocity", "particles.guard", "surface.points",
-                                    "entity.quality" };
+    const char* const present[] = { "particles.predict", "particles.velocity", "particles.state_check",
+                                    "surface.points", "entity.motion_stats" };
     for ( int i = 0; i < WISP_COUNT( present ); ++i )
     {
         assert_true( has_pass( h->world, present[i] ) );
     }
-    assert_int_equal( wisp_want( h->world, e, WISP_POINT_SPEED ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_POINT_SPEED ), WISP_OK );
     run( h->world, 1 );
     assert_true( has_pass( h->world, "surface.speed" ) );
 }
@@ -480,7 +480,7 @@ static void gravity_and_prediction_share_a_node( void** state )
         bool fused;
     } expected[] = {
         { "particles.gravity", false },  { "particles.predict", true }, { "links.pbd", false },
-        { "particles.velocity", false }, { "particles.damping", true }, { "particles.guard", false },
+        { "particles.velocity", false }, { "particles.damping", true }, { "particles.state_check", false },
     };
     const char* at = text;
     for ( int i = 0; i < WISP_COUNT( expected ); ++i )
@@ -506,7 +506,7 @@ int main( void )
         cmocka_unit_test( a_carried_pin_goes_its_way_in_equal_parts ),
         WORLD_TEST( what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named ),
         WORLD_TEST( a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back ),
-        WORLD_TEST( figures_of_a_turning_ball_are_those_of_the_mesh ),
+        WORLD_TEST( stats_of_a_turning_ball_are_those_of_the_mesh ),
         WORLD_TEST( potential_energy_falls_by_what_kinetic_energy_gains ),
         WORLD_TEST( nobody_asks_so_nobody_runs ),
         WORLD_TEST( gravity_and_prediction_share_a_node ),

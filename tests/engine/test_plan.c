@@ -8,7 +8,7 @@
 
 // ---- which passes exist ----
 
-static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .needs = "N", .writes = "A" } };
+static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .required = "N", .writes = "A" } };
 
 static void an_empty_world_has_no_pass( void** state )
 {
@@ -21,16 +21,16 @@ static void an_empty_world_has_no_pass( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_that_has_what_it_needs_and_is_wanted_exists( void** state )
+static void a_pass_that_has_what_it_needs_and_is_requested_exists( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
-    want( world, add_with( world, "N" ), "A" );
+    request( world, add_with( world, "N" ), "A" );
     assert_string_equal( plan_text( world ), "[after] a" );
     wisp_world_destroy( world );
 }
 
-static void a_pass_whose_writes_nobody_wants_is_absent( void** state )
+static void a_pass_whose_writes_nobody_requests_is_absent( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
@@ -43,21 +43,21 @@ static void a_pass_without_what_it_needs_is_absent( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
-    want( world, add_with( world, "A" ), "A" ); // the user's own rows answer the wish
+    request( world, add_with( world, "A" ), "A" ); // the user's own rows answer the request
     assert_string_equal( plan_text( world ), "" );
     wisp_world_destroy( world );
 }
 
-static void a_wish_is_no_component_that_a_pass_could_need( void** state )
+static void a_request_is_no_component_that_a_pass_could_need( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
-        { "b", SHAPE, GROUP, .needs = "A", .writes = "B" },
+        { "b", SHAPE, GROUP, .required = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "B" );
-    want( world, e, "AB" );
+    request( world, e, "AB" );
     assert_string_equal( plan_text( world ), "[after] a" );
     wisp_world_destroy( world );
 }
@@ -73,16 +73,16 @@ static void demand_reaches_back_through_a_chain( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
-    want( world, add_with( world, "" ), "D" );
+    request( world, add_with( world, "" ), "D" );
     assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
     wisp_world_destroy( world );
 }
 
-static void demand_ends_where_nobody_wants_more( void** state )
+static void demand_ends_where_nobody_requests_more( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] a+b" );
     wisp_world_destroy( world );
 }
@@ -98,30 +98,30 @@ static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** st
             turned[i] = CHAIN[( first + i ) % WISP_COUNT( CHAIN )];
         }
         wisp_world* world = OPEN_WORLD( turned );
-        want( world, add_with( world, "" ), "D" );
+        request( world, add_with( world, "" ), "D" );
         assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
         wisp_world_destroy( world );
     }
 }
 
-static void each_entity_gets_only_what_it_wants( void** state )
+static void each_entity_gets_only_what_it_requests( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "" );
-    want( world, add_with( world, "" ), "A" );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "a2.0 a2.1 a2.2 a3.0 b3.0 a3.1 b3.1 a3.2 b3.2" );
     wisp_world_destroy( world );
 }
 
-static void a_removed_entity_takes_its_wishes_along( void** state )
+static void a_removed_entity_takes_its_requests_along( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     assert_string_equal( plan_text( world ), "[after] a" );
     assert_int_equal( wisp_remove( world, e ), WISP_OK );
     assert_string_equal( plan_text( world ), "" );
@@ -132,12 +132,12 @@ static void a_removed_entity_takes_its_wishes_along( void** state )
 
 // ---- what is refused ----
 
-// The plan is refused by a sentence that holds all of these words.
+// The plan is refused by a message that holds all of these words.
 static void assert_refused( wisp_world* world, const char* const* words, int count )
 {
     assert_string_equal( plan_text( world ), "refused" );
     assert_int_equal( wisp_world_step( world, 0.01f ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     assert_string_equal( fake.log.last, wisp_world_message( world ) );
     for ( int i = 0; i < count; ++i )
     {
@@ -152,8 +152,8 @@ static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** 
     static const fake_pass passes[] = { { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" } };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 2" };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "M" ), "B" );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_refused( world, words, WISP_COUNT( words ) );
     wisp_world_destroy( world );
 }
@@ -162,33 +162,33 @@ static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void**
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "maker", SHAPE, GROUP, .needs = "N", .writes = "M" },
+        { "maker", SHAPE, GROUP, .required = "N", .writes = "M" },
         { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" },
     };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 1" };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     assert_refused( world, words, WISP_COUNT( words ) );
     wisp_world_destroy( world );
 }
 
-static void a_wanted_component_that_no_pass_writes_is_refused( void** state )
+static void a_requested_component_that_no_pass_writes_is_refused( void** state )
 {
     (void)state;
     static const char* const words[] = { "'fake.C'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
-    want( world, add_with( world, "N" ), "C" );
+    request( world, add_with( world, "N" ), "C" );
     assert_refused( world, words, WISP_COUNT( words ) );
     wisp_world_destroy( world );
 }
 
-static void a_wanted_component_whose_writer_lacks_its_needs_is_refused( void** state )
+static void a_requested_component_whose_writer_lacks_its_needs_is_refused( void** state )
 {
     (void)state;
     static const char* const words[] = { "'fake.A'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     assert_refused( world, words, WISP_COUNT( words ) );
     wisp_world_destroy( world );
 }
@@ -203,7 +203,7 @@ static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state
     };
     static const char* const words[] = { "cycle", "'a'" };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     assert_refused( world, words, WISP_COUNT( words ) );
     wisp_world_destroy( world );
 }
@@ -216,19 +216,19 @@ static void a_circle_through_two_stages_is_last_steps_data( void** state )
         { "a", WISP_STAGE_INPUT, GROUP, .reads = "B", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     assert_string_equal( plan_text( world ), "[before] a [after] b" );
     wisp_world_destroy( world );
 }
 
-static void a_refused_world_steps_again_once_the_wish_is_gone( void** state )
+static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "AC" );
+    request( world, e, "AC" );
     assert_string_equal( plan_text( world ), "refused" );
-    unwant( world, e, "C" );
+    cancel_request( world, e, "C" );
     step( world );
     assert_string_equal( plan_text( world ), "[after] a" );
     wisp_world_destroy( world );
@@ -251,7 +251,7 @@ static void stages_come_in_their_order_whatever_the_order_of_declaration( void**
         { "input", WISP_STAGE_INPUT, GROUP, .writes = "I" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "ABCDEFGHI" );
+    request( world, add_with( world, "" ), "ABCDEFGHI" );
     assert_string_equal( plan_text( world ), "[before] input [substep] force,predict,contact [iteration] project "
                                              "[substep end] velocity [after] derive,shape,observe" );
     wisp_world_destroy( world );
@@ -265,7 +265,7 @@ static void what_writes_goes_before_what_reads( void** state )
         { "writer", SHAPE, ENTITY, .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] writer reader" );
     wisp_world_destroy( world );
 }
@@ -280,7 +280,7 @@ static void what_makes_goes_before_what_changes_in_place_and_that_before_what_re
         { "reader", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] maker first second reader" );
     wisp_world_destroy( world );
 }
@@ -294,7 +294,7 @@ static void equals_keep_the_order_of_declaration( void** state )
         { "a", SHAPE, ENTITY, .reads = "A", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "A" ), "A" );
+    request( world, add_with( world, "A" ), "A" );
     assert_string_equal( plan_text( world ), "[after] z m a" );
     wisp_world_destroy( world );
 }
@@ -313,12 +313,12 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     assert_int_equal( plans_of_a_step( world ), 1 );
     assert_int_equal( plans_of_a_step( world ), 0 );
 
     // what changes no structure
-    want( world, e, "A" );
+    request( world, e, "A" );
     assert_int_equal( wisp_world_attach( world, e, letter( 'N' ) ), WISP_OK );
     assert_int_equal( wisp_world_detach( world, e, letter( 'P' ) ), WISP_OK );
     assert_non_null( wisp_world_column( world, e, letter( 'N' ), 0 ) );
@@ -332,34 +332,34 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
     assert_int_equal( plans_of_a_step( world ), 1 );
     assert_int_equal( wisp_remove( world, other ), WISP_OK );
     assert_int_equal( plans_of_a_step( world ), 1 );
-    unwant( world, e, "A" );
+    cancel_request( world, e, "A" );
     assert_int_equal( plans_of_a_step( world ), 1 );
     wisp_world_destroy( world );
 }
 
-static void taking_back_a_wish_that_nobody_had_compiles_nothing( void** state )
+static void taking_back_a_request_that_nobody_had_compiles_nothing( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     step( world );
-    unwant( world, e, "B" );
+    cancel_request( world, e, "B" );
     uint64_t plans = plans_of_a_step( world );
     wisp_world_destroy( world );
     assert_int_equal( plans, 0 );
 }
 
-static void giving_a_component_that_was_only_wanted_wakes_who_needs_it( void** state )
+static void giving_a_component_that_was_only_requested_wakes_who_needs_it( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
-        { "b", SHAPE, GROUP, .needs = "A", .reads = "A", .writes = "B" },
+        { "b", SHAPE, GROUP, .required = "A", .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "B" );
-    want( world, e, "AB" );
+    request( world, e, "AB" );
     assert_string_equal( plan_text( world ), "[after] a" );
     assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
     const char* text = plan_text( world );
@@ -369,11 +369,11 @@ static void giving_a_component_that_was_only_wanted_wakes_who_needs_it( void** s
 
 // ---- its hash and its print ----
 
-static uint64_t hash_of_plan( wisp_world* world, int entities, const char* wishes )
+static uint64_t hash_of_plan( wisp_world* world, int entities, const char* requests )
 {
     for ( int i = 0; i < entities; ++i )
     {
-        want( world, add_with( world, "" ), wishes );
+        request( world, add_with( world, "" ), requests );
     }
     assert_true( wisp_world_plan_passes( world ) > 0 );
     uint64_t hash = world->plan.hash;
@@ -390,17 +390,17 @@ static void equal_plans_hash_equal_and_others_differ( void** state )
     assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 1, "D" ), two );
 }
 
-static void a_plan_hashes_as_before_when_a_wish_came_and_went( void** state )
+static void a_plan_hashes_as_before_when_a_request_came_and_went( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "" );
-    want( world, e, "B" );
+    request( world, e, "B" );
     assert_int_equal( wisp_world_plan_passes( world ), 2 );
     uint64_t hash = world->plan.hash;
-    want( world, e, "D" );
+    request( world, e, "D" );
     assert_int_equal( wisp_world_plan_passes( world ), 4 );
-    unwant( world, e, "D" );
+    cancel_request( world, e, "D" );
     assert_int_equal( wisp_world_plan_passes( world ), 2 );
     assert_int_equal( world->plan.hash, hash );
     wisp_world_destroy( world );
@@ -440,14 +440,14 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "make", WISP_STAGE_INPUT, GROUP, .needs = "N", .writes = "A" },
+        { "make", WISP_STAGE_INPUT, GROUP, .required = "N", .writes = "A" },
         { "bend", WISP_STAGE_PROJECT, ENTITY, .reads = "A", .writes = "A" },
         { "show", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
-        { "needy", SHAPE, GROUP, .needs = "NM", .writes = "C" },
-        { "idle", SHAPE, GROUP, .needs = "N", .writes = "D" },
+        { "needy", SHAPE, GROUP, .required = "NM", .writes = "C" },
+        { "idle", SHAPE, GROUP, .required = "N", .writes = "D" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
     wisp_world* bare = OPEN_WORLD( LONE );
@@ -481,7 +481,7 @@ static void a_refused_plan_prints_nothing( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_CONFLICT );
     assert_int_equal( p.count, 0 );
@@ -492,31 +492,31 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( an_empty_world_has_no_pass ),
-        cmocka_unit_test( a_pass_that_has_what_it_needs_and_is_wanted_exists ),
-        cmocka_unit_test( a_pass_whose_writes_nobody_wants_is_absent ),
+        cmocka_unit_test( a_pass_that_has_what_it_needs_and_is_requested_exists ),
+        cmocka_unit_test( a_pass_whose_writes_nobody_requests_is_absent ),
         cmocka_unit_test( a_pass_without_what_it_needs_is_absent ),
-        cmocka_unit_test( a_wish_is_no_component_that_a_pass_could_need ),
+        cmocka_unit_test( a_request_is_no_component_that_a_pass_could_need ),
         cmocka_unit_test( demand_reaches_back_through_a_chain ),
-        cmocka_unit_test( demand_ends_where_nobody_wants_more ),
+        cmocka_unit_test( demand_ends_where_nobody_requests_more ),
         cmocka_unit_test( demand_grows_to_a_fixed_point_in_any_order_of_declaration ),
-        cmocka_unit_test( each_entity_gets_only_what_it_wants ),
-        cmocka_unit_test( a_removed_entity_takes_its_wishes_along ),
+        cmocka_unit_test( each_entity_gets_only_what_it_requests ),
+        cmocka_unit_test( a_removed_entity_takes_its_requests_along ),
         cmocka_unit_test( a_read_that_nobody_supplies_names_pass_component_and_entity ),
         cmocka_unit_test( a_pass_that_another_entity_keeps_alive_supplies_nothing_here ),
-        cmocka_unit_test( a_wanted_component_that_no_pass_writes_is_refused ),
-        cmocka_unit_test( a_wanted_component_whose_writer_lacks_its_needs_is_refused ),
+        cmocka_unit_test( a_requested_component_that_no_pass_writes_is_refused ),
+        cmocka_unit_test( a_requested_component_whose_writer_lacks_its_needs_is_refused ),
         cmocka_unit_test( passes_of_a_stage_that_wait_for_each_other_are_refused ),
         cmocka_unit_test( a_circle_through_two_stages_is_last_steps_data ),
-        cmocka_unit_test( a_refused_world_steps_again_once_the_wish_is_gone ),
+        cmocka_unit_test( a_refused_world_steps_again_once_the_request_is_gone ),
         cmocka_unit_test( stages_come_in_their_order_whatever_the_order_of_declaration ),
         cmocka_unit_test( what_writes_goes_before_what_reads ),
         cmocka_unit_test( what_makes_goes_before_what_changes_in_place_and_that_before_what_reads ),
         cmocka_unit_test( equals_keep_the_order_of_declaration ),
         cmocka_unit_test( a_plan_is_compiled_again_when_the_structure_changed_and_only_then ),
-        cmocka_unit_test( taking_back_a_wish_that_nobody_had_compiles_nothing ),
-        cmocka_unit_test( giving_a_component_that_was_only_wanted_wakes_who_needs_it ),
+        cmocka_unit_test( taking_back_a_request_that_nobody_had_compiles_nothing ),
+        cmocka_unit_test( giving_a_component_that_was_only_requested_wakes_who_needs_it ),
         cmocka_unit_test( equal_plans_hash_equal_and_others_differ ),
-        cmocka_unit_test( a_plan_hashes_as_before_when_a_wish_came_and_went ),
+        cmocka_unit_test( a_plan_hashes_as_before_when_a_request_came_and_went ),
         cmocka_unit_test( a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks ),
         cmocka_unit_test( a_plan_without_a_loop_says_so ),
         cmocka_unit_test( a_refused_plan_prints_nothing ),

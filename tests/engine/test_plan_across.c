@@ -8,17 +8,17 @@
 #define FORCE WISP_STAGE_FORCE
 
 static const fake_pass ACROSS[] = {
-    { "first", SHAPE, GROUP, .needs = "N", .writes = "A" },
-    { "meet", SHAPE, ENTITY, .needs = "M", .writes = "B", .across = "A" },
-    { "last", SHAPE, GROUP, .needs = "N", .reads = "A", .writes = "C" },
+    { "first", SHAPE, GROUP, .required = "N", .writes = "A" },
+    { "meet", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
+    { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
 };
 
 static void it_runs_between_those_before_and_those_behind_it( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
-    want( world, add_with( world, "N" ), "C" );
-    want( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "N" ), "C" );
+    request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] first meet last" );
     step( world );
     assert_string_equal( trace_text(), "first1.0-3 meet2 last1.0-3" );
@@ -29,13 +29,13 @@ static void without_it_the_same_passes_share_waves( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "first", SHAPE, GROUP, .needs = "N", .writes = "A" },
-        { "meet", SHAPE, ENTITY, .needs = "M", .writes = "B" },
-        { "last", SHAPE, GROUP, .needs = "N", .reads = "A", .writes = "C" },
+        { "first", SHAPE, GROUP, .required = "N", .writes = "A" },
+        { "meet", SHAPE, ENTITY, .required = "M", .writes = "B" },
+        { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "N" ), "C" );
-    want( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "N" ), "C" );
+    request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] first+last,meet" );
     wisp_world_destroy( world );
 }
@@ -45,7 +45,7 @@ static void it_makes_no_pass_of_another_entity_exist( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
     add_with( world, "N" ); // nobody wants anything of it
-    want( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] meet" );
     wisp_world_destroy( world );
 }
@@ -54,12 +54,12 @@ static void it_supplies_nothing( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "meet", SHAPE, ENTITY, .needs = "M", .writes = "B", .across = "A" },
-        { "last", SHAPE, GROUP, .needs = "N", .reads = "A", .writes = "C" },
+        { "meet", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
+        { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "M" ), "B" );
-    want( world, add_with( world, "N" ), "C" );
+    request( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "N" ), "C" );
     assert_string_equal( plan_text( world ), "refused" );
     wisp_world_destroy( world );
 }
@@ -68,11 +68,11 @@ static void two_of_them_never_share_a_wave( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "one", SHAPE, ENTITY, .needs = "M", .writes = "B", .across = "A" },
-        { "two", SHAPE, ENTITY, .needs = "M", .writes = "C", .across = "A" },
+        { "one", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
+        { "two", SHAPE, ENTITY, .required = "M", .writes = "C", .foreign = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "M" ), "BC" );
+    request( world, add_with( world, "M" ), "BC" );
     assert_string_equal( plan_text( world ), "[after] one two" );
     wisp_world_destroy( world );
 }
@@ -81,13 +81,13 @@ static void groups_that_it_touches_stay_in_the_substep_loop( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "move", FORCE, GROUP, .needs = "N", .reads = "A", .writes = "A" },
-        { "meet", WISP_STAGE_CONTACT, ENTITY, .needs = "M", .writes = "B", .across = "A" },
+        { "move", FORCE, GROUP, .required = "N", .reads = "A", .writes = "A" },
+        { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "NA" ), "A" );
+    request( world, add_with( world, "NA" ), "A" );
     assert_string_equal( plan_text( world ), "[item loop] move" );
-    want( world, add_with( world, "M" ), "B" );
+    request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[substep] move meet" );
     wisp_world_destroy( world );
 }

@@ -11,16 +11,16 @@ enum
 
 // Move, then project, then read: a substep. Hold and blow may be there, spoil may not.
 static const fake_pass PASSES[] = {
-    { .name = "hold", .stage = WISP_STAGE_FORCE, .domain = GROUP, .needs = "H", .reads = "A", .writes = "A" },
-    { .name = "spoil", .stage = WISP_STAGE_FORCE, .domain = GROUP, .needs = "K", .reads = "A", .writes = "A" },
-    { .name = "move", .stage = WISP_STAGE_PREDICT, .domain = GROUP, .needs = "A", .writes = "AB" },
-    { .name = "project", .stage = WISP_STAGE_PROJECT, .domain = GROUP, .needs = "P", .reads = "B", .writes = "A" },
-    { .name = "read", .stage = WISP_STAGE_VELOCITY, .domain = GROUP, .needs = "A", .reads = "AB", .writes = "C" },
+    { .name = "hold", .stage = WISP_STAGE_FORCE, .domain = GROUP, .required = "H", .reads = "A", .writes = "A" },
+    { .name = "spoil", .stage = WISP_STAGE_FORCE, .domain = GROUP, .required = "K", .reads = "A", .writes = "A" },
+    { .name = "move", .stage = WISP_STAGE_PREDICT, .domain = GROUP, .required = "A", .writes = "AB" },
+    { .name = "project", .stage = WISP_STAGE_PROJECT, .domain = GROUP, .required = "P", .reads = "B", .writes = "A" },
+    { .name = "read", .stage = WISP_STAGE_VELOCITY, .domain = GROUP, .required = "A", .reads = "AB", .writes = "C" },
 };
 
-static const wisp_join JOIN = {
+static const wisp_fusion JOIN = {
     .name = "fake.together",
-    .needs = { "move", "project", "read" },
+    .required = { "move", "project", "read" },
     .allows = { "hold" },
     .run = fake_trace_joined,
 };
@@ -77,7 +77,7 @@ static void every_substep_of_every_group_runs_once_and_most_of_them_together( vo
     (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "APH" );
-    want( world, e, "C" );
+    request( world, e, "C" );
     int together = 0, timed[SUBSTEPS] = { 0 };
     for ( int i = 0; i < STEPS; ++i )
     {
@@ -105,7 +105,7 @@ static void substeps_of_a_block_stay_in_order( void** state )
     (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "AP" );
-    want( world, e, "C" );
+    request( world, e, "C" );
     for ( int i = 0; i < SUBSTEPS; ++i )
     {
         atomic_store( &fake.run_count, 0 );
@@ -131,7 +131,7 @@ static void one_block_in_eight_is_timed( void** state )
     const wisp_entity e = test_add_strands( world, 16 * 4 * 32, 2 ); // 32 blocks
     assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
     assert_int_equal( wisp_world_attach( world, e, letter( 'P' ) ), WISP_OK );
-    want( world, e, "C" );
+    request( world, e, "C" );
     for ( int i = 0; i < 10; ++i )
     {
         atomic_store( &fake.run_count, 0 );
@@ -160,8 +160,8 @@ static void an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its
     (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity spoilt = add_with( world, "APK" ), sound = add_with( world, "AP" );
-    want( world, spoilt, "C" );
-    want( world, sound, "C" );
+    request( world, spoilt, "C" );
+    request( world, sound, "C" );
     step( world );
     const tally other = tally_of_entity( spoilt ), own = tally_of_entity( sound );
     assert_false( is_ever_together( &other ) );
@@ -177,7 +177,7 @@ static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_r
     {
         wisp_world* world = open_joined( iterations );
         const wisp_entity e = add_with( world, iterations == 1 ? "A" : "AP" );
-        want( world, e, "C" );
+        request( world, e, "C" );
         step( world );
         const tally t = tally_of_entity( e );
         assert_false( is_ever_together( &t ) );
@@ -193,24 +193,24 @@ static void the_plan_tells_what_runs_together( void** state )
     {
         wisp_world* world = open_joined( iterations );
         const wisp_entity e = add_with( world, "AP" );
-        want( world, e, "C" );
-        wisp_plan_report* report = NULL;
+        request( world, e, "C" );
+        wisp_plan_info* report = NULL;
         assert_int_equal( wisp_world_explain( world, &report ), WISP_OK );
         const wisp_plan_pass* pass = pass_of( report, "project" );
         char line[512];
         wisp_plan_pass_text( pass, line, sizeof( line ) );
         if ( iterations == 1 )
         {
-            assert_string_equal( pass->joined, "fake.together" );
+            assert_string_equal( pass->fusion, "fake.together" );
             assert_non_null( strstr( line, "(in fake.together)" ) );
         }
         else
         {
-            assert_null( pass->joined );
+            assert_null( pass->fusion );
             assert_null( strstr( line, "together" ) );
         }
-        assert_null( pass_of( report, "spoil" )->joined );
-        wisp_plan_report_release( report );
+        assert_null( pass_of( report, "spoil" )->fusion );
+        wisp_plan_info_release( report );
         wisp_world_destroy( world );
     }
 }
@@ -218,11 +218,11 @@ static void the_plan_tells_what_runs_together( void** state )
 static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
 {
     (void)state;
-    static const wisp_join BAD[] = {
+    static const wisp_fusion BAD[] = {
         { .name = "fake.nothing", .run = fake_trace_joined },
-        { .name = "fake.unknown", .needs = { "move", "nowhere" }, .run = fake_trace_joined },
-        { .name = "fake.stranger", .needs = { "move" }, .allows = { "nowhere" }, .run = fake_trace_joined },
-        { .name = "fake.idle", .needs = { "move" } },
+        { .name = "fake.unknown", .required = { "move", "nowhere" }, .run = fake_trace_joined },
+        { .name = "fake.stranger", .required = { "move" }, .allows = { "nowhere" }, .run = fake_trace_joined },
+        { .name = "fake.idle", .required = { "move" } },
     };
     static const wisp_module* const MODULES[] = { &fake_module };
     for ( int i = 0; i < WISP_COUNT( BAD ); ++i )
@@ -235,7 +235,7 @@ static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
         wisp_world* world = NULL;
         wisp_error error = { WISP_OK, "" };
         assert_int_equal( wisp_world_create( &def, &world, &error ), WISP_BAD_INPUT );
-        assert_non_null( strstr( error.sentence, BAD[i].name ) );
+        assert_non_null( strstr( error.message, BAD[i].name ) );
     }
 }
 

@@ -10,13 +10,13 @@
 
 // ---- which passes exist ----
 
-static const fake_pass SHY[] = { { "shy", SHAPE, GROUP, .needs = "N", .lacks = "L", .writes = "A" } };
+static const fake_pass SHY[] = { { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" } };
 
 static void a_pass_exists_for_what_lacks_the_component( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
-    want( world, add_with( world, "N" ), "A" );
+    request( world, add_with( world, "N" ), "A" );
     assert_string_equal( plan_text( world ), "[after] shy" );
     wisp_world_destroy( world );
 }
@@ -26,26 +26,26 @@ static void a_pass_is_absent_for_what_has_the_component( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NLA" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     assert_string_equal( plan_text( world ), "" );
     step( world );
     assert_string_equal( trace_text(), "" );
     wisp_world_destroy( world );
 }
 
-static void each_entity_of_a_mixed_world_is_asked_for_itself( void** state )
+static void each_entity_of_a_mixed_world_is_queried_for_itself( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "a", SHAPE, GROUP, .needs = "N", .lacks = "L", .writes = "A" },
-        { "b", SHAPE, GROUP, .needs = "NL", .writes = "A" },
-        { "c", SHAPE, GROUP, .needs = "N", .lacks = "LM", .writes = "A" },
+        { "a", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
+        { "b", SHAPE, GROUP, .required = "NL", .writes = "A" },
+        { "c", SHAPE, GROUP, .required = "N", .excluded = "LM", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
     static const char* const KINDS[] = { "N", "NL", "NM", "NLM", "N" };
     for ( int i = 0; i < WISP_COUNT( KINDS ); ++i )
     {
-        want( world, add_with( world, KINDS[i] ), "A" );
+        request( world, add_with( world, KINDS[i] ), "A" );
     }
     step( world );
     assert_string_equal( trace_text(), "a1.0 c1.0 a1.1 c1.1 a1.2 c1.2 b2.0 b2.1 b2.2 a3.0 a3.1 a3.2 b4.0 b4.1 b4.2 "
@@ -58,7 +58,7 @@ static void a_pass_comes_and_goes_with_the_component( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NA" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     assert_int_equal( wisp_world_plan_passes( world ), 1 );
     assert_int_equal( wisp_world_attach( world, e, letter( 'L' ) ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
@@ -67,15 +67,15 @@ static void a_pass_comes_and_goes_with_the_component( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_wish_for_the_component_keeps_nobody_out( void** state )
+static void a_request_for_the_component_keeps_nobody_out( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "make", SHAPE, GROUP, .needs = "N", .writes = "L" },
-        { "shy", SHAPE, GROUP, .needs = "N", .lacks = "L", .writes = "A" },
+        { "make", SHAPE, GROUP, .required = "N", .writes = "L" },
+        { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "N" ), "LA" );
+    request( world, add_with( world, "N" ), "LA" );
     assert_string_equal( plan_text( world ), "[after] make,shy" );
     wisp_world_destroy( world );
 }
@@ -84,13 +84,13 @@ static void what_a_pass_kept_out_would_have_written_is_missed_by_its_reader( voi
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "shy", SHAPE, GROUP, .lacks = "L", .writes = "A" },
+        { "shy", SHAPE, GROUP, .excluded = "L", .writes = "A" },
         { "reader", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] shy+reader" );
-    want( world, add_with( world, "L" ), "B" );
+    request( world, add_with( world, "L" ), "B" );
     assert_string_equal( plan_text( world ), "refused" );
     assert_non_null( strstr( wisp_world_message( world ), "fake.A" ) );
     wisp_world_destroy( world );
@@ -133,13 +133,13 @@ static void a_printed_plan_says_what_keeps_a_pass_away( void** state )
     assert_line( world, "shy", "absent", "needs component fake.N, which no entity has" );
     wisp_entity kept_out = add_with( world, "NL" );
     assert_line( world, "shy", "absent", "excluded by component fake.L" );
-    want( world, kept_out, "A" );
+    request( world, kept_out, "A" );
     assert_int_equal( wisp_world_attach( world, kept_out, letter( 'A' ) ), WISP_OK );
     assert_line( world, "shy", "absent", "excluded by component fake.L" );
     // the entity that is not excluded does not request it
     wisp_entity free = add_with( world, "N" );
     assert_line( world, "shy", "absent", "neither requested nor read: component fake.A" );
-    want( world, free, "A" );
+    request( world, free, "A" );
     assert_line( world, "shy", "wave", "fake.A requested by the scene" );
     assert_int_equal( wisp_remove( world, free ), WISP_OK );
     assert_line( world, "shy", "absent", "excluded by component fake.L" );
@@ -170,7 +170,7 @@ static wisp_entity add_surface( wisp_world* world )
     assert_int_equal( wisp_set_gravity( world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f } ), WISP_OK );
     assert_int_equal( wisp_set_damping( world, e, 1.0f ), WISP_OK );
     assert_int_equal( wisp_move_pins( world, e, &PIN, &( wisp_vec3 ){ 0.5f, 0.0f, 0.0f }, 1 ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
 }
 
@@ -186,10 +186,10 @@ static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
     {
         assert_line( world, MOVERS[i], "wave", "" );
     }
-    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
+    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     for ( int i = 0; i < WISP_COUNT( MOVERS ); ++i )
     {
-        assert_line( world, MOVERS[i], "absent", "excluded by component particle.solved" );
+        assert_line( world, MOVERS[i], "absent", "excluded by component particle.external_solver" );
     }
     step( world );
     wisp_view view;
@@ -204,7 +204,7 @@ static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity solved = add_surface( world ), other = add_surface( world );
-    assert_int_equal( wisp_world_attach( world, solved, WISP_PARTICLE_SOLVED ), WISP_OK );
+    assert_int_equal( wisp_world_attach( world, solved, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     step( world );
     wisp_view view;
     assert_int_equal( wisp_world_view( world, solved, WISP_SURFACE_POINTS, &view ), WISP_OK );
@@ -220,15 +220,15 @@ static void strain_limits_of_a_solved_surface_are_refused( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
-    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
+    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     uint64_t before = wisp_world_hash( world );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     assert_non_null( strstr( wisp_world_message( world ), "strain limits" ) );
     assert_int_equal( wisp_world_hash( world ), before );
     assert_false( wisp_world_has( world, e, WISP_LINK_LIMIT ) );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.0f, INFINITY ), WISP_OK ); // there is none to take away
-    assert_int_equal( wisp_world_detach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
+    assert_int_equal( wisp_world_detach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_OK );
     wisp_world_destroy( world );
 }
@@ -238,9 +238,9 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_pass_exists_for_what_lacks_the_component ),
         cmocka_unit_test( a_pass_is_absent_for_what_has_the_component ),
-        cmocka_unit_test( each_entity_of_a_mixed_world_is_asked_for_itself ),
+        cmocka_unit_test( each_entity_of_a_mixed_world_is_queried_for_itself ),
         cmocka_unit_test( a_pass_comes_and_goes_with_the_component ),
-        cmocka_unit_test( a_wish_for_the_component_keeps_nobody_out ),
+        cmocka_unit_test( a_request_for_the_component_keeps_nobody_out ),
         cmocka_unit_test( what_a_pass_kept_out_would_have_written_is_missed_by_its_reader ),
         cmocka_unit_test( a_printed_plan_says_what_keeps_a_pass_away ),
         cmocka_unit_test( a_solved_surface_is_moved_by_no_pass_of_the_engine ),

@@ -15,7 +15,7 @@ static void a_fused_node_runs_its_passes_item_by_item( void** state )
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "a1.0 b1.0 a1.1 b1.1 a1.2 b1.2" );
     wisp_world_destroy( world );
@@ -33,7 +33,7 @@ static void a_lone_pass_runs_over_blocks_of_its_grain( void** state )
     {
         const fake_pass passes[] = { { "a", SHAPE, GROUP, .writes = "A", .grain = cuts[i].grain } };
         wisp_world* world = OPEN_WORLD( passes );
-        want( world, add_with( world, "" ), "A" );
+        request( world, add_with( world, "" ), "A" );
         step( world );
         assert_string_equal( trace_text(), cuts[i].trace );
         wisp_world_destroy( world );
@@ -47,7 +47,7 @@ static void an_entity_pass_runs_once_an_entity( void** state )
     wisp_world* world = OPEN_WORLD( passes );
     for ( int i = 0; i < 3; ++i )
     {
-        want( world, add_with( world, "" ), "A" );
+        request( world, add_with( world, "" ), "A" );
     }
     step( world );
     assert_string_equal( trace_text(), "a1 a2 a3" );
@@ -62,8 +62,8 @@ static void an_entity_without_strands_has_no_group_to_run_over( void** state )
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, test_add_strands( world, 0, 0 ), "B" );
-    want( world, test_add_strands( world, 5, 0 ), "B" );
+    request( world, test_add_strands( world, 0, 0 ), "B" );
+    request( world, test_add_strands( world, 5, 0 ), "B" );
     step( world );
     assert_string_equal( trace_text(), "b1 b2" );
     wisp_world_destroy( world );
@@ -74,8 +74,8 @@ static void an_entity_without_strands_has_no_group_to_run_over( void** state )
 static const fake_pass LOOPS[] = {
     { "observe", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
     { "velocity", WISP_STAGE_VELOCITY, ENTITY, .reads = "A", .writes = "A" },
-    { "project", WISP_STAGE_PROJECT, ENTITY, .needs = "P", .reads = "A", .writes = "A" },
-    { "force", WISP_STAGE_FORCE, ENTITY, .needs = "F", .reads = "A", .writes = "A" },
+    { "project", WISP_STAGE_PROJECT, ENTITY, .required = "P", .reads = "A", .writes = "A" },
+    { "force", WISP_STAGE_FORCE, ENTITY, .required = "F", .reads = "A", .writes = "A" },
     { "input", WISP_STAGE_INPUT, ENTITY, .writes = "A" },
 };
 
@@ -93,7 +93,7 @@ static void loops_run_substeps_times_iterations( void** state )
 {
     (void)state;
     wisp_world* world = open_looping( LOOPS, WISP_COUNT( LOOPS ), 2, 3 );
-    want( world, add_with( world, "FP" ), "B" );
+    request( world, add_with( world, "FP" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "input1 force1 project1 project1 project1 velocity1 "
                                        "force1 project1 project1 project1 velocity1 observe1" );
@@ -108,7 +108,7 @@ static void a_loop_without_a_pass_vanishes( void** state )
         { "observe", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
     };
     wisp_world* world = open_looping( still, WISP_COUNT( still ), 50, 50 );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "input1 observe1" );
     assert_int_equal( world->plan.wave_count[PLAN_SUBSTEP], 0 );
@@ -133,7 +133,7 @@ static void each_loop_runs_also_where_the_others_are_empty( void** state )
     {
         const fake_pass passes[] = { { "lone", lone[i].stage, ENTITY, .writes = "A" } };
         wisp_world* world = open_looping( passes, WISP_COUNT( passes ), 4, 5 );
-        want( world, add_with( world, "" ), "A" );
+        request( world, add_with( world, "" ), "A" );
         step( world );
         assert_int_equal( runs_of( "lone" ), lone[i].runs );
         wisp_world_destroy( world );
@@ -143,7 +143,7 @@ static void each_loop_runs_also_where_the_others_are_empty( void** state )
 // ---- on change ----
 
 static const fake_pass WATCHING[] = {
-    { "watch", SHAPE, ENTITY, .needs = "N", .reads = "N", .writes = "A", .on_change = 'N' },
+    { "watch", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N' },
 };
 
 static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( void** state )
@@ -151,7 +151,7 @@ static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( vo
     (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "NM" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     step( world );
     assert_string_equal( trace_text(), "watch1" );
     step( world );
@@ -171,8 +171,8 @@ static void a_change_of_one_entity_wakes_no_other( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity first = add_with( world, "N" ), second = add_with( world, "N" );
-    want( world, first, "A" );
-    want( world, second, "A" );
+    request( world, first, "A" );
+    request( world, second, "A" );
     step( world );
     trace_text();
     wisp_world_column( world, second, letter( 'N' ), 0 );
@@ -186,11 +186,11 @@ static void a_new_entity_in_a_reused_slot_is_a_change( void** state )
     (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     step( world );
     assert_int_equal( wisp_remove( world, e ), WISP_OK );
     e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     trace_text();
     step( world );
     assert_string_equal( trace_text(), "watch1" );
@@ -203,7 +203,7 @@ static void a_pass_that_writes_what_it_watches_does_not_wake_itself( void** stat
     static const fake_pass passes[] = { { "self", SHAPE, ENTITY, .reads = "A", .writes = "A", .on_change = 'A' } };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "A" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     for ( int i = 0; i < 3; ++i )
     {
         step( world );
@@ -219,13 +219,13 @@ static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "make", SHAPE, GROUP, .needs = "N", .reads = "N", .writes = "A", .on_change = 'N', .grain = 9 },
+        { "make", SHAPE, GROUP, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .grain = 9 },
         { "fused", SHAPE, GROUP, .reads = "A", .writes = "B", .on_change = 'A' },
         { "later", SHAPE, ENTITY, .reads = "B", .writes = "C", .on_change = 'B' },
     };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "C" );
+    request( world, e, "C" );
     for ( int i = 0; i < 2; ++i )
     {
         step( world );
@@ -237,17 +237,17 @@ static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void
     wisp_world_destroy( world );
 }
 
-static void a_wish_taken_back_and_made_again_is_answered_again( void** state )
+static void a_request_taken_back_and_made_again_is_answered_again( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     step( world );
     assert_string_equal( trace_text(), "watch1" );
-    unwant( world, e, "A" );
+    cancel_request( world, e, "A" );
     step( world );
-    want( world, e, "A" ); // its rows are new and zero
+    request( world, e, "A" ); // its rows are new and zero
     step( world );
     wisp_world_destroy( world );
     assert_string_equal( trace_text(), "watch1" );
@@ -256,7 +256,7 @@ static void a_wish_taken_back_and_made_again_is_answered_again( void** state )
 // ---- due ----
 
 static const fake_pass ASKING[] = {
-    { "ask", WISP_STAGE_INPUT, ENTITY, .needs = "N", .writes = "A", .asks = true },
+    { "ask", WISP_STAGE_INPUT, ENTITY, .required = "N", .writes = "A", .asks = true },
     { "then", SHAPE, ENTITY, .reads = "A", .writes = "B", .on_change = 'A' },
 };
 
@@ -264,7 +264,7 @@ static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     step( world );
     assert_string_equal( trace_text(), "ask1 then1" );
     fake.due = false;
@@ -276,19 +276,19 @@ static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
     wisp_world_destroy( world );
 }
 
-static void a_pass_is_asked_once_a_step_and_entity( void** state )
+static void a_pass_is_queried_once_a_step_and_entity( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
-    want( world, add_with( world, "N" ), "B" );
-    want( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
+    request( world, add_with( world, "N" ), "B" );
     step( world );
     step( world );
-    assert_int_equal( fake.asked, 4 );
+    assert_int_equal( fake.queried, 4 );
     wisp_world_destroy( world );
 }
 
-static void a_pass_is_asked_when_the_passes_before_it_have_run( void** state )
+static void a_pass_is_queried_when_the_passes_before_it_have_run( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
@@ -296,10 +296,10 @@ static void a_pass_is_asked_when_the_passes_before_it_have_run( void** state )
         { "ask", SHAPE, GROUP, .reads = "A", .writes = "B", .asks = true },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     step( world );
     wisp_world_destroy( world );
-    assert_int_equal( fake.asked, 1 );
+    assert_int_equal( fake.queried, 1 );
     assert_int_equal( fake.runs_before, runs_of( "a" ) );
 }
 
@@ -307,11 +307,11 @@ static void a_change_waits_for_a_pass_that_is_not_due( void** state )
 {
     (void)state;
     static const fake_pass passes[] = {
-        { "both", SHAPE, ENTITY, .needs = "N", .reads = "N", .writes = "A", .on_change = 'N', .asks = true },
+        { "both", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .asks = true },
     };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "N" );
-    want( world, e, "A" );
+    request( world, e, "A" );
     step( world );
     assert_string_equal( trace_text(), "both1" );
     fake.due = false;
@@ -330,7 +330,7 @@ static void passes_that_were_not_due_took_no_time( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
-    want( world, add_with( world, "N" ), "A" );
+    request( world, add_with( world, "N" ), "A" );
     step( world );
     assert_int_equal( wisp_world_profile( world ).lines[0].items, 1 );
     step( world );
@@ -356,10 +356,10 @@ int main( void )
         cmocka_unit_test( a_new_entity_in_a_reused_slot_is_a_change ),
         cmocka_unit_test( a_pass_that_writes_what_it_watches_does_not_wake_itself ),
         cmocka_unit_test( what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step ),
-        cmocka_unit_test( a_wish_taken_back_and_made_again_is_answered_again ),
+        cmocka_unit_test( a_request_taken_back_and_made_again_is_answered_again ),
         cmocka_unit_test( a_pass_that_is_not_due_neither_runs_nor_wakes_others ),
-        cmocka_unit_test( a_pass_is_asked_once_a_step_and_entity ),
-        cmocka_unit_test( a_pass_is_asked_when_the_passes_before_it_have_run ),
+        cmocka_unit_test( a_pass_is_queried_once_a_step_and_entity ),
+        cmocka_unit_test( a_pass_is_queried_when_the_passes_before_it_have_run ),
         cmocka_unit_test( a_change_waits_for_a_pass_that_is_not_due ),
         cmocka_unit_test( passes_that_were_not_due_took_no_time ),
     };

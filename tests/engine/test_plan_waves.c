@@ -21,7 +21,7 @@ static void passes_without_a_conflict_share_a_wave( void** state )
         { "c", SHAPE, ENTITY, .reads = "N", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "N" ), "ABC" );
+    request( world, add_with( world, "N" ), "ABC" );
     assert_string_equal( plan_text( world ), "[after] a,b,c" );
     wisp_world_destroy( world );
 }
@@ -31,7 +31,7 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
     (void)state;
     static const struct
     {
-        const char *first_reads, *first_writes, *second_reads, *second_writes, *wishes, *plan;
+        const char *first_reads, *first_writes, *second_reads, *second_writes, *requests, *plan;
     } pairs[] = {
         { NULL, "A", "A", "B", "B", "[after] a b" },  // read after write
         { "A", "B", "A", "A", "AB", "[after] a b" },  // write after read
@@ -45,7 +45,7 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
             { "b", SHAPE, ENTITY, .reads = pairs[i].second_reads, .writes = pairs[i].second_writes },
         };
         wisp_world* world = OPEN_WORLD( passes );
-        want( world, add_with( world, "A" ), pairs[i].wishes );
+        request( world, add_with( world, "A" ), pairs[i].requests );
         assert_string_equal( plan_text( world ), pairs[i].plan );
         wisp_world_destroy( world );
     }
@@ -62,7 +62,7 @@ static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state 
         { "free", SHAPE, ENTITY, .writes = "E" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "CDE" );
+    request( world, add_with( world, "" ), "CDE" );
     assert_string_equal( plan_text( world ), "[after] a,free b,early late" );
     wisp_world_destroy( world );
 }
@@ -71,7 +71,7 @@ static void local_passes_over_the_same_groups_are_fused( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
-    want( world, add_with( world, "" ), "C" );
+    request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a+b+c" );
     step( world );
     assert_string_equal( trace_text(), "a1.0 b1.0 c1.0 a1.1 b1.1 c1.1 a1.2 b1.2 c1.2" );
@@ -87,7 +87,7 @@ static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[after] a whole b" );
     wisp_world_destroy( world );
 }
@@ -101,7 +101,7 @@ static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "BC" );
+    request( world, add_with( world, "" ), "BC" );
     assert_string_equal( plan_text( world ), "[after] a+b,beside" );
     wisp_world_destroy( world );
 }
@@ -115,7 +115,7 @@ static void entity_passes_are_never_fused( void** state )
         { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "C" );
+    request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a b c" );
     wisp_world_destroy( world );
 }
@@ -129,7 +129,7 @@ static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( voi
         { "c", SHAPE, GROUP, .reads = "AB", .writes = "C" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "C" );
+    request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a,b c" );
     wisp_world_destroy( world );
 }
@@ -144,7 +144,7 @@ static void passes_of_another_loop_are_not_fused( void** state )
         { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[substep] predict contact [iteration] project [after] shape" );
     wisp_world_destroy( world );
 }
@@ -160,7 +160,7 @@ static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void*
         { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "CD" ), "BC" );
+    request( world, add_with( world, "CD" ), "BC" );
     assert_string_equal( plan_text( world ),
                          "[substep] particles [item loop] predict+project+velocity [after] shape" );
     wisp_world_destroy( world );
@@ -174,7 +174,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_the
         { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "B" );
+    request( world, add_with( world, "" ), "B" );
     assert_string_equal( plan_text( world ), "[substep] predict sum" );
     wisp_world_destroy( world );
 }
@@ -187,7 +187,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_th
         { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     assert_string_equal( plan_text( world ), "[substep] wind predict" );
     wisp_world_destroy( world );
 }
@@ -200,7 +200,7 @@ static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loo
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
     };
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "" ), "A" );
+    request( world, add_with( world, "" ), "A" );
     assert_string_equal( plan_text( world ), "[substep] predict [iteration] project" );
     wisp_world_destroy( world );
 }
@@ -218,7 +218,7 @@ static void a_node_takes_only_so_many_passes( void** state )
         strcat( strcat( expected, i == 0 ? "" : i < PLAN_MAX_FUSED ? "+" : " " ), names[i] );
     }
     wisp_world* world = OPEN_WORLD( passes );
-    want( world, add_with( world, "A" ), "A" );
+    request( world, add_with( world, "A" ), "A" );
     assert_string_equal( plan_text( world ), expected );
     wisp_world_destroy( world );
 }

@@ -62,30 +62,30 @@ static void twice( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-typedef struct sum_job
+typedef struct sum_args
 {
     const int32_t* values;
     _Atomic int64_t sum;
-} sum_job;
+} sum_args;
 
 static void sum_range( void* context, int begin, int end, int worker )
 {
     (void)worker;
-    sum_job* job = context;
+    sum_args* args = context;
     for ( int i = begin; i < end; ++i )
     {
-        atomic_fetch_add( &job->sum, job->values[i] );
+        atomic_fetch_add( &args->sum, args->values[i] );
     }
 }
 
 static void sum_up( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
-    sum_job job = { .values = rows_of( frame, span, work.b ) };
-    int groups = job.values != NULL ? wisp_frame_strands( frame, span->entity )->group_count : 0;
-    wisp_parallel_for( wisp_frame_parallel( frame, span ), groups, 3, sum_range, &job );
+    sum_args args = { .values = rows_of( frame, span, work.b ) };
+    int groups = args.values != NULL ? wisp_frame_strands( frame, span->entity )->group_count : 0;
+    wisp_parallel_for( wisp_frame_parallel( frame, span ), groups, 3, sum_range, &args );
     int64_t* sum = wisp_frame_column( frame, span->entity, work.sum, 0 );
-    *sum = atomic_load( &job.sum );
+    *sum = atomic_load( &args.sum );
     work.steps[atomic_fetch_add( &work.step_count, 1 ) % WISP_COUNT( work.steps )] = wisp_frame_step( frame );
     atomic_fetch_add( &work.finished, 1 );
 }
@@ -107,7 +107,7 @@ static wisp_status declare_work( wisp_registry* r )
         { .name = "work.count",
           .stage = SHAPE,
           .domain = GROUP,
-          .needs = { work.a },
+          .required = { work.a },
           .writes = { work.a },
           .run = count_up },
         { .name = "work.twice",
@@ -152,7 +152,7 @@ static wisp_entity add_work( wisp_world* world, int groups, int length )
     wisp_entity e = test_add_strands( world, 16 * groups, length );
     assert_int_equal( wisp_world_attach( world, e, work.a ), WISP_OK );
     assert_int_equal( wisp_world_attach( world, e, work.b ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, work.sum ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, work.sum ), WISP_OK );
     return e;
 }
 
@@ -206,7 +206,7 @@ static void rows_between_two_passes_exist_because_the_plan_needs_them( void** st
     wisp_world* world = open_work( 1, NULL, NULL );
     wisp_entity e = test_add_strands( world, 16, 2 );
     assert_int_equal( wisp_world_attach( world, e, work.a ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, work.sum ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, work.sum ), WISP_OK );
     // the plan holds, because work.twice writes work.b and work.sum reads it
     step( world );
     int64_t sum = sum_of( world, e );
@@ -340,8 +340,8 @@ static void a_tiny_wave_wakes_nobody( void** state )
 static void spin( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)frame, (void)span;
-    double begin = wisp_clock_seconds(), wanted = *(const double*)user;
-    while ( wisp_clock_seconds() - begin < wanted )
+    double begin = wisp_clock_seconds(), requested = *(const double*)user;
+    while ( wisp_clock_seconds() - begin < requested )
     {
     }
 }
@@ -379,7 +379,7 @@ static wisp_status declare_spinning( wisp_registry* r )
         { .name = "spin.absent",
           .stage = SHAPE,
           .domain = ENTITY,
-          .needs = { b },
+          .required = { b },
           .writes = { a },
           .run = spin,
           .user = (void*)(uintptr_t)&LONG },
@@ -402,7 +402,7 @@ static wisp_world* open_spinning( int workers )
     def.workers = workers;
     wisp_world* world = open_world_with( &def );
     wisp_entity e = test_add_strands( world, 16 * 8, 6 );
-    assert_int_equal( wisp_want( world, e, (wisp_component)( world->store.component_count - 1 ) ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, (wisp_component)( world->store.component_count - 1 ) ), WISP_OK );
     step( world );
     return world;
 }

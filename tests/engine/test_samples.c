@@ -21,10 +21,10 @@ static void edges_have_the_counts_of_their_lengths( void** state )
         for ( int k = 0; k < WISP_COUNT( expected ); ++k )
         {
             layer* l = layer_open( &m, 0.5f, 1 );
-            l->job.policy = k == 1 ? WISP_SPACING_EXACT : WISP_SPACING_EVEN;
-            l->job.rounding = k == 2 ? WISP_ROUND_UP : ( k == 3 ? WISP_ROUND_NEAREST : WISP_ROUND_DOWN );
+            l->args.policy = k == 1 ? WISP_SPACING_EXACT : WISP_SPACING_EVEN;
+            l->args.rounding = k == 2 ? WISP_ROUND_UP : ( k == 3 ? WISP_ROUND_NEAREST : WISP_ROUND_DOWN );
             layer_update( l );
-            assert_int_equal( l->job.edge_points[0], expected[k][i] );
+            assert_int_equal( l->args.edge_points[0], expected[k][i] );
             assert_int_equal( l->samples.begin[1] - l->samples.begin[0], expected[k][i] );
             layer_close( l );
         }
@@ -48,7 +48,7 @@ static void the_reference_sphere_has_the_counts_of_the_table( void** state )
         for ( int i = 0; i < WISP_COUNT( spacings ); ++i )
         {
             layer* l = layer_open( &m, spacings[i], 2 );
-            l->job.policy = (wisp_spacing)policy;
+            l->args.policy = (wisp_spacing)policy;
             layer_update( l );
             assert_int_equal( l->samples.edge_count, expected[policy][i][0] );
             assert_int_equal( l->samples.count - l->samples.edge_count, expected[policy][i][1] );
@@ -78,7 +78,7 @@ static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
     for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
     {
         layer* l = layer_open( &m, 0.06f, 2 );
-        l->job.policy = (wisp_spacing)policy;
+        l->args.policy = (wisp_spacing)policy;
         layer_update( l );
         const wisp_samples* s = &l->samples;
         for ( int p = 0; p < s->count; ++p )
@@ -100,7 +100,7 @@ static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
             assert_true( fabs( length - 1.0 ) < 1e-6 );  // as many of a root, a quotient and products
             for ( int i = 0; i < 3; ++i )
             {
-                assert_true( fabs( sum[i] - (double)s->quads[4 * p + i] ) < PLACE_ROUNDING );
+                assert_true( fabs( sum[i] - (double)s->xyzw[4 * p + i] ) < PLACE_ROUNDING );
             }
             const int element = layer_element( l, p );
             assert_true( p >= s->begin[element] && p < s->begin[element + 1] );
@@ -128,8 +128,8 @@ static void gaps_along_edges_are_those_of_the_policy( void** state )
     for ( int c = 0; c < WISP_COUNT( cases ); ++c )
     {
         layer* l = layer_open( &m, (float)d, 1 );
-        l->job.policy = cases[c].policy;
-        l->job.rounding = cases[c].rounding;
+        l->args.policy = cases[c].policy;
+        l->args.rounding = cases[c].rounding;
         layer_update( l );
         for ( int e = 0; e < m.edge_count; ++e )
         {
@@ -142,7 +142,7 @@ static void gaps_along_edges_are_those_of_the_policy( void** state )
             for ( int p = l->samples.begin[e]; p <= l->samples.begin[e + 1]; ++p )
             {
                 const float* at =
-                    p < l->samples.begin[e + 1] ? l->samples.quads + 4 * p : m.position + 4 * m.edges[2 * e + 1];
+                    p < l->samples.begin[e + 1] ? l->samples.xyzw + 4 * p : m.position + 4 * m.edges[2 * e + 1];
                 const double gap = distance_of( before, at );
                 assert_true( gap > cases[c].least - slack && gap < cases[c].most + slack );
                 before = at;
@@ -155,7 +155,7 @@ static void gaps_along_edges_are_those_of_the_policy( void** state )
 
 // ---- how they came there ----
 
-static void copy_settings( wisp_samples_job* to, const wisp_samples_job* from )
+static void copy_settings( wisp_samples_args* to, const wisp_samples_args* from )
 {
     to->policy = from->policy;
     to->rounding = from->rounding;
@@ -193,18 +193,18 @@ static void refreshing_in_place_equals_sampling_from_scratch( void** state )
     for ( int variant = 0; variant < 12; ++variant )
     {
         layer* kept = layer_open( &m, 0.05f, 2 );
-        kept->job.policy = (wisp_spacing)( variant % 2 );
-        kept->job.rounding = (wisp_rounding)( variant / 2 % 3 );
-        kept->job.scanline = variant >= 6;
+        kept->args.policy = (wisp_spacing)( variant % 2 );
+        kept->args.rounding = (wisp_rounding)( variant / 2 % 3 );
+        kept->args.scanline = variant >= 6;
         for ( int step = 0; step < 18; ++step )
         {
             deform( rest, &m, step );
             layer_update( kept );
             layer* anew = layer_open( &m, 0.05f, 1 );
-            copy_settings( &anew->job, &kept->job );
+            copy_settings( &anew->args, &kept->args );
             layer_update( anew );
             assert_same_points( &kept->samples, &anew->samples, m.edge_count + m.triangle_count );
-            assert_memory_equal( kept->job.triangle_axis, anew->job.triangle_axis,
+            assert_memory_equal( kept->args.triangle_axis, anew->args.triangle_axis,
                                  (size_t)m.triangle_count * sizeof( int32_t ) );
             const int changed = kept->samples.changed_elements;
             in_place += changed == 0;
@@ -229,10 +229,10 @@ static void workers_do_not_change_a_bit( void** state )
         for ( int variant = 0; variant < 2; ++variant )
         {
             layer *one = layer_open( &m, 0.06f, 1 ), *many = layer_open( &m, 0.06f, workers[w] );
-            one->job.policy = (wisp_spacing)variant;
-            one->job.scanline = variant == 1;
-            one->job.hysteresis = 0.2f;
-            copy_settings( &many->job, &one->job );
+            one->args.policy = (wisp_spacing)variant;
+            one->args.scanline = variant == 1;
+            one->args.hysteresis = 0.2f;
+            copy_settings( &many->args, &one->args );
             for ( int step = 0; step < 6; ++step )
             {
                 deform( rest, &m, step );
@@ -240,7 +240,7 @@ static void workers_do_not_change_a_bit( void** state )
                 layer_update( many );
                 assert_int_equal( one->samples.changed_elements, many->samples.changed_elements );
                 assert_same_points( &one->samples, &many->samples, m.edge_count + m.triangle_count );
-                assert_memory_equal( one->job.triangle_extent, many->job.triangle_extent,
+                assert_memory_equal( one->args.triangle_extent, many->args.triangle_extent,
                                      (size_t)m.triangle_count * 2 * sizeof( float ) );
             }
             layer_close( one );
@@ -278,8 +278,8 @@ static void an_element_with_its_own_spacing_has_its_own_count( void** state )
     {
         spacing[i] = 0.03f;
     }
-    each->job.edge_spacing = spacing;
-    each->job.triangle_spacing = spacing + m.edge_count;
+    each->args.edge_spacing = spacing;
+    each->args.triangle_spacing = spacing + m.edge_count;
     for ( int step = 0; step < 3; ++step )
     {
         layer_update( all );
@@ -289,7 +289,7 @@ static void an_element_with_its_own_spacing_has_its_own_count( void** state )
     spacing[5] = 0.01f;
     layer_update( each );
     assert_int_equal( each->samples.changed_elements, 1 );
-    assert_true( each->job.edge_points[5] > 2 * all->job.edge_points[5] );
+    assert_true( each->args.edge_points[5] > 2 * all->args.edge_points[5] );
     free( spacing );
     layer_close( all );
     layer_close( each );
@@ -309,7 +309,7 @@ static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state 
     (void)state;
     samples_mesh m = one_triangle( 2.1f );
     layer* l = layer_open( &m, 1.0f, 1 );
-    l->job.hysteresis = 0.2f;
+    l->args.hysteresis = 0.2f;
     const float lengths[] = { 2.1f, 1.9f, 1.81f, 1.79f, 1.95f, 2.1f, 2.19f, 2.21f, 1.95f };
     const int expected[] = { 1, 1, 1, 0, 0, 0, 0, 1, 1 };
     for ( int i = 0; i < WISP_COUNT( lengths ); ++i )
@@ -317,7 +317,7 @@ static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state 
         m.position[4] = lengths[i];
         m.position[8] = 0.5f * lengths[i];
         layer_update( l );
-        assert_int_equal( l->job.edge_points[0], expected[i] );
+        assert_int_equal( l->args.edge_points[0], expected[i] );
     }
     layer_close( l );
     samples_mesh_free( &m );
@@ -329,7 +329,7 @@ static void a_state_put_back_brings_its_points_back( void** state )
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     float* rest = copy_of_positions( &m );
     layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
-    through->job.hysteresis = back->job.hysteresis = 0.4f;
+    through->args.hysteresis = back->args.hysteresis = 0.4f;
     for ( int step = 0; step < 4; ++step )
     {
         deform( rest, &m, step );
@@ -339,20 +339,20 @@ static void a_state_put_back_brings_its_points_back( void** state )
                  triangles = (size_t)m.triangle_count * sizeof( int32_t );
     deform( rest, &m, 5 );
     layer_update( back ); // warm memory of something else
-    memcpy( back->job.edge_length, through->job.edge_length, edges );
-    memcpy( back->job.edge_points, through->job.edge_points, edges );
-    memcpy( back->job.triangle_extent, through->job.triangle_extent, 2 * triangles );
-    memcpy( back->job.triangle_axis, through->job.triangle_axis, triangles );
-    memcpy( back->job.triangle_points, through->job.triangle_points, triangles );
+    memcpy( back->args.edge_length, through->args.edge_length, edges );
+    memcpy( back->args.edge_points, through->args.edge_points, edges );
+    memcpy( back->args.triangle_extent, through->args.triangle_extent, 2 * triangles );
+    memcpy( back->args.triangle_axis, through->args.triangle_axis, triangles );
+    memcpy( back->args.triangle_points, through->args.triangle_points, triangles );
     for ( int step = 3; step < 7; ++step )
     {
         deform( rest, &m, step );
         layer_update( through );
         layer_update( back );
         assert_same_points( &through->samples, &back->samples, m.edge_count + m.triangle_count );
-        assert_memory_equal( through->job.edge_length, back->job.edge_length, edges );
-        assert_memory_equal( through->job.triangle_extent, back->job.triangle_extent, 2 * triangles );
-        assert_memory_equal( through->job.edge_points, back->job.edge_points, edges );
+        assert_memory_equal( through->args.edge_length, back->args.edge_length, edges );
+        assert_memory_equal( through->args.triangle_extent, back->args.triangle_extent, 2 * triangles );
+        assert_memory_equal( through->args.edge_points, back->args.edge_points, edges );
     }
     layer_close( through );
     layer_close( back );
@@ -370,21 +370,21 @@ static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
     layer_update( l );
     const int count = l->samples.count;
     const int64_t bytes = atomic_load( &l->host.bytes );
-    l->job.limit = count + 10;
+    l->args.limit = count + 10;
     const float spacings[] = { 0.04f, 1e-6f, 1e-20f };
     for ( int i = 0; i < WISP_COUNT( spacings ); ++i )
     {
-        l->job.spacing = spacings[i];
+        l->args.spacing = spacings[i];
         m.position[4 * 30] += 0.01f;
         layer_update( l );
         assert_true( l->samples.refused );
-        assert_true( l->samples.wanted > (double)l->job.limit );
+        assert_true( l->samples.requested > (double)l->args.limit );
         assert_int_equal( l->samples.count, count );
         assert_int_equal( atomic_load( &l->host.bytes ), bytes );
     }
     const float* parent = m.position + l->samples.parents[0][0];
-    assert_true( distance_of( l->samples.quads, parent ) < 1.0 );
-    l->job.spacing = 0.06f;
+    assert_true( distance_of( l->samples.xyzw, parent ) < 1.0 );
+    l->args.spacing = 0.06f;
     layer_update( l );
     assert_false( l->samples.refused );
     assert_true( l->samples.count < count );
@@ -404,12 +404,12 @@ static void without_memory_points_are_those_of_the_last_call( void** state )
     test_host_refuse( &l->host, 0, false );
     layer_update( l );
     const int count = l->samples.count;
-    const int32_t points = l->job.edge_points[3];
-    l->job.spacing = 0.01f;
+    const int32_t points = l->args.edge_points[3];
+    l->args.spacing = 0.01f;
     test_host_refuse( &l->host, 1, true );
     assert_int_equal( layer_try( l ), WISP_NO_MEMORY );
     assert_int_equal( l->samples.count, count );
-    assert_int_equal( l->job.edge_points[3], points );
+    assert_int_equal( l->args.edge_points[3], points );
     test_host_refuse( &l->host, 0, false );
     layer_update( l );
     assert_true( l->samples.count > 4 * count );
@@ -428,13 +428,13 @@ static void a_warm_layer_asks_for_no_memory( void** state )
         deform( rest, &m, step );
         layer_update( l );
     }
-    const int64_t asked = atomic_load( &l->host.asked );
+    const int64_t queried = atomic_load( &l->host.queried );
     for ( int step = 0; step < 18; ++step )
     {
         deform( rest, &m, step );
         layer_update( l );
     }
-    assert_int_equal( atomic_load( &l->host.asked ), asked );
+    assert_int_equal( atomic_load( &l->host.queried ), queried );
     layer_close( l );
     free( rest );
     samples_mesh_free( &m );
@@ -455,16 +455,16 @@ static void triangles_without_area_and_edges_without_length_have_no_points( void
         {
             samples_mesh m = samples_mesh_of( shapes[i], 3, ( const int32_t[3] ){ 0, 1, 2 }, 1 );
             layer* l = layer_open( &m, 0.1f * ( 1.0f - 1e-6f ), 1 );
-            l->job.policy = (wisp_spacing)policy;
+            l->args.policy = (wisp_spacing)policy;
             for ( int step = 0; step < 2; ++step )
             {
                 layer_update( l );
-                assert_int_equal( l->job.triangle_points[0], 0 );
+                assert_int_equal( l->args.triangle_points[0], 0 );
                 for ( int e = 0; e < 3; ++e )
                 {
                     const int points =
                         policy == WISP_SPACING_EVEN || expected[i][e] == 0 ? expected[i][e] : expected[i][e] + 1;
-                    assert_int_equal( l->job.edge_points[e], points );
+                    assert_int_equal( l->args.edge_points[e], points );
                 }
             }
             layer_close( l );
@@ -485,9 +485,9 @@ static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
         samples_mesh m = samples_mesh_of( points, 3, corners[i], 1 );
         layer* l = layer_open( &m, 0.25f, 1 );
         layer_update( l );
-        assert_int_equal( l->job.triangle_axis[0], axis[i] );
+        assert_int_equal( l->args.triangle_axis[0], axis[i] );
         // lines at 1/4, 1/2 and 3/4 of the height, of 3, 2 and 1 spacings
-        assert_int_equal( l->job.triangle_points[0], 2 + 1 );
+        assert_int_equal( l->args.triangle_points[0], 2 + 1 );
         layer_close( l );
         samples_mesh_free( &m );
     }
@@ -511,7 +511,7 @@ static void what_is_not_finite_is_skipped_and_comes_back( void** state )
         for ( int p = 0; p < l->samples.count; ++p )
         {
             assert_true(
-                isfinite( l->samples.quads[4 * p] + l->samples.quads[4 * p + 1] + l->samples.quads[4 * p + 2] ) );
+                isfinite( l->samples.xyzw[4 * p] + l->samples.xyzw[4 * p + 1] + l->samples.xyzw[4 * p + 2] ) );
         }
     }
     m.position[4 * 50 + 1] = good;
@@ -533,7 +533,7 @@ static void normals_that_cancel_give_way_to_those_of_faces( void** state )
     samples_mesh m = samples_mesh_of( points, 4, triangles, 2 );
     layer* l = layer_open( &m, 0.5f, 1 );
     layer_update( l );
-    assert_int_equal( l->job.edge_points[0], 1 );
+    assert_int_equal( l->args.edge_points[0], 1 );
     m.normal[4 * 1 + 2] = -1.0f; // against that of vertex 0
     layer_update( l );
     const float* n = l->samples.normals;
@@ -569,7 +569,7 @@ static void normals_along_lines_are_between_those_of_their_ends( void** state )
                                   { 0.0f, 0.0f, 1.0f, 0.0f } };
     memcpy( m.normal, normals, sizeof( normals ) );
     layer *line = layer_open( &m, 0.3f, 1 ), *plain = layer_open( &m, 0.3f, 1 );
-    line->job.scanline = true;
+    line->args.scanline = true;
     layer_update( line );
     layer_update( plain );
     assert_int_equal( line->samples.count, plain->samples.count );
@@ -609,13 +609,13 @@ static void a_layer_without_normals_has_places_alone( void** state )
     (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
-    without->job.normal = NULL;
+    without->args.normal = NULL;
     layer_update( with );
     layer_update( without );
     assert_null( without->samples.normals );
-    assert_memory_equal( with->samples.quads, without->samples.quads,
+    assert_memory_equal( with->samples.xyzw, without->samples.xyzw,
                          (size_t)with->samples.count * 4 * sizeof( float ) );
-    without->job.normal = m.normal;
+    without->args.normal = m.normal;
     layer_update( without );
     assert_same_points( &with->samples, &without->samples, m.edge_count + m.triangle_count );
     layer_close( with );

@@ -227,7 +227,7 @@ static double sampled_time( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
 }
 
 // The least distance of the path: a graze that sampling cannot see is told from a wrong answer by it.
-static double least_distance( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
+static double min_distance( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
 {
     double least = INFINITY;
     for ( int i = 0; i <= SAMPLES; ++i )
@@ -254,9 +254,9 @@ static void a_path_meets_the_surface_where_sampling_does( void** state )
             }
             wisp_shape_hit hit;
             double length = (double)length_of( blend( b, -1.0f, a ) ), sample = length / SAMPLES;
-            if ( wisp_shape_sweep( SHAPES + k, a, b, &hit ) == false )
+            if ( wisp_shape_cast( SHAPES + k, a, b, &hit ) == false )
             {
-                assert_true( least_distance( SHAPES + k, a, b ) >= -1e-6 );
+                assert_true( min_distance( SHAPES + k, a, b ) >= -1e-6 );
                 ++missed;
                 continue;
             }
@@ -270,7 +270,7 @@ static void a_path_meets_the_surface_where_sampling_does( void** state )
             if ( first <= 1.0 )
             {
                 assert_true( (double)hit.time <= first + 1e-5 );
-                bool is_grazing = least_distance( SHAPES + k, a, b ) > -2.0 * sample;
+                bool is_grazing = min_distance( SHAPES + k, a, b ) > -2.0 * sample;
                 assert_true( is_grazing || first - (double)hit.time <= 60.0 / SAMPLES );
             }
         }
@@ -287,7 +287,7 @@ static void a_hit_faces_the_path( void** state )
         {
             wisp_vec3 a = random_point( i, 2 * k, 1.5f ), b = random_point( i, 2 * k + 1, 1.5f );
             wisp_shape_hit hit;
-            if ( wisp_shape_sweep( SHAPES + k, a, b, &hit ) )
+            if ( wisp_shape_cast( SHAPES + k, a, b, &hit ) )
             {
                 wisp_vec3 d = blend( b, -1.0f, a );
                 // a path of 5 m may graze: 6e-7 is the rounding of the product
@@ -314,7 +314,7 @@ static void nothing_gets_inside_without_a_hit( void** state )
             wisp_shape_hit hit;
             bool begins_outside = closest( SHAPES + k, a ).distance >= 0.0f;
             bool ends_inside = closest( SHAPES + k, b ).distance < 0.0f;
-            bool met = wisp_shape_sweep( SHAPES + k, a, b, &hit );
+            bool met = wisp_shape_cast( SHAPES + k, a, b, &hit );
             assert_true( met || !( begins_outside && ends_inside ) );
             assert_true( begins_outside || !met );
             entered += begins_outside && ends_inside ? 1 : 0;
@@ -333,7 +333,7 @@ static void a_path_through_a_flat_plate_meets_it( void** state )
         float side = d.y < 0.0f ? 1.0f : -1.0f;
         at.y = 0.0f;
         wisp_shape_hit hit;
-        assert_true( wisp_shape_sweep( &plate, blend( at, -1.0f, d ), blend( at, 1.0f, d ), &hit ) ||
+        assert_true( wisp_shape_cast( &plate, blend( at, -1.0f, d ), blend( at, 1.0f, d ), &hit ) ||
                      fabsf( at.x ) > 0.98f || fabsf( at.z ) > 0.98f );
         assert_near( hit.point, at, 1e-6f );
         assert_float_equal( hit.normal.y, side, 0.0f );
@@ -351,21 +351,21 @@ static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
     {
         wisp_shape_hit hit;
         // through the whole body and out again, so that the end tells nothing
-        assert_true( wisp_shape_sweep( SHAPES + k, on[k], blend( on[k], -5.0f, outward[k] ), &hit ) );
+        assert_true( wisp_shape_cast( SHAPES + k, on[k], blend( on[k], -5.0f, outward[k] ), &hit ) );
         assert_float_equal( hit.time, 0.0f, 0.0f );
         assert_near( hit.normal, outward[k], 1e-6f );
-        assert_false( wisp_shape_sweep( SHAPES + k, on[k], blend( on[k], 1.0f, outward[k] ), &hit ) );
-        assert_false( wisp_shape_sweep( SHAPES + k, on[k], on[k], &hit ) );
+        assert_false( wisp_shape_cast( SHAPES + k, on[k], blend( on[k], 1.0f, outward[k] ), &hit ) );
+        assert_false( wisp_shape_cast( SHAPES + k, on[k], on[k], &hit ) );
     }
 }
 
 // ---- poses ----
 
-static wisp_rigid random_pose( int i, int k )
+static wisp_transform random_pose( int i, int k )
 {
     wisp_vec3 q = random_point( i, k, 1.0f );
     float w = test_random_float( i, 3 * k + 90, -1.0f, 1.0f );
-    return wisp_rigid_make( ( wisp_quat ){ q.x, q.y, q.z, w }, random_point( i, k + 1, 2.0f ) );
+    return wisp_transform_make( ( wisp_quat ){ q.x, q.y, q.z, w }, random_point( i, k + 1, 2.0f ) );
 }
 
 static void into_the_body_and_back_is_where_one_was( void** state )
@@ -373,11 +373,11 @@ static void into_the_body_and_back_is_where_one_was( void** state )
     (void)state;
     for ( int i = 0; i < POINTS; ++i )
     {
-        wisp_rigid pose = random_pose( i, 0 );
+        wisp_transform pose = random_pose( i, 0 );
         wisp_vec3 p = random_point( i, 5, 2.0f ), q = random_point( i, 6, 2.0f );
-        wisp_vec3 a = wisp_rigid_to_body( pose, p ), b = wisp_rigid_to_body( pose, q );
+        wisp_vec3 a = wisp_transform_to_local( pose, p ), b = wisp_transform_to_local( pose, q );
         // coordinates of up to 6, a dozen roundings of 2^-24 each
-        assert_near( wisp_rigid_to_world( pose, a ), p, 5e-6f );
+        assert_near( wisp_transform_to_world( pose, a ), p, 5e-6f );
         assert_float_equal( length_of( blend( a, -1.0f, b ) ), length_of( blend( p, -1.0f, q ) ), 5e-6f );
     }
 }
@@ -386,10 +386,13 @@ static void a_quarter_turn_goes_the_right_way( void** state )
 {
     (void)state;
     const float s = sqrtf( 0.5f );
-    wisp_rigid pose = wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 3.0f * s, 3.0f * s }, ( wisp_vec3 ){ 1, 2, 3 } );
+    wisp_transform pose =
+        wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 3.0f * s, 3.0f * s }, ( wisp_vec3 ){ 1, 2, 3 } );
     // one unit of rounding a product
-    assert_near( wisp_rigid_to_world( pose, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ), ( wisp_vec3 ){ 1, 3, 3 }, 5e-7f );
-    assert_near( wisp_rigid_to_world( pose, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } ), ( wisp_vec3 ){ 0, 2, 3 }, 5e-7f );
+    assert_near( wisp_transform_to_world( pose, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ), ( wisp_vec3 ){ 1, 3, 3 },
+                 5e-7f );
+    assert_near( wisp_transform_to_world( pose, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } ), ( wisp_vec3 ){ 0, 2, 3 },
+                 5e-7f );
 }
 
 static void a_rotation_without_a_direction_is_none( void** state )
@@ -398,31 +401,32 @@ static void a_rotation_without_a_direction_is_none( void** state )
     const wisp_quat bad[] = { { 0, 0, 0, 0 }, { NAN, 0, 0, 1 }, { INFINITY, 0, 0, 0 }, { 0, -INFINITY, NAN, 0 } };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
     {
-        wisp_rigid pose = wisp_rigid_make( bad[i], ( wisp_vec3 ){ 0, 0, 0 } );
-        assert_near( wisp_rigid_to_world( pose, ( wisp_vec3 ){ 1, 2, 3 } ), ( wisp_vec3 ){ 1, 2, 3 }, 0.0f );
+        wisp_transform pose = wisp_transform_make( bad[i], ( wisp_vec3 ){ 0, 0, 0 } );
+        assert_near( wisp_transform_to_world( pose, ( wisp_vec3 ){ 1, 2, 3 } ), ( wisp_vec3 ){ 1, 2, 3 }, 0.0f );
     }
-    wisp_rigid tiny = wisp_rigid_make( ( wisp_quat ){ 0, 1e-30f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0 } );
+    wisp_transform tiny = wisp_transform_make( ( wisp_quat ){ 0, 1e-30f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 0 } );
     assert_float_equal( tiny.rotation.y, 1.0f, 0.0f );
 }
 
-static wisp_rigid turned_about_z( float degrees )
+static wisp_transform turned_about_z( float degrees )
 {
     float half = degrees * 0.00872664626f;
-    return wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, sinf( half ), cosf( half ) }, ( wisp_vec3 ){ degrees, 0, 0 } );
+    return wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, sinf( half ), cosf( half ) },
+                                ( wisp_vec3 ){ degrees, 0, 0 } );
 }
 
 // The largest departure from a uniform turn, degrees.
 static float turn_error( float degrees, float sign )
 {
-    wisp_rigid from = turned_about_z( 0.0f ), to = turned_about_z( degrees );
+    wisp_transform from = turned_about_z( 0.0f ), to = turned_about_z( degrees );
     wisp_quat q = { sign * to.rotation.x, sign * to.rotation.y, sign * to.rotation.z, sign * to.rotation.w };
     to.rotation = q;
     float most = 0.0f;
     for ( int i = 0; i <= 100; ++i )
     {
         float t = 0.01f * (float)i;
-        wisp_rigid pose = wisp_rigid_between( from, to, t );
-        wisp_vec3 x = wisp_quat_turn( pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } );
+        wisp_transform pose = wisp_transform_interpolate( from, to, t );
+        wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } );
         most = fmaxf( most, fabsf( atan2f( x.y, x.x ) * 57.2957795f - t * degrees ) );
         assert_float_equal( pose.translation.x, t * degrees, 1e-5f );
         assert_float_equal( length_of( x ), 1.0f, 1e-6f );
@@ -439,8 +443,8 @@ static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** 
     assert_true( turn_error( 90.0f, -1.0f ) <= 2.0f );
     assert_true( turn_error( 90.0f, 1.0f ) > 0.5f ); // the bound is worth stating
 
-    wisp_rigid a = random_pose( 3, 0 ), b = random_pose( 4, 0 );
-    wisp_rigid first = wisp_rigid_between( a, b, 0.0f ), last = wisp_rigid_between( a, b, 1.0f );
+    wisp_transform a = random_pose( 3, 0 ), b = random_pose( 4, 0 );
+    wisp_transform first = wisp_transform_interpolate( a, b, 0.0f ), last = wisp_transform_interpolate( a, b, 1.0f );
     assert_memory_equal( &first, &a, sizeof( a ) );
     assert_memory_equal( &last, &b, sizeof( b ) );
 }
@@ -450,11 +454,12 @@ static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
     (void)state;
     for ( int i = 0; i < 200; ++i )
     {
-        wisp_rigid a = random_pose( i, 0 ), b = random_pose( i, 10 );
-        wisp_vec3 p = random_point( i, 30, 1.0f ), start = wisp_rigid_to_world( a, p );
-        wisp_vec3 v = wisp_rigid_velocity( a, b, 0.25f, p );
-        assert_near( blend( start, 0.25f, v ), wisp_rigid_to_world( b, p ), 2e-6f ); // roundings of places of up to 4
-        assert_near( wisp_rigid_velocity( a, b, 0.0f, p ), ( wisp_vec3 ){ 0, 0, 0 }, 0.0f );
+        wisp_transform a = random_pose( i, 0 ), b = random_pose( i, 10 );
+        wisp_vec3 p = random_point( i, 30, 1.0f ), start = wisp_transform_to_world( a, p );
+        wisp_vec3 v = wisp_transform_velocity( a, b, 0.25f, p );
+        assert_near( blend( start, 0.25f, v ), wisp_transform_to_world( b, p ),
+                     2e-6f ); // roundings of places of up to 4
+        assert_near( wisp_transform_velocity( a, b, 0.0f, p ), ( wisp_vec3 ){ 0, 0, 0 }, 0.0f );
     }
 }
 
@@ -476,8 +481,8 @@ static void numbers_that_are_none_are_answered_with_nothing( void** state )
             assert_false( wisp_shape_closest( SHAPES + k, p, &s ) );
             assert_true( isinf( s.distance ) && s.distance > 0.0f );
             assert_float_equal( length_of( s.normal ), 1.0f, 0.0f );
-            assert_false( wisp_shape_sweep( SHAPES + k, p, good, &hit ) );
-            assert_false( wisp_shape_sweep( SHAPES + k, good, p, &hit ) );
+            assert_false( wisp_shape_cast( SHAPES + k, p, good, &hit ) );
+            assert_false( wisp_shape_cast( SHAPES + k, good, p, &hit ) );
             assert_float_equal( hit.time, 0.0f, 0.0f );
         }
     }
@@ -503,8 +508,8 @@ static void a_wrong_size_is_named( void** state )
         wisp_error error = { 0 };
         wisp_surface_point s;
         assert_int_equal( wisp_shape_check( &wrong[i].shape, &error ), WISP_BAD_INPUT );
-        assert_one_sentence( error.sentence );
-        assert_non_null( strstr( error.sentence, wrong[i].word ) );
+        assert_one_message( error.message );
+        assert_non_null( strstr( error.message, wrong[i].word ) );
         assert_false( wisp_shape_closest( &wrong[i].shape, ( wisp_vec3 ){ 0, 0, 0 }, &s ) );
     }
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )

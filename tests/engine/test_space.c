@@ -6,12 +6,12 @@
 enum
 {
     NO_LIMIT = 5000,
-    ONE_POINT_MOST = 300, // every item is every other's neighbour
+    MAX_ONE_POINT = 300, // every item is every other's neighbour
 };
 
 static int count_of( cloud_shape shape, int i )
 {
-    return shape == CLOUD_ONE_POINT && COUNTS[i] > ONE_POINT_MOST ? ONE_POINT_MOST : COUNTS[i];
+    return shape == CLOUD_ONE_POINT && COUNTS[i] > MAX_ONE_POINT ? MAX_ONE_POINT : COUNTS[i];
 }
 
 // ---- brute force ----
@@ -19,18 +19,18 @@ static int count_of( cloud_shape shape, int i )
 // Neighbours of one query in slot order, and how many there are.
 typedef struct naive_list
 {
-    int near_count, shell_count;
-    int32_t near[NO_LIMIT], shell[NO_LIMIT];
+    int near_count, skin_count;
+    int32_t near[NO_LIMIT], skin[NO_LIMIT];
 } naive_list;
 
 // Distances are summed x, y, z in single precision without fused operations, as the engine promises everywhere, so
 // that an item on the very border is judged alike.
 static void search_naively( const wisp_grid* g, const wisp_neighbour_query* query, int q, naive_list* list )
 {
-    const float* p = query->quads + 4 * (size_t)q;
+    const float* p = query->xyzw + 4 * (size_t)q;
     const int32_t owner = owner_of( p );
-    const float near2 = query->near_radius * query->near_radius, shell2 = query->shell_radius * query->shell_radius;
-    list->near_count = list->shell_count = 0;
+    const float near2 = query->near_radius * query->near_radius, shell2 = query->skin_radius * query->skin_radius;
+    list->near_count = list->skin_count = 0;
     for ( int slot = 0; slot < g->count; ++slot )
     {
         float x = g->x[slot] - p[0], y = g->y[slot] - p[1], z = g->z[slot] - p[2];
@@ -43,7 +43,7 @@ static void search_naively( const wisp_grid* g, const wisp_neighbour_query* quer
         }
         else if ( g->owner[slot] != owner && d2 < shell2 )
         {
-            list->shell[list->shell_count++] = number;
+            list->skin[list->skin_count++] = number;
         }
     }
 }
@@ -59,12 +59,12 @@ static int wrong_entries( const wisp_neighbours* found, int q, const naive_list*
 {
     const wisp_neighbour_list* list = &found->within;
     int slice = q / WISP_SLICE, lane = q % WISP_SLICE;
-    int near = at_most( expected->near_count, limit ), kept = near + at_most( expected->shell_count, limit );
+    int near = at_most( expected->near_count, limit ), kept = near + at_most( expected->skin_count, limit );
     const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE + lane;
     int wrong = list->length[slice] < kept ? 1 : 0;
     for ( int k = 0; k < list->length[slice]; ++k )
     {
-        int number = k < near ? expected->near[k] : ( k < kept ? expected->shell[k - near] : q );
+        int number = k < near ? expected->near[k] : ( k < kept ? expected->skin[k - near] : q );
         wrong += entries[(size_t)k * WISP_SLICE] != 4 * number ? 1 : 0;
     }
     wrong += found->near_count[q] != near ? 1 : 0;
@@ -113,8 +113,8 @@ static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour
     {
         search_naively( &s->grid, query, q, list );
         wrong += wrong_entries( &s->found, q, list, query->limit );
-        capped += list->near_count > query->limit || list->shell_count > query->limit ? 1 : 0;
-        pairs += list->near_count + list->shell_count;
+        capped += list->near_count > query->limit || list->skin_count > query->limit ? 1 : 0;
+        pairs += list->near_count + list->skin_count;
     }
     free( list );
     for ( int slice = 0; slice < s->found.slice_count && query->rename == NULL; ++slice )
@@ -131,30 +131,30 @@ static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour
 // The grid's own items as queries, in slot order.
 static float* quads_by_slot( const wisp_grid* g, const cloud* c )
 {
-    float* quads = calloc( 4 * (size_t)g->count + 4, sizeof( float ) );
-    assert_non_null( quads );
+    float* xyzw = calloc( 4 * (size_t)g->count + 4, sizeof( float ) );
+    assert_non_null( xyzw );
     for ( int slot = 0; slot < g->count; ++slot )
     {
-        memcpy( quads + 4 * (size_t)slot, c->quads + 4 * (size_t)g->item[slot], 4 * sizeof( float ) );
+        memcpy( xyzw + 4 * (size_t)slot, c->xyzw + 4 * (size_t)g->item[slot], 4 * sizeof( float ) );
     }
-    return quads;
+    return xyzw;
 }
 
 // Every item asks for its neighbours. @return how many were found
-static int64_t check_cloud( space* s, const cloud* c, float radius, float shell, int limit )
+static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, int limit )
 {
-    assert_int_equal( build_grid( s, c, shell > radius ? shell : radius ), WISP_OK );
-    float* quads = quads_by_slot( &s->grid, c );
+    assert_int_equal( build_grid( s, c, skin > radius ? skin : radius ), WISP_OK );
+    float* xyzw = quads_by_slot( &s->grid, c );
     wisp_neighbour_query query = {
-        .quads = quads,
+        .xyzw = xyzw,
         .query_count = c->count,
         .near_radius = radius,
-        .shell_radius = shell,
+        .skin_radius = skin,
         .limit = limit,
     };
     assert_int_equal( search( s, &query ), WISP_OK );
     int64_t found = assert_found_by_brute_force( s, &query );
-    free( quads );
+    free( xyzw );
     return found;
 }
 
@@ -173,7 +173,7 @@ static void check_every_cloud( space* s, int first_count, int last_count )
             // a check of nothing would show nothing; on the lattice all but the shell is empty
             assert_true( c.count < 1000 || shape == CLOUD_LATTICE || alone > 0 );
             assert_true( c.count < 1000 || with_shell > alone || shape == CLOUD_ONE_POINT );
-            free( c.quads );
+            free( c.xyzw );
         }
     }
 }
@@ -219,12 +219,12 @@ static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_insi
 {
     (void)state;
     // 3, 4, 5: all numbers here, and their squares, are exact in single precision
-    float quads[] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 1.0f, 0.0f, 0.0f, -0.75f, 0.0f, 0.99f, 0.0f };
+    float xyzw[] = { 0.0f, 0.0f, 0.0f, 0.0f, 0.75f, 1.0f, 0.0f, 0.0f, -0.75f, 0.0f, 0.99f, 0.0f };
     for ( int32_t i = 0; i < 3; ++i )
     {
-        memcpy( quads + 4 * i + 3, &i, sizeof( i ) );
+        memcpy( xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
-    cloud c = { 3, quads };
+    cloud c = { 3, xyzw };
     space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
     assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
@@ -255,8 +255,8 @@ static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
         {
             other = nextafterf( other, -INFINITY );
         }
-        c->quads[4 * i] = x;
-        c->quads[4 * i + 4] = other;
+        c->xyzw[4 * i] = x;
+        c->xyzw[4 * i + 4] = other;
     }
 }
 
@@ -268,8 +268,8 @@ static void items_on_the_borders_of_cells_find_each_other( void** state )
     cloud c = make_cloud( CLOUD_ONE_POINT, BORDER_ITEMS );
     for ( int32_t i = 0; i < c.count; ++i )
     {
-        c.quads[4 * i] = i % 2 == 0 ? first : last;
-        memcpy( c.quads + 4 * i + 3, &i, sizeof( i ) );
+        c.xyzw[4 * i] = i % 2 == 0 ? first : last;
+        memcpy( c.xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
     space* s = space_open( 1, baseline() );
     // the ends decide about the cells, so that they stay as they are when the others move
@@ -279,7 +279,7 @@ static void items_on_the_borders_of_cells_find_each_other( void** state )
         place_on_borders( &c, &s->grid, radius );
         assert_true( check_cloud( s, &c, radius, 0.0f, NO_LIMIT ) >= BORDER_ITEMS - 2 );
     }
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -289,12 +289,12 @@ static void items_of_the_querys_owner_are_left_out( void** state )
     cloud c = make_cloud( CLOUD_ONE_POINT, 100 );
     for ( int32_t i = 0, owner = 5; i < c.count; ++i )
     {
-        memcpy( c.quads + 4 * i + 3, &owner, sizeof( owner ) );
+        memcpy( c.xyzw + 4 * i + 3, &owner, sizeof( owner ) );
     }
     space* s = space_open( 1, baseline() );
     assert_int_equal( check_cloud( s, &c, 1.0f, 2.0f, NO_LIMIT ), 0 );
     assert_int_equal( s->found.entries, 0 );
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -312,7 +312,7 @@ static void a_limit_keeps_the_first_in_order_and_counts_the_queries_that_meet_it
         assert_true( s->found.capped > 0 );
         space_close( s );
     }
-    free( c.quads );
+    free( c.xyzw );
 }
 
 static void a_list_that_just_fits_its_limit_is_not_counted( void** state )
@@ -321,14 +321,14 @@ static void a_list_that_just_fits_its_limit_is_not_counted( void** state )
     cloud c = make_cloud( CLOUD_ONE_POINT, 17 );
     for ( int32_t i = 0; i < c.count; ++i )
     {
-        memcpy( c.quads + 4 * i + 3, &i, sizeof( i ) );
+        memcpy( c.xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
     space* s = space_open( 1, baseline() );
     check_cloud( s, &c, 1.0f, 0.0f, 16 );
     assert_int_equal( s->found.capped, 0 );
     check_cloud( s, &c, 1.0f, 0.0f, 15 );
     assert_int_equal( s->found.capped, 17 );
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -339,16 +339,16 @@ static void slots_are_reported_under_their_new_names( void** state )
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
     wisp_neighbour_query query = {
-        .quads = c.quads, // in the items' order
+        .xyzw = c.xyzw, // in the items' order
         .query_count = c.count,
         .near_radius = 0.2f,
-        .shell_radius = 0.24f,
+        .skin_radius = 0.24f,
         .limit = NO_LIMIT,
         .rename = s->grid.item,
     };
     assert_int_equal( search( s, &query ), WISP_OK );
     assert_true( assert_found_by_brute_force( s, &query ) > 1000 );
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -362,11 +362,11 @@ static void a_radius_wider_or_narrower_than_the_cells_finds_the_same( void** sta
     {
         s->fine = 1 + i % 3;
         assert_int_equal( build_grid( s, &c, CELLS[i] ), WISP_OK );
-        wisp_neighbour_query query = { c.quads, c.count, 0.3f, 0.4f, NO_LIMIT, s->grid.item };
+        wisp_neighbour_query query = { c.xyzw, c.count, 0.3f, 0.4f, NO_LIMIT, s->grid.item };
         assert_int_equal( search( s, &query ), WISP_OK );
         assert_true( assert_found_by_brute_force( s, &query ) > 500 );
     }
-    free( c.quads );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -377,18 +377,18 @@ static void assert_strangers_find_their_neighbours( cloud_shape shape )
     for ( int32_t i = 0, owner = -1; i < strangers.count; ++i )
     {
         float scale = i % 10 == 0 ? 1e6f : ( i % 3 == 0 ? 1.2f : 0.9f );
-        strangers.quads[4 * i] *= scale;
-        strangers.quads[4 * i + 1] *= scale;
-        strangers.quads[4 * i + 2] *= scale;
-        memcpy( strangers.quads + 4 * i + 3, &owner, sizeof( owner ) );
+        strangers.xyzw[4 * i] *= scale;
+        strangers.xyzw[4 * i + 1] *= scale;
+        strangers.xyzw[4 * i + 2] *= scale;
+        memcpy( strangers.xyzw + 4 * i + 3, &owner, sizeof( owner ) );
     }
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     assert_int_equal( build_grid( s, &c, 0.2f ), WISP_OK );
-    wisp_neighbour_query query = { strangers.quads, strangers.count, 0.2f, 0.25f, NO_LIMIT, NULL };
+    wisp_neighbour_query query = { strangers.xyzw, strangers.count, 0.2f, 0.25f, NO_LIMIT, NULL };
     assert_int_equal( search( s, &query ), WISP_OK );
     int64_t found = assert_found_by_brute_force( s, &query );
-    free( c.quads );
-    free( strangers.quads );
+    free( c.xyzw );
+    free( strangers.xyzw );
     space_close( s );
     assert_true( found > 0 );
 }
@@ -411,7 +411,7 @@ static void no_query_and_no_item_find_nothing( void** state )
     cloud none = make_cloud( CLOUD_BALL, 0 ), some = make_cloud( CLOUD_BALL, 20 );
     space* s = space_open( 2, baseline() );
     assert_int_equal( build_grid( s, &none, 0.1f ), WISP_OK );
-    wisp_neighbour_query query = { some.quads, some.count, 1.0f, 2.0f, NO_LIMIT, NULL };
+    wisp_neighbour_query query = { some.xyzw, some.count, 1.0f, 2.0f, NO_LIMIT, NULL };
     assert_int_equal( search( s, &query ), WISP_OK );
     assert_int_equal( assert_found_by_brute_force( s, &query ), 0 );
 
@@ -420,8 +420,8 @@ static void no_query_and_no_item_find_nothing( void** state )
     assert_int_equal( search( s, &query ), WISP_OK );
     assert_int_equal( s->found.slice_count, 0 );
     assert_int_equal( s->found.entries, 0 );
-    free( none.quads );
-    free( some.quads );
+    free( none.xyzw );
+    free( some.xyzw );
     space_close( s );
 }
 
@@ -433,10 +433,10 @@ static void a_second_build_of_the_same_asks_for_no_memory( void** state )
     cloud c = make_cloud( CLOUD_BALL, 1000 );
     space* s = space_open( 2, kernels_select( NULL, NULL ) );
     check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
-    int64_t asked = atomic_load( &s->host.asked );
+    int64_t queried = atomic_load( &s->host.queried );
     check_cloud( s, &c, 0.2f, 0.25f, NO_LIMIT );
-    assert_int_equal( atomic_load( &s->host.asked ), asked );
-    free( c.quads );
+    assert_int_equal( atomic_load( &s->host.queried ), queried );
+    free( c.xyzw );
     space_close( s );
 }
 
@@ -448,7 +448,7 @@ static wisp_status build_two( space* s, const cloud* small, const cloud* large )
     for ( int i = 0; i < 2 && status == WISP_OK; ++i )
     {
         status = build_grid( s, clouds[i], 0.25f );
-        wisp_neighbour_query query = { clouds[i]->quads, clouds[i]->count, 0.2f, 0.25f, NO_LIMIT, s->grid.item };
+        wisp_neighbour_query query = { clouds[i]->xyzw, clouds[i]->count, 0.2f, 0.25f, NO_LIMIT, s->grid.item };
         status = status == WISP_OK ? search( s, &query ) : status;
     }
     return status;
@@ -473,8 +473,8 @@ static void a_build_without_memory_says_so_and_the_next_one_works( void** state 
         space_close( s );
     }
     assert_true( failures >= 7 ); // four buffers of the grid and three of the lists, and their growth
-    free( small.quads );
-    free( large.quads );
+    free( small.xyzw );
+    free( large.xyzw );
 }
 
 int main( void )

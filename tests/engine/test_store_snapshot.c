@@ -153,14 +153,14 @@ static void what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot( void
     }
 }
 
-// The bytes are refused with a sentence, and nothing has changed.
+// The bytes are refused with a message, and nothing has changed.
 static void assert_refused( store* s, const void* bytes, size_t size )
 {
     visible before = look_at( s );
     wisp_error error = { WISP_OK, "" };
     assert_int_equal( store_restore( s, bytes, size, &error ), WISP_BAD_INPUT );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_one_sentence( error.sentence );
+    assert_one_message( error.message );
     assert_same_visible( look_at( s ), before );
 }
 

@@ -31,8 +31,8 @@ static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_cou
     def.pins = pins;
     def.pin_count = pin_count;
     wisp_entity e = test_surface_of( h->world, &fabric, def );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_MOTION_STATS ), WISP_OK );
     test_mesh_free( &mesh );
     return e;
 }
@@ -50,7 +50,7 @@ static void a_surface_in_free_fall_gains_g_t_and_no_strain( void** state )
     assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 100 );
-    wisp_quality q = quality_of( h->world, e );
+    wisp_motion_stats q = motion_stats_of( h->world, e );
     // the sum of 100 steps of symplectic Euler; velocities are read back from positions, whose rounding at 5 m is 5e-7 m
     assert_near( q.momentum[1] / q.mass, -9.8 * 1.0, 1e-3 );
     assert_near( q.centre[1], -9.8 * 1e-4 * 100.0 * 101.0 / 2.0, 1e-3 );
@@ -67,7 +67,7 @@ static void mass_is_area_times_density_whatever_the_mesh( void** state )
         run( h->world, 1 );
         double side = 0.1 * ( n - 1 );
         // a sum of n^2 masses that are inverses of rounded inverses
-        assert_near( quality_of( h->world, e ).mass, 0.15 * side * side, 1e-5 * side * side );
+        assert_near( motion_stats_of( h->world, e ).mass, 0.15 * side * side, 1e-5 * side * side );
     }
 }
 
@@ -181,7 +181,7 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
     };
     hosted* h = *state;
     wisp_entity e[STARTS];
-    wisp_quality first[STARTS];
+    wisp_motion_stats first[STARTS];
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.damping = 50.0f;
     for ( int n = 0; n < STARTS; ++n )
@@ -194,13 +194,13 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
     run( h->world, 1 );
     for ( int n = 0; n < STARTS; ++n )
     {
-        first[n] = quality_of( h->world, e[n] );
+        first[n] = motion_stats_of( h->world, e[n] );
     }
     run( h->world, 99 );
     double mean = 0.0; // of what is off along z
     for ( int n = 0; n < STARTS; ++n )
     {
-        const wisp_quality q = quality_of( h->world, e[n] );
+        const wisp_motion_stats q = motion_stats_of( h->world, e[n] );
         const double x = q.momentum[0] / q.mass - 1.0 - 0.01 * n, z = q.momentum[2] / q.mass - 3.0 + 0.01 * n;
         // velocities are differences of positions (rounding 6e-8 m near 1 m, 1.2e-7 m near 3 m) over 0.01 s, averaged over 81
         // vertices; along z 100 steps made up to 5e-5 of it
@@ -218,9 +218,9 @@ static void speed_strain_and_normals_are_in_the_users_order( void** state )
 {
     hosted* h = *state;
     wisp_entity e = add_plane( h, 6, NULL, 0 );
-    assert_int_equal( wisp_want( h->world, e, WISP_POINT_SPEED ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_POINT_STRAIN ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_POINT_SPEED ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_POINT_STRAIN ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_NORMALS ), WISP_OK );
     const wisp_fabric* fabric = wisp_world_fabric( h->world, e );
     float* velocity = wisp_world_column( h->world, e, WISP_PARTICLE_VELOCITY, 0 );
     velocity[4 * fabric->vertex_slot[17] + 1] = 2.0f;
@@ -243,9 +243,9 @@ static void an_instance_starts_at_rest_with_the_same_masses( void** state )
     run( h->world, 1 );
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, e, &copy ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, copy, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, copy, WISP_MOTION_STATS ), WISP_OK );
     run( h->world, 1 );
-    assert_true( quality_of( h->world, copy ).mass == quality_of( h->world, e ).mass );
+    assert_true( motion_stats_of( h->world, copy ).mass == motion_stats_of( h->world, e ).mass );
     assert_ptr_equal( wisp_world_fabric( h->world, copy ), wisp_world_fabric( h->world, e ) );
 }
 

@@ -36,44 +36,44 @@ static int best_by_budget( const surface* s, double budget )
 static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all( void** state )
 {
     (void)state;
-    int runs = 0, choices = 0;
+    int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 4 );
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
-        searched job = search_of( &s, target, 0.0 );
-        wisp_tune_result found = find( &job );
+        searched args = search_of( &s, target, 0.0 );
+        wisp_tune_result found = find( &args );
         const int best = best_by_error( &s, target );
-        assert_true( found.is_met );
-        assert_false( found.is_cut );
-        assert_int_equal( number_of( &s, found.choice ), best );
+        assert_true( found.meets_target );
+        assert_false( found.stopped_early );
+        assert_int_equal( number_of( &s, found.configuration ), best );
         assert_true( found.achieved.ms == s.ms[best] && found.achieved.error == s.error[best] );
         assert_true( found.achieved.largest == 2.0 * s.error[best] );
-        assert_true( found.values[1] == VALUES[found.choice[1]] );
+        assert_true( found.values[1] == VALUES[found.configuration[1]] );
         runs += found.run_count;
-        choices += size_of( &s );
+        configurations += size_of( &s );
         wisp_tune_release( &found );
     }
-    assert_true( 4 * runs < choices ); // a fifth of them is what it takes
+    assert_true( 4 * runs < configurations ); // a fifth of them is what it takes
 }
 
 static void the_most_accurate_choice_within_a_budget_is_found_without_running_all( void** state )
 {
     (void)state;
-    int runs = 0, choices = 0;
+    int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 4 );
         const double budget = between( s.ms, size_of( &s ), random_unit( seed, 31, 0 ) );
-        searched job = search_of( &s, 0.0, budget );
-        wisp_tune_result found = find( &job );
-        assert_true( found.is_met );
-        assert_int_equal( number_of( &s, found.choice ), best_by_budget( &s, budget ) );
+        searched args = search_of( &s, 0.0, budget );
+        wisp_tune_result found = find( &args );
+        assert_true( found.meets_target );
+        assert_int_equal( number_of( &s, found.configuration ), best_by_budget( &s, budget ) );
         runs += found.run_count;
-        choices += size_of( &s );
+        configurations += size_of( &s );
         wisp_tune_release( &found );
     }
-    assert_true( 4 * runs < choices );
+    assert_true( 4 * runs < configurations );
 }
 
 static void values_out_of_order_cost_a_tenth_at_most( void** state )
@@ -84,9 +84,9 @@ static void values_out_of_order_cost_a_tenth_at_most( void** state )
         surface s = make_surface( seed, 6, 5, 3 );
         make_bumpy( &s, seed, 0.15 );
         const double target = between( s.error, size_of( &s ), 0.2 + 0.6 * random_unit( seed, 30, 0 ) );
-        searched job = search_of( &s, target, 0.0 );
-        wisp_tune_result found = find( &job );
-        assert_true( found.is_met && found.achieved.error <= target );
+        searched args = search_of( &s, target, 0.0 );
+        wisp_tune_result found = find( &args );
+        assert_true( found.meets_target && found.achieved.error <= target );
         assert_true( found.achieved.ms <= 1.1 * s.ms[best_by_error( &s, target )] );
         wisp_tune_release( &found );
     }
@@ -98,7 +98,7 @@ static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state
     surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
     searched by_error = search_of( &s, 0.3, 0.0 );
     wisp_tune_result cheap = find( &by_error );
-    assert_int_equal( cheap.choice[0], 4 );
+    assert_int_equal( cheap.configuration[0], 4 );
     wisp_tune_release( &cheap );
 }
 
@@ -110,15 +110,15 @@ static void nothing_is_concluded_across_values_without_order( void** state )
         surface s = make_surface( seed, 6, 1, 4 );
         for ( int i = 0; i < size_of( &s ); ++i )
         {
-            // The third knob changes time and error by whatever it likes.
+            // The third parameter changes time and error by whatever it likes.
             s.ms[i] *= 0.3 + random_unit( seed, 40, i % 4 );
             s.error[i] *= 0.3 + random_unit( seed, 41, i % 4 );
         }
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
-        searched job = search_of( &s, target, 0.0 );
-        job.knobs[2].is_unordered = true;
-        wisp_tune_result found = find( &job );
-        assert_int_equal( number_of( &s, found.choice ), best_by_error( &s, target ) );
+        searched args = search_of( &s, target, 0.0 );
+        args.parameters[2].is_unordered = true;
+        wisp_tune_result found = find( &args );
+        assert_int_equal( number_of( &s, found.configuration ), best_by_error( &s, target ) );
         wisp_tune_release( &found );
     }
 }
@@ -131,11 +131,11 @@ static void noise_of_times_never_lets_an_error_pass( void** state )
         surface s = make_surface( seed, 6, 5, 3 );
         s.noise = 0.1;
         const double target = between( s.error, size_of( &s ), random_unit( seed, 30, 0 ) );
-        searched job = search_of( &s, target, 0.0 );
-        job.job.repeats = 5;
-        wisp_tune_result found = find( &job );
-        const int chosen = number_of( &s, found.choice );
-        assert_true( found.is_met );
+        searched args = search_of( &s, target, 0.0 );
+        args.args.repeats = 5;
+        wisp_tune_result found = find( &args );
+        const int chosen = number_of( &s, found.configuration );
+        assert_true( found.meets_target );
         assert_true( s.error[chosen] <= target );
         // Two times that are off by a tenth each, the wrong way, differ by 1.1 / 0.9.
         assert_true( s.ms[chosen] <= 1.23 * s.ms[best_by_error( &s, target )] );
@@ -151,9 +151,10 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
         surface s = make_surface( seed, 5, 4, 3 );
         for ( int i = 0; i < size_of( &s ); ++i )
         {
-            const int choice[3] = { i / 12, i / 3 % 4, i % 3 };
+            const int configuration[3] = { i / 12, i / 3 % 4, i % 3 };
             // One rough corner and one fine one.
-            s.is_halted[i] = choice[0] + choice[1] < 2 || choice[0] + choice[1] + choice[2] > 7;
+            s.is_halted[i] =
+                configuration[0] + configuration[1] < 2 || configuration[0] + configuration[1] + configuration[2] > 7;
         }
         const double target = between( s.error, size_of( &s ), 0.2 + 0.8 * random_unit( seed, 30, 0 ) );
         const double budget = between( s.ms, size_of( &s ), 0.3 + 0.7 * random_unit( seed, 31, 0 ) );
@@ -162,10 +163,10 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
         const int best = best_by_error( &s, target );
         if ( best >= 0 )
         {
-            assert_int_equal( number_of( &s, cheap.choice ), best );
+            assert_int_equal( number_of( &s, cheap.configuration ), best );
         }
         assert_false( cheap.achieved.is_halted );
-        assert_int_equal( number_of( &s, accurate.choice ), best_by_budget( &s, budget ) );
+        assert_int_equal( number_of( &s, accurate.configuration ), best_by_budget( &s, budget ) );
         wisp_tune_release( &cheap );
         wisp_tune_release( &accurate );
     }
@@ -177,11 +178,11 @@ static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( vo
 {
     (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
-    searched job = search_of( &s, 1e-30, 0.0 );
-    wisp_tune_result found = find( &job );
-    assert_false( found.is_met );
-    assert_false( found.is_cut );
-    assert_int_equal( number_of( &s, found.choice ), size_of( &s ) - 1 );
+    searched args = search_of( &s, 1e-30, 0.0 );
+    wisp_tune_result found = find( &args );
+    assert_false( found.meets_target );
+    assert_false( found.stopped_early );
+    assert_int_equal( number_of( &s, found.configuration ), size_of( &s ) - 1 );
     wisp_tune_release( &found );
 }
 
@@ -189,10 +190,10 @@ static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** s
 {
     (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
-    searched job = search_of( &s, 0.0, 1e-30 );
-    wisp_tune_result found = find( &job );
-    assert_false( found.is_met );
-    assert_int_equal( number_of( &s, found.choice ), 0 );
+    searched args = search_of( &s, 0.0, 1e-30 );
+    wisp_tune_result found = find( &args );
+    assert_false( found.meets_target );
+    assert_int_equal( number_of( &s, found.configuration ), 0 );
     wisp_tune_release( &found );
 }
 
@@ -204,14 +205,14 @@ static void where_every_choice_halts_nothing_is_met( void** state )
     {
         s.is_halted[i] = true;
     }
-    searched job = search_of( &s, 1.0, 0.0 );
-    wisp_tune_result found = find( &job );
-    assert_false( found.is_met );
+    searched args = search_of( &s, 1.0, 0.0 );
+    wisp_tune_result found = find( &args );
+    assert_false( found.meets_target );
     assert_true( found.achieved.is_halted );
-    assert_int_equal( found.visit_count, size_of( &s ) );
-    for ( int v = 0; v < found.visit_count; ++v )
+    assert_int_equal( found.trial_count, size_of( &s ) );
+    for ( int v = 0; v < found.trial_count; ++v )
     {
-        assert_false( found.visits[v].is_front );
+        assert_false( found.trials[v].is_pareto );
     }
     wisp_tune_release( &found );
 }
@@ -223,22 +224,22 @@ static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
     (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     s.noise = 0.05;
-    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-    job.job.repeats = 3;
-    wisp_tune_result found = find( &job );
-    int again = 0, asked = 0;
-    for ( int v = 0; v < found.visit_count; ++v )
+    searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    args.args.repeats = 3;
+    wisp_tune_result found = find( &args );
+    int again = 0, queried = 0;
+    for ( int v = 0; v < found.trial_count; ++v )
     {
-        const int runs = s.asked[number_of( &s, found.visits[v].choice )];
-        assert_int_equal( runs, found.visits[v].run_count );
-        assert_true( runs == 1 || ( runs <= 3 && found.visits[v].sample.error <= job.job.error ) );
+        const int runs = s.queried[number_of( &s, found.trials[v].configuration )];
+        assert_int_equal( runs, found.trials[v].run_count );
+        assert_true( runs == 1 || ( runs <= 3 && found.trials[v].sample.error <= args.args.error ) );
         again += runs > 1;
-        asked += runs;
+        queried += runs;
     }
     assert_true( again >= 1 );
-    assert_int_equal( asked, found.run_count );
+    assert_int_equal( queried, found.run_count );
     assert_int_equal( s.run_count, found.run_count );
-    assert_int_equal( s.asked[number_of( &s, found.choice )], 3 );
+    assert_int_equal( s.queried[number_of( &s, found.configuration )], 3 );
     wisp_tune_release( &found );
 }
 
@@ -248,25 +249,25 @@ static void a_limit_of_runs_is_kept_and_told( void** state )
     for ( int limit = 1; limit <= 12; ++limit )
     {
         surface s = make_surface( 5, 6, 5, 4 );
-        searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-        job.job.max_runs = limit;
-        job.job.repeats = 3;
-        wisp_tune_result found = find( &job );
+        searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+        args.args.max_runs = limit;
+        args.args.repeats = 3;
+        wisp_tune_result found = find( &args );
         assert_true( s.run_count <= limit && found.run_count == s.run_count );
-        assert_true( found.is_cut );
-        assert_true( found.visit_count >= 1 );
-        assert_true( found.is_met == ( found.achieved.error <= job.job.error ) );
+        assert_true( found.stopped_early );
+        assert_true( found.trial_count >= 1 );
+        assert_true( found.meets_target == ( found.achieved.error <= args.args.error ) );
         wisp_tune_release( &found );
     }
 }
 
-// ---- many knobs ----
+// ---- many parameters ----
 
 #define MANY 6
 
 static const int MANY_COUNTS[MANY] = { 4, 4, 3, 3, 3, 4 };
 
-/// Factors of time and error by knob and value; the last two knobs have no order.
+/// Factors of time and error by parameter and value; the last two parameters have no order.
 typedef struct many_surface
 {
     double dear[MANY][5], fine[MANY][5];
@@ -288,15 +289,15 @@ static many_surface make_many( uint64_t seed )
     return s;
 }
 
-static wisp_status run_many( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error )
+static wisp_status run_many( void* user, const int* configuration, wisp_tune_sample* out, wisp_error* error )
 {
     (void)error;
     const many_surface* s = user;
     *out = ( wisp_tune_sample ){ .ms = 1.0, .error = 1.0, .largest = 1.0 };
     for ( int k = 0; k < MANY; ++k )
     {
-        out->ms *= s->dear[k][choice[k]];
-        out->error *= s->fine[k][choice[k]];
+        out->ms *= s->dear[k][configuration[k]];
+        out->error *= s->fine[k][configuration[k]];
     }
     return WISP_OK;
 }
@@ -304,15 +305,15 @@ static wisp_status run_many( void* user, const int* choice, wisp_tune_sample* ou
 static double best_of_many( const many_surface* s, double target )
 {
     double best = INFINITY;
-    int choice[MANY] = { 0 };
+    int configuration[MANY] = { 0 };
     for ( int k = 0; k >= 0; )
     {
         wisp_tune_sample sample;
-        run_many( (void*)s, choice, &sample, NULL );
+        run_many( (void*)s, configuration, &sample, NULL );
         best = sample.error <= target ? fmin( best, sample.ms ) : best;
-        for ( k = MANY - 1; k >= 0 && ++choice[k] == MANY_COUNTS[k]; --k )
+        for ( k = MANY - 1; k >= 0 && ++configuration[k] == MANY_COUNTS[k]; --k )
         {
-            choice[k] = 0;
+            configuration[k] = 0;
         }
     }
     return best;
@@ -326,22 +327,22 @@ static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state 
     for ( int seed = 1; seed <= 10; ++seed )
     {
         many_surface s = make_many( (uint64_t)seed );
-        wisp_tune_knob knobs[MANY];
+        wisp_tune_parameter parameters[MANY];
         for ( int k = 0; k < MANY; ++k )
         {
-            knobs[k] = ( wisp_tune_knob ){ "k", VALUES, MANY_COUNTS[k], k >= MANY - 2 };
+            parameters[k] = ( wisp_tune_parameter ){ "k", VALUES, MANY_COUNTS[k], k >= MANY - 2 };
         }
-        wisp_tune_job job = wisp_default_tune_job();
-        job.knobs = knobs;
-        job.knob_count = MANY;
-        job.error = 0.02;
-        job.run = run_many;
-        job.user = &s;
-        job.max_runs = 60;
-        job.repeats = 1;
+        wisp_tune_def args = wisp_default_tune_def();
+        args.parameters = parameters;
+        args.parameter_count = MANY;
+        args.error = 0.02;
+        args.run = run_many;
+        args.user = &s;
+        args.max_runs = 60;
+        args.repeats = 1;
         wisp_tune_result result;
-        assert_int_equal( wisp_tune( &job, &result, NULL ), WISP_OK );
-        assert_true( result.is_met && result.run_count <= 60 );
+        assert_int_equal( wisp_tune( &args, &result, NULL ), WISP_OK );
+        assert_true( result.meets_target && result.run_count <= 60 );
         sum += result.achieved.ms / best_of_many( &s, 0.02 ) - 1.0;
         wisp_tune_release( &result );
     }
@@ -353,11 +354,11 @@ static void time_that_is_up_leaves_one_run( void** state )
 {
     (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
-    searched job = search_of( &s, 0.01, 0.0 );
-    job.job.max_seconds = 1e-300;
-    wisp_tune_result found = find( &job );
+    searched args = search_of( &s, 0.01, 0.0 );
+    args.args.max_seconds = 1e-300;
+    wisp_tune_result found = find( &args );
     assert_int_equal( s.run_count, 1 );
-    assert_true( found.is_cut );
+    assert_true( found.stopped_early );
     wisp_tune_release( &found );
 }
 
@@ -371,26 +372,26 @@ static void the_host_may_stop_a_search( void** state )
 {
     (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
-    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     int told = 0;
-    job.job.progress = stop_after_five;
-    job.job.progress_user = &told;
-    wisp_tune_result found = find( &job );
+    args.args.progress = stop_after_five;
+    args.args.progress_user = &told;
+    wisp_tune_result found = find( &args );
     assert_int_equal( s.run_count, 5 );
     assert_int_equal( told, 5 );
-    assert_true( found.is_cut );
+    assert_true( found.stopped_early );
     wisp_tune_release( &found );
 }
 
-static void a_knob_of_one_value_is_left_alone( void** state )
+static void a_parameter_of_one_value_is_left_alone( void** state )
 {
     (void)state;
     surface s = make_surface( 5, 1, 1, 1 );
-    searched job = search_of( &s, 1.0, 0.0 );
-    wisp_tune_result found = find( &job );
+    searched args = search_of( &s, 1.0, 0.0 );
+    wisp_tune_result found = find( &args );
     assert_int_equal( found.run_count, 1 );
-    assert_true( found.is_met );
-    assert_false( found.is_cut );
+    assert_true( found.meets_target );
+    assert_false( found.stopped_early );
     wisp_tune_release( &found );
 }
 
@@ -401,11 +402,11 @@ static void the_same_samples_lead_to_the_same_result( void** state )
     first.noise = second.noise = 0.2;
     const double target = between( first.error, size_of( &first ), 0.5 );
     searched a = search_of( &first, target, 0.0 ), b = search_of( &second, target, 0.0 );
-    a.job.repeats = b.job.repeats = 3;
+    a.args.repeats = b.args.repeats = 3;
     wisp_tune_result x = find( &a ), y = find( &b );
-    assert_memory_equal( x.choice, y.choice, sizeof( x.choice ) );
-    assert_int_equal( x.visit_count, y.visit_count );
-    assert_memory_equal( first.asked, second.asked, sizeof( first.asked ) );
+    assert_memory_equal( x.configuration, y.configuration, sizeof( x.configuration ) );
+    assert_int_equal( x.trial_count, y.trial_count );
+    assert_memory_equal( first.queried, second.queried, sizeof( first.queried ) );
     wisp_tune_release( &x );
     wisp_tune_release( &y );
 }
@@ -414,21 +415,21 @@ static void the_front_is_what_nothing_beats( void** state )
 {
     (void)state;
     surface s = make_surface( 9, 6, 5, 4 );
-    searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-    wisp_tune_result found = find( &job );
+    searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+    wisp_tune_result found = find( &args );
     int fronts = 0;
-    for ( int v = 0; v < found.visit_count; ++v )
+    for ( int v = 0; v < found.trial_count; ++v )
     {
         bool is_beaten = false;
-        for ( int w = 0; w < found.visit_count; ++w )
+        for ( int w = 0; w < found.trial_count; ++w )
         {
-            const wisp_tune_sample *a = &found.visits[w].sample, *b = &found.visits[v].sample;
+            const wisp_tune_sample *a = &found.trials[w].sample, *b = &found.trials[v].sample;
             is_beaten |= a->ms <= b->ms && a->error <= b->error && ( a->ms < b->ms || a->error < b->error );
         }
-        assert_true( found.visits[v].is_front == !is_beaten );
-        fronts += found.visits[v].is_front;
+        assert_true( found.trials[v].is_pareto == !is_beaten );
+        fronts += found.trials[v].is_pareto;
     }
-    assert_true( fronts > 1 && fronts < found.visit_count );
+    assert_true( fronts > 1 && fronts < found.trial_count );
     wisp_tune_release( &found );
 }
 
@@ -450,7 +451,7 @@ int main( void )
         cmocka_unit_test( a_limit_of_runs_leaves_enough_to_look_beside_the_best ),
         cmocka_unit_test( time_that_is_up_leaves_one_run ),
         cmocka_unit_test( the_host_may_stop_a_search ),
-        cmocka_unit_test( a_knob_of_one_value_is_left_alone ),
+        cmocka_unit_test( a_parameter_of_one_value_is_left_alone ),
         cmocka_unit_test( the_same_samples_lead_to_the_same_result ),
         cmocka_unit_test( the_front_is_what_nothing_beats ),
     };

@@ -1,17 +1,17 @@
 // What the search for a setting refuses, and how it ends where a host or memory fails.
 #include "tune_fixture.h"
 
-static void assert_no_search( searched* job, wisp_status expected, const char* words )
+static void assert_no_search( searched* args, wisp_status expected, const char* words )
 {
-    job->job.knobs = job->job.knobs ? job->job.knobs : job->knobs;
+    args->args.parameters = args->args.parameters ? args->args.parameters : args->parameters;
     wisp_tune_result result = { .run_count = 77 };
     wisp_error error = { 0 };
-    assert_int_equal( wisp_tune( &job->job, &result, &error ), expected );
+    assert_int_equal( wisp_tune( &args->args, &result, &error ), expected );
     assert_int_equal( result.run_count, 0 );
-    assert_null( result.visits );
-    if ( !strstr( error.sentence, words ) )
+    assert_null( result.trials );
+    if ( !strstr( error.message, words ) )
     {
-        fail_msg( "'%s' is not in: %s", words, error.sentence );
+        fail_msg( "'%s' is not in: %s", words, error.message );
     }
 }
 
@@ -22,8 +22,8 @@ static void bad_targets_are_refused( void** state )
     surface s = make_surface( 1, 2, 2, 2 );
     for ( int i = 0; i < WISP_COUNT( targets ); ++i )
     {
-        searched job = search_of( &s, targets[i][0], targets[i][1] );
-        assert_no_search( &job, WISP_BAD_INPUT, "expected one of them above 0 and the other 0" );
+        searched args = search_of( &s, targets[i][0], targets[i][1] );
+        assert_no_search( &args, WISP_BAD_INPUT, "expected one of them above 0 and the other 0" );
     }
     searched nan = search_of( &s, NAN, 0.0 ), infinite = search_of( &s, 0.0, INFINITY );
     assert_no_search( &nan, WISP_BAD_INPUT, "error, budget_ms: got nan" );
@@ -31,26 +31,26 @@ static void bad_targets_are_refused( void** state )
     assert_int_equal( s.run_count, 0 );
 }
 
-static void bad_knobs_are_refused( void** state )
+static void bad_parameters_are_refused( void** state )
 {
     (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
-    none.job.knob_count = 0;
+    none.args.parameter_count = 0;
     assert_no_search( &none, WISP_BAD_INPUT, "got 0 parameters" );
-    nine.job.knob_count = 9;
+    nine.args.parameter_count = 9;
     assert_no_search( &nine, WISP_BAD_INPUT, "got 9 parameters" );
-    nameless.knobs[1].name = "";
+    nameless.parameters[1].name = "";
     assert_no_search( &nameless, WISP_BAD_INPUT, "parameter 1: got no name" );
-    empty.knobs[2].value_count = 0;
+    empty.parameters[2].value_count = 0;
     assert_no_search( &empty, WISP_BAD_INPUT, "parameter 'third': got 0 values" );
-    absent.knobs[0].values = NULL;
+    absent.parameters[0].values = NULL;
     assert_no_search( &absent, WISP_BAD_INPUT, "parameter 'substeps': got 0 values" );
-    wisp_tune_knob wide[4] = {
+    wisp_tune_parameter wide[4] = {
         { "a", VALUES, 16, false }, { "b", VALUES, 16, false }, { "c", VALUES, 16, false }, { "d", VALUES, 2, false }
     };
-    many.job.knobs = wide;
-    many.job.knob_count = 4;
+    many.args.parameters = wide;
+    many.args.parameter_count = 4;
     assert_no_search( &many, WISP_BAD_INPUT, "8192 configurations" );
     assert_int_equal( s.run_count, 0 );
 }
@@ -60,29 +60,29 @@ static void bad_limits_are_refused( void** state )
     (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
-    runs.job.max_runs = 0;
+    runs.args.max_runs = 0;
     assert_no_search( &runs, WISP_BAD_INPUT, "max_runs, max_seconds: got 0 and" );
-    seconds.job.max_seconds = NAN;
+    seconds.args.max_seconds = NAN;
     assert_no_search( &seconds, WISP_BAD_INPUT, "and nan, expected" );
-    repeats.job.repeats = 100;
+    repeats.args.repeats = 100;
     assert_no_search( &repeats, WISP_BAD_INPUT, "repeats: got 100" );
-    callback.job.run = NULL;
+    callback.args.run = NULL;
     assert_no_search( &callback, WISP_BAD_INPUT, "expected a callback" );
     test_host host = { 0 };
-    allocator.job.allocator = test_host_allocator( &host );
-    allocator.job.allocator.release = NULL;
+    allocator.args.allocator = test_host_allocator( &host );
+    allocator.args.allocator.release = NULL;
     assert_no_search( &allocator, WISP_BAD_INPUT, "allocator" );
 }
 
-static void a_run_that_fails_ends_the_search_with_its_sentence( void** state )
+static void a_run_that_fails_ends_the_search_with_its_message( void** state )
 {
     (void)state;
     for ( int run = 1; run <= 6; ++run )
     {
         surface s = make_surface( 5, 6, 5, 4 );
         s.fail_at = run;
-        searched job = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
-        assert_no_search( &job, WISP_IO_ERROR, "the host has lost its disk" );
+        searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
+        assert_no_search( &args, WISP_IO_ERROR, "the host has lost its disk" );
         assert_int_equal( s.run_count, run );
     }
 }
@@ -109,18 +109,18 @@ static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
     {
         test_host host = { .refuse = refuse };
         surface s = make_surface( 5, 3, 3, 3 );
-        searched job = search_of( &s, 0.05, 0.0 );
-        job.job.allocator = test_host_allocator( &host );
+        searched args = search_of( &s, 0.05, 0.0 );
+        args.args.allocator = test_host_allocator( &host );
         if ( refuse > 0 )
         {
-            assert_no_search( &job, WISP_NO_MEMORY, "out of memory" );
+            assert_no_search( &args, WISP_NO_MEMORY, "out of memory" );
         }
         else
         {
-            wisp_tune_result found = find( &job );
+            wisp_tune_result found = find( &args );
             wisp_tune_release( &found );
             wisp_tune_release( &found );
-            assert_int_equal( host.asked, 2 );
+            assert_int_equal( host.queried, 2 );
         }
         assert_int_equal( host.blocks, 0 );
         assert_int_equal( host.faults, 0 );
@@ -132,9 +132,9 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( bad_targets_are_refused ),
-        cmocka_unit_test( bad_knobs_are_refused ),
+        cmocka_unit_test( bad_parameters_are_refused ),
         cmocka_unit_test( bad_limits_are_refused ),
-        cmocka_unit_test( a_run_that_fails_ends_the_search_with_its_sentence ),
+        cmocka_unit_test( a_run_that_fails_ends_the_search_with_its_message ),
         cmocka_unit_test( a_sample_that_is_no_number_is_refused ),
         cmocka_unit_test( memory_that_runs_out_is_told_and_all_comes_back ),
     };

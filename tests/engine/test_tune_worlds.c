@@ -12,7 +12,7 @@
 
 static const double SUBSTEPS[] = { 1, 2, 4, 8 };
 static const double ITERATIONS[] = { 1, 3 };
-static const wisp_tune_knob KNOBS[] = {
+static const wisp_tune_parameter PARAMETERS[] = {
     { "substeps", SUBSTEPS, WISP_COUNT( SUBSTEPS ), false },
     { "iterations", ITERATIONS, WISP_COUNT( ITERATIONS ), false },
 };
@@ -59,10 +59,10 @@ static wisp_world* make_world( int substeps, int iterations, int side, float gra
     return world;
 }
 
-static wisp_status build( void* user, const int* choice, int factor, wisp_tune_world* out, wisp_error* error )
+static wisp_status build( void* user, const int* configuration, int factor, wisp_tune_world* out, wisp_error* error )
 {
     cloth_host* host = user;
-    const int substeps = (int)SUBSTEPS[choice[0]];
+    const int substeps = (int)SUBSTEPS[configuration[0]];
     if ( substeps == host->fail_at_substeps && factor == 1 )
     {
         return wisp_fail( error, WISP_IO_ERROR, "the mesh is gone" );
@@ -71,7 +71,7 @@ static wisp_status build( void* user, const int* choice, int factor, wisp_tune_w
     const wisp_component component = host->points.component;
     host->points = ( wisp_tune_points ){ .component = component ? component : WISP_SURFACE_POINTS };
     out->world =
-        make_world( substeps * factor, (int)ITERATIONS[choice[1]], side, host->gravity, &host->points.entity );
+        make_world( substeps * factor, (int)ITERATIONS[configuration[1]], side, host->gravity, &host->points.entity );
     out->points = &host->points;
     out->point_count = 1;
     ++host->built;
@@ -90,43 +90,44 @@ static wisp_tune_worlds_def worlds_def( cloth_host* host )
     def.build = build;
     def.let_go = let_go;
     def.user = host;
-    def.step_seconds = STEP_SECONDS;
+    def.dt = STEP_SECONDS;
     def.step_count = STEPS;
-    def.look_count = LOOKS;
-    def.truth_factor = 4;
+    def.sample_count = LOOKS;
+    def.reference_factor = 4;
     return def;
 }
 
-static wisp_tune_job job_of( cloth_host* host, double error, double budget_ms )
+static wisp_tune_def job_of( cloth_host* host, double error, double budget_ms )
 {
-    wisp_tune_job job = wisp_default_tune_job();
-    job.knobs = KNOBS;
-    job.knob_count = WISP_COUNT( KNOBS );
-    job.error = error;
-    job.budget_ms = budget_ms;
-    job.repeats = 2;
-    job.allocator = test_host_allocator( &host->memory );
-    return job;
+    wisp_tune_def args = wisp_default_tune_def();
+    args.parameters = PARAMETERS;
+    args.parameter_count = WISP_COUNT( PARAMETERS );
+    args.error = error;
+    args.budget_ms = budget_ms;
+    args.repeats = 2;
+    args.allocator = test_host_allocator( &host->memory );
+    return args;
 }
 
 // ---- the check: both worlds side by side ----
 
-static void measure_errors( const int* choice, double* rms, double* largest )
+static void measure_errors( const int* configuration, double* rms, double* largest )
 {
     wisp_entity a, b;
-    wisp_world* rough = make_world( (int)SUBSTEPS[choice[0]], (int)ITERATIONS[choice[1]], SIDE, 9.81f, &a );
-    wisp_world* truth = make_world( 4 * 8, 3, SIDE, 9.81f, &b );
-    assert_int_equal( wisp_want( rough, a, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( truth, b, WISP_SURFACE_POINTS ), WISP_OK );
+    wisp_world* rough =
+        make_world( (int)SUBSTEPS[configuration[0]], (int)ITERATIONS[configuration[1]], SIDE, 9.81f, &a );
+    wisp_world* reference = make_world( 4 * 8, 3, SIDE, 9.81f, &b );
+    assert_int_equal( wisp_request( rough, a, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( reference, b, WISP_SURFACE_POINTS ), WISP_OK );
     double sum = 0.0, count = 0.0;
     *largest = 0.0;
     for ( int step = 1; step <= STEPS; ++step )
     {
         assert_int_equal( wisp_world_step( rough, STEP_SECONDS ), WISP_OK );
-        assert_int_equal( wisp_world_step( truth, STEP_SECONDS ), WISP_OK );
+        assert_int_equal( wisp_world_step( reference, STEP_SECONDS ), WISP_OK );
         wisp_view x, y;
         assert_int_equal( wisp_world_view( rough, a, WISP_SURFACE_POINTS, &x ), WISP_OK );
-        assert_int_equal( wisp_world_view( truth, b, WISP_SURFACE_POINTS, &y ), WISP_OK );
+        assert_int_equal( wisp_world_view( reference, b, WISP_SURFACE_POINTS, &y ), WISP_OK );
         for ( int v = 0; v < x.count && step % ( STEPS / LOOKS ) == 0; ++v )
         {
             const wisp_vec3 p = ( (const wisp_vec3*)x.data )[v], q = ( (const wisp_vec3*)y.data )[v];
@@ -140,17 +141,17 @@ static void measure_errors( const int* choice, double* rms, double* largest )
     }
     *rms = sqrt( sum / count );
     wisp_world_destroy( rough );
-    wisp_world_destroy( truth );
+    wisp_world_destroy( reference );
 }
 
-static wisp_tune_result find( cloth_host* host, const wisp_tune_job* job )
+static wisp_tune_result find( cloth_host* host, const wisp_tune_def* args )
 {
     const wisp_tune_worlds_def def = worlds_def( host );
     wisp_tune_result found;
     wisp_error error = { 0 };
-    if ( wisp_tune_worlds( job, &def, &found, &error ) != WISP_OK )
+    if ( wisp_tune_worlds( args, &def, &found, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return found;
 }
@@ -166,21 +167,21 @@ static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void*
     measure_errors( middle, &target, &largest );
     assert_true( target > 1e-5 );
     cloth_host host = { .gravity = 9.81f };
-    const wisp_tune_job job = job_of( &host, target * ( 1.0 + 1e-9 ), 0.0 );
-    wisp_tune_result found = find( &host, &job );
-    assert_true( found.is_met );
-    assert_false( found.is_cut );
-    assert_true( found.visit_count >= 3 );
-    for ( int v = 0; v < found.visit_count; ++v )
+    const wisp_tune_def args = job_of( &host, target * ( 1.0 + 1e-9 ), 0.0 );
+    wisp_tune_result found = find( &host, &args );
+    assert_true( found.meets_target );
+    assert_false( found.stopped_early );
+    assert_true( found.trial_count >= 3 );
+    for ( int v = 0; v < found.trial_count; ++v )
     {
         double rms;
-        measure_errors( found.visits[v].choice, &rms, &largest );
+        measure_errors( found.trials[v].configuration, &rms, &largest );
         // The same sums in another order of operations, of the same bits of positions.
-        assert_true( fabs( found.visits[v].sample.error / rms - 1.0 ) < 1e-9 );
-        assert_true( fabs( found.visits[v].sample.largest / largest - 1.0 ) < 1e-9 );
-        assert_true( found.visits[v].sample.ms > 0.0 );
+        assert_true( fabs( found.trials[v].sample.error / rms - 1.0 ) < 1e-9 );
+        assert_true( fabs( found.trials[v].sample.largest / largest - 1.0 ) < 1e-9 );
+        assert_true( found.trials[v].sample.ms > 0.0 );
     }
-    assert_true( found.achieved.error <= job.error );
+    assert_true( found.achieved.error <= args.error );
     assert_int_equal( host.built, found.run_count + 1 );
     assert_int_equal( host.let_go, host.built );
     wisp_tune_release( &found );
@@ -191,12 +192,12 @@ static void a_generous_budget_gives_the_most_accurate_of_what_was_run( void** st
 {
     (void)state;
     cloth_host host = { .gravity = 9.81f };
-    const wisp_tune_job job = job_of( &host, 0.0, 1e6 );
-    wisp_tune_result found = find( &host, &job );
-    assert_true( found.is_met );
-    for ( int v = 0; v < found.visit_count; ++v )
+    const wisp_tune_def args = job_of( &host, 0.0, 1e6 );
+    wisp_tune_result found = find( &host, &args );
+    assert_true( found.meets_target );
+    for ( int v = 0; v < found.trial_count; ++v )
     {
-        assert_true( found.visits[v].sample.error >= found.achieved.error );
+        assert_true( found.trials[v].sample.error >= found.achieved.error );
     }
     wisp_tune_release( &found );
 }
@@ -214,44 +215,44 @@ static void a_host_may_step_worlds_itself( void** state )
 {
     (void)state;
     cloth_host ours = { .gravity = 9.81f }, theirs = ours;
-    wisp_tune_job job = job_of( &ours, 1e-9, 0.0 );
-    wisp_tune_result plain = find( &ours, &job ), stepped;
+    wisp_tune_def args = job_of( &ours, 1e-9, 0.0 );
+    wisp_tune_result plain = find( &ours, &args ), stepped;
     wisp_tune_worlds_def def = worlds_def( &theirs );
     def.step = own_step;
-    assert_int_equal( wisp_tune_worlds( &job, &def, &stepped, NULL ), WISP_OK );
+    assert_int_equal( wisp_tune_worlds( &args, &def, &stepped, NULL ), WISP_OK );
     assert_int_equal( theirs.stepped, STEPS * theirs.built );
-    assert_true( plain.visits[0].sample.error == stepped.visits[0].sample.error );
-    assert_false( plain.is_met || stepped.is_met );
+    assert_true( plain.trials[0].sample.error == stepped.trials[0].sample.error );
+    assert_false( plain.meets_target || stepped.meets_target );
     wisp_tune_release( &plain );
     wisp_tune_release( &stepped );
 }
 
 // ---- what is refused ----
 
-static void assert_no_worlds( cloth_host* host, const wisp_tune_job* job, const wisp_tune_worlds_def* def,
+static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const wisp_tune_worlds_def* def,
                               wisp_status expected, const char* words )
 {
     wisp_tune_result result = { .run_count = 77 };
     wisp_error error = { 0 };
-    assert_int_equal( wisp_tune_worlds( job, def, &result, &error ), expected );
+    assert_int_equal( wisp_tune_worlds( args, def, &result, &error ), expected );
     assert_int_equal( result.run_count, 0 );
-    assert_null( result.visits );
-    assert_one_sentence( error.sentence );
-    if ( !strstr( error.sentence, words ) )
+    assert_null( result.trials );
+    assert_one_message( error.message );
+    if ( !strstr( error.message, words ) )
     {
-        fail_msg( "'%s' is not in: %s", words, error.sentence );
+        fail_msg( "'%s' is not in: %s", words, error.message );
     }
     assert_int_equal( host->built, host->let_go );
     assert_host_has_all_back( &host->memory );
 }
 
-static void a_truth_that_halts_is_no_truth( void** state )
+static void a_reference_that_halts_is_no_reference( void** state )
 {
     (void)state;
     cloth_host host = { .gravity = TOO_MUCH };
-    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "the reference" );
+    assert_no_worlds( &host, &args, &def, WISP_CONFLICT, "the reference" );
     assert_int_equal( host.built, 1 );
 }
 
@@ -259,18 +260,18 @@ static void worlds_of_different_points_are_not_compared( void** state )
 {
     (void)state;
     cloth_host host = { .gravity = 9.81f, .more_at = 8 };
-    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "got a world of 100 points and one of 81" );
+    assert_no_worlds( &host, &args, &def, WISP_CONFLICT, "got a world of 100 points and one of 81" );
 }
 
 static void a_world_that_cannot_be_built_ends_the_search( void** state )
 {
     (void)state;
     cloth_host host = { .gravity = 9.81f, .fail_at_substeps = 8 };
-    const wisp_tune_job job = job_of( &host, 1e-9, 0.0 );
+    const wisp_tune_def args = job_of( &host, 1e-9, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_IO_ERROR, "the mesh is gone" );
+    assert_no_worlds( &host, &args, &def, WISP_IO_ERROR, "the mesh is gone" );
     assert_true( host.built > 1 );
 }
 
@@ -278,20 +279,20 @@ static void wrong_definitions_are_refused_before_anything_is_built( void** state
 {
     (void)state;
     cloth_host host = { .gravity = 9.81f };
-    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 ), neither = job_of( &host, 0.0, 0.0 );
+    const wisp_tune_def args = job_of( &host, 1e-3, 0.0 ), neither = job_of( &host, 0.0, 0.0 );
     const wisp_tune_worlds_def good = worlds_def( &host );
     wisp_tune_worlds_def none = good, still = good, blind = good, often = good, same = good;
     none.build = NULL;
-    still.step_seconds = 0.0f;
-    blind.look_count = 0;
-    often.look_count = STEPS + 1;
-    same.truth_factor = 1;
+    still.dt = 0.0f;
+    blind.sample_count = 0;
+    often.sample_count = STEPS + 1;
+    same.reference_factor = 1;
     assert_no_worlds( &host, &neither, &good, WISP_BAD_INPUT, "expected one of them above 0" );
-    assert_no_worlds( &host, &job, &none, WISP_BAD_INPUT, "expected a callback that builds" );
-    assert_no_worlds( &host, &job, &still, WISP_BAD_INPUT, "step_seconds: got 0" );
-    assert_no_worlds( &host, &job, &blind, WISP_BAD_INPUT, "sample_count: got 0" );
-    assert_no_worlds( &host, &job, &often, WISP_BAD_INPUT, "sample_count: got 65" );
-    assert_no_worlds( &host, &job, &same, WISP_BAD_INPUT, "reference_factor: got 1" );
+    assert_no_worlds( &host, &args, &none, WISP_BAD_INPUT, "expected a callback that builds" );
+    assert_no_worlds( &host, &args, &still, WISP_BAD_INPUT, "dt: got 0" );
+    assert_no_worlds( &host, &args, &blind, WISP_BAD_INPUT, "sample_count: got 0" );
+    assert_no_worlds( &host, &args, &often, WISP_BAD_INPUT, "sample_count: got 65" );
+    assert_no_worlds( &host, &args, &same, WISP_BAD_INPUT, "reference_factor: got 1" );
     assert_int_equal( host.built, 0 );
 }
 
@@ -299,11 +300,11 @@ static void what_is_no_point_is_refused( void** state )
 {
     (void)state;
     cloth_host host = { .gravity = 9.81f, .points = { .component = WISP_SURFACE_NORMALS } };
-    const wisp_tune_job job = job_of( &host, 1e-3, 0.0 );
+    const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
-    assert_no_worlds( &host, &job, &def, WISP_BAD_INPUT, "expected surface.points or strand.points" );
+    assert_no_worlds( &host, &args, &def, WISP_BAD_INPUT, "expected surface.points or strand.points" );
     host.points.component = WISP_STRAND_POINTS; // a cloth has none
-    assert_no_worlds( &host, &job, &def, WISP_CONFLICT, "strand.points" );
+    assert_no_worlds( &host, &args, &def, WISP_CONFLICT, "strand.points" );
 }
 
 static void memory_that_runs_out_is_told( void** state )
@@ -312,9 +313,9 @@ static void memory_that_runs_out_is_told( void** state )
     for ( int refuse = 1; refuse <= 4; ++refuse )
     {
         cloth_host host = { .gravity = 9.81f, .memory = { .refuse = refuse } };
-        const wisp_tune_job job = job_of( &host, 1.0, 0.0 );
+        const wisp_tune_def args = job_of( &host, 1.0, 0.0 );
         const wisp_tune_worlds_def def = worlds_def( &host );
-        assert_no_worlds( &host, &job, &def, WISP_NO_MEMORY, "out of memory" );
+        assert_no_worlds( &host, &args, &def, WISP_NO_MEMORY, "out of memory" );
     }
 }
 
@@ -324,7 +325,7 @@ int main( void )
         cmocka_unit_test( an_error_that_is_told_as_met_is_met_when_it_is_measured_apart ),
         cmocka_unit_test( a_generous_budget_gives_the_most_accurate_of_what_was_run ),
         cmocka_unit_test( a_host_may_step_worlds_itself ),
-        cmocka_unit_test( a_truth_that_halts_is_no_truth ),
+        cmocka_unit_test( a_reference_that_halts_is_no_reference ),
         cmocka_unit_test( worlds_of_different_points_are_not_compared ),
         cmocka_unit_test( a_world_that_cannot_be_built_ends_the_search ),
         cmocka_unit_test( wrong_definitions_are_refused_before_anything_is_built ),

@@ -176,32 +176,33 @@ static wisp_mesh_path query_path( const test_mesh* m, int i )
 
 // ---- voxels ----
 
-static wisp_mesh_tree* make_voxels( const test_mesh* m, bool deforms, float size )
+static wisp_collision_mesh* make_voxels( const test_mesh* m, bool deforms, float size )
 {
-    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
+    wisp_collision_mesh_def def = test_mesh_def( m, deforms );
     def.search = WISP_MESH_SEARCH_VOXELS;
     def.voxel_size = size;
-    wisp_mesh_tree* tree = NULL;
+    wisp_collision_mesh* tree = NULL;
     wisp_error error = { 0 };
-    if ( wisp_mesh_tree_create( &def, NULL, &tree, &error ) != WISP_OK )
+    if ( wisp_collision_mesh_create( &def, NULL, &tree, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
-    assert_int_equal( wisp_mesh_tree_get_facts( tree ).search, WISP_MESH_SEARCH_VOXELS );
+    assert_int_equal( wisp_collision_mesh_get_stats( tree ).search, WISP_MESH_SEARCH_VOXELS );
     return tree;
 }
 
 // The tree to compare with; null in a library without Embree.
-static wisp_mesh_tree* make_tree_if_any( const test_mesh* m, bool deforms )
+static wisp_collision_mesh* make_tree_if_any( const test_mesh* m, bool deforms )
 {
-    wisp_mesh_tree_def def = test_mesh_def( m, deforms );
-    wisp_mesh_tree* tree = NULL;
-    wisp_status status = wisp_mesh_tree_create( &def, NULL, &tree, NULL );
+    wisp_collision_mesh_def def = test_mesh_def( m, deforms );
+    wisp_collision_mesh* tree = NULL;
+    wisp_status status = wisp_collision_mesh_create( &def, NULL, &tree, NULL );
     assert_true( status == WISP_OK || status == WISP_CONFLICT );
     return tree;
 }
 
-static void assert_same_nearest( wisp_mesh_tree* tree, wisp_vec3 p, float radius, const wisp_mesh_nearest* found )
+static void assert_same_nearest( wisp_collision_mesh* tree, wisp_vec3 p, float radius,
+                                 const wisp_mesh_nearest* found )
 {
     if ( tree != NULL )
     {
@@ -210,11 +211,11 @@ static void assert_same_nearest( wisp_mesh_tree* tree, wisp_vec3 p, float radius
     }
 }
 
-static void assert_closest( const test_mesh* m, const float* quads, wisp_mesh_tree* voxels, wisp_mesh_tree* tree,
-                            wisp_vec3 p, float radius )
+static void assert_closest( const test_mesh* m, const float* xyzw, wisp_collision_mesh* voxels,
+                            wisp_collision_mesh* tree, wisp_vec3 p, float radius )
 {
     triangle_nearest naive = { 0 };
-    int32_t expected = naive_closest( m, quads, p, &naive );
+    int32_t expected = naive_closest( m, xyzw, p, &naive );
     wisp_mesh_nearest found = closest( voxels, p, radius );
     assert_same_nearest( tree, p, radius, &found );
     if ( naive.squared > (double)radius * (double)radius )
@@ -232,11 +233,11 @@ static void assert_closest( const test_mesh* m, const float* quads, wisp_mesh_tr
     }
 }
 
-static bool assert_crossing( const test_mesh* m, const float* quads, wisp_mesh_tree* voxels, wisp_mesh_tree* tree,
-                             const wisp_mesh_path* path )
+static bool assert_intersection( const test_mesh* m, const float* xyzw, wisp_collision_mesh* voxels,
+                                 wisp_collision_mesh* tree, const wisp_mesh_path* path )
 {
-    triangle_crossing naive = { 0 };
-    int32_t expected = naive_crossing( m, quads, path->from, path->to, &naive );
+    triangle_intersection naive = { 0 };
+    int32_t expected = naive_intersection( m, xyzw, path->from, path->to, &naive );
     wisp_mesh_hit hit = sweep( voxels, path->from, path->to );
     if ( tree != NULL )
     {
@@ -259,10 +260,10 @@ static bool assert_crossing( const test_mesh* m, const float* quads, wisp_mesh_t
 
 // ---- answers ----
 
-static void ask_all( const test_mesh* m, wisp_mesh_tree* voxels, wisp_mesh_tree* tree, int queries, int* answered,
-                     int* crossed )
+static void ask_all( const test_mesh* m, wisp_collision_mesh* voxels, wisp_collision_mesh* tree, int queries,
+                     int* answered, int* crossed )
 {
-    float* quads = test_mesh_quads( m );
+    float* xyzw = test_mesh_quads( m );
     float size;
     middle_of( m, &size );
     const float radii[] = { INFINITY, 0.1f * size, 1e-3f * size, 0.0f, 2.0f * size };
@@ -270,11 +271,11 @@ static void ask_all( const test_mesh* m, wisp_mesh_tree* voxels, wisp_mesh_tree*
     {
         wisp_vec3 p = query_point( m, i );
         wisp_mesh_path path = query_path( m, i );
-        assert_closest( m, quads, voxels, tree, p, radii[i % WISP_COUNT( radii )] );
+        assert_closest( m, xyzw, voxels, tree, p, radii[i % WISP_COUNT( radii )] );
         *answered += closest( voxels, p, radii[i % WISP_COUNT( radii )] ).triangle >= 0 ? 1 : 0;
-        *crossed += assert_crossing( m, quads, voxels, tree, &path ) ? 1 : 0;
+        *crossed += assert_intersection( m, xyzw, voxels, tree, &path ) ? 1 : 0;
     }
-    free( quads );
+    free( xyzw );
 }
 
 static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void** state )
@@ -287,20 +288,20 @@ static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void**
         middle_of( &m, &size );
         // of the mean edge, far smaller than can be, and as large as the mesh
         const float sizes[] = { 0.0f, 1e-3f * size, 3.0f * size };
-        wisp_mesh_tree* tree = make_tree_if_any( &m, false );
+        wisp_collision_mesh* tree = make_tree_if_any( &m, false );
         int answered = 0, crossed = 0, queries = which == BUNNY ? QUERIES / 8 : QUERIES;
         for ( int k = 0; k < ( which == BUNNY ? NO_SIZE : WISP_COUNT( sizes ) ); ++k )
         {
             for ( int deforms = 0; deforms < 2; ++deforms )
             {
-                wisp_mesh_tree* voxels = make_voxels( &m, deforms == 1, sizes[k] );
+                wisp_collision_mesh* voxels = make_voxels( &m, deforms == 1, sizes[k] );
                 ask_all( &m, voxels, tree, queries, &answered, &crossed );
-                wisp_mesh_tree_release( voxels );
+                wisp_collision_mesh_release( voxels );
             }
         }
         assert_true( answered > queries / 2 );
         assert_true( crossed > 10 || which == POINT_LIKE );
-        wisp_mesh_tree_release( tree );
+        wisp_collision_mesh_release( tree );
         test_mesh_free( &m );
     }
 }
@@ -312,20 +313,20 @@ static void meshes_of_any_scale_are_answered_alike( void** state )
     for ( int k = 0; k < WISP_COUNT( scales ); ++k )
     {
         test_mesh m = move_mesh( test_mesh_bumpy( 8 ), scales[k], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-        wisp_mesh_tree *voxels = make_voxels( &m, false, 0.0f ), *tree = make_tree_if_any( &m, false );
-        float* quads = test_mesh_quads( &m );
+        wisp_collision_mesh *voxels = make_voxels( &m, false, 0.0f ), *tree = make_tree_if_any( &m, false );
+        float* xyzw = test_mesh_quads( &m );
         int answered = 0;
         for ( int i = 0; i < QUERIES; ++i )
         {
             wisp_vec3 p = query_point( &m, 7 * i + i % 5 ); // within the reach
             wisp_mesh_path path = { p, query_point( &m, 7 * i + 4 ) };
-            assert_closest( &m, quads, voxels, tree, p, i % 2 == 0 ? INFINITY : 0.05f * scales[k] );
-            answered += assert_crossing( &m, quads, voxels, tree, &path ) ? 1 : 0;
+            assert_closest( &m, xyzw, voxels, tree, p, i % 2 == 0 ? INFINITY : 0.05f * scales[k] );
+            answered += assert_intersection( &m, xyzw, voxels, tree, &path ) ? 1 : 0;
         }
         assert_true( answered > QUERIES / 10 );
-        free( quads );
-        wisp_mesh_tree_release( voxels );
-        wisp_mesh_tree_release( tree );
+        free( xyzw );
+        wisp_collision_mesh_release( voxels );
+        wisp_collision_mesh_release( tree );
         test_mesh_free( &m );
     }
 }
@@ -334,19 +335,19 @@ static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void**
 {
     (void)state;
     test_mesh m = test_mesh_ball( 16, false );
-    float* quads = test_mesh_quads( &m );
-    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
-    assert_true( wisp_mesh_tree_get_facts( voxels ).voxel_count > 15 * 15 * 15 ); // blocks are looked at
+    float* xyzw = test_mesh_quads( &m );
+    wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
+    assert_true( wisp_collision_mesh_get_stats( voxels ).voxel_count > 15 * 15 * 15 ); // blocks are looked at
     for ( int i = 0; i < 200; ++i )
     {
         wisp_vec3 p = test_point( i, 3, i < 100 ? 1e-3f : 0.5f );
-        assert_closest( &m, quads, voxels, NULL, p, INFINITY );
+        assert_closest( &m, xyzw, voxels, NULL, p, INFINITY );
         assert_true( closest( voxels, p, INFINITY ).distance < 0.0f );
-        assert_closest( &m, quads, voxels, NULL, p, 0.9f );
+        assert_closest( &m, xyzw, voxels, NULL, p, 0.9f );
     }
-    assert_closest( &m, quads, voxels, NULL, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, INFINITY );
-    wisp_mesh_tree_release( voxels );
-    free( quads );
+    assert_closest( &m, xyzw, voxels, NULL, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, INFINITY );
+    wisp_collision_mesh_release( voxels );
+    free( xyzw );
     test_mesh_free( &m );
 }
 
@@ -354,8 +355,8 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
-    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
-    wisp_mesh_work work = { 0 };
+    wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
+    wisp_collision_mesh_query_stats work = { 0 };
     for ( int i = 0; i < 1000; ++i )
     {
         wisp_vec3 p = test_sum( m.points[test_random( i, 1, m.point_count )], test_point( i, 2, 0.01f ) );
@@ -363,14 +364,14 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
         wisp_mesh_path path = { p, test_sum( p, test_point( i, 4, 0.02f ) ) };
         wisp_mesh_nearest nearest;
         wisp_mesh_hit hit;
-        wisp_mesh_tree_closest( voxels, &query, 1, &nearest, &work );
-        wisp_mesh_tree_sweep( voxels, &path, 1, &hit, &work );
+        wisp_collision_mesh_closest( voxels, &query, 1, &nearest, &work );
+        wisp_collision_mesh_cast( voxels, &path, 1, &hit, &work );
     }
     // a voxel of a mean edge is touched by some 8 triangles, and 8 voxels are in reach
-    assert_true( work.tested < 40 * work.asked );
-    assert_int_equal( work.asked, 2000 );
+    assert_true( work.tested < 40 * work.queried );
+    assert_int_equal( work.queried, 2000 );
     assert_int_equal( work.refused, 0 );
-    wisp_mesh_tree_release( voxels );
+    wisp_collision_mesh_release( voxels );
     test_mesh_free( &m );
 }
 
@@ -378,9 +379,9 @@ static void numbers_that_are_none_are_refused( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_ball( 4, false );
-    wisp_mesh_tree* voxels = make_voxels( &m, true, 0.0f );
+    wisp_collision_mesh* voxels = make_voxels( &m, true, 0.0f );
     assert_refuses_bad_numbers( voxels );
-    wisp_mesh_tree_release( voxels );
+    wisp_collision_mesh_release( voxels );
     test_mesh_free( &m );
 }
 
@@ -388,9 +389,9 @@ static void the_ends_of_the_reach_are_answered( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_ball( 4, false );
-    wisp_mesh_tree* voxels = make_voxels( &m, false, 1e-6f );
+    wisp_collision_mesh* voxels = make_voxels( &m, false, 1e-6f );
     assert_answers_the_ends_of_the_reach( voxels );
-    wisp_mesh_tree_release( voxels );
+    wisp_collision_mesh_release( voxels );
     test_mesh_free( &m );
 }
 
@@ -417,21 +418,21 @@ static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
     (void)state;
     test_mesh m = test_mesh_sheet( 24, 0.1f );
     wisp_vec3* rest = copy_points( &m );
-    wisp_mesh_tree *voxels = make_voxels( &m, true, 0.0f ), *tree = make_tree_if_any( &m, true );
+    wisp_collision_mesh *voxels = make_voxels( &m, true, 0.0f ), *tree = make_tree_if_any( &m, true );
     for ( int step = 0; step < 8; ++step )
     {
         crumple( &m, rest, step );
-        assert_int_equal( wisp_mesh_tree_update( voxels, m.points, NULL ), WISP_OK );
-        assert_true( tree == NULL || wisp_mesh_tree_update( tree, m.points, NULL ) == WISP_OK );
+        assert_int_equal( wisp_collision_mesh_update( voxels, m.points, NULL ), WISP_OK );
+        assert_true( tree == NULL || wisp_collision_mesh_update( tree, m.points, NULL ) == WISP_OK );
         int answered = 0, crossed = 0;
         ask_all( &m, voxels, tree, 200, &answered, &crossed );
         assert_true( answered > 100 && crossed > 10 );
     }
-    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( voxels );
-    assert_int_equal( facts.build_count, 9 );
-    assert_int_equal( facts.refit_count, 0 );
-    wisp_mesh_tree_release( voxels );
-    wisp_mesh_tree_release( tree );
+    wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( voxels );
+    assert_int_equal( info.build_count, 9 );
+    assert_int_equal( info.refit_count, 0 );
+    wisp_collision_mesh_release( voxels );
+    wisp_collision_mesh_release( tree );
     free( rest );
     test_mesh_free( &m );
 }
@@ -442,19 +443,19 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     test_mesh m = test_mesh_sheet( 12, 0.1f );
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
-    wisp_mesh_tree_def def = test_mesh_def( &m, true );
+    wisp_collision_mesh_def def = test_mesh_def( &m, true );
     def.search = WISP_MESH_SEARCH_VOXELS;
-    wisp_mesh_tree* voxels;
-    assert_int_equal( wisp_mesh_tree_create( &def, &allocator, &voxels, NULL ), WISP_OK );
+    wisp_collision_mesh* voxels;
+    assert_int_equal( wisp_collision_mesh_create( &def, &allocator, &voxels, NULL ), WISP_OK );
     wisp_vec3* moved = copy_points( &m );
     int answered = 0, crossed = 0;
 
     moved[3].y = 0.5f; // right, and not to be taken either
     moved[77].z = NAN;
     wisp_error error = { 0 };
-    assert_int_equal( wisp_mesh_tree_update( voxels, moved, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "point 77: got " ) );
-    assert_one_sentence( error.sentence );
+    assert_int_equal( wisp_collision_mesh_update( voxels, moved, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.message, "point 77: got " ) );
+    assert_one_message( error.message );
     ask_all( &m, voxels, NULL, 200, &answered, &crossed );
 
     // Crumpled, the flat sheet needs far more voxels; each block that is refused on the way leaves it flat.
@@ -466,7 +467,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     for ( ; refused; ++n )
     {
         test_host_refuse( &host, n, false );
-        wisp_status status = wisp_mesh_tree_update( voxels, moved, &error );
+        wisp_status status = wisp_collision_mesh_update( voxels, moved, &error );
         refused = test_host_has_refused( &host );
         test_host_refuse( &host, 0, false );
         assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
@@ -474,7 +475,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     }
     assert_true( n > 2 );
     assert_true( answered > 100 && crossed > 10 );
-    wisp_mesh_tree_release( voxels );
+    wisp_collision_mesh_release( voxels );
     assert_host_has_all_back( &host );
     free( moved );
     test_mesh_free( &flat );
@@ -485,11 +486,11 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_sheet( 2, 0.0f );
-    wisp_mesh_tree* voxels = make_voxels( &m, false, 0.0f );
+    wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_error error = { 0 };
-    assert_int_equal( wisp_mesh_tree_update( voxels, m.points, &error ), WISP_CONFLICT );
-    assert_one_sentence( error.sentence );
-    wisp_mesh_tree_release( voxels );
+    assert_int_equal( wisp_collision_mesh_update( voxels, m.points, &error ), WISP_CONFLICT );
+    assert_one_message( error.message );
+    wisp_collision_mesh_release( voxels );
     test_mesh_free( &m );
 }
 
@@ -501,37 +502,37 @@ static void voxels_are_no_more_than_there_may_be( void** state )
     for ( int which = 0; which < POINT_LIKE; ++which )
     {
         test_mesh m = make_mesh( which );
-        wisp_mesh_tree* wide = make_voxels( &m, false, 1e6f );
-        wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( wide );
-        assert_true( facts.voxel_count == 1 && facts.voxel_size == 1e6f && !facts.coarse );
+        wisp_collision_mesh* wide = make_voxels( &m, false, 1e6f );
+        wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( wide );
+        assert_true( info.voxel_count == 1 && info.voxel_size == 1e6f && !info.coarse );
 
-        wisp_mesh_tree* fine = make_voxels( &m, false, 1e-8f );
-        facts = wisp_mesh_tree_get_facts( fine );
-        assert_true( facts.voxel_count >= 1 && facts.voxel_count <= 16 * m.triangle_count );
-        assert_true( facts.coarse && facts.voxel_size > 1e-8f );
+        wisp_collision_mesh* fine = make_voxels( &m, false, 1e-8f );
+        info = wisp_collision_mesh_get_stats( fine );
+        assert_true( info.voxel_count >= 1 && info.voxel_count <= 16 * m.triangle_count );
+        assert_true( info.coarse && info.voxel_size > 1e-8f );
         // 4 bytes a voxel, 8 a block of at least one, 64 places of 4 bytes a triangle; once it grows by half more
         size_t most = 3 * (size_t)m.triangle_count * ( 16 * ( 4 + 8 ) + 64 * 4 ) / 2 + 4096;
-        assert_true( wisp_mesh_tree_bytes( fine ) - wisp_mesh_tree_bytes( wide ) <= most );
-        wisp_mesh_tree_release( wide );
-        wisp_mesh_tree_release( fine );
+        assert_true( wisp_collision_mesh_bytes( fine ) - wisp_collision_mesh_bytes( wide ) <= most );
+        wisp_collision_mesh_release( wide );
+        wisp_collision_mesh_release( fine );
         test_mesh_free( &m );
     }
 }
 
-static void voxels_are_as_large_as_asked_for( void** state )
+static void voxels_are_as_large_as_queried_for( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_ball( 20, false );
-    wisp_mesh_tree* asked = make_voxels( &m, false, 0.125f );
-    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( asked );
-    assert_true( facts.voxel_size == 0.125f && !facts.coarse );
-    assert_int_equal( facts.voxel_count, 17 * 17 * 17 ); // 16 over the diameter, and what rounding may come to
-    wisp_mesh_tree* own = make_voxels( &m, false, 0.0f );
-    facts = wisp_mesh_tree_get_facts( own );
+    wisp_collision_mesh* queried = make_voxels( &m, false, 0.125f );
+    wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( queried );
+    assert_true( info.voxel_size == 0.125f && !info.coarse );
+    assert_int_equal( info.voxel_count, 17 * 17 * 17 ); // 16 over the diameter, and what rounding may come to
+    wisp_collision_mesh* own = make_voxels( &m, false, 0.0f );
+    info = wisp_collision_mesh_get_stats( own );
     // a quarter of a circle's length, cut into 20, and its diagonal in every third edge
-    assert_true( facts.voxel_size > 0.07f && facts.voxel_size < 0.12f && !facts.coarse );
-    wisp_mesh_tree_release( asked );
-    wisp_mesh_tree_release( own );
+    assert_true( info.voxel_size > 0.07f && info.voxel_size < 0.12f && !info.coarse );
+    wisp_collision_mesh_release( queried );
+    wisp_collision_mesh_release( own );
     test_mesh_free( &m );
 }
 
@@ -539,16 +540,16 @@ static void a_limit_of_memory_makes_voxels_larger( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_bumpy( 20 );
-    wisp_mesh_tree_def def = test_mesh_def( &m, false );
+    wisp_collision_mesh_def def = test_mesh_def( &m, false );
     def.search = WISP_MESH_SEARCH_VOXELS;
-    wisp_mesh_tree *free_one, *limited, *none;
+    wisp_collision_mesh *free_one, *limited, *none;
     wisp_error error = { 0 };
-    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &free_one, NULL ), WISP_OK );
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &free_one, NULL ), WISP_OK );
     def.memory_limit = 100000; // of some 160 000
-    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &limited, &error ), WISP_OK );
-    wisp_mesh_tree_facts facts = wisp_mesh_tree_get_facts( limited );
-    assert_true( facts.coarse && facts.voxel_count < wisp_mesh_tree_get_facts( free_one ).voxel_count );
-    assert_true( wisp_mesh_tree_bytes( limited ) < wisp_mesh_tree_bytes( free_one ) );
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &limited, &error ), WISP_OK );
+    wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( limited );
+    assert_true( info.coarse && info.voxel_count < wisp_collision_mesh_get_stats( free_one ).voxel_count );
+    assert_true( wisp_collision_mesh_bytes( limited ) < wisp_collision_mesh_bytes( free_one ) );
     for ( int i = 0; i < 200; ++i )
     {
         wisp_vec3 p = query_point( &m, i );
@@ -556,15 +557,15 @@ static void a_limit_of_memory_makes_voxels_larger( void** state )
         assert_same_nearest( free_one, p, INFINITY, &a );
     }
     def.memory_limit = 100; // not even one list of all triangles
-    assert_int_equal( wisp_mesh_tree_create( &def, NULL, &none, &error ), WISP_NO_MEMORY );
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &none, &error ), WISP_NO_MEMORY );
     assert_null( none );
-    assert_one_sentence( error.sentence );
-    wisp_mesh_tree_release( free_one );
-    wisp_mesh_tree_release( limited );
+    assert_one_message( error.message );
+    wisp_collision_mesh_release( free_one );
+    wisp_collision_mesh_release( limited );
     test_mesh_free( &m );
 }
 
-static void every_refused_block_is_a_sentence_and_leaves_nothing( void** state )
+static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_ball( 4, false );
@@ -575,25 +576,25 @@ static void every_refused_block_is_a_sentence_and_leaves_nothing( void** state )
         {
             test_host host = { 0 };
             wisp_allocator allocator = test_host_allocator( &host );
-            wisp_mesh_tree_def def = test_mesh_def( &m, deforms == 1 );
+            wisp_collision_mesh_def def = test_mesh_def( &m, deforms == 1 );
             def.search = WISP_MESH_SEARCH_VOXELS;
-            wisp_mesh_tree* voxels;
+            wisp_collision_mesh* voxels;
             wisp_error error = { 0 };
             test_host_refuse( &host, n, false );
-            wisp_status status = wisp_mesh_tree_create( &def, &allocator, &voxels, &error );
+            wisp_status status = wisp_collision_mesh_create( &def, &allocator, &voxels, &error );
             refused = test_host_has_refused( &host );
             assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
             assert_true( ( voxels == NULL ) == refused );
             if ( refused )
             {
-                assert_one_sentence( error.sentence );
+                assert_one_message( error.message );
             }
             else
             {
                 assert_true( n > 8 );
-                assert_true( wisp_mesh_tree_bytes( voxels ) == (size_t)atomic_load( &host.bytes ) );
+                assert_true( wisp_collision_mesh_bytes( voxels ) == (size_t)atomic_load( &host.bytes ) );
             }
-            wisp_mesh_tree_release( voxels );
+            wisp_collision_mesh_release( voxels );
             assert_host_has_all_back( &host );
         }
     }
@@ -616,15 +617,15 @@ static void a_wrong_search_is_refused( void** state )
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
-        wisp_mesh_tree_def def = test_mesh_def( &m, false );
+        wisp_collision_mesh_def def = test_mesh_def( &m, false );
         def.search = (wisp_mesh_search)wrong[i].search;
         def.voxel_size = wrong[i].size;
-        wisp_mesh_tree* tree = (wisp_mesh_tree*)1;
+        wisp_collision_mesh* tree = (wisp_collision_mesh*)1;
         wisp_error error = { 0 };
-        assert_int_equal( wisp_mesh_tree_create( &def, NULL, &tree, &error ), WISP_BAD_INPUT );
+        assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_BAD_INPUT );
         assert_null( tree );
-        assert_one_sentence( error.sentence );
-        assert_non_null( strstr( error.sentence, wrong[i].word ) );
+        assert_one_message( error.message );
+        assert_non_null( strstr( error.message, wrong[i].word ) );
     }
     test_mesh_free( &m );
 }
@@ -642,9 +643,9 @@ int main( void )
         cmocka_unit_test( an_update_that_fails_leaves_everything_as_it_was ),
         cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
         cmocka_unit_test( voxels_are_no_more_than_there_may_be ),
-        cmocka_unit_test( voxels_are_as_large_as_asked_for ),
+        cmocka_unit_test( voxels_are_as_large_as_queried_for ),
         cmocka_unit_test( a_limit_of_memory_makes_voxels_larger ),
-        cmocka_unit_test( every_refused_block_is_a_sentence_and_leaves_nothing ),
+        cmocka_unit_test( every_refused_block_is_a_message_and_leaves_nothing ),
         cmocka_unit_test( a_wrong_search_is_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -15,11 +15,11 @@ static void every_call_with_a_stale_handle_says_so( void** state )
         uint64_t hash = 1;
         assert_false( wisp_is_alive( h->world, stale[i] ) );
         assert_int_equal( wisp_remove( h->world, stale[i] ), WISP_STALE_ID );
-        assert_one_sentence( wisp_world_message( h->world ) );
+        assert_one_message( wisp_world_message( h->world ) );
         assert_int_equal( wisp_add_instance( h->world, stale[i], &out ), WISP_STALE_ID );
         assert_int_equal( out.index, 0 );
-        assert_int_equal( wisp_want( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
-        assert_int_equal( wisp_unwant( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
+        assert_int_equal( wisp_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
+        assert_int_equal( wisp_cancel_request( h->world, stale[i], WISP_STRAND_POINTS ), WISP_STALE_ID );
         assert_int_equal( wisp_world_view( h->world, stale[i], WISP_STRAND_POINTS, &view ), WISP_STALE_ID );
         assert_int_equal( wisp_world_hash_column( h->world, stale[i], WISP_STRAND_POINTS, &hash ), WISP_STALE_ID );
         assert_int_equal( wisp_world_attach( h->world, stale[i], WISP_STRAND_STIFFNESS ), WISP_STALE_ID );
@@ -30,7 +30,7 @@ static void every_call_with_a_stale_handle_says_so( void** state )
     }
 }
 
-// ---- wishes and views ----
+// ---- requests and views ----
 
 static void points_come_out_in_the_users_order( void** state )
 {
@@ -40,7 +40,7 @@ static void points_come_out_in_the_users_order( void** state )
     wisp_strands_def def = test_strands_def( &s );
     wisp_entity e;
     assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     wisp_view view = view_of( h->world, e, WISP_STRAND_POINTS );
     assert_int_equal( view.count, s.vertex_count );
@@ -49,7 +49,7 @@ static void points_come_out_in_the_users_order( void** state )
     test_strands_free( &s );
 }
 
-static void a_view_of_what_nobody_wants_is_a_conflict( void** state )
+static void a_view_of_what_nobody_requests_is_a_conflict( void** state )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
@@ -59,57 +59,57 @@ static void a_view_of_what_nobody_wants_is_a_conflict( void** state )
         wisp_view view = { &view, 1, 1 };
         assert_int_equal( wisp_world_view( h->world, e, wrong[i], &view ), WISP_CONFLICT );
         assert_null( view.data );
-        assert_one_sentence( wisp_world_message( h->world ) );
+        assert_one_message( wisp_world_message( h->world ) );
     }
 }
 
-static void a_wish_for_a_component_that_no_module_knows_is_a_conflict( void** state )
+static void a_request_for_a_component_that_no_module_knows_is_a_conflict( void** state )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
-    assert_int_equal( wisp_want( h->world, e, 0 ), WISP_CONFLICT );
-    assert_int_equal( wisp_want( h->world, e, 63 ), WISP_CONFLICT );
-    assert_int_equal( wisp_want( h->world, e, UINT16_MAX ), WISP_CONFLICT );
-    assert_int_equal( wisp_unwant( h->world, e, 63 ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_int_equal( wisp_request( h->world, e, 0 ), WISP_CONFLICT );
+    assert_int_equal( wisp_request( h->world, e, 63 ), WISP_CONFLICT );
+    assert_int_equal( wisp_request( h->world, e, UINT16_MAX ), WISP_CONFLICT );
+    assert_int_equal( wisp_cancel_request( h->world, e, 63 ), WISP_CONFLICT );
+    assert_one_message( wisp_world_message( h->world ) );
 }
 
-static void a_wish_brings_a_pass_and_taking_it_back_takes_it_away( void** state )
+static void a_request_brings_a_pass_and_taking_it_back_takes_it_away( void** state )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), 1 );
-    assert_int_equal( wisp_unwant( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_cancel_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), 0 );
     wisp_view view;
     assert_int_equal( wisp_world_view( h->world, e, WISP_STRAND_POINTS, &view ), WISP_CONFLICT );
 }
 
-static void a_wish_taken_back_keeps_rows_that_the_user_gave( void** state )
+static void a_request_taken_back_keeps_rows_that_the_user_gave( void** state )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
     assert_int_equal( wisp_world_attach( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
     float* width = wisp_world_column( h->world, e, WISP_POINT_WIDTH, 0 );
     width[8] = 5.0f;
-    assert_int_equal( wisp_want( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
-    assert_int_equal( wisp_unwant( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
+    assert_int_equal( wisp_cancel_request( h->world, e, WISP_POINT_WIDTH ), WISP_OK );
     assert_true( wisp_world_has( h->world, e, WISP_POINT_WIDTH ) );
     assert_true( ( (const float*)view_of( h->world, e, WISP_POINT_WIDTH ).data )[8] == 5.0f );
 }
 
-static void points_wanted_again_are_there_again( void** state )
+static void points_requested_again_are_there_again( void** state )
 {
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 3, 3 );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     uint64_t hash = hash_of( h->world, e, WISP_STRAND_POINTS );
-    assert_int_equal( wisp_unwant( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_cancel_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     assert_int_equal( hash_of( h->world, e, WISP_STRAND_POINTS ), hash );
 }
@@ -154,7 +154,7 @@ static void an_instance_survives_its_source( void** state )
 
     wisp_frozen_hair_def def = clumping_def();
     assert_int_equal( wisp_set_frozen_hair( h->world, second, &def ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, second, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, second, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     assert_int_equal( hash_of( h->world, second, WISP_STRAND_POINTS ), hash );
 }
@@ -206,7 +206,7 @@ static void a_snapshot_needs_room_and_brings_the_state_back( void** state )
     assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
     assert_int_equal( wisp_world_hash( h->world ), hash );
     assert_int_equal( wisp_world_restore( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
     free( bytes );
 }
 
@@ -217,7 +217,7 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
     wisp_frozen_hair_def def = clumping_def();
     def.base = base;
     assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
     void* bytes = malloc( size );
@@ -286,7 +286,7 @@ static wisp_world* open_frozen_world( const wisp_module* const* modules, int cou
 static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused( void** state )
 {
     (void)state;
-    static const wisp_module* const more[] = { &wisp_climate_module, &wisp_strand_look_module,
+    static const wisp_module* const more[] = { &wisp_environment_module, &wisp_strand_appearance_module,
                                                &wisp_frozen_hair_module };
     wisp_entity e, other_e;
     wisp_world* world = open_frozen_world( more + 2, 1, &e );
@@ -354,8 +354,8 @@ static void counters_count_what_a_scene_met( void** state )
     {
         step( h->world );
     }
-    wisp_frozen_hair_report report;
-    assert_int_equal( wisp_report_frozen_hair( h->world, e, &report ), WISP_OK );
+    wisp_frozen_hair_stats report;
+    assert_int_equal( wisp_read_frozen_hair_stats( h->world, e, &report ), WISP_OK );
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 3 );
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_PLANS ), 1 );
     // one command, in the first step
@@ -373,7 +373,7 @@ static void a_neighbour_limit_that_bites_is_counted( void** state )
     wisp_frozen_hair_def def = clumping_def();
     def.neighbour_limit = 1;
     assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     assert_true( wisp_world_counter( h->world, WISP_COUNT_CAPPED ) > 0 );
 }
@@ -415,11 +415,11 @@ int main( void )
     const struct CMUnitTest tests[] = {
         WORLD_TEST( every_call_with_a_stale_handle_says_so ),
         WORLD_TEST( points_come_out_in_the_users_order ),
-        WORLD_TEST( a_view_of_what_nobody_wants_is_a_conflict ),
-        WORLD_TEST( a_wish_for_a_component_that_no_module_knows_is_a_conflict ),
-        WORLD_TEST( a_wish_brings_a_pass_and_taking_it_back_takes_it_away ),
-        WORLD_TEST( a_wish_taken_back_keeps_rows_that_the_user_gave ),
-        WORLD_TEST( points_wanted_again_are_there_again ),
+        WORLD_TEST( a_view_of_what_nobody_requests_is_a_conflict ),
+        WORLD_TEST( a_request_for_a_component_that_no_module_knows_is_a_conflict ),
+        WORLD_TEST( a_request_brings_a_pass_and_taking_it_back_takes_it_away ),
+        WORLD_TEST( a_request_taken_back_keeps_rows_that_the_user_gave ),
+        WORLD_TEST( points_requested_again_are_there_again ),
         WORLD_TEST( strands_without_strands_step_and_show_nothing ),
         WORLD_TEST( an_instance_shares_its_sources_topology_and_starts_at_rest ),
         WORLD_TEST( an_instance_survives_its_source ),

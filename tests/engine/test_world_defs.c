@@ -1,11 +1,11 @@
-// What a world refuses: definitions of worlds, of modules and of strands, each by its own sentence.
+// What a world refuses: definitions of worlds, of modules and of strands, each by its own message.
 #include "world_fixture.h"
 
 #include <math.h>
 
 // ---- definitions of worlds ----
 
-// Refused with one sentence that holds these words, and without a world.
+// Refused with one message that holds these words, and without a world.
 static void assert_no_world( const wisp_world_def* def, const char* words )
 {
     wisp_world* world = (wisp_world*)(uintptr_t)1;
@@ -13,10 +13,10 @@ static void assert_no_world( const wisp_world_def* def, const char* words )
     assert_int_equal( wisp_world_create( def, &world, &error ), WISP_BAD_INPUT );
     assert_null( world );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_one_sentence( error.sentence );
-    if ( strstr( error.sentence, words ) == NULL )
+    assert_one_message( error.message );
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "'%s' is not in: %s", words, error.sentence );
+        fail_msg( "'%s' is not in: %s", words, error.message );
     }
     assert_int_equal( wisp_world_create( def, &world, NULL ), WISP_BAD_INPUT );
 }
@@ -120,7 +120,7 @@ static void a_definition_that_was_not_filled_by_default_is_wrong_code( void** st
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
-    def.made_by_default = 0;
+    def.cookie = 0;
     wisp_world* world = NULL;
     asserts = 0;
     wisp_set_assert_handler( count_assert );
@@ -253,7 +253,7 @@ static void assert_no_strands( hosted* h, const wisp_strands_def* def, const cha
     int heard = h->log.count;
     assert_int_equal( wisp_add_strands( h->world, def, &e ), WISP_BAD_INPUT );
     assert_int_equal( e.index, 0 );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
     assert_string_equal( h->log.last, wisp_world_message( h->world ) );
     assert_int_equal( h->log.count, heard + 1 );
     assert_int_equal( wisp_world_hash( h->world ), hash );
@@ -332,7 +332,7 @@ static void a_step_of_no_possible_length_is_refused( void** state )
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
         assert_int_equal( wisp_world_step( h->world, wrong[i] ), WISP_BAD_INPUT );
-        assert_one_sentence( wisp_world_message( h->world ) );
+        assert_one_message( wisp_world_message( h->world ) );
     }
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_STEPS ), 0 );
 }

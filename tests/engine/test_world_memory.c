@@ -94,9 +94,9 @@ static int64_t requests_of_warm_steps( int workers )
     {
         assert_int_equal( wisp_replay_frozen_hair( h.world, e, ( wisp_vec3 ){ 0.1f, 0.0f, 0.1f }, 0 ), WISP_OK );
         step( h.world );
-        warm = i == 1 ? atomic_load( &h.host.asked ) : warm;
+        warm = i == 1 ? atomic_load( &h.host.queried ) : warm;
     }
-    int64_t requests = atomic_load( &h.host.asked ) - warm;
+    int64_t requests = atomic_load( &h.host.queried ) - warm;
     wisp_world_destroy( h.world );
     assert_host_has_all_back( &h.host );
     return requests;
@@ -134,7 +134,7 @@ static wisp_status create_world( scene* s )
     if ( status != WISP_OK )
     {
         assert_int_equal( error.status, status );
-        assert_one_sentence( error.sentence );
+        assert_one_message( error.message );
         assert_null( s->h.world );
         assert_host_has_all_back( &s->h.host );
     }
@@ -167,29 +167,29 @@ static wisp_status freeze_second( scene* s )
 
 static wisp_status paint_first( scene* s )
 {
-    wisp_strand_look_def def = wisp_default_strand_look_def();
-    return wisp_set_strand_look( s->h.world, s->first, &def );
+    wisp_strand_appearance_def def = wisp_default_strand_appearance_def();
+    return wisp_set_strand_appearance( s->h.world, s->first, &def );
 }
 
 static wisp_status chill_second( scene* s )
 {
-    wisp_climate_def def = wisp_default_climate_def();
-    return wisp_set_climate( s->h.world, s->second, &def );
+    wisp_environment_def def = wisp_default_environment_def();
+    return wisp_set_environment( s->h.world, s->second, &def );
 }
 
-static wisp_status want_points( scene* s )
+static wisp_status request_points( scene* s )
 {
-    return wisp_want( s->h.world, s->first, WISP_STRAND_POINTS );
+    return wisp_request( s->h.world, s->first, WISP_STRAND_POINTS );
 }
 
-static wisp_status want_second_points( scene* s )
+static wisp_status request_second_points( scene* s )
 {
-    return wisp_want( s->h.world, s->second, WISP_STRAND_POINTS );
+    return wisp_request( s->h.world, s->second, WISP_STRAND_POINTS );
 }
 
-static wisp_status want_width( scene* s )
+static wisp_status request_width( scene* s )
 {
-    return wisp_want( s->h.world, s->first, WISP_POINT_WIDTH );
+    return wisp_request( s->h.world, s->first, WISP_POINT_WIDTH );
 }
 
 // A step that failed half way has taken its command; the same event from rest gives the same bits.
@@ -211,9 +211,10 @@ static const struct
     wisp_status ( *call )( scene* s );
     bool changes_nothing; // when it fails
 } CALLS[] = {
-    { create_world, false },      { add_first, true },    { freeze_first, true }, { want_points, true },
-    { add_second, true },         { paint_first, true },  { want_width, true },   { freeze_second, true },
-    { want_second_points, true }, { chill_second, true }, { step_first, false },
+    { create_world, false },  { add_first, true },     { freeze_first, true },
+    { request_points, true }, { add_second, true },    { paint_first, true },
+    { request_width, true },  { freeze_second, true }, { request_second_points, true },
+    { chill_second, true },   { step_first, false },
 };
 
 // @return whether the call failed, and was made again
@@ -230,7 +231,7 @@ static bool call_until_it_works( scene* s, int number )
     test_host_refuse( &s->h.host, 0, false );
     if ( s->h.world != NULL )
     {
-        assert_one_sentence( wisp_world_message( s->h.world ) );
+        assert_one_message( wisp_world_message( s->h.world ) );
         assert_string_equal( s->h.log.last, wisp_world_message( s->h.world ) );
     }
     if ( CALLS[number].changes_nothing )
@@ -262,7 +263,7 @@ static uint64_t build_scene( int workers, int n, bool rest, bool* refused, int* 
     {
         *failures += call_until_it_works( &s, i ) ? 1 : 0;
     }
-    *refused = atomic_load( &s.h.host.asked ) >= n;
+    *refused = atomic_load( &s.h.host.queried ) >= n;
     uint64_t shown = shown_by( &s );
     wisp_world_destroy( s.h.world );
     test_strands_free( &s.strands );

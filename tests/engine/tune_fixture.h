@@ -9,14 +9,14 @@
 
 #define CHOICES_MAX 400
 
-/// Time and error of every choice of three knobs, and what the search asked for.
+/// Time and error of every choice of three parameters, and what the search asked for.
 typedef struct surface
 {
     int counts[3];
     double ms[CHOICES_MAX], error[CHOICES_MAX];
     bool is_halted[CHOICES_MAX];
     double noise; ///< times are off by up to this share
-    int asked[CHOICES_MAX];
+    int queried[CHOICES_MAX];
     int run_count;
     int fail_at; ///< run that fails, from 1; 0: none
 } surface;
@@ -28,9 +28,9 @@ static inline double random_unit( uint64_t seed, int event, int element )
     return wisp_random_unit( wisp_random_make_key( seed, 7, 0 ), (uint32_t)event, (uint32_t)element, 0 );
 }
 
-static inline int number_of( const surface* s, const int* choice )
+static inline int number_of( const surface* s, const int* configuration )
 {
-    return ( choice[0] * s->counts[1] + choice[1] ) * s->counts[2] + choice[2];
+    return ( configuration[0] * s->counts[1] + configuration[1] ) * s->counts[2] + configuration[2];
 }
 
 static inline int size_of( const surface* s )
@@ -54,28 +54,29 @@ static inline surface make_surface( uint64_t seed, int a, int b, int c )
     }
     for ( int i = 0; i < size_of( &s ); ++i )
     {
-        const int choice[3] = { i / ( b * c ), i / c % b, i % c };
-        s.ms[i] = dear[0][choice[0]] * dear[1][choice[1]] * dear[2][choice[2]];
-        s.error[i] = 0.1 * fine[0][choice[0]] * fine[1][choice[1]] * fine[2][choice[2]];
+        const int configuration[3] = { i / ( b * c ), i / c % b, i % c };
+        s.ms[i] = dear[0][configuration[0]] * dear[1][configuration[1]] * dear[2][configuration[2]];
+        s.error[i] = 0.1 * fine[0][configuration[0]] * fine[1][configuration[1]] * fine[2][configuration[2]];
     }
     return s;
 }
 
 // Every sample is off by a share of its own, so that values are in order no more.
-static inline void make_bumpy( surface* s, uint64_t seed, double share )
+static inline void make_bumpy( surface* s, uint64_t seed, double fraction )
 {
     for ( int i = 0; i < size_of( s ); ++i )
     {
-        s->ms[i] *= 1.0 + share * ( 2.0 * random_unit( seed, 20, i ) - 1.0 );
-        s->error[i] *= 1.0 + share * ( 2.0 * random_unit( seed, 21, i ) - 1.0 );
+        s->ms[i] *= 1.0 + fraction * ( 2.0 * random_unit( seed, 20, i ) - 1.0 );
+        s->error[i] *= 1.0 + fraction * ( 2.0 * random_unit( seed, 21, i ) - 1.0 );
     }
 }
 
-static inline wisp_status run_surface( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error )
+static inline wisp_status run_surface( void* user, const int* configuration, wisp_tune_sample* out,
+                                       wisp_error* error )
 {
     surface* s = user;
-    const int i = number_of( s, choice );
-    ++s->asked[i];
+    const int i = number_of( s, configuration );
+    ++s->queried[i];
     if ( ++s->run_count == s->fail_at )
     {
         return wisp_fail( error, WISP_IO_ERROR, "the host has lost its disk" );
@@ -87,47 +88,47 @@ static inline wisp_status run_surface( void* user, const int* choice, wisp_tune_
 
 typedef struct searched
 {
-    wisp_tune_knob knobs[3];
-    wisp_tune_job job;
+    wisp_tune_parameter parameters[3];
+    wisp_tune_def args;
 } searched;
 
 static inline searched search_of( surface* s, double error, double budget_ms )
 {
-    searched out = { .knobs = { { "substeps", VALUES, s->counts[0], false },
-                                { "iterations", VALUES, s->counts[1], false },
-                                { "third", VALUES, s->counts[2], false } },
-                     .job = wisp_default_tune_job() };
-    out.job.knob_count = 3;
-    out.job.error = error;
-    out.job.budget_ms = budget_ms;
-    out.job.run = run_surface;
-    out.job.user = s;
-    out.job.max_runs = 1000;
-    out.job.repeats = 1;
+    searched out = { .parameters = { { "substeps", VALUES, s->counts[0], false },
+                                     { "iterations", VALUES, s->counts[1], false },
+                                     { "third", VALUES, s->counts[2], false } },
+                     .args = wisp_default_tune_def() };
+    out.args.parameter_count = 3;
+    out.args.error = error;
+    out.args.budget_ms = budget_ms;
+    out.args.run = run_surface;
+    out.args.user = s;
+    out.args.max_runs = 1000;
+    out.args.repeats = 1;
     return out;
 }
 
 // A failure leaves the result zero.
 static inline wisp_tune_result find( searched* s )
 {
-    s->job.knobs = s->knobs;
+    s->args.parameters = s->parameters;
     wisp_tune_result result;
     wisp_error error = { 0 };
-    if ( wisp_tune( &s->job, &result, &error ) != WISP_OK )
+    if ( wisp_tune( &s->args, &result, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return result;
 }
 
 // Targets that some choices of a surface meet and some do not.
-static inline double between( const double* numbers, int count, double share )
+static inline double between( const double* numbers, int count, double fraction )
 {
-    double low = numbers[0], high = numbers[0];
+    double lower = numbers[0], upper = numbers[0];
     for ( int i = 1; i < count; ++i )
     {
-        low = fmin( low, numbers[i] );
-        high = fmax( high, numbers[i] );
+        lower = fmin( lower, numbers[i] );
+        upper = fmax( upper, numbers[i] );
     }
-    return low * pow( high / low, share );
+    return lower * pow( upper / lower, fraction );
 }

@@ -5,10 +5,10 @@
 
 #include "world.h"
 
-#include "climate.h"
+#include "environment.h"
 #include "cloth.h"
 #include "frozen_hair.h"
-#include "strand_look.h"
+#include "strand_appearance.h"
 
 typedef struct hosted
 {
@@ -20,8 +20,8 @@ typedef struct hosted
 
 static inline wisp_world_def hosted_def( hosted* h )
 {
-    static const wisp_module* const MODULES[] = { &wisp_climate_module, &wisp_cloth_module, &wisp_frozen_hair_module,
-                                                  &wisp_strand_look_module };
+    static const wisp_module* const MODULES[] = { &wisp_environment_module, &wisp_cloth_module,
+                                                  &wisp_frozen_hair_module, &wisp_strand_appearance_module };
     wisp_world_def def = wisp_default_world_def();
     def.modules = MODULES;
     def.module_count = WISP_COUNT( MODULES );
@@ -66,7 +66,7 @@ static inline wisp_entity add_frozen( wisp_world* world, int strand_count, int l
     wisp_entity e = test_add_strands( world, strand_count, length );
     wisp_frozen_hair_def def = clumping_def();
     assert_int_equal( wisp_set_frozen_hair( world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
     return e;
 }
 

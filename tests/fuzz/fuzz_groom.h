@@ -41,7 +41,7 @@ static inline char* fuzz_write( fuzz_writer* write, const wisp_groom* groom, siz
     fclose( stream );
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error.sentence[0] != 0 && *size == 0 );
+        fuzz_demand( status == WISP_BAD_INPUT && error.message[0] != 0 && *size == 0 );
         free( bytes );
         return NULL;
     }
@@ -75,13 +75,13 @@ static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_g
 {
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->sentence[0] != 0 );
+        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
         fuzz_demand( groom->offsets == NULL && groom->points == NULL );
         return;
     }
-    // Either answer is right; a refusal must come with its sentence.
+    // Either answer is right; a refusal must come with its message.
     wisp_error check = { .status = WISP_OK };
-    fuzz_demand( wisp_groom_check( groom, &check ) == WISP_OK || check.sentence[0] != 0 );
+    fuzz_demand( wisp_groom_check( groom, &check ) == WISP_OK || check.message[0] != 0 );
     fuzz_round_trip( groom );
     size_t size = 0;
     free( fuzz_write( wisp_groom_write_usda, groom, &size ) );

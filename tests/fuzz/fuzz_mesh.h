@@ -56,16 +56,16 @@ static inline void fuzz_examine( const wisp_mesh* mesh )
     free( text );
 }
 
-/// A repair keeps its promises, or refuses with a sentence and leaves the mesh alone.
+/// A repair keeps its promises, or refuses with a message and leaves the mesh alone.
 static inline void fuzz_repair( wisp_mesh* mesh )
 {
     wisp_mesh_repairs repairs;
-    wisp_mesh_report report;
+    wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
     int triangle_count = mesh->triangle_count;
     if ( wisp_mesh_repair( mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ) != WISP_OK )
     {
-        fuzz_demand( error.sentence[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
+        fuzz_demand( error.message[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
         return;
     }
     fuzz_demand( wisp_mesh_examine( mesh, &report, NULL ) == WISP_OK );
@@ -79,7 +79,7 @@ static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_m
 {
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->sentence[0] != 0 );
+        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
         fuzz_demand( mesh->points == NULL && mesh->triangles == NULL );
         return;
     }

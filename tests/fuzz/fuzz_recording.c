@@ -1,4 +1,4 @@
-// Any bytes as a .wisp and as a .pc2 file: refused with a sentence, or described and read frame by frame. Checksums
+// Any bytes as a .wisp and as a .pc2 file: refused with a message, or described and read frame by frame. Checksums
 // would keep nearly all bytes from what is behind them, so a second run makes them right.
 #define _XOPEN_SOURCE 700 // open_memstream
 
@@ -23,8 +23,8 @@ static void demand( bool condition )
 
 static void demand_refusal( wisp_status status, const wisp_error* error )
 {
-    demand( status == WISP_BAD_INPUT && error->status == status && error->sentence[0] != 0 );
-    for ( const char* c = error->sentence; *c != 0; ++c )
+    demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
+    for ( const char* c = error->message; *c != 0; ++c )
     {
         demand( (unsigned char)*c >= 0x20 && *c != 0x7f );
     }
@@ -56,7 +56,7 @@ static void demand_body( const wisp_record_body* body )
 static void demand_sizes( const wisp_recording_info* info, size_t size )
 {
     uint64_t end = info->first_byte + (uint64_t)info->frame_count * info->frame_bytes;
-    demand( info->frame_count >= 0 && info->body_count >= 1 && info->step_seconds > 0.0 );
+    demand( info->frame_count >= 0 && info->body_count >= 1 && info->dt > 0.0 );
     demand( info->complete ? info->tail_bytes == 0 && end + 24 == size : end + info->tail_bytes == size );
 }
 

@@ -1,4 +1,4 @@
-// Any bytes as a scene: refused with one sentence that begins with the name, or read into a scene whose promises hold.
+// Any bytes as a scene: refused with one message that begins with the name, or read into a scene whose promises hold.
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -16,37 +16,37 @@ static void demand( bool condition )
     }
 }
 
-static void demand_sentence( const wisp_error* error )
+static void demand_message( const wisp_error* error )
 {
     static const char name[] = "fuzz.yaml:";
     demand( error->status == WISP_BAD_INPUT );
-    demand( strncmp( error->sentence, name, sizeof name - 1 ) == 0 );
-    for ( const char* c = error->sentence; *c; ++c )
+    demand( strncmp( error->message, name, sizeof name - 1 ) == 0 );
+    for ( const char* c = error->message; *c; ++c )
     {
         demand( (unsigned char)*c >= 0x20 && *c != 0x7f );
     }
 }
 
-static void demand_numbers( const float* values, int count, float low, float high )
+static void demand_numbers( const float* values, int count, float lower, float upper )
 {
     demand( ( values == NULL ) == ( count == 0 ) );
     for ( int i = 0; i < count; ++i )
     {
-        demand( values[i] >= low && values[i] <= high );
+        demand( values[i] >= lower && values[i] <= upper );
     }
 }
 
-static void demand_climate( const wisp_climate_def* climate )
+static void demand_environment( const wisp_environment_def* environment )
 {
-    int last = climate->point_count - 1;
-    demand( last >= 1 && last < WISP_CLIMATE_MAX_POINTS );
-    demand( climate->ice[0] == 0.0f && climate->ice[last] == 1.0f && climate->span > 0.0f );
+    int last = environment->point_count - 1;
+    demand( last >= 1 && last < WISP_ENVIRONMENT_MAX_POINTS );
+    demand( environment->ice[0] == 0.0f && environment->ice[last] == 1.0f && environment->span > 0.0f );
     bool rises = false, falls = false;
     for ( int i = 1; i <= last; ++i )
     {
-        demand( climate->ice[i] > climate->ice[i - 1] );
-        rises = rises || climate->stiffness[i] > climate->stiffness[i - 1];
-        falls = falls || climate->stiffness[i] < climate->stiffness[i - 1];
+        demand( environment->ice[i] > environment->ice[i - 1] );
+        rises = rises || environment->stiffness[i] > environment->stiffness[i - 1];
+        falls = falls || environment->stiffness[i] < environment->stiffness[i - 1];
     }
     demand( !rises || !falls );
 }
@@ -65,18 +65,19 @@ static void demand_path( const wisp_scene_path* path )
 static void demand_contact( const wisp_contact_def* c )
 {
     demand( c->thickness >= 0.0f && isfinite( c->thickness ) && c->friction >= 0.0f && isfinite( c->friction ) );
-    demand( c->recovery_speed >= 0.0f && isfinite( c->recovery_speed ) );
+    demand( c->max_push_out_speed >= 0.0f && isfinite( c->max_push_out_speed ) );
 }
 
 static void demand_settings( const wisp_scene* scene )
 {
     const wisp_contact_settings* c = &scene->contact;
-    demand( c->features >= 0 && c->features < WISP_CONTACT_FEATURES_COUNT );
+    demand( c->primitives >= 0 && c->primitives < WISP_CONTACT_PRIMITIVES_COUNT );
     demand( c->search >= 0 && c->search < WISP_PAIR_SEARCH_COUNT );
     demand( c->margin > 0.0f && isfinite( c->margin ) );
-    demand( c->sample_spacing == 0.0f || ( c->features == WISP_CONTACT_SAMPLES && isfinite( c->sample_spacing ) ) );
-    demand( c->guard || c->features == WISP_CONTACT_EXACT );
-    demand( scene->has_contact || !( scene->want_contact_figures || scene->want_crossings ) );
+    demand( c->particle_spacing == 0.0f ||
+            ( c->primitives == WISP_CONTACT_PARTICLES && isfinite( c->particle_spacing ) ) );
+    demand( c->displacement_limit || c->primitives == WISP_CONTACT_TRIANGLES );
+    demand( scene->has_contact || !( scene->request_contact_stats || scene->request_intersections ) );
 }
 
 static void demand_layer( const wisp_boundary_def* b )
@@ -84,7 +85,7 @@ static void demand_layer( const wisp_boundary_def* b )
     demand( b->policy >= 0 && b->policy < WISP_SPACING_COUNT && b->rounding >= 0 && b->rounding < WISP_ROUND_COUNT );
     demand( b->spacing >= 0.0f && isfinite( b->spacing ) && b->hysteresis >= 0.0f && b->hysteresis <= 0.5f );
     demand( b->limit >= 1 && b->curvature_gain >= 0.0f && isfinite( b->strain_gain ) );
-    demand( b->most_spacing == 0.0f || b->least_spacing <= b->most_spacing );
+    demand( b->max_spacing == 0.0f || b->min_spacing <= b->max_spacing );
     demand( b->pixel_angle > 0.0f && b->pixels > 0.0f && isfinite( b->eye.x ) );
     demand( b->by_screen || ( b->eye.x == 0.0f && b->eye.y == 0.0f && b->eye.z == 0.0f ) );
 }
@@ -120,10 +121,10 @@ static void demand_strands( const wisp_scene* scene, int i )
     demand_numbers( hair->strand_stretch_stiffness, strands->stretch_count, 1e-3f, 1e12f );
     demand_numbers( hair->strand_bend_stiffness, strands->bend_count, 1e-3f, 1e12f );
     demand_numbers( hair->strand_intensity, strands->intensity_count, 0.0f, 1.0f );
-    demand( strands->bend_count == 0 || !strands->is_made || strands->bend_count == strands->recipe.strand_count );
+    demand( strands->bend_count == 0 || !strands->is_made || strands->bend_count == strands->generator.strand_count );
     demand( isfinite( hair->reach ) && isfinite( hair->cursor.x ) && hair->clump_radius > 0.0f );
-    demand( strands->has_look || !( strands->want_width || strands->want_colour ) );
-    demand_climate( &strands->climate );
+    demand( strands->has_appearance || !( strands->request_width || strands->request_colour ) );
+    demand_environment( &strands->environment );
     demand_dynamics( strands );
 }
 
@@ -131,17 +132,17 @@ static void demand_mesh( const wisp_scene_mesh* mesh, bool needed )
 {
     demand( needed == ( mesh->is_made || mesh->file ) && !( mesh->is_made && mesh->file ) );
     demand( mesh->scale > 0.0f && ( mesh->repairs & ~WISP_MESH_REPAIR_ALL ) == 0 );
-    demand( mesh->recipe.shape >= 0 && mesh->recipe.shape < WISP_MESH_SHAPE_COUNT );
+    demand( mesh->generator.shape >= 0 && mesh->generator.shape < WISP_MESH_SHAPE_COUNT );
 }
 
 static void demand_balloon( const wisp_scene_surface* s )
 {
     const wisp_balloon_def* b = &s->balloon;
-    demand( b->fill >= b->least_fill && b->outlet_count >= 0 && b->outlet_count <= WISP_BALLOON_MAX_OUTLET );
+    demand( b->gas_ratio >= b->min_gas_ratio && b->outlet_count >= 0 && b->outlet_count <= WISP_BALLOON_MAX_OUTLET );
     demand( !( b->outlet_count > 0 && s->has_outlet_nearest ) );
     for ( int i = 0; i < s->fill_path_count; ++i )
     {
-        demand( s->fill_path[i].fill >= b->least_fill );
+        demand( s->fill_path[i].gas_ratio >= b->min_gas_ratio );
         demand( i == 0 || s->fill_path[i].time > s->fill_path[i - 1].time );
     }
 }
@@ -160,14 +161,15 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
     demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
     demand( d->integrator >= 0 && d->integrator < WISP_IMPLICIT_INTEGRATOR_COUNT );
-    demand( d->newton_repeats >= 1 && d->newton_repeats <= 64 && d->stiff_repeats >= 1 && d->stiff_repeats <= 64 );
+    demand( d->newton_iterations >= 1 && d->newton_iterations <= 64 && d->max_newton_iterations >= 1 &&
+            d->max_newton_iterations <= 64 );
     demand( d->tolerance >= 1e-7f && d->tolerance <= 0.1f );
     demand( d->max_iterations >= 0 && d->max_iterations <= 1000000 );
     demand( !d->stretch_pairs && !d->bend_pairs && d->stretch_pair_count == 0 && d->bend_pair_count == 0 );
     demand( s->has_implicit || !s->has_quad_links );
     demand( !s->has_implicit || ( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) ) );
     const wisp_scene_mesh* mesh = s->instance_of < 0 ? &s->mesh : &scene->surfaces[s->instance_of].mesh;
-    demand( !s->has_quad_links || ( mesh->is_made && mesh->recipe.shape == WISP_MESH_PLANE_REGULAR ) );
+    demand( !s->has_quad_links || ( mesh->is_made && mesh->generator.shape == WISP_MESH_PLANE_REGULAR ) );
     demand( !s->has_quad_links || d->stiffness == WISP_IMPLICIT_STIFFNESS_LINK );
 }
 
@@ -180,7 +182,7 @@ static void demand_surface( const wisp_scene* scene, int i )
     demand_mesh( &s->mesh, s->instance_of < 0 );
     demand( s->has_cloth + s->has_balloon + s->has_implicit <= 1 );
     demand( isfinite( s->gravity.y ) && s->damping >= 0.0f );
-    demand( !s->want_figures || s->has_balloon || s->has_implicit );
+    demand( !s->request_stats || s->has_balloon || s->has_implicit );
     demand( s->strain_limit[0] <= 1.0f && s->strain_limit[1] >= 1.0f );
     demand( s->tile_size == 0 || ( s->tile_size >= 64 && s->tile_size % 8 == 0 ) );
     demand( s->pin_path.count == 0 || s->pin_count + s->pin_box_count + s->pin_nearest_count > 0 );
@@ -190,7 +192,7 @@ static void demand_surface( const wisp_scene* scene, int i )
     }
     for ( int k = 0; k < s->pin_box_count; ++k )
     {
-        demand( s->pin_boxes[k].low.y <= s->pin_boxes[k].high.y );
+        demand( s->pin_boxes[k].lower.y <= s->pin_boxes[k].upper.y );
     }
     demand_path( &s->pin_path );
     demand_balloon( s );
@@ -224,14 +226,14 @@ static void demand_event( const wisp_scene* scene, int i )
     }
     demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface );
     const wisp_scene_surface* s = &scene->surfaces[e->surface];
-    demand( s->has_balloon || !( e->has_fill || e->has_inflation_rate || e->has_open ) );
-    demand( !e->has_fill || e->fill >= s->balloon.least_fill );
+    demand( s->has_balloon || !( e->has_gas_ratio || e->has_inflation_rate || e->has_open ) );
+    demand( !e->has_gas_ratio || e->gas_ratio >= s->balloon.min_gas_ratio );
     demand( s->has_cloth || !e->has_wind );
 }
 
 static void demand_scene( const wisp_scene* scene )
 {
-    demand( scene->step_seconds > 0.0f && isfinite( scene->step_seconds ) && scene->steps >= 0 );
+    demand( scene->dt > 0.0f && isfinite( scene->dt ) && scene->steps >= 0 );
     demand( scene->substeps >= 1 && scene->iterations >= 1 );
     demand( scene->workers >= 0 && scene->workers <= WISP_MAX_WORKERS );
     demand_settings( scene );
@@ -264,8 +266,8 @@ static void demand_scene( const wisp_scene* scene )
         const wisp_scene_output* output = &scene->outputs[i];
         demand( ( output->strands < 0 ) != ( output->surface < 0 ) && output->file[0] );
         demand( output->strands < scene->strands_count && output->surface < scene->surface_count );
-        demand( output->strands >= 0 ? scene->strands[output->strands].want_points
-                                     : scene->surfaces[output->surface].want_points );
+        demand( output->strands >= 0 ? scene->strands[output->strands].request_points
+                                     : scene->surfaces[output->surface].request_points );
     }
 }
 
@@ -277,7 +279,7 @@ int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )
     if ( status )
     {
         demand( status == WISP_BAD_INPUT && !scene.strands && !scene.blocks );
-        demand_sentence( &error );
+        demand_message( &error );
     }
     else
     {

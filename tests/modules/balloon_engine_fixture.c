@@ -10,7 +10,7 @@ balloon_scene balloon_scene_of( const balloon_mesh* mesh )
         .mesh = mesh,
         .scale = 1.0,
         .area_density = 0.02f,
-        .cross_links = true,
+        .bend_links = true,
         .def = wisp_default_balloon_def(),
         .dt = 1.0f / 60.0f,
         .substeps = 10,
@@ -55,11 +55,11 @@ balloon_mesh balloon_pear( int level )
 
 // ---- worlds ----
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
+static void forget( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
     (void)level;
-    (void)sentence;
+    (void)message;
 }
 
 static void expect_ok( const wisp_world* world, wisp_status status )
@@ -92,7 +92,7 @@ wisp_world* balloon_world_create( const balloon_scene* scene )
     wisp_error error = { 0 };
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        fail_msg( "no world: %s", error.sentence );
+        fail_msg( "no world: %s", error.message );
     }
     return world;
 }
@@ -119,12 +119,12 @@ static wisp_fabric* cook( const balloon_scene* scene )
     def.triangles = scene->mesh->triangles;
     def.vertex_count = scene->mesh->vertex_count;
     def.triangle_count = scene->mesh->triangle_count;
-    def.cross_links = scene->cross_links;
+    def.bend_links = scene->bend_links;
     wisp_fabric* fabric;
     wisp_error error = { 0 };
     if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )
     {
-        fail_msg( "no fabric: %s", error.sentence );
+        fail_msg( "no fabric: %s", error.message );
     }
     free( points );
     return fabric;
@@ -152,9 +152,9 @@ wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene )
 {
     wisp_entity entity = balloon_surface_add( world, scene );
     expect_ok( world, wisp_set_balloon( world, entity, &scene->def ) );
-    expect_ok( world, wisp_want( world, entity, WISP_SURFACE_POINTS ) );
-    expect_ok( world, wisp_want( world, entity, WISP_QUALITY ) );
-    expect_ok( world, wisp_want_balloon_figures( world, entity, true ) );
+    expect_ok( world, wisp_request( world, entity, WISP_SURFACE_POINTS ) );
+    expect_ok( world, wisp_request( world, entity, WISP_MOTION_STATS ) );
+    expect_ok( world, wisp_request_balloon_stats( world, entity, true ) );
     return entity;
 }
 
@@ -180,18 +180,18 @@ void balloon_steps( const balloon_flight* flight, int steps )
     }
 }
 
-wisp_balloon_figures balloon_read( const balloon_flight* flight )
+wisp_balloon_stats balloon_read( const balloon_flight* flight )
 {
-    wisp_balloon_figures figures;
-    expect_ok( flight->world, wisp_read_balloon_figures( flight->world, flight->entity, &figures ) );
-    return figures;
+    wisp_balloon_stats stats;
+    expect_ok( flight->world, wisp_read_balloon_stats( flight->world, flight->entity, &stats ) );
+    return stats;
 }
 
-wisp_quality balloon_quality( const balloon_flight* flight )
+wisp_motion_stats balloon_motion_stats( const balloon_flight* flight )
 {
-    wisp_quality quality;
-    expect_ok( flight->world, wisp_world_quality( flight->world, flight->entity, &quality ) );
-    return quality;
+    wisp_motion_stats motion_stats;
+    expect_ok( flight->world, wisp_read_motion_stats( flight->world, flight->entity, &motion_stats ) );
+    return motion_stats;
 }
 
 double3 balloon_from( const double v[3] )
@@ -340,20 +340,20 @@ static balloon_oracle_options oracle_options( const balloon_scene* s )
     o.gravity = double3_make( (double)s->gravity.x, (double)s->gravity.y, (double)s->gravity.z );
     o.drag_coefficient = (double)d->drag_coefficient;
     o.outlet_area = (double)d->outlet_area;
-    o.structural_k = (double)d->stretch_share;
-    o.bend_k = (double)d->bend_share;
-    o.volume_k = (double)d->volume_share;
+    o.structural_k = (double)d->stretch_stiffness;
+    o.bend_k = (double)d->bend_stiffness;
+    o.volume_k = (double)d->volume_stiffness;
     o.structural_stiffness = (double)d->edge_stiffness;
-    o.bend_stiffness = (double)d->cross_stiffness;
+    o.bend_stiffness = (double)d->bend_link_stiffness;
     // the engine decays by 1 / (1 + rate h), the oracle by exp( -decay h )
     o.velocity_decay = log1p( (double)s->damping * h ) / h;
-    o.least_volume = (double)d->least_fill;
+    o.min_volume = (double)d->min_gas_ratio;
     o.inflow = (double)d->inflation_rate;
     o.outlet_open = d->outlet_open;
     return o;
 }
 
-// Links of the engine's schedule that are edges, cross links, or both. @return their number
+// Links of the engine's schedule that are edges, bend links, or both. @return their number
 static int list_pairs( const wisp_fabric* f, bool edges, bool crosses, int* pairs, double* rest )
 {
     int count = 0;
@@ -362,8 +362,8 @@ static int list_pairs( const wisp_fabric* f, bool edges, bool crosses, int* pair
         int link = f->link_order.constraint[slot];
         if ( link >= 0 && ( link < f->edge_count ? edges : crosses ) )
         {
-            pairs[2 * count] = f->link_a4[slot] / 4;
-            pairs[2 * count + 1] = f->link_b4[slot] / 4;
+            pairs[2 * count] = f->link_a_x4[slot] / 4;
+            pairs[2 * count + 1] = f->link_b_x4[slot] / 4;
             rest[count++] = (double)f->link_rest[slot];
         }
     }
@@ -419,7 +419,7 @@ static void copy_state( const balloon_flight* flight, balloon_oracle* b )
         b->mass[slot] = mass_of( x + 4 * slot );
         b->total_mass += b->mass[slot];
     }
-    b->gas_volume = (double)flight->scene->def.fill * b->rest_volume;
+    b->gas_volume = (double)flight->scene->def.gas_ratio * b->rest_volume;
 }
 
 balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order order )
@@ -428,8 +428,8 @@ balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order or
     const wisp_balloon_def* d = &flight->scene->def;
     bool parted = order == BALLOON_ORDER_PARTED;
     assert_true( parted || f->link_count == f->edge_count ||
-                 ( d->edge_stiffness == d->cross_stiffness &&
-                   ( d->solver == WISP_SOLVER_XPBD || d->stretch_share == d->bend_share ) ) );
+                 ( d->edge_stiffness == d->bend_link_stiffness &&
+                   ( d->solver == WISP_SOLVER_XPBD || d->stretch_stiffness == d->bend_stiffness ) ) );
     int* pairs[2] = { new_memory( f->link_count, 2 * sizeof( int ) ),
                       new_memory( f->link_count, 2 * sizeof( int ) ) };
     double* rest[2] = { new_memory( f->link_count, sizeof( double ) ),
@@ -444,7 +444,7 @@ balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order or
     wisp_error error = { 0 };
     if ( balloon_oracle_create( &def, &options, &oracle, &error ) != WISP_OK )
     {
-        fail_msg( "no oracle: %s", error.sentence );
+        fail_msg( "no oracle: %s", error.message );
     }
     for ( int e = 0; e < oracle.structural_count; ++e )
     {
@@ -484,7 +484,7 @@ void balloon_assert_close( double actual, double expected, double tolerance )
     }
 }
 
-void balloon_assert_share( double actual, double expected, double tolerance )
+void balloon_assert_fraction( double actual, double expected, double tolerance )
 {
     balloon_assert_close( actual / expected, 1.0, tolerance );
 }

@@ -21,7 +21,7 @@ typedef struct balloon_scene
     float damping;            ///< 1/s
     const int32_t* pins;
     int pin_count;
-    bool cross_links;
+    bool bend_links;
     wisp_balloon_def def;
     float dt; ///< s, a step
     int substeps, iterations;
@@ -62,8 +62,8 @@ wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene );
 void balloon_start( balloon_flight* flight, const balloon_scene* scene );
 void balloon_end( balloon_flight* flight );
 void balloon_steps( const balloon_flight* flight, int steps );
-wisp_balloon_figures balloon_read( const balloon_flight* flight );
-wisp_quality balloon_quality( const balloon_flight* flight );
+wisp_balloon_stats balloon_read( const balloon_flight* flight );
+wisp_motion_stats balloon_motion_stats( const balloon_flight* flight );
 double3 balloon_momentum( const balloon_flight* flight );
 double3 balloon_angular_momentum( const balloon_flight* flight );
 double3 balloon_from( const double v[3] );
@@ -84,8 +84,8 @@ bool balloon_has_pass( wisp_world* world, const char* pass );
 /// In which order the oracle projects.
 typedef enum balloon_order
 {
-    BALLOON_ORDER_ENGINE, ///< link by link as the engine's schedule has them; edges and cross links need one stiffness
-    BALLOON_ORDER_PARTED, ///< all edges, then all cross links, each in the engine's order
+    BALLOON_ORDER_ENGINE, ///< link by link as the engine's schedule has them; edges and bend links need one stiffness
+    BALLOON_ORDER_PARTED, ///< all edges, then all bend links, each in the engine's order
 } balloon_order;
 
 /// The oracle in the very state of a flight: its floats widened, masses, velocities, rest lengths, pins and gas. Pinned
@@ -97,4 +97,4 @@ double balloon_distance( const balloon_flight* flight, const balloon_oracle* ora
 /// Fails unless |actual - expected| <= tolerance; a NaN fails.
 void balloon_assert_close( double actual, double expected, double tolerance );
 /// The same for the share by which they differ.
-void balloon_assert_share( double actual, double expected, double tolerance );
+void balloon_assert_fraction( double actual, double expected, double tolerance );

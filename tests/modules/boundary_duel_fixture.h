@@ -36,7 +36,7 @@ typedef struct duel
     wisp_allocator allocator;
     jobs_pool* pool;
     wisp_samples samples;
-    wisp_samples_job job;
+    wisp_samples_args args;
     float *position, *normal, *edge_spacing, *triangle_spacing;
     int32_t *edges, *triangles;
     wisp_status status;
@@ -60,7 +60,7 @@ static inline float* duel_floats( const double* from, int count )
     return to;
 }
 
-static inline void duel_fill_job( duel* d )
+static inline void duel_fill_args( duel* d )
 {
     const int edges = d->oracle.edge_count, triangles = d->oracle.triangle_count;
     d->edges = duel_memory( 2 * edges, sizeof( int32_t ) );
@@ -73,7 +73,7 @@ static inline void duel_fill_job( duel* d )
     memcpy( d->triangles, d->mesh.triangles, 3 * (size_t)triangles * sizeof( int32_t ) );
     d->edge_spacing = d->def.edge_spacing != NULL ? duel_floats( d->def.edge_spacing, edges ) : NULL;
     d->triangle_spacing = d->def.triangle_spacing != NULL ? duel_floats( d->def.triangle_spacing, triangles ) : NULL;
-    d->job = ( wisp_samples_job ){
+    d->args = ( wisp_samples_args ){
         .position = d->position,
         .normal = d->normal,
         .edges = d->edges,
@@ -120,7 +120,7 @@ static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
     d->normal = duel_memory( 4 * mesh->vertex_count, sizeof( float ) );
     d->allocator = test_host_allocator( &d->host );
     d->pool = jobs_create( &d->allocator, def->workers > 0 ? def->workers : 2, NULL, NULL );
-    duel_fill_job( d );
+    duel_fill_args( d );
     return d;
 }
 
@@ -139,11 +139,11 @@ static inline void duel_close( duel* d )
                        d->triangle_spacing,
                        d->edges,
                        d->triangles,
-                       d->job.edge_length,
-                       d->job.edge_points,
-                       d->job.triangle_extent,
-                       d->job.triangle_axis,
-                       d->job.triangle_points };
+                       d->args.edge_length,
+                       d->args.edge_points,
+                       d->args.triangle_extent,
+                       d->args.triangle_axis,
+                       d->args.triangle_points };
     for ( size_t k = 0; k < sizeof( blocks ) / sizeof( blocks[0] ); ++k )
     {
         free( blocks[k] );
@@ -155,7 +155,7 @@ static inline void duel_run( void* context )
 {
     duel* d = context;
     d->status =
-        wisp_samples_update( &d->samples, jobs_everyone( d->pool ), kernels_select( d->def.isa, NULL ), &d->job );
+        wisp_samples_update( &d->samples, jobs_everyone( d->pool ), kernels_select( d->def.isa, NULL ), &d->args );
 }
 
 // Lets the oracle be where it is after this, and remembers where it was.

@@ -25,7 +25,7 @@ static inline wisp_entity add_ball( ball_world* b, const test_mesh* mesh )
     const wisp_cloth_def cloth = wisp_default_cloth_def();
     assert_int_equal( wisp_set_cloth( b->world, e, &cloth ), WISP_OK );
     assert_int_equal( wisp_set_gravity( b->world, e, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ), WISP_OK );
-    assert_int_equal( wisp_want( b->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( b->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
 }
 
@@ -90,11 +90,11 @@ static inline wisp_boundary_view layer_of( ball_world* b, wisp_entity e )
     return view;
 }
 
-static inline wisp_boundary_figures figures_of( ball_world* b, wisp_entity e )
+static inline wisp_boundary_stats stats_of( ball_world* b, wisp_entity e )
 {
-    wisp_boundary_figures figures;
-    assert_int_equal( wisp_read_boundary_figures( b->world, e, &figures ), WISP_OK );
-    return figures;
+    wisp_boundary_stats stats;
+    assert_int_equal( wisp_read_boundary_stats( b->world, e, &stats ), WISP_OK );
+    return stats;
 }
 
 static inline uint64_t layer_hash_bytes( uint64_t seed, const void* bytes, size_t size )
@@ -116,7 +116,7 @@ static inline uint64_t layer_hash( ball_world* b, wisp_entity e )
     const size_t bytes = (size_t)s->count * 4 * sizeof( float );
     const int32_t counts[3] = { s->count, s->edge_count, s->changed_elements };
     uint64_t hash = layer_hash_bytes( 0xcbf29ce484222325u, counts, sizeof( counts ) );
-    hash = layer_hash_bytes( hash, s->quads, bytes );
+    hash = layer_hash_bytes( hash, s->xyzw, bytes );
     hash = layer_hash_bytes( hash, s->normals, bytes );
     hash = layer_hash_bytes( hash, s->parents, bytes );
     hash = layer_hash_bytes( hash, s->weights, bytes );

@@ -28,9 +28,10 @@ static inline void assert_close( double a, double b, double tolerance )
     }
 }
 
-static inline double random_between( int n, int m, double low, double high )
+static inline double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 61, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 61, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static inline double3 random_point( int n, int m )

@@ -82,8 +82,8 @@ static inline wisp_entity add_cloth( wisp_world* world, const wisp_fabric_def* f
     wisp_entity e = test_surface_of( world, fabric, surface );
     assert_status( world, wisp_set_cloth( world, e, cloth ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     return e;
 }
 

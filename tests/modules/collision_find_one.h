@@ -8,7 +8,7 @@
 
 typedef struct find_one
 {
-    const collision_find_job* job;
+    const collision_find_args* args;
     const collision_view* view;
     int slot;
     wisp_vec3 from, to; // in the body's frame
@@ -17,7 +17,7 @@ typedef struct find_one
 
 static inline void one_lowers_clear( const find_one* one, float clear )
 {
-    float* found = one->job->found + (size_t)one->slot * 4;
+    float* found = one->args->found + (size_t)one->slot * 4;
     found[3] = clear < found[3] ? clear : found[3];
 }
 
@@ -28,9 +28,9 @@ static inline float one_gap( const collision_contact* c, wisp_vec3 p )
 
 static inline void one_keeps( const find_one* one, const collision_contact* c )
 {
-    collision_contact* all = one->job->contact[one->slot];
-    const wisp_vec3 p = collision_load( one->job->position + (size_t)one->slot * 4 );
-    int place = one->job->count[one->slot]++;
+    collision_contact* all = one->args->contact[one->slot];
+    const wisp_vec3 p = collision_load( one->args->position + (size_t)one->slot * 4 );
+    int place = one->args->count[one->slot]++;
     if ( place >= WISP_COLLISION_CONTACTS )
     {
         place = 0;
@@ -48,7 +48,7 @@ static inline void one_keeps( const find_one* one, const collision_contact* c )
 
 static inline void one_moves_out( const find_one* one, wisp_vec3 normal, float recovered, float absorbed )
 {
-    float *p = one->job->position + (size_t)one->slot * 4, *old = one->job->previous + (size_t)one->slot * 4;
+    float *p = one->args->position + (size_t)one->slot * 4, *old = one->args->previous + (size_t)one->slot * 4;
     collision_store( p, collision_add_scaled( collision_load( p ), recovered, normal ) );
     collision_store( old, collision_add_scaled( collision_load( old ), recovered + absorbed, normal ) );
 }
@@ -57,7 +57,7 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
 {
     const collision_view* view = one->view;
     wisp_surface_point plane;
-    bool swept = fabsf( nearest->distance ) <= one->path && collision_sweep( view->body, one->from, one->to, &plane );
+    bool swept = fabsf( nearest->distance ) <= one->path && collision_cast( view->body, one->from, one->to, &plane );
     plane = swept ? plane : *nearest;
     one_lowers_clear( one, swept ? 0.0f : ( nearest->distance > 0.0f ? nearest->distance : INFINITY ) );
     float now = swept ? collision_dot( plane.normal, collision_sub( one->to, plane.point ) ) : nearest->distance;
@@ -69,10 +69,10 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
     float outward = fmaxf( 0.0f, now - view->thickness - start ), recovered = 0.0f;
     if ( start + outward < 0.0f )
     {
-        recovered = fminf( -start - outward, fmaxf( 0.0f, one->job->recovery - outward ) );
+        recovered = fminf( -start - outward, fmaxf( 0.0f, one->args->recovery - outward ) );
     }
-    const wisp_vec3 normal = wisp_quat_turn( view->after.rotation, plane.normal );
-    const wisp_vec3 point = wisp_rigid_to_world( view->after, plane.point );
+    const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
+    const wisp_vec3 point = wisp_transform_to_world( view->after, plane.point );
     collision_contact c = {
         .gap = start < 0.0f ? view->thickness + start + recovered : view->thickness,
         .static_friction = view->static_friction,
@@ -80,7 +80,7 @@ static inline void one_touches( const find_one* one, const wisp_surface_point* n
     };
     collision_store( c.point, point );
     collision_store( c.normal, normal );
-    collision_store( c.motion, collision_sub( point, wisp_rigid_to_world( view->before, plane.point ) ) );
+    collision_store( c.motion, collision_sub( point, wisp_transform_to_world( view->before, plane.point ) ) );
     one_moves_out( one, normal, recovered, start < -COLLISION_SHALLOW * view->thickness ? outward : 0.0f );
     one_keeps( one, &c );
 }
@@ -95,12 +95,14 @@ static inline float one_box_distance( const collision_body* body, wisp_vec3 p )
     } );
 }
 
-static inline void one_meets( const collision_find_job* job, const collision_view* view, int slot )
+static inline void one_meets( const collision_find_args* args, const collision_view* view, int slot )
 {
-    const wisp_vec3 old = collision_load( job->previous + (size_t)slot * 4 );
-    const wisp_vec3 now = collision_load( job->position + (size_t)slot * 4 );
-    find_one one = { job, view, slot, wisp_rigid_to_body( view->before, old ), wisp_rigid_to_body( view->after, now ),
-                     0.0f };
+    const wisp_vec3 old = collision_load( args->previous + (size_t)slot * 4 );
+    const wisp_vec3 now = collision_load( args->position + (size_t)slot * 4 );
+    find_one one = {
+        args, view, slot, wisp_transform_to_local( view->before, old ), wisp_transform_to_local( view->after, now ),
+        0.0f
+    };
     one.path = collision_length( collision_sub( one.to, one.from ) );
     const wisp_mesh_query query = { one.to, 2.0f * view->thickness + one.path };
     wisp_surface_point nearest;
@@ -119,49 +121,49 @@ static inline void one_meets( const collision_find_job* job, const collision_vie
     }
 }
 
-static inline bool one_moves( const collision_find_job* job, int slot )
+static inline bool one_moves( const collision_find_args* args, int slot )
 {
-    const float *quad = job->position + (size_t)slot * 4, *old = job->previous + (size_t)slot * 4;
+    const float *quad = args->position + (size_t)slot * 4, *old = args->previous + (size_t)slot * 4;
     return quad[3] > 0.0f && collision_is_finite( collision_load( quad ) ) &&
            collision_is_finite( collision_load( old ) );
 }
 
 /// All bodies for one block of slots, in their order. The block counts: a body that is away from all of it is as far from
 /// each of its particles as from the box around them.
-static inline void find_one_by_one( const collision_find_job* job, const collision_view* views, int view_count,
+static inline void find_one_by_one( const collision_find_args* args, const collision_view* views, int view_count,
                                     int begin, int end )
 {
-    wisp_vec3 low = { INFINITY, INFINITY, INFINITY }, high = { -INFINITY, -INFINITY, -INFINITY };
+    wisp_vec3 lower = { INFINITY, INFINITY, INFINITY }, upper = { -INFINITY, -INFINITY, -INFINITY };
     for ( int slot = begin; slot < end; ++slot )
     {
-        job->count[slot] = 0;
-        collision_store( job->found + (size_t)slot * 4, collision_load( job->position + (size_t)slot * 4 ) );
-        job->found[(size_t)slot * 4 + 3] = INFINITY;
-        if ( one_moves( job, slot ) )
+        args->count[slot] = 0;
+        collision_store( args->found + (size_t)slot * 4, collision_load( args->position + (size_t)slot * 4 ) );
+        args->found[(size_t)slot * 4 + 3] = INFINITY;
+        if ( one_moves( args, slot ) )
         {
-            collision_widen( &low, &high, collision_load( job->position + (size_t)slot * 4 ) );
-            collision_widen( &low, &high, collision_load( job->previous + (size_t)slot * 4 ) );
+            collision_widen( &lower, &upper, collision_load( args->position + (size_t)slot * 4 ) );
+            collision_widen( &lower, &upper, collision_load( args->previous + (size_t)slot * 4 ) );
         }
     }
     bool moves[COLLISION_BLOCK]; // as it was before any body moved anything
     for ( int slot = begin; slot < end; ++slot )
     {
-        moves[slot - begin] = one_moves( job, slot );
+        moves[slot - begin] = one_moves( args, slot );
     }
     for ( int v = 0; v < view_count; ++v )
     {
-        const float apart = collision_ball_distance( views + v, low, high );
+        const float apart = collision_ball_distance( views + v, lower, upper );
         const bool is_far = apart > 2.0f * views[v].thickness;
         for ( int slot = begin; slot < end; ++slot )
         {
-            const find_one one = { .job = job, .view = views + v, .slot = slot };
+            const find_one one = { .args = args, .view = views + v, .slot = slot };
             if ( moves[slot - begin] && is_far )
             {
                 one_lowers_clear( &one, apart );
             }
             else if ( moves[slot - begin] )
             {
-                one_meets( job, views + v, slot );
+                one_meets( args, views + v, slot );
             }
         }
     }

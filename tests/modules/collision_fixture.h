@@ -65,10 +65,10 @@ static inline wisp_entity add_colliding( wisp_world* world, const test_mesh* mes
     wisp_fabric_def fabric = test_fabric_def( mesh );
     wisp_surface_def surface = wisp_default_surface_def();
     wisp_entity e = test_surface_of( world, &fabric, surface );
-    assert_int_equal( wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     assert_int_equal( wisp_set_collision( world, e, def ), WISP_OK );
-    assert_int_equal( wisp_want_collision_figures( world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
     return e;
 }
 
@@ -87,11 +87,11 @@ static inline wisp_entity add_collider( wisp_world* world, const wisp_collider_d
     return e;
 }
 
-static inline wisp_collision_figures collision_of( wisp_world* world, wisp_entity e )
+static inline wisp_collision_stats collision_of( wisp_world* world, wisp_entity e )
 {
-    wisp_collision_figures figures;
-    assert_int_equal( wisp_read_collision_figures( world, e, &figures ), WISP_OK );
-    return figures;
+    wisp_collision_stats stats;
+    assert_int_equal( wisp_read_collision_stats( world, e, &stats ), WISP_OK );
+    return stats;
 }
 
 static inline wisp_vec3 point_of( wisp_world* world, wisp_entity e, int vertex )

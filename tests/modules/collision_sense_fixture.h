@@ -22,7 +22,7 @@ static inline void follow( wisp_frame* frame, const wisp_span* span, void* user 
     {
         for ( int k = 0; k < 3 && position[4 * slot + 3] > 0.0f; ++k )
         {
-            position[4 * slot + k] += wisp_frame_seconds( frame ) * velocity[4 * slot + k];
+            position[4 * slot + k] += wisp_frame_dt( frame ) * velocity[4 * slot + k];
         }
     }
 }
@@ -33,8 +33,8 @@ static inline wisp_status declare_follower( wisp_registry* r )
         .name = "follower.follow",
         .stage = WISP_STAGE_PROJECT,
         .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-        .needs = { WISP_PARTICLE_SOLVED, WISP_PARTICLE_TOUCH },
-        .reads = { WISP_PARTICLE_TOUCH, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+        .required = { WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
+        .reads = { WISP_PARTICLE_CONTACTS, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
         .writes = { WISP_PARTICLE_POSITION },
         .run = follow,
     };
@@ -71,21 +71,21 @@ static inline wisp_entity add_surface( wisp_world* world, const test_mesh* mesh 
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );
     wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
-    assert_int_equal( wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     return e;
 }
 
 static inline void give_solver( wisp_world* world, wisp_entity e )
 {
-    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_SOLVED ), WISP_OK );
-    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_TOUCH ), WISP_OK );
+    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
+    assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_CONTACTS ), WISP_OK );
 }
 
 static inline wisp_collision_def thin( void )
 {
     wisp_collision_def def = wisp_default_collision_def();
     def.thickness = MARGIN;
-    def.recovery_speed = 1.0f;
+    def.max_push_out_speed = 1.0f;
     return def;
 }
 
@@ -127,11 +127,12 @@ typedef struct sensed
 
 static inline sensed touch_of( wisp_world* world, wisp_entity e, int vertex, int k )
 {
-    const size_t slot = (size_t)wisp_world_fabric( world, e )->vertex_slot[vertex], row = slot * WISP_TOUCHES;
-    const int32_t* body = wisp_world_column( world, e, WISP_PARTICLE_TOUCH, 0 );
-    const float* plane = wisp_world_column( world, e, WISP_PARTICLE_TOUCH, 1 );
-    const float* motion = wisp_world_column( world, e, WISP_PARTICLE_TOUCH, 2 );
-    const float* friction = wisp_world_column( world, e, WISP_PARTICLE_TOUCH, 3 );
+    const size_t slot = (size_t)wisp_world_fabric( world, e )->vertex_slot[vertex],
+                 row = slot * WISP_MAX_PARTICLE_CONTACTS;
+    const int32_t* body = wisp_world_column( world, e, WISP_PARTICLE_CONTACTS, 0 );
+    const float* plane = wisp_world_column( world, e, WISP_PARTICLE_CONTACTS, 1 );
+    const float* motion = wisp_world_column( world, e, WISP_PARTICLE_CONTACTS, 2 );
+    const float* friction = wisp_world_column( world, e, WISP_PARTICLE_CONTACTS, 3 );
     assert_non_null( body );
     plane += 4 * ( row + (size_t)k );
     motion += 4 * ( row + (size_t)k );
@@ -196,12 +197,13 @@ static inline wisp_collider_def mesh_body( const test_mesh* mesh )
 }
 
 // A ball of radius 0.3, or a square of side 2 in the plane y = 0. Without Embree there is none.
-static inline bool add_mesh( wisp_world* world, bool sheet, wisp_rigid pose )
+static inline bool add_mesh( wisp_world* world, bool double_sided, wisp_transform pose )
 {
-    test_mesh mesh = sheet ? test_plane( 3, 1.0f ) : test_ball( 4 );
-    move_mesh( &mesh, sheet ? 1.0f : 0.3f, ( wisp_vec3 ){ sheet ? -1.0f : 0.0f, 0.0f, sheet ? -1.0f : 0.0f } );
+    test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );
+    move_mesh( &mesh, double_sided ? 1.0f : 0.3f,
+               ( wisp_vec3 ){ double_sided ? -1.0f : 0.0f, 0.0f, double_sided ? -1.0f : 0.0f } );
     wisp_collider_def def = mesh_body( &mesh );
-    def.sheet = sheet;
+    def.double_sided = double_sided;
     def.pose = pose;
     wisp_entity e;
     const wisp_status status = wisp_add_collider( world, &def, &e );
@@ -210,4 +212,4 @@ static inline bool add_mesh( wisp_world* world, bool sheet, wisp_rigid pose )
     return status == WISP_OK;
 }
 
-static const wisp_rigid AT_ORIGIN = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+static const wisp_transform AT_ORIGIN = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };

@@ -1,5 +1,5 @@
 /// What the tests of contact share: worlds of cloth, balloons, strands and bodies that meet, meshes that are put somewhere,
-/// and crossings counted by asking every edge about every triangle.
+/// and intersections counted by asking every edge about every triangle.
 #pragma once
 
 #include "cloth_fixture.h"
@@ -9,7 +9,7 @@
 #include "contact.h"
 #include "implicit_cloth.h"
 #include "strands.h"
-#include "wisp/module/crossings.h"
+#include "wisp/module/intersections.h"
 
 static const float FRAME = 1.0f / 60.0f; // s
 
@@ -49,16 +49,16 @@ static inline wisp_contact_def contact_of( float thickness )
     return def;
 }
 
-static inline wisp_contact_figures contact_figures( wisp_world* world )
+static inline wisp_contact_stats contact_stats( wisp_world* world )
 {
-    wisp_contact_figures f;
-    assert_status( world, wisp_read_contact_figures( world, &f ), WISP_OK );
+    wisp_contact_stats f;
+    assert_status( world, wisp_read_contact_stats( world, &f ), WISP_OK );
     return f;
 }
 
-static inline void want_figures( wisp_world* world )
+static inline void request_stats( wisp_world* world )
 {
-    assert_status( world, wisp_want_contact_figures( world, true, true ), WISP_OK );
+    assert_status( world, wisp_request_contact_stats( world, true, true ), WISP_OK );
 }
 
 // ---- meshes ----
@@ -97,8 +97,8 @@ static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const in
     surface.pin_count = pin_count;
     surface.area_density = area_density;
     const wisp_entity e = test_surface_of( world, &fabric, surface );
-    assert_status( world, wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     test_mesh_free( mesh );
     return e;
 }
@@ -134,7 +134,7 @@ static inline wisp_entity add_balloon( wisp_world* world, test_mesh* mesh, wisp_
 {
     const wisp_entity e = add_mesh( world, mesh, NULL, 0, 0.1f );
     wisp_balloon_def def = wisp_default_balloon_def();
-    def.fill = 1.3f;
+    def.gas_ratio = 1.3f;
     def.buoyancy = false;
     assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
@@ -166,14 +166,14 @@ static inline void set_collision( wisp_world* world, wisp_entity e )
     assert_status( world, wisp_set_collision( world, e, &def ), WISP_OK );
 }
 
-// ---- crossings ----
+// ---- intersections ----
 
 static inline bool boxes_part( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
     for ( int k = 0; k < 3; ++k )
     {
-        const float low = fminf( p[k], q[k] ), high = fmaxf( p[k], q[k] );
-        if ( high < fminf( a[k], fminf( b[k], c[k] ) ) || low > fmaxf( a[k], fmaxf( b[k], c[k] ) ) )
+        const float lower = fminf( p[k], q[k] ), upper = fmaxf( p[k], q[k] );
+        if ( upper < fminf( a[k], fminf( b[k], c[k] ) ) || lower > fmaxf( a[k], fmaxf( b[k], c[k] ) ) )
         {
             return true;
         }
@@ -196,10 +196,11 @@ static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_e
             const int32_t* corners = g->triangles + 3 * (size_t)t;
             const float *p = x + 4 * (size_t)ends[0], *q = x + 4 * (size_t)ends[1], *a = y + 4 * (size_t)corners[0],
                         *b = y + 4 * (size_t)corners[1], *c = y + 4 * (size_t)corners[2];
-            const bool share = p == a || p == b || p == c || q == a || q == b || q == c;
-            count += share == false && boxes_part( p, q, a, b, c ) == false && wisp_segment_crosses( p, q, a, b, c )
-                         ? 1
-                         : 0;
+            const bool fraction = p == a || p == b || p == c || q == a || q == b || q == c;
+            count +=
+                fraction == false && boxes_part( p, q, a, b, c ) == false && wisp_segment_intersects( p, q, a, b, c )
+                    ? 1
+                    : 0;
         }
     }
     return count;
@@ -247,7 +248,7 @@ static inline double energy_of( wisp_world* world, const wisp_entity* surfaces, 
     double sum = 0.0;
     for ( int i = 0; i < count; ++i )
     {
-        sum += quality_of( world, surfaces[i] ).kinetic_energy;
+        sum += motion_stats_of( world, surfaces[i] ).kinetic_energy;
     }
     return sum;
 }
@@ -257,7 +258,7 @@ static inline void momentum_of( wisp_world* world, const wisp_entity* surfaces, 
     memset( out, 0, 3 * sizeof( double ) );
     for ( int i = 0; i < count; ++i )
     {
-        const wisp_quality q = quality_of( world, surfaces[i] );
+        const wisp_motion_stats q = motion_stats_of( world, surfaces[i] );
         for ( int k = 0; k < 3; ++k )
         {
             out[k] += q.momentum[k];
@@ -270,16 +271,16 @@ static inline double depth_inside( wisp_world* world, wisp_entity closed, const 
 {
     const wisp_fabric* f = wisp_world_fabric( world, closed );
     const float* x = wisp_world_column( world, closed, WISP_PARTICLE_POSITION, 0 );
-    float low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    float lower[3] = { INFINITY, INFINITY, INFINITY }, upper[3] = { -INFINITY, -INFINITY, -INFINITY };
     for ( int i = 0; i < 3 * f->vertex_count; ++i )
     {
         const float place = x[4 * ( i / 3 ) + i % 3];
-        low[i % 3] = fminf( low[i % 3], place );
-        high[i % 3] = fmaxf( high[i % 3], place );
+        lower[i % 3] = fminf( lower[i % 3], place );
+        upper[i % 3] = fmaxf( upper[i % 3], place );
     }
     for ( int k = 0; k < 3; ++k )
     {
-        if ( at[k] < low[k] || at[k] > high[k] )
+        if ( at[k] < lower[k] || at[k] > upper[k] )
         {
             return 0.0;
         }

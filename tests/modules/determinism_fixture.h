@@ -194,12 +194,12 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
             determinism_run* r = d->open( n, &( place_to_run ){ workers, NULL, NULL }, NULL );
             d->run( r, 3 );
             run_there_and_back( d, r, c.rehearsal );
-            const int64_t asked = atomic_load( &r->host->asked );
+            const int64_t queried = atomic_load( &r->host->queried );
             d->run( r, c.steps );
-            if ( atomic_load( &r->host->asked ) != asked )
+            if ( atomic_load( &r->host->queried ) != queried )
             {
                 fail_msg( "%s asks for memory %d times in warm steps with %d workers", c.name,
-                          (int)( atomic_load( &r->host->asked ) - asked ), workers );
+                          (int)( atomic_load( &r->host->queried ) - queried ), workers );
             }
             d->close( r );
         }

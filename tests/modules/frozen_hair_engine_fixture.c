@@ -110,11 +110,11 @@ void hair_groom_destroy( hair_groom* groom )
 
 // ---- worlds ----
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
+static void forget( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
     (void)level;
-    (void)sentence;
+    (void)message;
 }
 
 static void expect_ok( const wisp_world* world, wisp_status status )
@@ -127,8 +127,8 @@ static void expect_ok( const wisp_world* world, wisp_status status )
 
 wisp_world* hair_world_create( const hair_host* host )
 {
-    static const wisp_module* const modules[] = { &wisp_climate_module, &wisp_frozen_hair_module,
-                                                  &wisp_strand_look_module };
+    static const wisp_module* const modules[] = { &wisp_environment_module, &wisp_frozen_hair_module,
+                                                  &wisp_strand_appearance_module };
     wisp_world_def def = wisp_default_world_def();
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
@@ -146,7 +146,7 @@ wisp_world* hair_world_create( const hair_host* host )
     wisp_error error = { WISP_OK, "" };
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        fail_msg( "no world: %s", error.sentence );
+        fail_msg( "no world: %s", error.message );
     }
     return world;
 }
@@ -160,7 +160,7 @@ wisp_entity hair_add( wisp_world* world, const hair_groom* groom )
     def.dimension = groom->dimension;
     wisp_entity entity;
     expect_ok( world, wisp_add_strands( world, &def, &entity ) );
-    expect_ok( world, wisp_want( world, entity, WISP_STRAND_POINTS ) );
+    expect_ok( world, wisp_request( world, entity, WISP_STRAND_POINTS ) );
     return entity;
 }
 
@@ -206,10 +206,10 @@ wisp_vec3* hair_points( wisp_world* world, wisp_entity entity, int vertex_count 
     return copy;
 }
 
-wisp_frozen_hair_report hair_report( wisp_world* world, wisp_entity entity )
+wisp_frozen_hair_stats hair_stats( wisp_world* world, wisp_entity entity )
 {
-    wisp_frozen_hair_report report;
-    expect_ok( world, wisp_report_frozen_hair( world, entity, &report ) );
+    wisp_frozen_hair_stats report;
+    expect_ok( world, wisp_read_frozen_hair_stats( world, entity, &report ) );
     return report;
 }
 
@@ -260,10 +260,10 @@ wisp_frozen_hair_def hair_clump_only( void )
 static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int dimension, uint64_t event )
 {
     static const frozen_oracle_gap gaps[] = {
-        [WISP_GAP_PROSE] = FROZEN_ORACLE_GAP_PROSE,
-        [WISP_GAP_PRINTED] = FROZEN_ORACLE_GAP_PRINTED,
-        [WISP_GAP_CLOSING] = FROZEN_ORACLE_GAP_CLOSING,
-        [WISP_GAP_WET] = FROZEN_ORACLE_GAP_WET,
+        [WISP_GAP_ABSOLUTE] = FROZEN_ORACLE_GAP_ABSOLUTE,
+        [WISP_GAP_SIGNED] = FROZEN_ORACLE_GAP_SIGNED,
+        [WISP_GAP_REVERSED] = FROZEN_ORACLE_GAP_REVERSED,
+        [WISP_GAP_NONE] = FROZEN_ORACLE_GAP_NONE,
     };
     frozen_oracle_options o = frozen_oracle_default_options();
     o.theta_max = (double)d->bend_angle_max;
@@ -272,7 +272,7 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     o.clump_radius = (double)d->clump_radius;
     o.clump_iterations = d->clump_iterations;
     o.clump_step = (double)( d->clump_step == -1.0f ? 0.1f * d->clump_radius : d->clump_step );
-    o.guard_distance = (double)( d->distance_min == -1.0f ? 0.02f * d->clump_radius : d->distance_min );
+    o.min_distance = (double)( d->distance_min == -1.0f ? 0.02f * d->clump_radius : d->distance_min );
     o.lambda_min = (double)d->lambda_min;
     o.epsilon = (double)d->epsilon;
     o.dimension = dimension;
@@ -282,7 +282,7 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     o.gap_reference = d->gap_by_iteration ? FROZEN_ORACLE_GAP_REFERENCE_ITERATION : FROZEN_ORACLE_GAP_REFERENCE_STAGE;
     o.reach = d->reach_nearest ? FROZEN_ORACLE_REACH_NEAREST : FROZEN_ORACLE_REACH_TIP;
     o.base = d->base == WISP_BASE_PREVIOUS ? FROZEN_ORACLE_BASE_PREVIOUS : FROZEN_ORACLE_BASE_REST;
-    o.guard = d->guard;
+    o.min_distance_clamp = d->min_distance_clamp;
     o.deform = d->freeze;
     o.align = d->align;
     o.clump = d->clump && d->clump_iterations > 0;

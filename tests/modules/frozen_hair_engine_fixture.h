@@ -7,10 +7,10 @@
 #include <stddef.h>
 #include <cmocka.h>
 
-#include "climate.h"
+#include "environment.h"
 #include "frozen_hair.h"
 #include "oracle/frozen_hair_oracle.h"
-#include "strand_look.h"
+#include "strand_appearance.h"
 #include "wisp/module/random.h"
 #include "wisp/wisp.h"
 
@@ -51,7 +51,7 @@ typedef struct hair_host
     wisp_allocator allocator;
 } hair_host;
 
-/// A world with the modules frozen_hair, climate and strand_look whose log is silent.
+/// A world with the modules frozen_hair, environment and strand_appearance whose log is silent.
 wisp_world* hair_world_create( const hair_host* host );
 /// Add a groom and ask for its points.
 wisp_entity hair_add( wisp_world* world, const hair_groom* groom );
@@ -64,7 +64,7 @@ void hair_command( wisp_world* world, wisp_entity entity, wisp_vec3 cursor );
 const wisp_vec3* hair_view( wisp_world* world, wisp_entity entity, int vertex_count );
 /// A copy of the points now, to be freed.
 wisp_vec3* hair_points( wisp_world* world, wisp_entity entity, int vertex_count );
-wisp_frozen_hair_report hair_report( wisp_world* world, wisp_entity entity );
+wisp_frozen_hair_stats hair_stats( wisp_world* world, wisp_entity entity );
 
 /// What the groom looks like after its first command, to be freed. @param host may be null
 wisp_vec3* hair_run( const hair_host* host, const hair_groom* groom, const wisp_frozen_hair_def* def );

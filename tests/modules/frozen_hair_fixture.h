@@ -50,9 +50,10 @@ static inline void set_stiffness( frozen_scene* scene, double stiffness )
     }
 }
 
-static inline double random_between( int n, int m, double low, double high )
+static inline double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 99, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 99, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 /// Components in (-1, 1), n picks the vector.
@@ -69,7 +70,7 @@ static inline double3* run( const frozen_scene* scene, const frozen_oracle_optio
     wisp_error error = { WISP_OK, "" };
     if ( frozen_oracle_run( &scene->hair, options, NULL, out, &error ) != WISP_OK )
     {
-        fail_msg( "the oracle refuses: %s", error.sentence );
+        fail_msg( "the oracle refuses: %s", error.message );
     }
     return out;
 }

@@ -13,7 +13,7 @@ typedef struct partial_run
 } partial_run;
 
 static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def* part,
-                              wisp_frozen_hair_report* report )
+                              wisp_frozen_hair_stats* report )
 {
     wisp_world* world = hair_world_create( run->host );
     wisp_entity entity = hair_add( world, run->groom );
@@ -28,7 +28,7 @@ static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def
     wisp_vec3* points = hair_points( world, entity, run->groom->vertex_count );
     if ( report != NULL )
     {
-        *report = hair_report( world, entity );
+        *report = hair_stats( world, entity );
     }
     wisp_world_destroy( world );
     return points;
@@ -45,7 +45,7 @@ static void hold( hair_shadow* shadow, const char* stage, int iteration, const d
             fail_msg( "%s %d: vertex %d is %.3g m off, %.3g are allowed", stage, iteration, v, offset, bound[v] );
         }
         shadow->offset = fmax( shadow->offset, offset );
-        shadow->share = bound[v] > 0.0 ? fmax( shadow->share, offset / bound[v] ) : shadow->share;
+        shadow->fraction = bound[v] > 0.0 ? fmax( shadow->fraction, offset / bound[v] ) : shadow->fraction;
     }
 }
 
@@ -90,7 +90,7 @@ static void follow_clump( hair_shadow* shadow, const partial_run* run, hair_orac
     double *in_bound = bound + count, *exact = in_bound + count;
     for ( int k = 0; k < run->whole->clump_iterations; ++k )
     {
-        wisp_frozen_hair_report report;
+        wisp_frozen_hair_stats report;
         part.clump_iterations = k + 1;
         wisp_vec3* next = run_partly( run, &part, &report );
         double3* in = hair_widen_all( *current, count );

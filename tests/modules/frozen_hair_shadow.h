@@ -12,8 +12,8 @@
 /// How close the engine came to its tolerance.
 typedef struct hair_shadow
 {
-    double offset; ///< m, the largest distance between engine and oracle in one step
-    double share;  ///< the largest offset / tolerance of a vertex; at most 1
+    double offset;   ///< m, the largest distance between engine and oracle in one step
+    double fraction; ///< the largest offset / tolerance of a vertex; at most 1
     uint64_t neighbours, capped;
     uint64_t late;     ///< pairs that came near from beyond the lists, of the last command with all its iterations
     uint32_t searches; ///< of the last command with all its iterations

@@ -29,9 +29,9 @@ static double length_error( const frozen_oracle_segment* g, double alpha )
 
 // The direction: tangent 6 u; sine and cosine 2 u each; products and sums 8 u; the angle theta_max alpha xi within 8
 // u of its largest value; the axis enters with the sine of the angle. The printed epsilon adds 4 u.
-static double direction_error( const frozen_oracle_segment* g, double angle_most, double sine, int vertex )
+static double direction_error( const frozen_oracle_segment* g, double max_angle, double sine, int vertex )
 {
-    return 24.0 * u + 8.0 * u * angle_most + axis_error( sine, vertex ) * fabs( sin( g->angle ) );
+    return 24.0 * u + 8.0 * u * max_angle + axis_error( sine, vertex ) * fabs( sin( g->angle ) );
 }
 
 void hair_bound_freeze( const hair_oracle* oracle, const double3* base, double* bound )
@@ -40,7 +40,7 @@ void hair_bound_freeze( const hair_oracle* oracle, const double3* base, double* 
     for ( int s = 0; s < hair->strand_count; ++s )
     {
         double alpha = 1.0 / hair->stretch_stiffness[s],
-               angle_most = oracle->options.theta_max / hair->bend_stiffness[s];
+               max_angle = oracle->options.theta_max / hair->bend_stiffness[s];
         double3 tangent = { 0.0, 0.0, 0.0 }, p = { 0.0, 0.0, 0.0 };
         double sum = 0.0;
         for ( int v = hair->offsets[s]; v < hair->offsets[s + 1]; ++v )
@@ -55,7 +55,7 @@ void hair_bound_freeze( const hair_oracle* oracle, const double3* base, double* 
             frozen_oracle_segment g = frozen_oracle_jitter( hair, &oracle->options, base, s, i, tangent );
             double sine = double3_length( double3_cross( tangent, g.tangent ) );
             p = double3_add( p, g.step );
-            sum += double3_length( g.step ) * direction_error( &g, angle_most, sine, i ) + length_error( &g, alpha ) +
+            sum += double3_length( g.step ) * direction_error( &g, max_angle, sine, i ) + length_error( &g, alpha ) +
                    u * double3_length( p );
             bound[v] = sum;
             tangent = g.tangent;
@@ -169,7 +169,7 @@ typedef struct clump_errors
     int* strand;
     double3 *step, *tentative; // of the oracle
     double *step_error, *tentative_error;
-    double in_most;
+    double max_in;
 } clump_errors;
 
 // The force adds N vectors (1 - r/h)^2 (q - p)/r. With r within 4 u and r/h within 6 u, a square is within 14 u of
@@ -200,12 +200,12 @@ static double force_error( const clump_errors* c, int v )
 static double guarded_error( const clump_errors* c, frozen_oracle_adhesion a, double error )
 {
     const frozen_oracle_options* o = &c->oracle->options;
-    double length = o->clump_step * double3_length( a.force ), room = ( a.nearest - o->guard_distance ) / 2.0;
-    if ( o->guard == false || isinf( a.nearest ) )
+    double length = o->clump_step * double3_length( a.force ), room = ( a.nearest - o->min_distance ) / 2.0;
+    if ( o->min_distance_clamp == false || isinf( a.nearest ) )
     {
         return error + 6.0 * u * length;
     }
-    double room_error = 4.0 * u * a.nearest + u * o->guard_distance + c->in_most;
+    double room_error = 4.0 * u * a.nearest + u * o->min_distance + c->max_in;
     room = fmax( room, 0.0 );
     if ( length - error > room + room_error )
     {
@@ -253,10 +253,10 @@ static double delta_error( const clump_errors* c, int v )
         }
         double r1 = double3_distance( c->tentative[v], c->tentative[q] );
         double ends = c->tentative_error[v] + c->tentative_error[q] + off + 4.0 * u * ( r0 + r1 );
-        double root = fmax( 0.0, 1.0 - r0 / h ), most_root = root + 8.0 * u + off / h;
+        double root = fmax( 0.0, 1.0 - r0 / h ), max_root = root + 8.0 * u + off / h;
         most = fmax( most, ends / h + 3.0 * u );
         weights += root * root;
-        weight_errors += most_root * most_root - root * root + 6.0 * u * root * root;
+        weight_errors += max_root * max_root - root * root + 6.0 * u * root * root;
         count += 1.0;
     }
     if ( count == 0.0 )
@@ -282,7 +282,7 @@ static clump_errors make_errors( const hair_oracle* oracle, const double3* refer
         for ( int v = oracle->hair.offsets[s]; v < oracle->hair.offsets[s + 1]; ++v )
         {
             c.strand[v] = s;
-            c.in_most = fmax( c.in_most, in_bound[v] );
+            c.max_in = fmax( c.max_in, in_bound[v] );
         }
     }
     return c;
@@ -298,7 +298,7 @@ void hair_bound_clump( const hair_oracle* oracle, int iteration, const double3* 
     {
         int s = c.strand[v], i = v - oracle->hair.offsets[s];
         double length = double3_length( c.step[v] );
-        if ( o->gap == FROZEN_ORACLE_GAP_WET || i == 0 )
+        if ( o->gap == FROZEN_ORACLE_GAP_NONE || i == 0 )
         {
             bound[v] = i > 0 ? c.tentative_error[v] : 0.0;
             continue;

@@ -36,7 +36,7 @@ static inline void guide_mover_run( wisp_frame* frame, const wisp_span* span, vo
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
-            position[(size_t)row * 48 + (size_t)lane] += wisp_frame_seconds( frame ) * *speed;
+            position[(size_t)row * 48 + (size_t)lane] += wisp_frame_dt( frame ) * *speed;
         }
     }
 }
@@ -49,7 +49,7 @@ static inline wisp_status guide_mover_declare( wisp_registry* r )
     return wisp_declare_pass( r, &( wisp_pass ){ .name = "mover.move",
                                                  .stage = WISP_STAGE_PREDICT,
                                                  .domain = WISP_DOMAIN_STRAND_GROUP,
-                                                 .needs = { guide_mover_speed },
+                                                 .required = { guide_mover_speed },
                                                  .reads = { guide_mover_speed, WISP_STRAND_POSITION },
                                                  .writes = { WISP_STRAND_POSITION },
                                                  .run = guide_mover_run } );
@@ -59,11 +59,11 @@ static const wisp_module guide_mover_module = { .name = "mover", .declare = guid
 
 // ---- worlds ----
 
-static inline void guide_forget( void* user, wisp_log_level level, const char* sentence )
+static inline void guide_forget( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
     (void)level;
-    (void)sentence;
+    (void)message;
 }
 
 static inline wisp_world* guide_world( const guide_host* host )
@@ -84,7 +84,7 @@ static inline wisp_world* guide_world( const guide_host* host )
     wisp_error error = { WISP_OK, "" };
     if ( wisp_world_create( &def, &world, &error ) != WISP_OK )
     {
-        fail_msg( "no world: %s", error.sentence );
+        fail_msg( "no world: %s", error.message );
     }
     return world;
 }
@@ -201,16 +201,16 @@ typedef struct flock
 {
     scene s;
     int ghost_nodes;
-    double3 ghost[MOST_GHOSTS * 2 * NODES];
-    double3 x[MOST_TARGETS * NODES], v[MOST_TARGETS * NODES]; // of the frame, as floats
+    double3 ghost[MAX_GHOSTS * 2 * NODES];
+    double3 x[MAX_TARGETS * NODES], v[MAX_TARGETS * NODES]; // of the frame, as floats
     wisp_world* world;
     wisp_entity targets, ghosts;
 } flock;
 
 // A point of a polyline at a share of its segments.
-static inline double3 guide_along( const double3* nodes, int count, double share )
+static inline double3 guide_along( const double3* nodes, int count, double fraction )
 {
-    const double at = share * ( count - 1 );
+    const double at = fraction * ( count - 1 );
     const int k = at < count - 2 ? (int)at : count - 2;
     return double3_add( nodes[k], double3_scale( at - k, double3_sub( nodes[k + 1], nodes[k] ) ) );
 }
@@ -236,7 +236,7 @@ static inline flock guide_flock( const guide_host* host, int targets, int ghosts
     f.targets = guide_add( f.world, f.s.target, targets, NODES );
     f.ghosts = guide_add( f.world, f.ghost, f.s.ghost_count, ghost_nodes );
     guide_ok( f.world, wisp_world_attach( f.world, f.targets, WISP_STRAND_VELOCITY ) );
-    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_POINTS ) );
+    guide_ok( f.world, wisp_request( f.world, f.ghosts, WISP_STRAND_POINTS ) );
     return f;
 }
 

@@ -15,8 +15,8 @@
 enum
 {
     NODES = 10,
-    MOST_TARGETS = 6,
-    MOST_GHOSTS = 40,
+    MAX_TARGETS = 6,
+    MAX_GHOSTS = 40,
 };
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
@@ -35,9 +35,10 @@ static inline void assert_at( double3 a, double3 b, double tolerance )
     assert_close( double3_distance( a, b ), 0.0, tolerance );
 }
 
-static inline double random_between( int n, int m, double low, double high )
+static inline double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 31, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 31, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static inline double3 random_vector( int n, int m )
@@ -50,9 +51,9 @@ static inline double3 random_vector( int n, int m )
 typedef struct scene
 {
     int target_count, ghost_count;
-    double3 target[MOST_TARGETS * NODES]; // rest
-    double3 ghost[MOST_GHOSTS * NODES];   // rest
-    double3 x[MOST_TARGETS * NODES], v[MOST_TARGETS * NODES];
+    double3 target[MAX_TARGETS * NODES]; // rest
+    double3 ghost[MAX_GHOSTS * NODES];   // rest
+    double3 x[MAX_TARGETS * NODES], v[MAX_TARGETS * NODES];
     double w[NODES];
     double time;
     int projections;
@@ -111,7 +112,7 @@ static inline guide_oracle make_hair( const scene* s, const guide_oracle_options
     wisp_error error = { 0 };
     if ( guide_oracle_create( &def, options, &hair, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return hair;
 }
@@ -147,7 +148,7 @@ static inline double3 ghost_mean( const guide_oracle* hair, const double3* ghost
 // V of a node of the only group of a hair.
 static inline double present_spread( const guide_oracle* hair, int i )
 {
-    double3 points[MOST_GHOSTS];
+    double3 points[MAX_GHOSTS];
     for ( int g = 0; g < hair->ghost_count; ++g )
     {
         points[g] = hair->y[g * hair->node_count + i];

@@ -52,15 +52,15 @@ static inline wisp_implicit_cloth_def exact_def( void )
 static inline void set_implicit( wisp_world* world, wisp_entity e, const wisp_implicit_cloth_def* def )
 {
     assert_status( world, wisp_set_implicit_cloth( world, e, def ), WISP_OK );
-    assert_status( world, wisp_want_implicit_cloth_figures( world, e, true ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_status( world, wisp_request_implicit_cloth_stats( world, e, true ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
 }
 
-static inline wisp_implicit_cloth_figures figures_of( wisp_world* world, wisp_entity e )
+static inline wisp_implicit_cloth_stats stats_of( wisp_world* world, wisp_entity e )
 {
-    wisp_implicit_cloth_figures figures;
-    assert_status( world, wisp_read_implicit_cloth_figures( world, e, &figures ), WISP_OK );
-    return figures;
+    wisp_implicit_cloth_stats stats;
+    assert_status( world, wisp_read_implicit_cloth_stats( world, e, &stats ), WISP_OK );
+    return stats;
 }
 
 static inline uint64_t count_of( wisp_world* world, wisp_counter counter )

@@ -82,10 +82,10 @@ static inline wisp_implicit_cloth_def duel_def( match* m )
     def.damping_form = r->damping_form;
     def.jacobian = r->jacobian;
     def.integrator = r->integrator;
-    def.newton_repeats = r->repeats > 0 ? r->repeats : 1;
+    def.newton_iterations = r->repeats > 0 ? r->repeats : 1;
     def.damping = r->damping > 0.0f ? r->damping : def.damping;
     def.warm_start = r->cold == false;
-    def.look_ahead = r->near == false;
+    def.speculative = r->near == false;
     if ( r->by_hand )
     {
         list_pairs( m );
@@ -108,10 +108,10 @@ static inline void match_params( const wisp_implicit_cloth_def* def, triangle_or
     p->bend_rigidity = (double)def->bend_rigidity;
     p->damping = (double)def->damping;
     p->gravity = double3_make( 0.0, (double)EARTH.y, 0.0 );
-    p->newton_repeats = def->newton_repeats;
+    p->newton_iterations = def->newton_iterations;
     p->max_iterations = 1000;
     p->warm_start = def->warm_start;
-    p->look_ahead = def->look_ahead;
+    p->speculative = def->speculative;
 }
 
 // The oracle starts where the engine's floats are, with the masses that it has.
@@ -148,7 +148,7 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
     wisp_error error = { WISP_OK, "" };
     if ( triangle_oracle_create( &sheet, &params, &m->oracle, &error ) != WISP_OK )
     {
-        fail_msg( "no oracle: %s", error.sentence );
+        fail_msg( "no oracle: %s", error.message );
     }
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
@@ -205,11 +205,11 @@ static inline bool sensed_touch( void* user, int vertex, double3 x, triangle_ora
 {
     match* m = user;
     (void)x;
-    const size_t row = slot_of( m, vertex ) * WISP_TOUCHES;
-    const float* plane = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 1 );
-    const float* motion = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 2 );
-    const float* friction = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_TOUCH, 3 );
-    for ( size_t k = row; k < row + WISP_TOUCHES; ++k )
+    const size_t row = slot_of( m, vertex ) * WISP_MAX_PARTICLE_CONTACTS;
+    const float* plane = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_CONTACTS, 1 );
+    const float* motion = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_CONTACTS, 2 );
+    const float* friction = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_CONTACTS, 3 );
+    for ( size_t k = row; k < row + WISP_MAX_PARTICLE_CONTACTS; ++k )
     {
         const double3 n = widen( plane + 4 * k );
         if ( double3_length( n ) > 0.5 && fabs( (double)friction[3 * k] - touch->still ) < 1e-6 )
@@ -241,7 +241,7 @@ static inline void carry_pin( match* m )
 /// @param friction [body_count] static friction, another one for each body
 static inline void step_both( match* m, const double* friction, int body_count )
 {
-    triangle_oracle_body body[WISP_TOUCHES];
+    triangle_oracle_body body[WISP_MAX_PARTICLE_CONTACTS];
     for ( int k = 0; k < body_count; ++k )
     {
         body[k] = ( triangle_oracle_body ){

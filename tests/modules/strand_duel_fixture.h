@@ -19,7 +19,7 @@ static const float SEGMENT = 0.005f; // m
 // The kernel's last pass of Newton is the one behind which no squared length is off by more than this share.
 static const double EXACT = 4e-5;
 // The module's caps of dt^2 EI / (m l^3), of any rod and of a curled one times the fourth power of its turn.
-static const double MOST_STIFFNESS = 6e4, MOST_CURLED = 0.08;
+static const double MAX_STIFFNESS = 6e4, MAX_CURLED = 0.08;
 
 typedef struct duel
 {
@@ -49,8 +49,8 @@ typedef struct match
     wisp_strand_dynamics_def def;
     int substeps;
     double dt;
-    double3 gravity;     // of the oracle
-    wisp_rigid from, to; // of the head, in this step
+    double3 gravity;         // of the oracle
+    wisp_transform from, to; // of the head, in this step
     double3 rest[STRANDS][LONGEST];
     double rest_tension[STRANDS][LONGEST];
     strand_oracle strand[STRANDS];
@@ -160,7 +160,7 @@ static inline double over_the_cap( const match* m, const strand_oracle* strand, 
         turn = fmax( turn, is_curled( m->rules ) ? turn_of( strand, k ) : 0.0 );
     }
     const double l = i > 0 ? fmin( strand->length[i - 1], strand->length[i] ) : strand->length[i];
-    const double most = fmin( MOST_STIFFNESS, MOST_CURLED / fmax( pow( turn, 4.0 ), 1e-12 ) );
+    const double most = fmin( MAX_STIFFNESS, MAX_CURLED / fmax( pow( turn, 4.0 ), 1e-12 ) );
     const double ratio = m->dt * ( m->dt + (double)m->def.bend_damping ) * (double)m->def.bend_rigidity /
                          ( mass / free_count * l * l * l );
     return ratio / most;
@@ -173,7 +173,7 @@ static inline void stiffen( const match* m, strand_oracle* strand )
     {
         const double over = fmax( over_the_cap( m, strand, i ), 1.0 );
         // the balance under a lowered stiffness is the module's own choice, and not what is compared here
-        assert_true( over == 1.0 || m->rules->rest != WISP_STRAND_REST_BALANCED );
+        assert_true( over == 1.0 || m->rules->rest != WISP_STRAND_REST_SAG_FREE );
         strand->stiffness[i] /= over;
         strand->twist_stiffness[i] /= over;
     }
@@ -192,7 +192,7 @@ static inline void bound_tension( const match* m, strand_oracle* strand )
     for ( int i = strand->count - 1; i > 0; --i )
     {
         behind += strand->mass[i];
-        strand->most_tension[i - 1] = double3_length( m->gravity ) * ( held ? 4.0 * whole : behind );
+        strand->max_tension[i - 1] = double3_length( m->gravity ) * ( held ? 4.0 * whole : behind );
     }
 }
 
@@ -241,8 +241,9 @@ static inline void kick( match* m, float speed )
         {
             strand_oracle* strand = m->strand + t->lane_strand[lane];
             const int n = 32 * t->lane_strand[lane] + i;
-            const float share = strand->weight[i] > 0.0 ? speed : 0.0f;
-            const wisp_vec3 v = { share * random_at( n, 4 ), share * random_at( n, 5 ), share * random_at( n, 6 ) };
+            const float fraction = strand->weight[i] > 0.0 ? speed : 0.0f;
+            const wisp_vec3 v = { fraction * random_at( n, 4 ), fraction * random_at( n, 5 ),
+                                  fraction * random_at( n, 6 ) };
             float* row = velocity + (size_t)i * 3 * WISP_LANES + lane;
             row[0] = v.x;
             row[WISP_LANES] = v.y;
@@ -256,7 +257,7 @@ static inline match* open_match( const duel* rules, int substeps, float speed )
 {
     match* m = calloc( 1, sizeof( match ) );
     assert_non_null( m );
-    const wisp_rigid origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+    const wisp_transform origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     m->rules = rules;
     m->def = def_of( rules );
     m->substeps = substeps;
@@ -269,7 +270,7 @@ static inline match* open_match( const duel* rules, int substeps, float speed )
     {
         fail_msg( "no dynamics: %s", wisp_world_message( m->s.world ) );
     }
-    assert_int_equal( wisp_want( m->s.world, m->e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( m->s.world, m->e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_strands( m->s.world, m->e )->group_count, 1 );
     for ( int n = 0, first = 0; n < STRANDS; first += COUNTS[n], ++n )
     {
@@ -282,7 +283,7 @@ static inline match* open_match( const duel* rules, int substeps, float speed )
 static inline void close_match( match* m )
 {
     // all that is compared here is solved for
-    assert_int_equal( wisp_world_counter( m->s.world, WISP_COUNT_LAID ), 0 );
+    assert_int_equal( wisp_world_counter( m->s.world, WISP_COUNT_STRAND_RESET ), 0 );
     assert_int_equal( wisp_world_counter( m->s.world, WISP_COUNT_HALTED ), 0 );
     close_strands( &m->s );
     free( m );
@@ -297,16 +298,17 @@ typedef struct pose
 } pose;
 
 // In a straight line, and along the chord from one quaternion to the other.
-static inline pose pose_at( const match* m, double share )
+static inline pose pose_at( const match* m, double fraction )
 {
     const wisp_quat a = m->from.rotation, b = m->to.rotation;
-    const double s = 1.0 - share;
-    strand_oracle_quaternion q = { s * (double)a.x + share * (double)b.x, s * (double)a.y + share * (double)b.y,
-                                   s * (double)a.z + share * (double)b.z, s * (double)a.w + share * (double)b.w };
+    const double s = 1.0 - fraction;
+    strand_oracle_quaternion q = { s * (double)a.x + fraction * (double)b.x, s * (double)a.y + fraction * (double)b.y,
+                                   s * (double)a.z + fraction * (double)b.z,
+                                   s * (double)a.w + fraction * (double)b.w };
     const double length = sqrt( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w );
     q = ( strand_oracle_quaternion ){ q.x / length, q.y / length, q.z / length, q.w / length };
     return ( pose ){ q, double3_add( double3_scale( s, widen( m->from.translation ) ),
-                                     double3_scale( share, widen( m->to.translation ) ) ) };
+                                     double3_scale( fraction, widen( m->to.translation ) ) ) };
 }
 
 static inline double3 carry( pose p, double3 at )
@@ -324,7 +326,7 @@ static inline double3 angular_velocity( pose a, pose b, double dt )
 }
 
 // Behind so many substeps: it turns about an axis of its own and goes 0.6 m/s.
-static inline wisp_rigid head_behind( const duel* rules, int substeps )
+static inline wisp_transform head_behind( const duel* rules, int substeps )
 {
     const float t = rules->carried ? rules->dt * (float)substeps : 0.0f;
     return head_at( 8.0f * t, ( wisp_vec3 ){ 0.6f, 0.0f, 0.8f }, ( wisp_vec3 ){ 0.4f * t, -0.2f * t, 0.4f * t } );
@@ -408,7 +410,7 @@ static inline void sweep( match* m, int n, int iteration )
     }
     else if ( m->def.stretch == WISP_STRAND_STRETCH_FOLLOW )
     {
-        strand_oracle_follow( strand, (double)m->def.follow_share );
+        strand_oracle_follow( strand, (double)m->def.leader_correction );
     }
 }
 

@@ -31,9 +31,10 @@ static inline void assert_ratio( double a, double b, double tolerance )
     assert_close( a / b, 1.0, tolerance );
 }
 
-static inline double random_between( int n, int m, double low, double high )
+static inline double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static inline double3 random_vector( int n, int m )
@@ -46,7 +47,7 @@ static inline double3 random_vector( int n, int m )
 static inline strand_oracle new_chain( int count, double length, double3 direction, bool held )
 {
     strand_oracle strand;
-    double3 points[STRAND_ORACLE_MOST];
+    double3 points[MAX_STRAND_ORACLE];
     for ( int i = 0; i < count; ++i )
     {
         points[i] = double3_scale( length * i / fmax( count - 1, 1 ), direction );
@@ -60,7 +61,7 @@ static inline strand_oracle new_chain( int count, double length, double3 directi
 static inline strand_oracle new_crooked( int key, int count, bool held )
 {
     strand_oracle strand;
-    double3 points[STRAND_ORACLE_MOST];
+    double3 points[MAX_STRAND_ORACLE];
     for ( int i = 0; i < count; ++i )
     {
         const double3 line = double3_make( 0.3 * i / count, 0.05 * i / count, -0.1 * i / count );
@@ -74,7 +75,7 @@ static inline strand_oracle new_crooked( int key, int count, bool held )
 static inline strand_oracle new_straight( int count, double length, bool held )
 {
     strand_oracle strand;
-    double3 points[STRAND_ORACLE_MOST];
+    double3 points[MAX_STRAND_ORACLE];
     for ( int i = 0; i < count; ++i )
     {
         points[i] = double3_make( length * i / ( count - 1 ), 0.0, 0.0 );
@@ -89,11 +90,11 @@ static inline strand_oracle new_straight( int count, double length, bool held )
 static inline strand_oracle new_curl( int count, double turns, bool held )
 {
     strand_oracle strand;
-    double3 points[STRAND_ORACLE_MOST];
+    double3 points[MAX_STRAND_ORACLE];
     for ( int i = 0; i < count; ++i )
     {
-        const double share = i / ( count - 1.0 ), angle = 2.0 * pi * turns * share;
-        points[i] = double3_make( 0.02 * cos( angle ), -0.04 * turns * share, 0.02 * sin( angle ) );
+        const double fraction = i / ( count - 1.0 ), angle = 2.0 * pi * turns * fraction;
+        points[i] = double3_make( 0.02 * cos( angle ), -0.04 * turns * fraction, 0.02 * sin( angle ) );
     }
     assert_true( strand_oracle_shape( &strand, points, count ) );
     strand_oracle_weigh( &strand, line_density, held );
@@ -204,7 +205,7 @@ static inline void carry_frames( strand_oracle* strand )
 // Displaced at random, with the lengths that it has at rest; frames go along.
 static inline void deform( strand_oracle* strand, int key, double by )
 {
-    double3 direction[STRAND_ORACLE_MOST];
+    double3 direction[MAX_STRAND_ORACLE];
     for ( int i = 1; i < strand->count; ++i )
     {
         strand->position[i] = double3_add( strand->position[i], double3_scale( by, random_vector( key, i ) ) );

@@ -37,7 +37,7 @@ static inline void open_prepared( strand_world* s )
 static inline void open_strands( strand_world* s, int substeps, int iterations, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
-                                                  &wisp_strand_look_module, &wisp_strands_module };
+                                                  &wisp_strand_appearance_module, &wisp_strands_module };
     prepare_strands( s, MODULES, WISP_COUNT( MODULES ) );
     s->def.workers = workers;
     s->def.substeps = substeps;
@@ -123,7 +123,7 @@ static inline wisp_entity add_moving( wisp_world* world, int strand_count, int v
     {
         fail_msg( "no dynamics: %s", wisp_world_message( world ) );
     }
-    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
     return e;
 }
 
@@ -198,8 +198,8 @@ static inline bool plan_says( wisp_world* world, const char* pass, const char* w
     return false;
 }
 
-static inline wisp_rigid head_at( float angle, wisp_vec3 axis, wisp_vec3 place )
+static inline wisp_transform head_at( float angle, wisp_vec3 axis, wisp_vec3 place )
 {
     const float s = sinf( 0.5f * angle );
-    return wisp_rigid_make( ( wisp_quat ){ s * axis.x, s * axis.y, s * axis.z, cosf( 0.5f * angle ) }, place );
+    return wisp_transform_make( ( wisp_quat ){ s * axis.x, s * axis.y, s * axis.z, cosf( 0.5f * angle ) }, place );
 }

@@ -15,10 +15,10 @@ static balloon_scene busy_scene( const balloon_mesh* mesh )
     balloon_scene scene = balloon_scene_in_air( mesh );
     scene.scale = 1.05;
     scene.damping = 0.5f;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     scene.def.inflation_rate = 1e-3f;
-    scene.def.cross_stiffness = scene.def.edge_stiffness;
-    scene.def.bend_share = scene.def.stretch_share = 0.5f;
+    scene.def.bend_link_stiffness = scene.def.edge_stiffness;
+    scene.def.bend_stiffness = scene.def.stretch_stiffness = 0.5f;
     balloon_scene_give_outlet( &scene, balloon_mesh_farthest( mesh, double3_make( 1.0, 0.3, 0.2 ) ), true );
     return scene;
 }
@@ -65,7 +65,7 @@ static void one_substep_is_the_oracles_in_every_mode( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void the_figures_of_a_substep_are_the_oracles( void** state )
+static void the_stats_of_a_substep_are_the_oracles( void** state )
 {
     (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
@@ -79,22 +79,22 @@ static void the_figures_of_a_substep_are_the_oracles( void** state )
     const double3 place = oracle.x[oracle.outlet_vertex];
     balloon_steps( &flight, 1 );
     balloon_oracle_step( &oracle );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     // sums of floats in lanes; constants of the definition are floats, too
-    balloon_assert_share( f.rest_volume, oracle.rest_volume, 1e-12 );
-    balloon_assert_share( f.target_volume, oracle.gas_volume, 1e-7 );
-    balloon_assert_share( f.volume, oracle.volume, 1e-6 );
-    balloon_assert_share( f.pressure, oracle.gauge, 1e-5 );
-    balloon_assert_share( f.outlet_speed, oracle.outlet_speed, 1e-5 );
-    balloon_assert_share( f.mass_flow, oracle.mass_flow, 1e-5 );
-    balloon_assert_share( f.gas_lost, oracle.gas_lost, 1e-5 );
+    balloon_assert_fraction( f.rest_volume, oracle.rest_volume, 1e-12 );
+    balloon_assert_fraction( f.target_volume, oracle.gas_volume, 1e-7 );
+    balloon_assert_fraction( f.volume, oracle.volume, 1e-6 );
+    balloon_assert_fraction( f.pressure, oracle.gauge, 1e-5 );
+    balloon_assert_fraction( f.outlet_speed, oracle.outlet_speed, 1e-5 );
+    balloon_assert_fraction( f.mass_flow, oracle.mass_flow, 1e-5 );
+    balloon_assert_fraction( f.gas_lost, oracle.gas_lost, 1e-5 );
     const double* engine[] = { f.gravity, f.buoyancy, f.drag, f.jet, f.centre };
-    const double3 truth[] = { oracle.forces.gravity, oracle.forces.buoyancy, oracle.forces.drag, oracle.forces.jet,
-                              oracle.centre };
-    for ( int n = 0; n < WISP_COUNT( truth ); ++n )
+    const double3 reference[] = { oracle.forces.gravity, oracle.forces.buoyancy, oracle.forces.drag,
+                                  oracle.forces.jet, oracle.centre };
+    for ( int n = 0; n < WISP_COUNT( reference ); ++n )
     {
-        double size = fmax( double3_length( truth[n] ), 0.01 );
-        balloon_assert_close( double3_distance( balloon_from( engine[n] ), truth[n] ) / size, 0.0, 1e-5 );
+        double size = fmax( double3_length( reference[n] ), 0.01 );
+        balloon_assert_close( double3_distance( balloon_from( engine[n] ), reference[n] ) / size, 0.0, 1e-5 );
     }
     double3 torque = balloon_oracle_torque( place, oracle.centre, oracle.forces.jet );
     balloon_assert_close( double3_distance( balloon_from( f.torque ), torque ) / double3_length( torque ), 0.0,
@@ -116,8 +116,8 @@ typedef struct quantities
 
 static quantities differences( const balloon_flight* flight, const balloon_oracle* b, double3 engine_impulse )
 {
-    wisp_quality q = balloon_quality( flight );
-    wisp_balloon_figures f = balloon_read( flight );
+    wisp_motion_stats q = balloon_motion_stats( flight );
+    wisp_balloon_stats f = balloon_read( flight );
     double3 momentum = balloon_oracle_momentum( b->v, b->mass, b->vertex_count );
     double3 centre = balloon_oracle_centre( b->x, b->mass, b->vertex_count );
     quantities d = {
@@ -136,7 +136,7 @@ typedef struct course
 {
     const char* name;
     bool pinned, outlet;
-    float fill, rate;
+    float gas_ratio, rate;
 } course;
 
 static const course COURSES[] = {
@@ -149,7 +149,7 @@ static balloon_scene course_scene( const course* c, const balloon_mesh* mesh, co
 {
     balloon_scene scene = balloon_scene_in_air( mesh );
     scene.damping = 2.0f;
-    scene.def.fill = c->fill;
+    scene.def.gas_ratio = c->gas_ratio;
     scene.def.inflation_rate = c->rate;
     scene.pins = c->pinned ? pins : NULL;
     scene.pin_count = c->pinned ? pin_count : 0;
@@ -168,7 +168,7 @@ static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int 
     {
         balloon_steps( flight, 1 );
         balloon_oracle_step( oracle );
-        wisp_balloon_figures f = balloon_read( flight );
+        wisp_balloon_stats f = balloon_read( flight );
         *impulse = double3_add( *impulse, double3_scale( (double)flight->scene->dt, balloon_from( f.jet ) ) );
     }
 }
@@ -192,7 +192,7 @@ static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles(
         scene.substeps = 1;
         if ( order == BALLOON_ORDER_ENGINE )
         {
-            scene.def.cross_stiffness = scene.def.edge_stiffness;
+            scene.def.bend_link_stiffness = scene.def.edge_stiffness;
         }
         balloon_flight flight;
         balloon_start( &flight, &scene );
@@ -230,7 +230,7 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
     for ( int n = 0; n < 6; ++n )
     {
         _Alignas( 64 ) float position[16][4];
-        int32_t a4[8], b4[8];
+        int32_t a_x4[8], b_x4[8];
         float rest[8], stiffness[8], compliance[8];
         for ( int i = 0; i < 8; ++i )
         {
@@ -238,20 +238,20 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
                         b[4] = { 1.75f, (float)i, 2.0f, WEIGHTS[n / 2][1] };
             memcpy( position[2 * i], a, sizeof( a ) );
             memcpy( position[2 * i + 1], b, sizeof( b ) );
-            a4[i] = 8 * i;
-            b4[i] = 8 * i + 4;
+            a_x4[i] = 8 * i;
+            b_x4[i] = 8 * i + 4;
             rest[i] = 1.0f + 0.5f * (float)( i % 4 ); // 1 and 1.5 are shorter than the pair, 2.5 is its length
             stiffness[i] = 1.0f;
             compliance[i] = 0.0f;
         }
-        wisp_link_job job = { .position = position[0],
-                              .a4 = a4,
-                              .b4 = b4,
-                              .rest = rest,
-                              .stiffness = stiffness,
-                              .compliance = compliance,
-                              .inverse_dt2 = 3600.0f };
-        ( n % 2 == 0 ? kernels->link_pbd : kernels->link_xpbd )( &job, 0, 8 );
+        wisp_link_args args = { .position = position[0],
+                                .a_x4 = a_x4,
+                                .b_x4 = b_x4,
+                                .rest = rest,
+                                .stiffness = stiffness,
+                                .compliance = compliance,
+                                .inverse_dt2 = 3600.0f };
+        ( n % 2 == 0 ? kernels->link_pbd : kernels->link_xpbd )( &args, 0, 8 );
         for ( int i = 0; i < 8; ++i )
         {
             double moved[2] = { ( (double)position[2 * i][0] - 0.25 ) / 0.6,
@@ -266,7 +266,7 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
 }
 
 // Fig. 2
-static void a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_each( void** state )
+static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_link_over_each( void** state )
 {
     (void)state;
     balloon_mesh meshes[4];
@@ -289,7 +289,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_ea
             float expected = link < 0 ? 0.0f : ( link < f->edge_count ? 1.0f / 2000.0f : 1.0f / 20.0f );
             assert_true( compliance[slot] == expected );
             crosses[0] += link >= f->edge_count ? 1 : 0;
-            int a = f->slot_vertex[f->link_a4[slot] / 4], b = f->slot_vertex[f->link_b4[slot] / 4];
+            int a = f->slot_vertex[f->link_a_x4[slot] / 4], b = f->slot_vertex[f->link_b_x4[slot] / 4];
             crosses[1] += link >= f->edge_count && ( a > b ? a : b ) == 4 && ( a > b ? b : a ) == 3 ? 1 : 0;
         }
         assert_int_equal( crosses[0], f->edge_count );
@@ -319,7 +319,7 @@ static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state 
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     assert_true( figure_volume( &mesh, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) == 1.0 );
-    balloon_assert_share( figure_volume( &mesh, ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f } ), 1.0, 1e-9 );
+    balloon_assert_fraction( figure_volume( &mesh, ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f } ), 1.0, 1e-9 );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -362,7 +362,7 @@ static void area_vectors_are_the_gradient_of_the_volume( void** state )
         size += double3_length( balloon_from( of ) );
     }
     balloon_assert_close( double3_length( sum ) / size, 0.0, 1e-6 );
-    balloon_assert_share( dot, 3.0 * oracle.rest_volume, 1e-6 );
+    balloon_assert_fraction( dot, 3.0 * oracle.rest_volume, 1e-6 );
     balloon_oracle_destroy( &oracle );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -381,19 +381,19 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.damping = 5.0f;
         scene.def.solver = scene.def.volume = n < 4 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
-        scene.def.stretch_share = 0.1f;
-        scene.def.bend_share = 0.01f;
+        scene.def.stretch_stiffness = 0.1f;
+        scene.def.bend_stiffness = 0.01f;
         scene.def.edge_stiffness = 20.0f;
-        scene.def.cross_stiffness = 0.2f;
-        scene.def.least_fill = 0.5f;
-        scene.def.fill = target[n % 4];
+        scene.def.bend_link_stiffness = 0.2f;
+        scene.def.min_gas_ratio = 0.5f;
+        scene.def.gas_ratio = target[n % 4];
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 60 );
-        double reached = balloon_quality( &flight ).volume / balloon_read( &flight ).rest_volume;
+        double reached = balloon_motion_stats( &flight ).volume / balloon_read( &flight ).rest_volume;
         print_message( "           %s, target %.1f V_rest: V = %.4f V_rest\n", n < 4 ? "xpbd" : "pbd",
                        (double)target[n % 4], reached );
-        balloon_assert_share( reached, (double)target[n % 4], 0.01 );
+        balloon_assert_fraction( reached, (double)target[n % 4], 0.01 );
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );
@@ -407,7 +407,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 30.0f;
     scene.def.edge_stiffness = 200.0f;
-    scene.def.cross_stiffness = 2.0f;
+    scene.def.bend_link_stiffness = 2.0f;
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 10 );
@@ -419,10 +419,11 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
         for ( int n = 0; n < 60; ++n )
         {
             balloon_steps( &flight, 1 );
-            balloon_assert_share( balloon_quality( &flight ).volume, balloon_read( &flight ).target_volume, 0.01 );
+            balloon_assert_fraction( balloon_motion_stats( &flight ).volume, balloon_read( &flight ).target_volume,
+                                     0.01 );
         }
         // 600 substeps of a float's length
-        balloon_assert_share( balloon_read( &flight ).target_volume / rest, half == 0 ? 1.3 : 1.0, 1e-6 );
+        balloon_assert_fraction( balloon_read( &flight ).target_volume / rest, half == 0 ? 1.3 : 1.0, 1e-6 );
     }
     // and no further than V_rest
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, (float)-rest ), WISP_OK );
@@ -438,7 +439,7 @@ static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** st
     (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    scene.def.fill = 1.3f;
+    scene.def.gas_ratio = 1.3f;
     scene.def.pressure = WISP_BALLOON_PRESSURE_GAS;
     balloon_flight flight;
     balloon_start( &flight, &scene );
@@ -450,10 +451,10 @@ static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** st
     for ( int n = 0; n < 20; ++n )
     {
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         double amount = balloon_oracle_gas_amount( 101325.0, f.target_volume, 293.15 );
         double product = ( 101325.0 + f.pressure ) * f.volume;
-        balloon_assert_share( product, amount * BALLOON_ORACLE_GAS_CONSTANT * 293.15, 1e-14 );
+        balloon_assert_fraction( product, amount * BALLOON_ORACLE_GAS_CONSTANT * 293.15, 1e-14 );
     }
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -468,8 +469,8 @@ static double settled_pressure( const balloon_mesh* mesh, int substeps, int iter
     scene.damping = 30.0f;
     scene.substeps = substeps;
     scene.iterations = iterations;
-    scene.cross_links = false;
-    scene.def.fill = 1.2f;
+    scene.bend_links = false;
+    scene.def.gas_ratio = 1.2f;
     scene.def.pressure = reading;
     balloon_flight flight;
     balloon_start( &flight, &scene );
@@ -503,15 +504,15 @@ static void the_pressure_readings_agree_where_substeps_make_them( void** state )
         }
         print_message( "           %3d x %2d: virial %.0f, multiplier %.0f, gas %.0f Pa\n", row[n].substeps,
                        row[n].iterations, read[0], read[1], read[2] );
-        balloon_assert_share( read[0], row[n].virial, 0.01 );
+        balloon_assert_fraction( read[0], row[n].virial, 0.01 );
         double allowed = row[n].substeps >= 100 ? 0.03 * 2410.0 : 100.0;
         balloon_assert_close( read[1], row[n].multiplier, allowed );
         balloon_assert_close( read[2], row[n].gas, allowed );
         if ( row[n].substeps == 400 )
         {
-            balloon_assert_share( read[1], read[0], 0.05 );
-            balloon_assert_share( read[2], read[0], 0.05 );
-            balloon_assert_share( read[2], read[1], 0.05 );
+            balloon_assert_fraction( read[1], read[0], 0.05 );
+            balloon_assert_fraction( read[2], read[0], 0.05 );
+            balloon_assert_fraction( read[2], read[1], 0.05 );
         }
     }
     balloon_mesh_destroy( &mesh );
@@ -543,13 +544,14 @@ static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
             sum += 20.0 * oracle.bend[e].rest * oracle.bend[e].rest;
         }
         double pressure = balloon_read( &flight ).pressure;
-        balloon_assert_share(
+        balloon_assert_fraction(
             pressure, balloon_oracle_true_scaled_pressure( sum + edges, oracle.rest_volume, scale[n] ), 1e-5 );
         // p_max = sum( k l^2 ) / (12 V_0)
         assert_true( pressure <= ( sum + edges ) / ( 12.0 * oracle.rest_volume ) * ( 1.0 + 1e-6 ) );
         peak = pressure > peak ? pressure : peak;
-        // a fine sphere: 2 sqrt(3) k e / (R0 (1 + e)^2); 2562 vertices and soft cross links keep it within section 12's 5 %
-        balloon_assert_share( pressure, balloon_oracle_true_sphere_pressure( 2000.0, 0.15, scale[n] - 1.0 ), 0.05 );
+        // a fine sphere: 2 sqrt(3) k e / (R0 (1 + e)^2); 2562 vertices and soft bend links keep it within section 12's 5 %
+        balloon_assert_fraction( pressure, balloon_oracle_true_sphere_pressure( 2000.0, 0.15, scale[n] - 1.0 ),
+                                 0.05 );
         assert_true( n != 3 || pressure == peak );
         assert_true( n != 4 || pressure < peak );
         balloon_oracle_destroy( &oracle );
@@ -584,7 +586,7 @@ static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( 
     scene.iterations = 10;
     scene.damping = 30.0f;
     scene.dt = 1.0f / 6000.0f;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     scene.def.pressure = WISP_BALLOON_PRESSURE_MULTIPLIER;
     balloon_flight flight;
     balloon_start( &flight, &scene );
@@ -593,7 +595,7 @@ static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( 
     scene.dt = 1.0f / 12000.0f;
     balloon_steps( &flight, 1 );
     assert_true( settled > 1000.0 );
-    balloon_assert_share( balloon_read( &flight ).pressure, settled, 0.01 );
+    balloon_assert_fraction( balloon_read( &flight ).pressure, settled, 0.01 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
@@ -602,10 +604,10 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( one_substep_is_the_oracles_in_every_mode ),
-        cmocka_unit_test( the_figures_of_a_substep_are_the_oracles ),
+        cmocka_unit_test( the_stats_of_a_substep_are_the_oracles ),
         cmocka_unit_test( a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles ),
         cmocka_unit_test( two_particles_return_to_their_distance_and_move_in_the_ratio_of_their_inverse_masses ),
-        cmocka_unit_test( a_closed_mesh_has_three_edges_for_two_faces_and_a_cross_link_over_each ),
+        cmocka_unit_test( a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_link_over_each ),
         cmocka_unit_test( the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is ),
         cmocka_unit_test( area_vectors_are_the_gradient_of_the_volume ),
         cmocka_unit_test( a_soft_skin_takes_half_to_twice_its_rest_volume ),

@@ -12,7 +12,7 @@ typedef struct golden_case
     bool held, blows;
     wisp_solver solver;
     wisp_balloon_spin spin;
-    float fill, rate;
+    float gas_ratio, rate;
     int steps;
 } golden_case;
 
@@ -35,7 +35,7 @@ static balloon_scene scene_of( const golden_case* c )
     scene.def.keep_angular_momentum = true;
     scene.damping = 0.5f;
     scene.def.solver = scene.def.volume = c->solver;
-    scene.def.fill = c->fill;
+    scene.def.gas_ratio = c->gas_ratio;
     scene.def.inflation_rate = c->rate;
     scene.def.spin = c->spin;
     scene.pins = PINS;
@@ -112,19 +112,19 @@ static determinism_case describe( int number )
 }
 
 // Figures are read, not felt.
-static void asking_for_figures_does_not_change_a_bit( void** state )
+static void asking_for_stats_does_not_change_a_bit( void** state )
 {
     (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         uint64_t hashes[2];
-        for ( int asked = 0; asked < 2; ++asked )
+        for ( int queried = 0; queried < 2; ++queried )
         {
             determinism_run* r = open_case( n, &PLAIN, NULL );
             const wisp_entity e = ( (running*)r )->flight.entity;
-            assert_status( r->world, wisp_want_balloon_figures( r->world, e, asked == 1 ), WISP_OK );
+            assert_status( r->world, wisp_request_balloon_stats( r->world, e, queried == 1 ), WISP_OK );
             run_case_steps( r, CASES[n].steps );
-            hashes[asked] = traces_of( r ).motion;
+            hashes[queried] = traces_of( r ).motion;
             close_case( r );
         }
         assert_true( hashes[0] == hashes[1] );
@@ -144,7 +144,7 @@ int main( void )
                             nudge,
                             close_case };
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( asking_for_figures_does_not_change_a_bit ),
+        cmocka_unit_test( asking_for_stats_does_not_change_a_bit ),
     };
     for ( int level = 2; level < WISP_COUNT( meshes ); ++level )
     {

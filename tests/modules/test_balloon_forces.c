@@ -25,7 +25,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
         for ( int n = 1; n <= 60; ++n )
         {
             balloon_steps( &flight, 1 );
-            wisp_quality q = balloon_quality( &flight );
+            wisp_motion_stats q = balloon_motion_stats( &flight );
             double k = (double)n * substeps, speed = q.momentum[1] / q.mass,
                    fallen = 9.8 * h * h * k * ( k + 1.0 ) / 2.0;
             // velocities are differences of positions, whose half unit is 2.4e-7 m below 8 m, and all substeps may round to
@@ -49,7 +49,7 @@ static void a_pinned_vertex_stays_whatever_pulls( void** state )
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 0;
     balloon_scene scene = balloon_scene_in_air( &mesh );
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     scene.pins = &pin;
     scene.pin_count = 1;
     balloon_scene_give_outlet( &scene, 5, true );
@@ -73,12 +73,12 @@ static double height_of_three_grams( double radius )
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 1 );
-    double area = balloon_quality( &flight ).mass / (double)scene.area_density;
+    double area = balloon_motion_stats( &flight ).mass / (double)scene.area_density;
     balloon_end( &flight );
     scene.area_density = (float)( 0.003 / area );
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 30 );
-    double height = balloon_quality( &flight ).centre[1];
+    double height = balloon_motion_stats( &flight ).centre[1];
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
     return height;
@@ -89,10 +89,10 @@ static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
 {
     (void)state;
     // 0.0884 m; the mesh of 5120 faces has 0.3 % less volume than its sphere, so 0.1 % more radius
-    double truth = balloon_oracle_true_lift_off_radius_of_mass( 0.003, AIR - HELIUM );
-    balloon_assert_close( truth, 0.0884, 5e-5 );
-    assert_true( height_of_three_grams( 0.995 * truth ) < -1e-3 );
-    assert_true( height_of_three_grams( 1.005 * truth ) > 1e-3 );
+    double reference = balloon_oracle_true_lift_off_radius_of_mass( 0.003, AIR - HELIUM );
+    balloon_assert_close( reference, 0.0884, 5e-5 );
+    assert_true( height_of_three_grams( 0.995 * reference ) < -1e-3 );
+    assert_true( height_of_three_grams( 1.005 * reference ) > 1e-3 );
 }
 
 // Shared by mass it turns nothing
@@ -105,13 +105,13 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 20 );
-    wisp_balloon_figures f = balloon_read( &flight );
-    wisp_quality q = balloon_quality( &flight );
-    balloon_assert_share( f.buoyancy[1], 9.8 * f.volume * ( AIR - HELIUM ), 1e-5 );
+    wisp_balloon_stats f = balloon_read( &flight );
+    wisp_motion_stats q = balloon_motion_stats( &flight );
+    balloon_assert_fraction( f.buoyancy[1], 9.8 * f.volume * ( AIR - HELIUM ), 1e-5 );
     assert_true( f.buoyancy[0] == 0.0 && f.buoyancy[2] == 0.0 );
     double gain = ( f.buoyancy[1] + f.gravity[1] ) / q.mass * 20.0 / 60.0;
     // the volume swings by 1e-4 while the skin settles
-    balloon_assert_share( q.momentum[1] / q.mass, gain, 1e-3 );
+    balloon_assert_fraction( q.momentum[1] / q.mass, gain, 1e-3 );
     balloon_assert_close( double3_length( balloon_from( f.angular_velocity ) ), 0.0, 1e-3 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -148,7 +148,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
         balloon_assert_close( double3_length( double3_cross( f, u ) ) / speed / full, 0.0, 1e-3 );
         if ( mode == WISP_BALLOON_DRAG_MAX )
         {
-            balloon_assert_share( -double3_dot( f, u ) / speed, full, 0.01 ); // within 1 %
+            balloon_assert_fraction( -double3_dot( f, u ) / speed, full, 0.01 ); // within 1 %
         }
         balloon_end( &flight );
     }
@@ -158,7 +158,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 static void keep_rigid( const balloon_flight* flight )
 {
     double3 p = balloon_momentum( flight );
-    double mass = balloon_quality( flight ).mass;
+    double mass = balloon_motion_stats( flight ).mass;
     balloon_throw( flight, ( wisp_vec3 ){ (float)( p.x / mass ), (float)( p.y / mass ), (float)( p.z / mass ) } );
 }
 
@@ -167,8 +167,8 @@ static void keep_rigid( const balloon_flight* flight )
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
     (void)state;
-    double truth = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
-    balloon_assert_close( truth, 2.32, 5e-3 );
+    double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
+    balloon_assert_close( reference, 2.32, 5e-3 );
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.area_density = (float)( 0.003 / ( 4.0 * PI * 0.15 * 0.15 ) );
@@ -181,9 +181,10 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
         balloon_steps( &flight, 1 );
         keep_rigid( &flight );
     }
-    double reached = balloon_quality( &flight ).momentum[1] / balloon_quality( &flight ).mass;
-    print_message( "           terminal speed %.4f m/s in 480 substeps of 1/1200 s, truth %.4f\n", reached, truth );
-    balloon_assert_share( reached, truth, 0.02 );
+    double reached = balloon_motion_stats( &flight ).momentum[1] / balloon_motion_stats( &flight ).mass;
+    print_message( "           terminal speed %.4f m/s in 480 substeps of 1/1200 s, reference %.4f\n", reached,
+                   reference );
+    balloon_assert_fraction( reached, reference, 0.02 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
@@ -214,13 +215,13 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
 
 // ---- jet ----
 
-// A pear without cross links, scaled by 1.1 and just so stiff that it presses with `gauge` (references, section 1).
+// A pear without bend links, scaled by 1.1 and just so stiff that it presses with `gauge` (references, section 1).
 static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
 {
     balloon_scene scene = balloon_scene_of( mesh );
-    scene.cross_links = false;
+    scene.bend_links = false;
     scene.scale = 1.1;
-    scene.def.fill = 1.331f;
+    scene.def.gas_ratio = 1.331f;
     scene.dt = 1e-4f;
     scene.substeps = 1;
     balloon_flight flight;
@@ -252,14 +253,14 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
-        balloon_assert_share( f.pressure, gauge[n], 1e-5 );
+        wisp_balloon_stats f = balloon_read( &flight );
+        balloon_assert_fraction( f.pressure, gauge[n], 1e-5 );
         balloon_assert_close( f.outlet_speed, speed[n], n == 2 ? 0.5 : 0.06 ); // "300" is rounded to the metre
         balloon_assert_close( f.mass_flow, flow[n], 5e-6 );
-        balloon_assert_share( double3_length( balloon_from( f.jet ) ), force[n], 1e-5 );
+        balloon_assert_fraction( double3_length( balloon_from( f.jet ) ), force[n], 1e-5 );
         // F = 2 A_h (P - P_atm) = mdot v_e, in double; the area is a float
-        balloon_assert_share( double3_length( balloon_from( f.jet ) ), 2.0 * (double)1e-4f * f.pressure, 1e-12 );
-        balloon_assert_share( double3_length( balloon_from( f.jet ) ), f.mass_flow * f.outlet_speed, 1e-12 );
+        balloon_assert_fraction( double3_length( balloon_from( f.jet ) ), 2.0 * (double)1e-4f * f.pressure, 1e-12 );
+        balloon_assert_fraction( double3_length( balloon_from( f.jet ) ), f.mass_flow * f.outlet_speed, 1e-12 );
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );
@@ -284,14 +285,14 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     {
         double before = double3_length( balloon_momentum( &flight ) );
         balloon_steps( &flight, 1 );
-        mass = balloon_quality( &flight ).mass;
+        mass = balloon_motion_stats( &flight ).mass;
         gained += double3_length( balloon_momentum( &flight ) ) - before;
         memcpy( balloon_positions( &flight ), shape, bytes );
         memset( balloon_velocities( &flight ), 0, bytes );
     }
     // velocities come back from positions of 0.17 m: 1.5e-8 m / 1e-4 s a vertex, in the mean of 162 and of 100 steps
     double allowed = 100.0 * mass * 1.5e-8 / 1e-4 / sqrt( 162.0 * 100.0 ) / ( 0.5 * 0.01 );
-    balloon_assert_share( gained, balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.01 ), 4.0 * allowed );
+    balloon_assert_fraction( gained, balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.01 ), 4.0 * allowed );
     assert_true( 4.0 * allowed < 0.01 );
     free( shape );
     balloon_end( &flight );
@@ -306,7 +307,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.4, 1.0, 0.2 ) ), true );
     balloon_flight flight;
     balloon_start( &flight, &scene );
@@ -315,7 +316,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     for ( int n = 0; n < 600; ++n )
     {
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         given = double3_add( given, double3_scale( (double)scene.dt, balloon_from( f.jet ) ) );
         blown += f.mass_flow * (double)scene.dt;
         double missing = ( (double)1.2f * f.rest_volume - f.target_volume ) * 101325.0 * (double)4.0026e-3f /
@@ -340,7 +341,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
     const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 1000.0 );
-    scene.def.fill = 2.0f;
+    scene.def.gas_ratio = 2.0f;
     scene.def.outlet_area = 1e-8f;
     balloon_scene_give_outlet( &scene, 3, true );
     balloon_flight flight;
@@ -366,7 +367,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
         }
         memset( balloon_velocities( &flight ), 0, (size_t)fabric->slot_count * 4 * sizeof( float ) );
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_close( f.pressure, fmax( 0.0, aim ), 0.1 );
         assert_int_equal( f.outlet_speed > 0.0, expected[n] );
     }
@@ -380,19 +381,19 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
     (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, false );
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 10 );
-    wisp_balloon_figures shut = balloon_read( &flight );
+    wisp_balloon_stats shut = balloon_read( &flight );
     assert_true( shut.pressure > 1000.0 && shut.gas_lost == 0.0 && shut.outlet_speed == 0.0 );
     assert_int_equal( wisp_open_balloon( flight.world, flight.entity, true ), WISP_OK );
     balloon_steps( &flight, 1 );
     assert_true( balloon_read( &flight ).gas_lost > 0.0 );
     assert_int_equal( wisp_open_balloon( flight.world, flight.entity, false ), WISP_OK );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures again = balloon_read( &flight );
+    wisp_balloon_stats again = balloon_read( &flight );
     balloon_steps( &flight, 5 );
     assert_true( balloon_read( &flight ).gas_lost == again.gas_lost );
     balloon_end( &flight );
@@ -420,7 +421,7 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 1 );
     double3 jet = balloon_from( balloon_read( &flight ).jet );
-    balloon_assert_share( double3_length( jet ), 0.2, 1e-5 );
+    balloon_assert_fraction( double3_length( jet ), 0.2, 1e-5 );
     // area vectors are not all of one size: within a tenth of a vertex's distance
     balloon_assert_close( -double3_dot( jet, mean ) / double3_length( jet ) / double3_length( mean ), 1.0, 1e-3 );
     balloon_end( &flight );
@@ -435,20 +436,20 @@ static void the_four_external_forces_point_where_they_should( void** state )
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
     scene.scale = 1.05;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 1.0f, 2.0f, -0.5f } );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     print_message(
         "           gravity (%.4f %.4f %.4f) buoyancy (%.4f %.4f %.4f) drag (%.4f %.4f %.4f) jet (%.4f %.4f "
         "%.4f) N\n",
         f.gravity[0], f.gravity[1], f.gravity[2], f.buoyancy[0], f.buoyancy[1], f.buoyancy[2], f.drag[0], f.drag[1],
         f.drag[2], f.jet[0], f.jet[1], f.jet[2] );
     double3 v = { 1.0, 2.0, -0.5 }, drag = balloon_from( f.drag ), jet = balloon_from( f.jet );
-    balloon_assert_share( f.gravity[1], -9.8 * balloon_quality( &flight ).mass, 1e-6 );
+    balloon_assert_fraction( f.gravity[1], -9.8 * balloon_motion_stats( &flight ).mass, 1e-6 );
     assert_true( f.buoyancy[1] > 0.0 && f.gravity[0] == 0.0 && f.buoyancy[2] == 0.0 );
     balloon_assert_close( double3_dot( drag, v ) / double3_length( drag ) / double3_length( v ), -1.0, 1e-3 );
     // vertex 0 of an icosphere has equal neighbours, so its normal is radial
@@ -469,7 +470,7 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
     scene.substeps = 1;
     scene.area_density = 0.2f; // heavy, so that it stays near the origin and its velocities are read back well
     scene.scale = 1.05;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
     balloon_flight flight;
     balloon_start( &flight, &scene );
@@ -478,7 +479,7 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
     {
         double3 before = balloon_momentum( &flight );
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         double3 sum = double3_add( double3_add( balloon_from( f.gravity ), balloon_from( f.buoyancy ) ),
                                    double3_add( balloon_from( f.drag ), balloon_from( f.jet ) ) );
         double3 gained = double3_sub( balloon_momentum( &flight ), before );

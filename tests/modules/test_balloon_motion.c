@@ -20,13 +20,13 @@ static double3 vertex_of( const balloon_flight* flight, int vertex )
 static balloon_scene loose_body( const balloon_mesh* mesh, int outlet )
 {
     balloon_scene scene = balloon_scene_of( mesh );
-    scene.cross_links = false;
+    scene.bend_links = false;
     scene.substeps = scene.iterations = 1;
     scene.def.edge_stiffness = 1e-6f;
     scene.def.volume = WISP_SOLVER_PBD;
-    scene.def.volume_share = 1e-6f;
+    scene.def.volume_stiffness = 1e-6f;
     scene.def.pressure = WISP_BALLOON_PRESSURE_GAS;
-    scene.def.fill = 1.1f;
+    scene.def.gas_ratio = 1.1f;
     balloon_scene_give_outlet( &scene, outlet, true );
     return scene;
 }
@@ -45,14 +45,14 @@ static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     double force = double3_length( balloon_from( f.jet ) ), arm = 0.15 * force;
     assert_true( force > 0.1 );
     // the normal is of floats
     balloon_assert_close( double3_length( balloon_from( f.torque ) ) / arm, 0.0, 1e-5 );
     balloon_assert_close( double3_length( balloon_angular_momentum( &flight ) ) / ( arm * (double)scene.dt ), 0.0,
                           1e-4 );
-    balloon_assert_share( double3_length( balloon_momentum( &flight ) ), force * (double)scene.dt, 1e-4 );
+    balloon_assert_fraction( double3_length( balloon_momentum( &flight ) ), force * (double)scene.dt, 1e-4 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
@@ -70,7 +70,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     double3 place = vertex_of( &flight, scene.def.outlet[0] );
     double3 before = balloon_angular_momentum( &flight ), momentum = balloon_momentum( &flight );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     double3 torque = balloon_oracle_torque( place, balloon_from( f.centre ), balloon_from( f.jet ) );
     assert_true( double3_length( torque ) > 1e-3 );
     balloon_assert_close( double3_distance( balloon_from( f.torque ), torque ) / double3_length( torque ), 0.0,
@@ -101,7 +101,7 @@ static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 1 );
-        strain[n] = balloon_quality( &flight ).strain_max;
+        strain[n] = balloon_motion_stats( &flight ).strain_max;
         const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
         const balloon_body* body = wisp_world_column( flight.world, flight.entity, s->body, 0 );
         double w[3], dt = (double)scene.dt;
@@ -114,7 +114,7 @@ static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
     }
     // lengths of floats: 1e-6 of the smaller one, which is 1e-4 at least
     assert_true( strain[1] > 1e-4 );
-    balloon_assert_share( strain[0] / strain[1], 16.0, 0.05 );
+    balloon_assert_fraction( strain[0] / strain[1], 16.0, 0.05 );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -138,7 +138,7 @@ static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
         const balloon_body* body = wisp_world_column( flight.world, flight.entity, s->body, 0 );
         double3 c = balloon_oracle_centre( b.x, b.mass, b.vertex_count );
         balloon_oracle_matrix inertia = balloon_oracle_inertia( b.x, b.mass, b.vertex_count, c );
-        balloon_assert_share( body->mass, b.total_mass, 1e-12 );
+        balloon_assert_fraction( body->mass, b.total_mass, 1e-12 );
         balloon_assert_close( double3_distance( balloon_from( body->centre ), c ), 0.0, 1e-12 );
         for ( int k = 0; k < 3; ++k )
         {
@@ -150,8 +150,8 @@ static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
             balloon_assert_close( double3_distance( balloon_from( back ), unit ), 0.0, 1e-10 );
             if ( n == 0 )
             {
-                balloon_assert_share( 1.0 / body->inverse_inertia[k],
-                                      balloon_oracle_true_shell_inertia( body->mass, 0.15 ), 0.01 );
+                balloon_assert_fraction( 1.0 / body->inverse_inertia[k],
+                                         balloon_oracle_true_shell_inertia( body->mass, 0.15 ), 0.01 );
             }
         }
         balloon_oracle_destroy( &b );
@@ -184,7 +184,7 @@ static void the_inertia_follows_the_shape( void** state )
         inverse[n] = body->inverse_inertia[0];
         balloon_end( &flight );
     }
-    balloon_assert_share( inverse[0], 4.0 * inverse[1], 1e-5 );
+    balloon_assert_fraction( inverse[0], 4.0 * inverse[1], 1e-5 );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -200,7 +200,7 @@ typedef struct turned
 static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
 {
     balloon_scene scene = loose_pear( mesh );
-    scene.cross_links = true;
+    scene.bend_links = true;
     scene.def.spin = WISP_BALLOON_SPIN_PRINTED;
     scene.dt = 1.0f / (float)steps;
     scene.def.edge_stiffness = 2000.0f;
@@ -211,7 +211,7 @@ static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
     balloon_steps( &flight, 1 );
     assert_int_equal( wisp_open_balloon( flight.world, flight.entity, false ), WISP_OK );
     balloon_steps( &flight, steps - 1 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     balloon_oracle_quaternion q = { f.orientation[0], f.orientation[1], f.orientation[2], f.orientation[3] };
     double3 now = double3_sub( vertex_of( &flight, 0 ), vertex_of( &flight, 3 ) ),
             told = balloon_oracle_rotate( q, chord );
@@ -239,7 +239,7 @@ static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squa
             t.omega, t.angle, error, t.apart );
         assert_true( t.omega > 0.5 && t.omega < 3.0 );
         balloon_assert_close( t.norm, 1.0, 1e-14 );
-        balloon_assert_share( error, t.omega * t.omega * dt * dt / 12.0, 0.01 );
+        balloon_assert_fraction( error, t.omega * t.omega * dt * dt / 12.0, 0.01 );
         // positions of floats, turned so many times
         balloon_assert_close( t.apart, 0.0, 1e-4 );
     }
@@ -258,7 +258,7 @@ static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 1 );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         double given = double3_length( balloon_from( f.torque ) ) * (double)scene.dt;
         double got = double3_length( balloon_angular_momentum( &flight ) );
         balloon_assert_close( got / given, n == 0 ? 1.0 : 0.0, 1e-3 );
@@ -285,10 +285,10 @@ static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     double push = double3_length( balloon_from( f.jet ) ) * (double)scene.dt;
     assert_true( double3_length( balloon_from( f.torque ) ) > 1e-3 );
-    balloon_assert_share( double3_length( balloon_momentum( &flight ) ), push, 1e-4 );
+    balloon_assert_fraction( double3_length( balloon_momentum( &flight ) ), push, 1e-4 );
     balloon_assert_close( double3_length( balloon_angular_momentum( &flight ) ) / ( 0.15 * push ), 0.0, 1e-4 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -306,7 +306,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.def.solver = n % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         scene.def.volume = n / 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
-        scene.def.fill = 1.1f;
+        scene.def.gas_ratio = 1.1f;
         scene.substeps = 1;
         balloon_flight flight;
         balloon_start( &flight, &scene );
@@ -316,7 +316,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
         {
             double3 before = balloon_momentum( &flight );
             balloon_steps( &flight, 1 );
-            mass = balloon_quality( &flight ).mass;
+            mass = balloon_motion_stats( &flight ).mass;
             worst = fmax( worst, double3_distance( balloon_momentum( &flight ), before ) / mass );
         }
         // 1e-12 is a bound of doubles. In floats a vertex rounds some 50 times by 1.5e-8 m, over 1/60 s, as a walk,
@@ -366,8 +366,8 @@ static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void
     for ( int substeps = 1; substeps <= 100; substeps *= 10 )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
-        scene.def.fill = 1.2f;
-        scene.def.cross_stiffness = scene.def.edge_stiffness;
+        scene.def.gas_ratio = 1.2f;
+        scene.def.bend_link_stiffness = scene.def.edge_stiffness;
         scene.damping = 30.0f;
         scene.substeps = substeps;
         scene.iterations = 1;
@@ -380,10 +380,10 @@ static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void
             balloon_oracle_step( &oracle );
         }
         double engine = double3_length( balloon_from( balloon_read( &flight ).angular_velocity ) );
-        double truth = double3_length( oracle.omega );
+        double reference = double3_length( oracle.omega );
         print_message( "           %3d substeps: %.2f rad/s^2, the oracle %.2f\n", substeps, 30.0 * engine,
-                       30.0 * truth );
-        balloon_assert_close( engine, truth, 0.02 * truth + 1e-3 );
+                       30.0 * reference );
+        balloon_assert_close( engine, reference, 0.02 * reference + 1e-3 );
         balloon_oracle_destroy( &oracle );
         balloon_end( &flight );
     }
@@ -400,7 +400,7 @@ static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_ke
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.def.keep_angular_momentum = true;
-        scene.def.fill = 1.5f;
+        scene.def.gas_ratio = 1.5f;
         scene.substeps = substeps;
         scene.iterations = 2;
         balloon_flight flight;
@@ -434,7 +434,7 @@ static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept(
     balloon_mesh_destroy( &mesh );
 }
 
-static void figures_turn_with_a_body_that_spins( void** state )
+static void stats_turn_with_a_body_that_spins( void** state )
 {
     (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
@@ -446,7 +446,7 @@ static void figures_turn_with_a_body_that_spins( void** state )
     balloon_steps( &flight, 1 );
     balloon_assert_close( balloon_read( &flight ).angular_velocity[2], 1.0, 1e-3 );
     balloon_steps( &flight, 59 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     double3 p = vertex_of( &flight, 0 ), o = mesh.positions[0];
     double seen = atan2( o.x * p.y - o.y * p.x, o.x * p.x + o.y * p.y );
     double told = 2.0 * atan2( f.orientation[3], f.orientation[0] );
@@ -473,7 +473,7 @@ int main( void )
         cmocka_unit_test( a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does ),
         cmocka_unit_test( a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_kept ),
         cmocka_unit_test( a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept ),
-        cmocka_unit_test( figures_turn_with_a_body_that_spins ),
+        cmocka_unit_test( stats_turn_with_a_body_that_spins ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -48,7 +48,7 @@ static balloon_mesh pear_with_two_holes( int level )
     balloon_mesh pear = balloon_pear( level ), mesh = cut( &pear, AXIS, 0.11, -0.09 );
     balloon_mesh_topology topology;
     assert_true( balloon_mesh_build_topology( &mesh, &topology ) );
-    assert_true( topology.border_count > 12 && topology.shell_count == 1 );
+    assert_true( topology.border_count > 12 && topology.component_count == 1 );
     balloon_mesh_destroy_topology( &topology );
     balloon_mesh_destroy( &pear );
     return mesh;
@@ -68,14 +68,14 @@ static balloon_scene open_scene( const balloon_mesh* mesh )
     return scene;
 }
 
-static wisp_balloon_figures first_figures( const balloon_scene* scene )
+static wisp_balloon_stats first_stats( const balloon_scene* scene )
 {
     balloon_flight flight;
     balloon_start( &flight, scene );
     balloon_steps( &flight, 1 );
-    wisp_balloon_figures figures = balloon_read( &flight );
+    wisp_balloon_stats stats = balloon_read( &flight );
     balloon_end( &flight );
-    return figures;
+    return stats;
 }
 
 // ---- the oracle ----
@@ -90,7 +90,7 @@ static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
     assert_non_null( gradient );
     double volume = balloon_oracle_capped_volume( &caps, mesh.positions ), other, largest = 0.0, dot = 0.0;
     assert_true( balloon_mesh_capped_volume( &mesh, &other ) );
-    balloon_assert_share( volume, other, 1e-13 );
+    balloon_assert_fraction( volume, other, 1e-13 );
     balloon_oracle_capped_gradient( &caps, mesh.positions, gradient );
     double3 sum = { 0.0, 0.0, 0.0 };
     for ( int v = 0; v < mesh.vertex_count; ++v )
@@ -116,7 +116,7 @@ static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
     }
     // V knows no place, and is of the third degree
     balloon_assert_close( double3_length( sum ) / largest, 0.0, 1e-12 );
-    balloon_assert_share( dot, 3.0 * volume, 1e-12 );
+    balloon_assert_fraction( dot, 3.0 * volume, 1e-12 );
     free( gradient );
     balloon_oracle_destroy_caps( &caps );
     balloon_mesh_destroy( &mesh );
@@ -145,8 +145,8 @@ static balloon_oracle open_oracle( const balloon_flight* flight )
     {
         if ( f->link_order.constraint[slot] >= 0 )
         {
-            pairs[2 * def.structural_count] = f->link_a4[slot] / 4;
-            pairs[2 * def.structural_count++ + 1] = f->link_b4[slot] / 4;
+            pairs[2 * def.structural_count] = f->link_a_x4[slot] / 4;
+            pairs[2 * def.structural_count++ + 1] = f->link_b_x4[slot] / 4;
         }
     }
     balloon_oracle_options o = balloon_oracle_default_options();
@@ -154,8 +154,8 @@ static balloon_oracle open_oracle( const balloon_flight* flight )
     o.substeps = s->substeps;
     o.iterations = s->iterations;
     o.volume = s->def.volume == WISP_SOLVER_PBD ? BALLOON_ORACLE_VOLUME_PBD : BALLOON_ORACLE_VOLUME_XPBD;
-    o.structural_k = (double)s->def.stretch_share;
-    o.volume_k = (double)s->def.volume_share;
+    o.structural_k = (double)s->def.stretch_stiffness;
+    o.volume_k = (double)s->def.volume_stiffness;
     o.use_buoyancy = s->def.buoyancy;
     o.use_drag = s->def.drag_coefficient > 0.0f;
     o.gravity = double3_make( (double)s->gravity.x, (double)s->gravity.y, (double)s->gravity.z );
@@ -164,14 +164,14 @@ static balloon_oracle open_oracle( const balloon_flight* flight )
     wisp_error error = { 0 };
     if ( balloon_oracle_create( &def, &o, &oracle, &error ) != WISP_OK )
     {
-        fail_msg( "no oracle: %s", error.sentence );
+        fail_msg( "no oracle: %s", error.message );
     }
     for ( int slot = 0; slot < f->vertex_count; ++slot )
     {
         oracle.x[slot] = double3_make( (double)x[4 * slot], (double)x[4 * slot + 1], (double)x[4 * slot + 2] );
         oracle.v[slot] = double3_make( (double)v[4 * slot], (double)v[4 * slot + 1], (double)v[4 * slot + 2] );
     }
-    oracle.gas_volume = (double)s->def.fill * oracle.rest_volume;
+    oracle.gas_volume = (double)s->def.gas_ratio * oracle.rest_volume;
     free( rest );
     free( mass );
     free( pairs );
@@ -185,12 +185,12 @@ static balloon_scene busy_scene( const balloon_mesh* mesh, wisp_solver solver )
     balloon_scene scene = balloon_scene_in_air( mesh );
     scene.def.allow_open = true;
     scene.scale = 1.05;
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     scene.def.inflation_rate = 1e-3f;
-    scene.def.cross_stiffness = scene.def.edge_stiffness;
-    scene.def.bend_share = scene.def.stretch_share = 0.5f;
+    scene.def.bend_link_stiffness = scene.def.edge_stiffness;
+    scene.def.bend_stiffness = scene.def.stretch_stiffness = 0.5f;
     scene.def.solver = scene.def.volume = solver;
-    scene.def.volume_share = 0.8f;
+    scene.def.volume_stiffness = 0.8f;
     return scene;
 }
 
@@ -219,9 +219,9 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
                        solver == WISP_SOLVER_PBD ? "pbd" : "xpbd", distance );
         balloon_assert_close( distance, 0.0, ROUNDING );
         // forces as the second step began, of vertices by then a rounding apart
-        wisp_balloon_figures f = balloon_read( &flight );
-        balloon_assert_share( f.rest_volume, oracle.rest_volume, 1e-12 );
-        balloon_assert_share( f.volume, oracle.volume, 1e-5 );
+        wisp_balloon_stats f = balloon_read( &flight );
+        balloon_assert_fraction( f.rest_volume, oracle.rest_volume, 1e-12 );
+        balloon_assert_fraction( f.volume, oracle.volume, 1e-5 );
         double3 drag = double3_sub( balloon_from( f.drag ), oracle.forces.drag );
         double3 lift = double3_sub( balloon_from( f.buoyancy ), oracle.forces.buoyancy );
         assert_true( double3_length( oracle.forces.drag ) > 0.0 );
@@ -248,11 +248,11 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
     {
         balloon_oracle_step( &oracle );
     }
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     double3 centre = balloon_oracle_centre( oracle.x, oracle.mass, oracle.vertex_count );
     // the skin swings, and its roundings with it: volumes and the centre are what does not depend on them
-    balloon_assert_share( f.target_volume, oracle.gas_volume, 1e-6 );
-    balloon_assert_share( f.volume, oracle.volume, 1e-5 );
+    balloon_assert_fraction( f.target_volume, oracle.gas_volume, 1e-6 );
+    balloon_assert_fraction( f.volume, oracle.volume, 1e-5 );
     balloon_assert_close( double3_distance( balloon_from( f.centre ), oracle.centre ), 0.0, 1e-4 );
     assert_true( double3_distance( centre, oracle.centre ) > 1e-4 ); // a step later it is elsewhere
     balloon_oracle_destroy( &oracle );
@@ -260,14 +260,14 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- truths ----
+// ---- references ----
 
 static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
 {
     (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene closed = balloon_scene_of( &mesh ), scene = open_scene( &mesh );
-    const wisp_balloon_figures whole = first_figures( &closed );
+    const wisp_balloon_stats whole = first_stats( &closed );
     int* kept = calloc( 3 * (size_t)mesh.triangle_count, sizeof( int ) );
     assert_non_null( kept );
     memcpy( kept, mesh.triangles, 3 * (size_t)mesh.triangle_count * sizeof( int ) );
@@ -276,9 +276,9 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
         // the fan over three vertices lies in their triangle
         memcpy( mesh.triangles + 3 * t, kept + 3 * ( mesh.triangle_count - 1 ), 3 * sizeof( int ) );
         mesh.triangle_count -= 1;
-        const wisp_balloon_figures open = first_figures( &scene );
-        balloon_assert_share( open.rest_volume, whole.rest_volume, 1e-13 ); // doubles
-        balloon_assert_share( open.volume, whole.volume, 1e-6 );            // sums of floats, which need 1e-3
+        const wisp_balloon_stats open = first_stats( &scene );
+        balloon_assert_fraction( open.rest_volume, whole.rest_volume, 1e-13 ); // doubles
+        balloon_assert_fraction( open.volume, whole.volume, 1e-6 );            // sums of floats, which need 1e-3
         mesh.triangle_count += 1;
         memcpy( mesh.triangles + 3 * t, kept + 3 * t, 3 * sizeof( int ) );
     }
@@ -296,9 +296,9 @@ static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
     mesh.triangle_count -= 2;
     balloon_scene scene = open_scene( &mesh );
     scene.substeps = 1; // so that nothing has moved yet
-    const wisp_balloon_figures near = first_figures( &scene );
+    const wisp_balloon_stats near = first_stats( &scene );
     scene.place = ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f };
-    const wisp_balloon_figures far = first_figures( &scene );
+    const wisp_balloon_stats far = first_stats( &scene );
     balloon_assert_close( near.rest_volume, 1.0, 1e-15 );
     balloon_assert_close( near.volume, 1.0, 2.4e-7 );
     balloon_assert_close( far.volume, 1.0, 2.4e-7 );
@@ -312,11 +312,11 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
     (void)state;
     balloon_mesh mesh = pear_with_two_holes( 3 );
     balloon_scene scene = open_scene( &mesh );
-    scene.def.fill = 1.3f;
+    scene.def.gas_ratio = 1.3f;
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 30 );
-    const wisp_balloon_figures f = balloon_read( &flight );
+    const wisp_balloon_stats f = balloon_read( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const float* vectors = wisp_world_column( flight.world, flight.entity, s->rings, 0 );
     assert_non_null( vectors );
@@ -340,7 +340,7 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-static void an_open_skin_takes_the_volume_it_is_asked_for( void** state )
+static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
 {
     (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
@@ -348,15 +348,15 @@ static void an_open_skin_takes_the_volume_it_is_asked_for( void** state )
     {
         balloon_scene scene = open_scene( &mesh );
         scene.def.solver = scene.def.volume = (wisp_solver)solver;
-        scene.def.edge_stiffness = scene.def.cross_stiffness = 1.0f;
-        scene.def.stretch_share = scene.def.bend_share = 1e-3f;
-        scene.def.fill = 1.5f;
+        scene.def.edge_stiffness = scene.def.bend_link_stiffness = 1.0f;
+        scene.def.stretch_stiffness = scene.def.bend_stiffness = 1e-3f;
+        scene.def.gas_ratio = 1.5f;
         scene.damping = 20.0f;
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 120 );
-        wisp_balloon_figures f = balloon_read( &flight );
-        balloon_assert_share( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 asks a closed skin for 1 %
+        wisp_balloon_stats f = balloon_read( &flight );
+        balloon_assert_fraction( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 asks a closed skin for 1 %
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );
@@ -380,7 +380,7 @@ static void a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not( vo
     (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     uint64_t refused = hash_of( &scene, 10 );
     scene.def.allow_open = true;
     assert_true( hash_of( &scene, 10 ) == refused );
@@ -438,15 +438,15 @@ static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_numb
     balloon_steps( &flight, 3 );
     uint64_t before = balloon_hash( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
-    const int32_t* border = wisp_world_column( flight.world, flight.entity, s->border, 0 );
-    assert_non_null( border );
-    balloon_velocities( &flight )[4 * border[0]] = NAN;
+    const int32_t* open_edge = wisp_world_column( flight.world, flight.entity, s->open_edge, 0 );
+    assert_non_null( open_edge );
+    balloon_velocities( &flight )[4 * open_edge[0]] = NAN;
     balloon_steps( &flight, 1 );
     assert_true( wisp_is_halted( flight.world, flight.entity ) );
     assert_true( balloon_hash( &flight ) == before );
     assert_int_equal( wisp_resume( flight.world, flight.entity ), WISP_OK );
     balloon_steps( &flight, 5 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     assert_true( balloon_is_finite( &flight ) && isfinite( f.volume ) && isfinite( f.target_volume ) );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -454,20 +454,20 @@ static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_numb
 
 // ---- refusals ----
 
-static void expect_refusal( wisp_world* world, wisp_status actual, const char* sentence )
+static void expect_refusal( wisp_world* world, wisp_status actual, const char* message )
 {
     assert_int_equal( actual, WISP_BAD_INPUT );
-    assert_string_equal( wisp_world_message( world ), sentence );
+    assert_string_equal( wisp_world_message( world ), message );
 }
 
-static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* sentence )
+static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* message )
 {
     balloon_scene scene = balloon_scene_of( mesh );
     scene.def.allow_open = allow_open;
     wisp_world* world = balloon_world_create( &scene );
     wisp_entity entity = balloon_surface_add( world, &scene );
     uint64_t hash = wisp_world_hash( world );
-    expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), sentence );
+    expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), message );
     assert_true( wisp_world_hash( world ) == hash );
     wisp_world_destroy( world );
 }
@@ -493,12 +493,12 @@ static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void
         }
     }
     mesh.triangle_count = 11;
-    char sentence[256];
-    snprintf( sentence, sizeof sentence,
+    char message[256];
+    snprintf( message, sizeof message,
               "balloon: got 3 open edges, the first from vertex %d to vertex %d, expected a closed mesh; "
               "allow_open closes holes",
               from, to );
-    refuse_mesh( &mesh, false, sentence );
+    refuse_mesh( &mesh, false, message );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -555,7 +555,7 @@ static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state 
     wisp_balloon_def def = scene.def;
     def.allow_open = false;
     assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &def ), WISP_BAD_INPUT );
-    assert_one_sentence( wisp_world_message( flight.world ) );
+    assert_one_message( wisp_world_message( flight.world ) );
     assert_true( wisp_world_hash( flight.world ) == hash );
     def.allow_open = true;
     assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &def ), WISP_OK );
@@ -606,7 +606,7 @@ int main( void )
         cmocka_unit_test( a_flat_fan_restores_the_volume_of_the_closed_mesh ),
         cmocka_unit_test( a_cube_without_a_face_has_the_volume_of_the_cube ),
         cmocka_unit_test( gas_behind_fans_moves_no_centre_of_mass ),
-        cmocka_unit_test( an_open_skin_takes_the_volume_it_is_asked_for ),
+        cmocka_unit_test( an_open_skin_takes_the_volume_it_is_queried_for ),
         cmocka_unit_test( a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not ),
         cmocka_unit_test( workers_and_instruction_sets_do_not_change_a_bit ),
         cmocka_unit_test( a_restored_snapshot_flies_on_bit_by_bit ),

@@ -26,9 +26,10 @@ static void assert_close( double a, double b, double tolerance )
     }
 }
 
-static double random_between( int n, int m, double low, double high )
+static double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 22, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 22, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static double3 random_vector( int n, int m )
@@ -119,7 +120,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_e
         }
         assert_int_equal( balloon_mesh_bend_pairs( &t, pairs ), t.edge_count );
         assert_int_equal( t.border_count + t.crossed_count + t.crowded_count, 0 );
-        assert_int_equal( t.shell_count, 1 );
+        assert_int_equal( t.component_count, 1 );
         free( pairs );
         balloon_mesh_destroy_topology( &t );
         balloon_mesh_destroy( &meshes[n] );
@@ -146,11 +147,11 @@ static void a_bend_pair_comes_from_the_faces_and_not_from_common_neighbours( voi
     assert_int_equal( balloon_mesh_bend_pairs( &t, pairs ), 9 );
     for ( int e = 0; e < 9; ++e )
     {
-        int low = pairs[2 * e] < pairs[2 * e + 1] ? pairs[2 * e] : pairs[2 * e + 1];
-        int high = pairs[2 * e] + pairs[2 * e + 1] - low;
+        int lower = pairs[2 * e] < pairs[2 * e + 1] ? pairs[2 * e] : pairs[2 * e + 1];
+        int upper = pairs[2 * e] + pairs[2 * e + 1] - lower;
         bool ring = t.edges[e].b < 3;
-        assert_int_equal( low, ring ? 3 : t.edges[e].a == 0 ? 1 : 0 );
-        assert_int_equal( high, ring ? 4 : t.edges[e].a == 2 ? 1 : 2 );
+        assert_int_equal( lower, ring ? 3 : t.edges[e].a == 0 ? 1 : 0 );
+        assert_int_equal( upper, ring ? 4 : t.edges[e].a == 2 ? 1 : 2 );
     }
     balloon_mesh_destroy_topology( &t );
     balloon_mesh_destroy( &mesh );
@@ -414,10 +415,10 @@ static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
     double3 c = balloon_oracle_centre( mesh.positions, mass, mesh.vertex_count );
     assert_close( double3_distance( c, double3_make( 3.0, -2.0, 1.0 ) ), 0.0, 1e-14 );
     balloon_oracle_matrix inertia = balloon_oracle_inertia( mesh.positions, mass, mesh.vertex_count, c );
-    double truth = balloon_oracle_true_shell_inertia( total, 0.15 );
+    double reference = balloon_oracle_true_shell_inertia( total, 0.15 );
     for ( int a = 0; a < 3; ++a )
     {
-        assert_close( inertia.m[a][a] / truth, 1.0, 0.01 );
+        assert_close( inertia.m[a][a] / reference, 1.0, 0.01 );
         for ( int b = 0; b < 3; ++b )
         {
             double brute = balloon_oracle_product_of_inertia( mesh.positions, mass, mesh.vertex_count, c, a, b );
@@ -427,7 +428,7 @@ static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
                              balloon_oracle_product_of_inertia( mesh.positions, mass, mesh.vertex_count, c, 1, 1 ) +
                              balloon_oracle_product_of_inertia( mesh.positions, mass, mesh.vertex_count, c, 2, 2 );
             assert_true( inertia.m[a][b] == inertia.m[b][a] );
-            assert_close( inertia.m[a][b], other - brute, 1e-14 * truth );
+            assert_close( inertia.m[a][b], other - brute, 1e-14 * reference );
         }
     }
     free( mass );
@@ -444,12 +445,12 @@ static void a_singular_inertia_is_inverted_where_it_can_be( void** state )
     {
         x[i] = double3_scale( 0.1 * i, direction );
     }
-    double3 c = balloon_oracle_centre( x, mass, 5 ), across = { 0.8, 0.0, -0.6 };
+    double3 c = balloon_oracle_centre( x, mass, 5 ), foreign = { 0.8, 0.0, -0.6 };
     balloon_oracle_matrix inertia = balloon_oracle_inertia( x, mass, 5, c );
     double3 about = balloon_oracle_spin_increment( &inertia, direction, 1.0 );
     assert_close( double3_length( about ), 0.0, 1e-12 );
-    double3 spin = balloon_oracle_spin_increment( &inertia, across, 1.0 );
-    assert_close( double3_distance( balloon_oracle_apply( &inertia, spin ), across ), 0.0, 1e-12 );
+    double3 spin = balloon_oracle_spin_increment( &inertia, foreign, 1.0 );
+    assert_close( double3_distance( balloon_oracle_apply( &inertia, spin ), foreign ), 0.0, 1e-12 );
 
     for ( int n = 0; n < 50; ++n )
     {
@@ -501,9 +502,9 @@ static void assert_refused( const balloon_mesh* mesh, const char* words )
     wisp_error error = { 0 };
     assert_int_equal( create_from( mesh, &error ), WISP_BAD_INPUT );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    if ( strstr( error.sentence, words ) == NULL )
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "\"%s\" does not say \"%s\"", error.sentence, words );
+        fail_msg( "\"%s\" does not say \"%s\"", error.message, words );
     }
 }
 
@@ -566,13 +567,13 @@ static void parameters_out_of_range_are_refused_by_name( void** state )
         balloon_oracle balloon;
         assert_int_equal( balloon_oracle_create_from_mesh( &mesh, 0.02, -1, &bad[n], &balloon, &error ),
                           WISP_BAD_INPUT );
-        assert_non_null( strstr( error.sentence, words[n] ) );
+        assert_non_null( strstr( error.message, words[n] ) );
     }
     balloon_oracle_options options = balloon_oracle_default_options();
     balloon_oracle balloon;
     wisp_error error = { 0 };
     assert_int_equal( balloon_oracle_create_from_mesh( &mesh, 0.02, 8, &options, &balloon, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "outlet vertex is 8" ) );
+    assert_non_null( strstr( error.message, "outlet vertex is 8" ) );
     balloon_mesh_destroy( &mesh );
 }
 

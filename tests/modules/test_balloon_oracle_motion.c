@@ -23,9 +23,10 @@ static void assert_close( double a, double b, double tolerance )
     }
 }
 
-static double random_between( int n, int m, double low, double high )
+static double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 23, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 23, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static double3 random_vector( int n, int m )
@@ -41,7 +42,7 @@ static balloon_oracle new_body( const balloon_mesh* mesh, double areal_density, 
     wisp_error error = { 0 };
     if ( balloon_oracle_create_from_mesh( mesh, areal_density, outlet, options, &body, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return body;
 }
@@ -154,7 +155,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
         options.bend_k = 0.01;
         options.structural_stiffness = 20.0;
         options.bend_stiffness = 0.2;
-        options.least_volume = 0.5;
+        options.min_volume = 0.5;
         options.velocity_decay = 5.0;
         balloon_oracle body = new_sphere( 1, 0.02, &options );
         body.gas_volume = target[n % 4] * body.rest_volume;
@@ -234,8 +235,8 @@ static void a_balloon_rises_only_when_its_lift_exceeds_its_skin( void** state )
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
     (void)state;
-    double truth = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, 1.20410, 0.16639, 0.5 );
-    assert_close( truth, 2.32, 5e-3 );
+    double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, 1.20410, 0.16639, 0.5 );
+    assert_close( reference, 2.32, 5e-3 );
     balloon_oracle_options options = balloon_oracle_default_options();
     // the limit that keeps drag from reversing v brakes less than the plain force: +2.4 % of speed at dt = 1/600 s, +0.2 % at 1/6000 s
     options.dt = 1.0 / 1200.0;
@@ -251,7 +252,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
             body.v[i] = v;
         }
     }
-    assert_close( body_momentum( &body ).y / body.total_mass / truth, 1.0, 0.02 );
+    assert_close( body_momentum( &body ).y / body.total_mass / reference, 1.0, 0.02 );
     balloon_oracle_destroy( &body );
     assert_true( balloon_oracle_true_terminal_speed( 0.08, 0.003, 9.8, 1.20410, 0.16639, 0.5 ) == 0.0 );
 }

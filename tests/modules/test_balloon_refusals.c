@@ -1,29 +1,29 @@
-// What a balloon cannot be is refused with one sentence that names it, and the refused call has changed nothing.
+// What a balloon cannot be is refused with one message that names it, and the refused call has changed nothing.
 #include "balloon_engine_fixture.h"
 
 #include <math.h>
 
-// X( what the sentence must name, the statement that breaks a definition )
+// X( what the message must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
     X( "solver: got 2,", d->solver = WISP_SOLVER_COUNT )                                                             \
     X( "edge_stiffness: got 0,", d->edge_stiffness = 0.0f )                                                          \
     X( "edge_stiffness: got -7,", d->edge_stiffness = -7.0f )                                                        \
     X( "edge_stiffness: got 2e+12,", d->edge_stiffness = 2e12f )                                                     \
     X( "edge_stiffness: got", d->edge_stiffness = NAN )                                                              \
-    X( "cross_stiffness: got 0,", d->cross_stiffness = 0.0f )                                                        \
-    X( "cross_stiffness: got inf,", d->cross_stiffness = INFINITY )                                                  \
-    X( "stretch_share: got 1.1,", d->stretch_share = 1.1f )                                                          \
-    X( "bend_share: got -0.1,", d->bend_share = -0.1f )                                                              \
+    X( "bend_link_stiffness: got 0,", d->bend_link_stiffness = 0.0f )                                                \
+    X( "bend_link_stiffness: got inf,", d->bend_link_stiffness = INFINITY )                                          \
+    X( "stretch_stiffness: got 1.1,", d->stretch_stiffness = 1.1f )                                                  \
+    X( "bend_stiffness: got -0.1,", d->bend_stiffness = -0.1f )                                                      \
     X( "volume: got 2,", d->volume = WISP_SOLVER_COUNT )                                                             \
-    X( "volume_share: got 0,", d->volume_share = 0.0f )                                                              \
-    X( "volume_share: got 1.5,", d->volume_share = 1.5f )                                                            \
-    X( "fill: got 0,", d->fill = 0.0f )                                                                              \
-    X( "fill: got 0.99,", d->fill = 0.99f )                                                                          \
-    X( "fill: got 0.4,", ( d->fill = 0.4f, d->least_fill = 0.5f ) )                                                  \
-    X( "fill: got", d->fill = NAN )                                                                                  \
+    X( "volume_stiffness: got 0,", d->volume_stiffness = 0.0f )                                                      \
+    X( "volume_stiffness: got 1.5,", d->volume_stiffness = 1.5f )                                                    \
+    X( "fill: got 0,", d->gas_ratio = 0.0f )                                                                         \
+    X( "fill: got 0.99,", d->gas_ratio = 0.99f )                                                                     \
+    X( "fill: got 0.4,", ( d->gas_ratio = 0.4f, d->min_gas_ratio = 0.5f ) )                                          \
+    X( "fill: got", d->gas_ratio = NAN )                                                                             \
     X( "inflation_rate: got inf,", d->inflation_rate = INFINITY )                                                    \
-    X( "least_fill: got 0,", d->least_fill = 0.0f )                                                                  \
-    X( "least_fill: got 1.5,", ( d->least_fill = 1.5f, d->fill = 2.0f ) )                                            \
+    X( "min_gas_ratio: got 0,", d->min_gas_ratio = 0.0f )                                                            \
+    X( "min_gas_ratio: got 1.5,", ( d->min_gas_ratio = 1.5f, d->gas_ratio = 2.0f ) )                                 \
     X( "atmospheric_pressure: got 0,", d->atmospheric_pressure = 0.0f )                                              \
     X( "temperature: got -1,", d->temperature = -1.0f )                                                              \
     X( "gas_molar_mass: got 0,", d->gas_molar_mass = 0.0f )                                                          \
@@ -41,7 +41,7 @@
 
 enum
 {
-#define COUNT_ONE( sentence, statement ) +1
+#define COUNT_ONE( message, statement ) +1
     BROKEN_COUNT = 0 BROKEN_DEFS( COUNT_ONE )
 #undef COUNT_ONE
 };
@@ -50,11 +50,11 @@ static const char* break_def( int number, wisp_balloon_def* d )
 {
     int n = 0;
     const char* expected = NULL;
-#define BREAK_ONE( sentence, statement )                                                                             \
+#define BREAK_ONE( message, statement )                                                                              \
     if ( n++ == number )                                                                                             \
     {                                                                                                                \
         statement;                                                                                                   \
-        expected = sentence;                                                                                         \
+        expected = message;                                                                                          \
     }
     BROKEN_DEFS( BREAK_ONE )
 #undef BREAK_ONE
@@ -64,11 +64,11 @@ static const char* break_def( int number, wisp_balloon_def* d )
 static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
 {
     assert_int_equal( actual, expected );
-    const char* sentence = wisp_world_message( world );
-    assert_one_sentence( sentence );
-    if ( strstr( sentence, named ) == NULL )
+    const char* message = wisp_world_message( world );
+    assert_one_message( message );
+    if ( strstr( message, named ) == NULL )
     {
-        fail_msg( "'%s' does not say '%s'", sentence, named );
+        fail_msg( "'%s' does not say '%s'", message, named );
     }
 }
 
@@ -103,18 +103,18 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
 {
     (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
-    for ( int high = 0; high <= 1; ++high )
+    for ( int upper = 0; upper <= 1; ++upper )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
         wisp_balloon_def* d = &scene.def;
-        d->edge_stiffness = d->cross_stiffness = high ? 1e12f : 1e-6f;
-        d->stretch_share = d->bend_share = high ? 1.0f : 0.0f;
-        d->volume_share = high ? 1.0f : 1e-6f;
-        d->least_fill = high ? 1.0f : 1e-3f;
-        d->fill = high ? 1.0f : 1e-3f;
-        d->atmospheric_pressure = high ? 1e7f : 1e-3f;
-        d->drag_coefficient = high ? 1e6f : 0.0f;
-        d->outlet_count = high ? WISP_BALLOON_MAX_OUTLET : 0;
+        d->edge_stiffness = d->bend_link_stiffness = upper ? 1e12f : 1e-6f;
+        d->stretch_stiffness = d->bend_stiffness = upper ? 1.0f : 0.0f;
+        d->volume_stiffness = upper ? 1.0f : 1e-6f;
+        d->min_gas_ratio = upper ? 1.0f : 1e-3f;
+        d->gas_ratio = upper ? 1.0f : 1e-3f;
+        d->atmospheric_pressure = upper ? 1e7f : 1e-3f;
+        d->drag_coefficient = upper ? 1e6f : 0.0f;
+        d->outlet_count = upper ? WISP_BALLOON_MAX_OUTLET : 0;
         for ( int i = 0; i < d->outlet_count; ++i )
         {
             d->outlet[i] = i % mesh.vertex_count;
@@ -143,7 +143,7 @@ static void refuse_mesh( const balloon_mesh* mesh, const char* named )
     uint64_t hash = wisp_world_hash( world );
     expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), WISP_BAD_INPUT, named );
     assert_true( wisp_world_hash( world ) == hash );
-    expect_refusal( world, wisp_want_balloon_figures( world, entity, true ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_request_balloon_stats( world, entity, true ), WISP_CONFLICT, "is not a balloon" );
     assert_int_equal( wisp_world_step( world, scene.dt ), WISP_OK );
     wisp_world_destroy( world );
 }
@@ -238,22 +238,21 @@ static void calls_on_what_is_no_balloon_are_refused( void** state )
     wisp_entity surface = balloon_surface_add( world, &scene ), strands = test_add_strands( world, 2, 3 );
     wisp_entity gone = balloon_surface_add( world, &scene );
     assert_int_equal( wisp_remove( world, gone ), WISP_OK );
-    wisp_balloon_figures figures;
+    wisp_balloon_stats stats;
     expect_refusal( world, wisp_set_balloon( world, strands, &scene.def ), WISP_CONFLICT, "is not a surface" );
     expect_refusal( world, wisp_set_balloon( world, gone, &scene.def ), WISP_STALE_ID, "does not exist" );
-    expect_refusal( world, wisp_set_balloon_fill( world, surface, 1.2f ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, 1.2f ), WISP_CONFLICT, "is not a balloon" );
     expect_refusal( world, wisp_set_balloon_inflation( world, surface, 1.0f ), WISP_CONFLICT, "is not a balloon" );
     expect_refusal( world, wisp_open_balloon( world, surface, true ), WISP_CONFLICT, "is not a balloon" );
-    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT, "is not a balloon" );
+    expect_refusal( world, wisp_read_balloon_stats( world, surface, &stats ), WISP_CONFLICT, "is not a balloon" );
 
     assert_int_equal( wisp_set_balloon( world, surface, &scene.def ), WISP_OK );
     expect_refusal( world, wisp_open_balloon( world, surface, true ), WISP_CONFLICT, "has no outlet" );
-    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT,
-                    "has no statistics" );
-    assert_int_equal( wisp_want_balloon_figures( world, surface, true ), WISP_OK );
-    expect_refusal( world, wisp_read_balloon_figures( world, surface, &figures ), WISP_CONFLICT, ", then step" );
-    expect_refusal( world, wisp_set_balloon_fill( world, surface, 0.5f ), WISP_BAD_INPUT, "fill: got 0.5," );
-    expect_refusal( world, wisp_set_balloon_fill( world, surface, NAN ), WISP_BAD_INPUT, "fill: got" );
+    expect_refusal( world, wisp_read_balloon_stats( world, surface, &stats ), WISP_CONFLICT, "has no statistics" );
+    assert_int_equal( wisp_request_balloon_stats( world, surface, true ), WISP_OK );
+    expect_refusal( world, wisp_read_balloon_stats( world, surface, &stats ), WISP_CONFLICT, ", then step" );
+    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, 0.5f ), WISP_BAD_INPUT, "fill: got 0.5," );
+    expect_refusal( world, wisp_set_balloon_gas_ratio( world, surface, NAN ), WISP_BAD_INPUT, "fill: got" );
     expect_refusal( world, wisp_set_balloon_inflation( world, surface, NAN ), WISP_BAD_INPUT, "inflation_rate: got" );
     wisp_world_destroy( world );
     balloon_mesh_destroy( &mesh );

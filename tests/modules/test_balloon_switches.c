@@ -21,14 +21,14 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         scene.def.pressure = (wisp_balloon_pressure)( ( rest /= 2 ) % WISP_BALLOON_PRESSURE_COUNT );
         scene.def.drag = (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
         scene.def.spin = (wisp_balloon_spin)( rest / WISP_BALLOON_DRAG_COUNT );
-        scene.def.fill = 1.2f;
+        scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
         balloon_scene_give_outlet( &scene, 7, true );
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 30 );
         assert_true( balloon_is_finite( &flight ) );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         // half a second after its release a balloon is neither empty of space nor a hundred metres away
         assert_true( f.volume > 0.5 * f.rest_volume && f.volume < 2.0 * f.rest_volume );
         assert_true( double3_length( balloon_from( f.centre ) ) < 100.0 );
@@ -78,7 +78,7 @@ static void a_pass_exists_only_where_something_asks_for_it( void** state )
         wisp_world* world = balloon_world_create( &scene );
         wisp_entity entity = balloon_surface_add( world, &scene );
         assert_int_equal( wisp_set_balloon( world, entity, &scene.def ), WISP_OK );
-        assert_int_equal( wisp_want( world, entity, WISP_SURFACE_POINTS ), WISP_OK );
+        assert_int_equal( wisp_request( world, entity, WISP_SURFACE_POINTS ), WISP_OK );
         for ( int i = 0; i < WISP_COUNT( PASSES ); ++i )
         {
             bool expected = strchr( PASSES[i].scenes, *letter ) != NULL;
@@ -98,12 +98,12 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
     (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
-    scene.def.fill = 1.2f;
+    scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 3, true );
     balloon_flight flight;
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 5 );
-    wisp_balloon_figures f = balloon_read( &flight );
+    wisp_balloon_stats f = balloon_read( &flight );
     assert_true( f.gas_lost > 0.0 && double3_length( balloon_from( f.drag ) ) > 0.0 );
     assert_int_equal( wisp_set_balloon( flight.world, flight.entity, &still.def ), WISP_OK );
     const char* const gone[] = { "balloon.outlet", "balloon.jet", "balloon.spin", "balloon.drag",
@@ -121,10 +121,10 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
     assert_true( balloon_has_pass( flight.world, "balloon.inflate" ) );
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 0.0f ), WISP_OK );
     assert_false( balloon_has_pass( flight.world, "balloon.inflate" ) );
-    assert_int_equal( wisp_set_balloon_fill( flight.world, flight.entity, 1.5f ), WISP_OK );
+    assert_int_equal( wisp_set_balloon_gas_ratio( flight.world, flight.entity, 1.5f ), WISP_OK );
     balloon_steps( &flight, 1 );
     f = balloon_read( &flight );
-    balloon_assert_share( f.target_volume, 1.5 * f.rest_volume, 1e-12 );
+    balloon_assert_fraction( f.target_volume, 1.5 * f.rest_volume, 1e-12 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
@@ -153,9 +153,9 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
         }
         balloon_steps( &flight, 20 );
         assert_true( balloon_is_finite( &flight ) );
-        wisp_balloon_figures f = balloon_read( &flight );
+        wisp_balloon_stats f = balloon_read( &flight );
         // a point has no direction to grow into: (9) sees the least volume that it may
-        balloon_assert_share( f.volume, 1e-3 * f.rest_volume, 1e-12 );
+        balloon_assert_fraction( f.volume, 1e-3 * f.rest_volume, 1e-12 );
         assert_true( f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.gas_lost == 0.0 );
         assert_true( isfinite( f.pressure ) );
         balloon_end( &flight );
@@ -185,7 +185,8 @@ static void a_flattened_or_everted_balloon_stays_finite( void** state )
         assert_true( balloon_is_finite( &flight ) );
         if ( n == 0 )
         {
-            balloon_assert_share( balloon_quality( &flight ).volume, balloon_read( &flight ).rest_volume, 0.01 );
+            balloon_assert_fraction( balloon_motion_stats( &flight ).volume, balloon_read( &flight ).rest_volume,
+                                     0.01 );
         }
         balloon_end( &flight );
     }
@@ -202,7 +203,7 @@ static void edges_without_length_and_triangles_without_area_do_no_harm( void** s
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
         scene.def.drag = (wisp_balloon_drag)drag;
-        scene.def.fill = 1.2f;
+        scene.def.gas_ratio = 1.2f;
         balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
         balloon_flight flight;
         balloon_start( &flight, &scene );
@@ -229,7 +230,7 @@ static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
         balloon_scene scene = balloon_scene_in_air( &mesh );
         scene.pins = pins;
         scene.pin_count = 42;
-        scene.def.fill = 1.5f;
+        scene.def.gas_ratio = 1.5f;
         scene.def.solver = scene.def.volume = (wisp_solver)solver;
         balloon_scene_give_outlet( &scene, 0, true );
         balloon_flight flight;
@@ -255,7 +256,7 @@ static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
     for ( int n = 0; n < 3; ++n )
     {
         scenes[n] = n == 1 ? balloon_scene_of( meshes + n ) : balloon_scene_in_air( meshes + n );
-        scenes[n].def.fill = 1.1f + 0.1f * (float)n;
+        scenes[n].def.gas_ratio = 1.1f + 0.1f * (float)n;
         scenes[n].def.solver = n == 1 ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
         if ( n != 1 )
         {
@@ -301,7 +302,7 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
         for ( int reading = 0; reading < WISP_BALLOON_PRESSURE_COUNT; ++reading )
         {
             balloon_scene scene = balloon_scene_in_air( &mesh );
-            scene.def.fill = 1.2f;
+            scene.def.gas_ratio = 1.2f;
             scene.def.spin = (wisp_balloon_spin)spin;
             scene.def.pressure = (wisp_balloon_pressure)reading;
             balloon_scene_give_outlet( &scene, 5, true );
@@ -325,7 +326,7 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
             assert_int_equal( wisp_resume( bad.world, bad.entity ), WISP_OK );
             balloon_steps( &bad, 5 );
             assert_true( balloon_is_finite( &bad ) && balloon_hash( &bad ) != before );
-            wisp_balloon_figures f = balloon_read( &bad ), g = balloon_read( &good );
+            wisp_balloon_stats f = balloon_read( &bad ), g = balloon_read( &good );
             // nothing of its gas has gone while it was no number, nor while it stood still
             assert_true( f.gas_lost <= g.gas_lost );
             const double numbers[] = {

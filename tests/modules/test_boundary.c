@@ -85,14 +85,14 @@ static void elements_are_in_the_users_numbers( void** state )
             }
         }
     }
-    const wisp_boundary_figures f = figures_of( b, b->ball );
+    const wisp_boundary_stats f = stats_of( b, b->ball );
     assert_true( inner > 0 );
     assert_int_equal( f.inner_points, inner );
     assert_int_equal( f.points, s->count );
     assert_int_equal( f.edge_points + f.inner_points, f.points );
     assert_int_equal( f.elements, view.edge_count + b->mesh.triangle_count );
     assert_true( f.bytes > (size_t)f.points * 64 );
-    assert_true( f.wanted == (double)f.points );
+    assert_true( f.requested == (double)f.points );
     ball_close( b );
 }
 
@@ -112,7 +112,7 @@ static void normals_of_a_ball_point_away_from_its_centre( void** state )
         const wisp_samples* s = layer_of( b, b->ball ).samples;
         for ( int p = 0; p < s->count; ++p )
         {
-            const float *y = s->quads + 4 * p, *n = s->normals + 4 * p;
+            const float *y = s->xyzw + 4 * p, *n = s->normals + 4 * p;
             const double length = sqrt( (double)( y[0] * y[0] + y[1] * y[1] + y[2] * y[2] ) );
             double gap = 0.0;
             for ( int k = 0; k < 3; ++k )
@@ -134,7 +134,7 @@ static void the_default_spacing_is_half_of_the_mean_edge( void** state )
     const wisp_boundary_def def = wisp_default_boundary_def();
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
-    const wisp_boundary_figures f = figures_of( b, b->ball );
+    const wisp_boundary_stats f = stats_of( b, b->ball );
     const int edges = 3 * b->mesh.triangle_count / 2;
     assert_in_range( f.edge_points, edges / 3, edges ); // L / d is around 2, so about every second edge has one
     ball_close( b );
@@ -149,7 +149,7 @@ static void count_halves( ball_world* b, int counts[2] )
     counts[0] = counts[1] = 0;
     for ( int p = 0; p < s->edge_count; ++p )
     {
-        counts[s->quads[4 * p] > 0.0f ? 1 : 0] += 1;
+        counts[s->xyzw[4 * p] > 0.0f ? 1 : 0] += 1;
     }
 }
 
@@ -161,12 +161,12 @@ static void a_curved_surface_has_more_points_than_a_flat_one( void** state )
     assert_int_equal( wisp_set_gravity( b->world, b->ball, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
-    const int plain = figures_of( b, b->ball ).points;
+    const int plain = stats_of( b, b->ball ).points;
     def.curvature_gain = 10.0f; // edges of about 0.2 on a ball of radius 1 turn by about 0.2 rad: three times as fine
-    def.least_spacing = 1e-3f;
+    def.min_spacing = 1e-3f;
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
-    const wisp_boundary_figures f = figures_of( b, b->ball );
+    const wisp_boundary_stats f = stats_of( b, b->ball );
     assert_true( f.points > 4 * plain && f.points < 16 * plain );
     ball_close( b );
 }
@@ -183,7 +183,7 @@ static void strain_makes_spacing_finer_or_coarser( void** state )
         def.strain_gain = gains[i];
         set_layer( b, b->ball, &def );
         ball_steps( b, 30 );
-        points[i] = figures_of( b, b->ball ).points;
+        points[i] = stats_of( b, b->ball ).points;
         ball_close( b );
     }
     assert_true( points[1] > points[0] );
@@ -209,7 +209,7 @@ static void a_near_eye_sees_more_points( void** state )
     assert_true( far[0] > far[1] );
     assert_int_equal( wisp_set_boundary_eye( b->world, b->ball, ( wisp_vec3 ){ -60.0f, 0.0f, 0.0f } ), WISP_OK );
     ball_steps( b, 1 );
-    assert_true( figures_of( b, b->ball ).edge_points < far[0] + far[1] );
+    assert_true( stats_of( b, b->ball ).edge_points < far[0] + far[1] );
     ball_close( b );
 }
 
@@ -220,7 +220,7 @@ static void limits_of_the_spacing_hold( void** state )
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.curvature_gain = 1e5f;
-    def.least_spacing = 0.04f;
+    def.min_spacing = 0.04f;
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
     wisp_boundary_def least = ball_layer( 0.04f );
@@ -248,10 +248,10 @@ static void instances_have_layers_of_their_own( void** state )
     set_layer( b, twin, &fine );
     set_layer( b, b->ball, &coarse );
     ball_steps( b, 2 );
-    assert_true( figures_of( b, twin ).points > 2 * figures_of( b, b->ball ).points );
+    assert_true( stats_of( b, twin ).points > 2 * stats_of( b, b->ball ).points );
     wisp_boundary_view view;
     assert_int_equal( wisp_read_boundary( b->world, bare, &view ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( b->world ) );
+    assert_one_message( wisp_world_message( b->world ) );
 
     // rows close up over what goes, and the rest stays right
     ball_world* alone = ball_open( 2, 1, NULL );
@@ -292,7 +292,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     assert_int_equal( wisp_world_restore( b->world, kept, size ), WISP_OK );
     ball_steps( b, 1 );
     // what was sampled anew on the way back is not what was on the way there, so all but that figure is compared
-    const int first = figures_of( b, b->ball ).points;
+    const int first = stats_of( b, b->ball ).points;
     for ( int i = 1; i < 6; ++i )
     {
         ball_steps( b, 1 );
@@ -311,15 +311,15 @@ static void a_layer_beyond_its_limit_stays( void** state )
     wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
-    const int points = figures_of( b, b->ball ).points;
+    const int points = stats_of( b, b->ball ).points;
     def.spacing = 1e-5f;
     def.limit = points + 1;
     set_layer( b, b->ball, &def );
     ball_steps( b, 1 );
-    const wisp_boundary_figures f = figures_of( b, b->ball );
+    const wisp_boundary_stats f = stats_of( b, b->ball );
     assert_true( f.refused );
     assert_int_equal( f.points, points );
-    assert_true( f.wanted > 1e6 );
+    assert_true( f.requested > 1e6 );
     ball_close( b );
 }
 
@@ -333,9 +333,9 @@ static void a_warm_step_asks_for_no_memory( void** state )
         def.strain_gain = 1.0f;
         set_layer( b, b->ball, &def );
         ball_steps( b, 40 );
-        const int64_t asked = atomic_load( &b->host.asked );
+        const int64_t queried = atomic_load( &b->host.queried );
         ball_steps( b, 10 );
-        assert_int_equal( atomic_load( &b->host.asked ), asked );
+        assert_int_equal( atomic_load( &b->host.queried ), queried );
         ball_close( b );
     }
 }
@@ -359,19 +359,19 @@ static void without_memory_nothing_has_changed( void** state )
             break;
         }
         assert_int_equal( status, WISP_NO_MEMORY );
-        assert_one_sentence( wisp_world_message( b->world ) );
+        assert_one_message( wisp_world_message( b->world ) );
         assert_int_equal( wisp_world_plan_passes( b->world ), passes );
         refused += 1;
     }
     assert_true( refused >= 4 );
     ball_steps( b, 1 );
-    assert_true( figures_of( b, b->ball ).points > 0 );
+    assert_true( stats_of( b, b->ball ).points > 0 );
     ball_close( b );
 }
 
 // ---- refusals ----
 
-// X( what the sentence must name, the statement that breaks a definition )
+// X( what the message must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
     X( "spacing: got -1 m", d->spacing = -1.0f )                                                                     \
     X( "spacing: got", d->spacing = NAN )                                                                            \
@@ -382,9 +382,9 @@ static void without_memory_nothing_has_changed( void** state )
     X( "hysteresis: got -0.1,", d->hysteresis = -0.1f )                                                              \
     X( "limit: got 0 points", d->limit = 0 )                                                                         \
     X( "limit: got -5 points", d->limit = -5 )                                                                       \
-    X( "least_spacing: got -1 m", d->least_spacing = -1.0f )                                                         \
-    X( "most_spacing: got", d->most_spacing = NAN )                                                                  \
-    X( "expected at most max_spacing", ( d->least_spacing = 2.0f, d->most_spacing = 1.0f ) )                         \
+    X( "min_spacing: got -1 m", d->min_spacing = -1.0f )                                                             \
+    X( "max_spacing: got", d->max_spacing = NAN )                                                                    \
+    X( "expected at most max_spacing", ( d->min_spacing = 2.0f, d->max_spacing = 1.0f ) )                            \
     X( "curvature_gain: got -1,", d->curvature_gain = -1.0f )                                                        \
     X( "strain_gain: got", d->strain_gain = NAN )                                                                    \
     X( "pixel_angle: got 0,", d->pixel_angle = 0.0f )                                                                \
@@ -394,11 +394,11 @@ static void without_memory_nothing_has_changed( void** state )
 static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
 {
     assert_int_equal( actual, expected );
-    const char* sentence = wisp_world_message( world );
-    assert_one_sentence( sentence );
-    if ( strstr( sentence, named ) == NULL )
+    const char* message = wisp_world_message( world );
+    assert_one_message( message );
+    if ( strstr( message, named ) == NULL )
     {
-        fail_msg( "'%s' does not say '%s'", sentence, named );
+        fail_msg( "'%s' does not say '%s'", message, named );
     }
 }
 
@@ -407,11 +407,11 @@ static void what_a_layer_cannot_be_is_refused_by_name( void** state )
     (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
-#define REFUSE_ONE( sentence, statement )                                                                            \
+#define REFUSE_ONE( message, statement )                                                                             \
     {                                                                                                                \
         wisp_boundary_def def = ball_layer( 0.1f ), *d = &def;                                                       \
         statement;                                                                                                   \
-        expect_refusal( b->world, wisp_set_boundary( b->world, b->ball, d ), WISP_BAD_INPUT, sentence );             \
+        expect_refusal( b->world, wisp_set_boundary( b->world, b->ball, d ), WISP_BAD_INPUT, message );              \
     }
     BROKEN_DEFS( REFUSE_ONE )
 #undef REFUSE_ONE
@@ -420,12 +420,12 @@ static void what_a_layer_cannot_be_is_refused_by_name( void** state )
     const wisp_boundary_def def = ball_layer( 0.1f );
     const wisp_vec3 eye = { 0.0f, 0.0f, 0.0f };
     wisp_boundary_view view;
-    wisp_boundary_figures figures;
+    wisp_boundary_stats stats;
     expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "no layer" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, eye ), WISP_CONFLICT, "no layer" );
     set_layer( b, b->ball, &def );
     expect_refusal( b->world, wisp_read_boundary( b->world, b->ball, &view ), WISP_CONFLICT, "has no layer yet" );
-    expect_refusal( b->world, wisp_read_boundary_figures( b->world, b->ball, &figures ), WISP_CONFLICT,
+    expect_refusal( b->world, wisp_read_boundary_stats( b->world, b->ball, &stats ), WISP_CONFLICT,
                     "has no layer yet" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, eye ), WISP_CONFLICT, "by_screen" );
     expect_refusal( b->world, wisp_set_boundary_eye( b->world, b->ball, ( wisp_vec3 ){ NAN, 0.0f, 0.0f } ),

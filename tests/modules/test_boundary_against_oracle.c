@@ -24,9 +24,9 @@ static double place_tolerance( const duel* d )
     return 0.5 * 8.0 * (double)FLT_EPSILON * most * sqrt( 3.0 );
 }
 
-static double length_of_sum( double3 a, double3 b, double share )
+static double length_of_sum( double3 a, double3 b, double fraction )
 {
-    return double3_length( double3_add( double3_scale( 1.0 - share, a ), double3_scale( share, b ) ) );
+    return double3_length( double3_add( double3_scale( 1.0 - fraction, a ), double3_scale( fraction, b ) ) );
 }
 
 // The same for the sum of normals, whose own three are rounded too, and three more to make it unit; all of that over the
@@ -64,20 +64,20 @@ static int points_of_element( const boundary_oracle_memory* memory )
 
 static void assert_point( const duel* d, int p, double tolerance )
 {
-    const boundary_oracle_point* wanted = d->oracle.points + p;
-    const float *y = d->samples.quads + 4 * (size_t)p, *n = d->samples.normals + 4 * (size_t)p;
+    const boundary_oracle_point* requested = d->oracle.points + p;
+    const float *y = d->samples.xyzw + 4 * (size_t)p, *n = d->samples.normals + 4 * (size_t)p;
     int32_t element;
     memcpy( &element, y + 3, sizeof( element ) );
-    assert_int_equal( element, wanted->element );
+    assert_int_equal( element, requested->element );
     for ( int k = 0; k < 3; ++k )
     {
-        assert_int_equal( d->samples.parents[p][k], 4 * wanted->parent[k] );
-        assert_close( (double)d->samples.weights[p][k], wanted->weight[k], 0.5 * (double)FLT_EPSILON );
+        assert_int_equal( d->samples.parents[p][k], 4 * requested->parent[k] );
+        assert_close( (double)d->samples.weights[p][k], requested->weight[k], 0.5 * (double)FLT_EPSILON );
     }
     const double3 place = double3_make( (double)y[0], (double)y[1], (double)y[2] );
-    assert_close( double3_distance( place, wanted->y ), 0.0, tolerance );
+    assert_close( double3_distance( place, requested->y ), 0.0, tolerance );
     const double3 normal = double3_make( (double)n[0], (double)n[1], (double)n[2] );
-    assert_close( double3_distance( normal, wanted->normal ), 0.0, normal_tolerance( d, wanted ) );
+    assert_close( double3_distance( normal, requested->normal ), 0.0, normal_tolerance( d, requested ) );
     assert_true( n[3] == 0.0f && d->samples.parents[p][3] == 0 && d->samples.weights[p][3] == 0.0f );
 }
 
@@ -103,7 +103,7 @@ static void assert_agree( const duel* d )
     }
 }
 
-static bool is_same_recipe( const boundary_oracle_point* a, const boundary_oracle_point* b, bool even )
+static bool is_same_generator( const boundary_oracle_point* a, const boundary_oracle_point* b, bool even )
 {
     return a->line == b->line && a->step == b->step &&
            ( !even || memcmp( a->weight, b->weight, sizeof( a->weight ) ) == 0 );
@@ -121,7 +121,7 @@ static int elements_with_other_points( const duel* d )
         for ( ; p < o->point_count && o->points[p].element == e; ++p, ++q )
         {
             same = same && q < d->before_count && d->before[q].element == e &&
-                   is_same_recipe( d->before + q, o->points + p, d->def.policy == WISP_SPACING_EVEN );
+                   is_same_generator( d->before + q, o->points + p, d->def.policy == WISP_SPACING_EVEN );
             q -= q < d->before_count && d->before[q].element == e ? 0 : 1;
         }
         same = same && !( q < d->before_count && d->before[q].element == e );
@@ -161,7 +161,7 @@ static balloon_mesh bunny( void )
     wisp_error error = { 0 };
     if ( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &read, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     double3* points = calloc( (size_t)read.vertex_count, sizeof( double3 ) );
     assert_non_null( points );
@@ -291,16 +291,16 @@ static void table_b5_holds_for_the_engine( void** state )
 {
     (void)state;
     const float spacing[4] = { 0.2f, 0.1f, 0.05f, 0.025f };
-    const int wanted[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
-                                  { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
+    const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
+                                     { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
     balloon_mesh mesh = reference_sphere();
     for ( int n = 0; n < 8; ++n )
     {
         const duel_def def = { .spacing = (double)spacing[n % 4], .policy = (wisp_spacing)( n / 4 ) };
         duel* d = duel_open( &mesh, &def );
         duel_update( d, mesh.positions );
-        assert_int_equal( d->samples.edge_count, wanted[n / 4][n % 4][0] );
-        assert_int_equal( d->samples.count - d->samples.edge_count, wanted[n / 4][n % 4][1] );
+        assert_int_equal( d->samples.edge_count, requested[n / 4][n % 4][0] );
+        assert_int_equal( d->samples.count - d->samples.edge_count, requested[n / 4][n % 4][1] );
         duel_close( d );
     }
     balloon_mesh_destroy( &mesh );
@@ -349,7 +349,7 @@ static void assert_same_bits( const wisp_samples* a, const wisp_samples* b )
 {
     assert_int_equal( a->count, b->count );
     assert_int_equal( a->edge_count, b->edge_count );
-    assert_same_rows( a->quads, b->quads, a->count );
+    assert_same_rows( a->xyzw, b->xyzw, a->count );
     assert_same_rows( a->normals, b->normals, a->count );
     assert_same_rows( a->parents, b->parents, a->count );
     assert_same_rows( a->weights, b->weights, a->count );
@@ -464,7 +464,7 @@ static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_b
         }
         for ( int p = 0; p < d->samples.count; ++p )
         {
-            assert_true( isfinite( d->samples.quads[4 * p] ) && isfinite( d->samples.normals[4 * p] ) );
+            assert_true( isfinite( d->samples.xyzw[4 * p] ) && isfinite( d->samples.normals[4 * p] ) );
         }
         mesh.positions[300] = place;
         duel_update( d, mesh.positions );
@@ -490,10 +490,10 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
         const int points = d->samples.count;
         // the oracle refuses by its estimate, the engine by what it has counted
         d->oracle.options.cap = 1.0;
-        d->job.limit = points - 1;
+        d->args.limit = points - 1;
         pulsate( x, &mesh, 5 );
         duel_update( d, x );
-        assert_true( d->oracle.refused && d->samples.refused && d->samples.wanted > points - 1 );
+        assert_true( d->oracle.refused && d->samples.refused && d->samples.requested > points - 1 );
         assert_int_equal( d->samples.count, points );
         assert_int_equal( d->samples.changed_elements, 0 );
         for ( int p = 0; p < points; ++p )
@@ -502,7 +502,7 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
         }
         // with room again it is sampled as if nothing had been
         d->oracle.options.cap = 1e9;
-        d->job.limit = 4000000;
+        d->args.limit = 4000000;
         duel_update( d, x );
         assert_agree( d );
         duel_close( d );

@@ -112,7 +112,7 @@ static void gaps_of( double length, boundary_oracle_policy policy, boundary_orac
     *most = 0.0;
     for ( int i = 1; i <= points + 1; ++i )
     {
-        const double here = i <= points ? length * boundary_oracle_share( i, n, length, 1.0, policy ) : length;
+        const double here = i <= points ? length * boundary_oracle_fraction( i, n, length, 1.0, policy ) : length;
         *least = fmin( *least, here - last );
         *most = fmax( *most, here - last );
         last = here;
@@ -149,10 +149,11 @@ static void even_points_are_the_same_from_either_end_and_exact_ones_are_not( voi
     const int n = boundary_oracle_count( length, 1.0, BOUNDARY_ORACLE_DOWN );
     for ( int i = 1; i < n; ++i )
     {
-        const double here = boundary_oracle_share( i, n, length, 1.0, BOUNDARY_ORACLE_EVEN );
-        assert_close( here, 1.0 - boundary_oracle_share( n - i, n, length, 1.0, BOUNDARY_ORACLE_EVEN ), 1e-15 );
-        const double there = boundary_oracle_share( n - i, n, length, 1.0, BOUNDARY_ORACLE_EXACT );
-        assert_true( fabs( boundary_oracle_share( i, n, length, 1.0, BOUNDARY_ORACLE_EXACT ) + there - 1.0 ) > 0.1 );
+        const double here = boundary_oracle_fraction( i, n, length, 1.0, BOUNDARY_ORACLE_EVEN );
+        assert_close( here, 1.0 - boundary_oracle_fraction( n - i, n, length, 1.0, BOUNDARY_ORACLE_EVEN ), 1e-15 );
+        const double there = boundary_oracle_fraction( n - i, n, length, 1.0, BOUNDARY_ORACLE_EXACT );
+        assert_true( fabs( boundary_oracle_fraction( i, n, length, 1.0, BOUNDARY_ORACLE_EXACT ) + there - 1.0 ) >
+                     0.1 );
     }
 }
 
@@ -239,9 +240,9 @@ static void a_triangle_has_the_lines_and_points_of_a_count_by_hand( void** state
         assert_int_equal( memory->points[2] + memory->points[3], 0 );
         const double3 first = layer.points[layer.edge_point_count].y;
         // even: half way on the line at 1/4; exact: 1 m from the side a-c on the line at 1 m
-        const double3 wanted =
+        const double3 requested =
             even ? double3_make( 0.25 + 1.125, 1.125, 0.0 ) : double3_make( 1.0 / 4.5 + 1.0, 1.0, 0.0 );
-        assert_close( double3_distance( first, wanted ), 0.0, 1e-14 );
+        assert_close( double3_distance( first, requested ), 0.0, 1e-14 );
         boundary_oracle_destroy( &layer );
     }
     balloon_mesh_destroy( &mesh );
@@ -270,8 +271,8 @@ static void table_b5_holds_for_both_policies( void** state )
 {
     (void)state;
     const double d[4] = { 0.2, 0.1, 0.05, 0.025 };
-    const int wanted[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
-                                  { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
+    const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
+                                     { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
     balloon_mesh mesh = reference_sphere();
     for ( int n = 0; n < 8; ++n )
     {
@@ -281,8 +282,8 @@ static void table_b5_holds_for_both_policies( void** state )
         boundary_oracle_layer layer = layer_on( &mesh, &options );
         print_message( "d %g policy %d: %d on edges, %d inside\n", options.spacing, options.policy,
                        layer.edge_point_count, inner_points( &layer ) );
-        assert_int_equal( layer.edge_point_count, wanted[n / 4][n % 4][0] );
-        assert_int_equal( inner_points( &layer ), wanted[n / 4][n % 4][1] );
+        assert_int_equal( layer.edge_point_count, requested[n / 4][n % 4][0] );
+        assert_int_equal( inner_points( &layer ), requested[n / 4][n % 4][1] );
         boundary_oracle_destroy( &layer );
     }
     balloon_mesh_destroy( &mesh );
@@ -434,11 +435,11 @@ static void rows_are_parallel_to_the_axis_and_inside_before_and_after_a_translat
         for ( int m = layer.edge_point_count; m < layer.point_count; ++m )
         {
             const boundary_oracle_point* p = layer.points + m;
-            const double high = double3_dot( double3_sub( p->y, corner[base.a] ), base.upward );
-            const double wanted = boundary_oracle_share( p->line, layer.memory[layer.edge_count].line_count,
-                                                         base.height, d, options.policy ) *
-                                  base.height;
-            assert_close( high, wanted, 1e-12 );
+            const double upper = double3_dot( double3_sub( p->y, corner[base.a] ), base.upward );
+            const double requested = boundary_oracle_fraction( p->line, layer.memory[layer.edge_count].line_count,
+                                                               base.height, d, options.policy ) *
+                                     base.height;
+            assert_close( upper, requested, 1e-12 );
             assert_true( p->weight[0] > 0.0 && p->weight[1] > 0.0 && p->weight[2] > 0.0 );
         }
         // equal sides may pick another axis when coordinates are rounded far from the origin: counts of those agree

@@ -7,13 +7,13 @@ static const boundary_oracle_criteria OFF = { .least = 1e-3, .most = 1e3 };
 
 // ---- local spacing ----
 
-static void without_a_criterion_the_spacing_is_the_one_that_was_asked_for( void** state )
+static void without_a_criterion_the_spacing_is_the_one_that_was_queried_for( void** state )
 {
     (void)state;
     assert_true( boundary_oracle_local_spacing( &OFF, 0.1, zero, zero, zero, zero, 0.0 ) == 0.1 );
-    const boundary_oracle_criteria narrow = { .least = 0.2, .most = 0.4 }, low = { .least = 0.01, .most = 0.05 };
+    const boundary_oracle_criteria narrow = { .least = 0.2, .most = 0.4 }, lower = { .least = 0.01, .most = 0.05 };
     assert_true( boundary_oracle_local_spacing( &narrow, 0.1, zero, zero, zero, zero, 0.0 ) == 0.2 );
-    assert_true( boundary_oracle_local_spacing( &low, 0.1, zero, zero, zero, zero, 0.0 ) == 0.05 );
+    assert_true( boundary_oracle_local_spacing( &lower, 0.1, zero, zero, zero, zero, 0.0 ) == 0.05 );
 }
 
 static void curvature_strain_and_screen_have_their_closed_forms( void** state )
@@ -289,7 +289,7 @@ static void a_pinned_parent_stays_and_the_others_do_its_part( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( without_a_criterion_the_spacing_is_the_one_that_was_asked_for ),
+        cmocka_unit_test( without_a_criterion_the_spacing_is_the_one_that_was_queried_for ),
         cmocka_unit_test( curvature_strain_and_screen_have_their_closed_forms ),
         cmocka_unit_test( the_least_that_a_criterion_asks_for_counts_within_the_limits ),
         cmocka_unit_test( there_are_more_points_where_curvature_is_high ),

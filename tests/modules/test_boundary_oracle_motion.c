@@ -22,7 +22,7 @@ static void steps( boundary_oracle_balloon* balloon, int count, double dt )
     }
 }
 
-static double volume_share( const boundary_oracle_balloon* balloon )
+static double volume_stiffness( const boundary_oracle_balloon* balloon )
 {
     return boundary_oracle_balloon_volume( balloon ) / balloon->rest_volume;
 }
@@ -107,7 +107,7 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
 {
     (void)state;
     const double amplitude[3] = { 0.001, 0.01, 0.1 };
-    double share[3] = { 0.0, 0.0, 0.0 };
+    double fraction[3] = { 0.0, 0.0, 0.0 };
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int n = 0; n < 3; ++n )
@@ -120,7 +120,7 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
             const double factor = 1.0 + amplitude[n] * sin( 0.3141592653589793 * frame );
             scale_all( x, mesh.positions, mesh.vertex_count, factor );
             must_update( &layer, x );
-            share[n] += layer.changed_elements / ( 20.0 * layer.element_count );
+            fraction[n] += layer.changed_elements / ( 20.0 * layer.element_count );
             // an edge is in case B when its length over the spacing has passed an integer; lengths scale to a
             // rounding, so those that near to one are not asked
             for ( int e = 0; e < layer.edge_count; ++e )
@@ -136,10 +136,10 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
             last = factor;
         }
         print_message( "+-%g %%: %.2f %% of the elements in case B a frame\n", 100.0 * amplitude[n],
-                       100.0 * share[n] );
+                       100.0 * fraction[n] );
         boundary_oracle_destroy( &layer );
     }
-    assert_true( share[0] < 0.5 * share[1] && share[1] < 0.5 * share[2] );
+    assert_true( fraction[0] < 0.5 * fraction[1] && fraction[1] < 0.5 * fraction[2] );
     balloon_mesh_destroy( &mesh );
 }
 
@@ -168,11 +168,11 @@ static void hysteresis_stills_a_count_that_flickers( void** state )
     for ( int r = 0; r < BOUNDARY_ORACLE_ROUNDING_COUNT; ++r )
     {
         const boundary_oracle_rounding rounding = (boundary_oracle_rounding)r;
-        const double low = 3.0 - 0.5 * r, high = low + 1.0; // lengths whose count is 3
-        assert_true( boundary_oracle_may_stay( 3, low - 0.09, 1.0, rounding, 0.1 ) );
-        assert_false( boundary_oracle_may_stay( 3, low - 0.11, 1.0, rounding, 0.1 ) );
-        assert_true( boundary_oracle_may_stay( 3, high + 0.09, 1.0, rounding, 0.1 ) );
-        assert_false( boundary_oracle_may_stay( 3, high + 0.11, 1.0, rounding, 0.1 ) );
+        const double lower = 3.0 - 0.5 * r, upper = lower + 1.0; // lengths whose count is 3
+        assert_true( boundary_oracle_may_stay( 3, lower - 0.09, 1.0, rounding, 0.1 ) );
+        assert_false( boundary_oracle_may_stay( 3, lower - 0.11, 1.0, rounding, 0.1 ) );
+        assert_true( boundary_oracle_may_stay( 3, upper + 0.09, 1.0, rounding, 0.1 ) );
+        assert_false( boundary_oracle_may_stay( 3, upper + 0.11, 1.0, rounding, 0.1 ) );
     }
 }
 
@@ -224,7 +224,7 @@ static void a_soft_skin_takes_half_to_three_times_its_rest_volume( void** state 
                 balloon.options.distance_k = stiff == 1 ? 0.9 : 0.01;
                 steps( &balloon, 60, FRAME );
                 assert_finite( &balloon );
-                const double found = volume_share( &balloon );
+                const double found = volume_stiffness( &balloon );
                 print_message( "%s scale, distance k %.2f, multiplier %.1f: %.4f rest volumes\n",
                                stale ? "stale" : "fresh", balloon.options.distance_k, multiplier[n], found );
                 if ( stiff == 0 && stale == 0 )
@@ -351,7 +351,7 @@ static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void**
         const double hz = rate[n % 3];
         steps( &balloon, (int)hz, 1.0 / hz );
         assert_finite( &balloon );
-        const double error = volume_share( &balloon ) - 1.0;
+        const double error = volume_stiffness( &balloon ) - 1.0;
         print_message( "%s, gravity %5.2f m/s^2, dt 1/%-3.0f s: volume error %+.1e\n", n < 9 ? "fresh" : "stale",
                        gravity[n / 3 % 3], hz, error );
         // a body that falls freely is at rest for its skin; what the damping changes is the same for all vertices
@@ -374,7 +374,7 @@ static void a_pinned_balloon_stays_finite_too( void** state )
         steps( &balloon, (int)rate[n % 3], 1.0 / rate[n % 3] );
         assert_finite( &balloon );
         assert_memory_equal( &held, &balloon.x[0], sizeof( held ) );
-        const double error = volume_share( &balloon ) / 1.2 - 1.0;
+        const double error = volume_stiffness( &balloon ) / 1.2 - 1.0;
         print_message( "hanging, gravity %5.2f m/s^2, dt 1/%-3.0f s: volume error %+.1e\n", gravity[n / 3],
                        rate[n % 3], error );
         assert_true( fabs( error ) < 0.01 ); // the volume is projected last
@@ -457,10 +457,10 @@ static void a_sample_run_swells_and_shrinks_with_its_points_on_the_surface( void
     }
     count[2] = layer.point_count;
     print_message( "%d points, %d when swollen, %d at last; volume %.3f\n", count[0], count[1], count[2],
-                   volume_share( &balloon ) );
+                   volume_stiffness( &balloon ) );
     assert_true( count[1] > 5 * count[0] / 4 );
     assert_close( (double)count[2] / count[0], 1.0, 0.1 );
-    assert_close( volume_share( &balloon ), 1.0, 0.02 );
+    assert_close( volume_stiffness( &balloon ), 1.0, 0.02 );
     boundary_oracle_balloon_destroy( &balloon );
     boundary_oracle_destroy( &layer );
     balloon_mesh_destroy( &mesh );

@@ -120,13 +120,13 @@ static void the_angle_to_a_sphere_falls_with_the_size_of_its_triangles( void** s
 
 // ---- degenerate cases ----
 
-static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_sentence( void** state )
+static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_message( void** state )
 {
     (void)state;
     const struct
     {
         boundary_oracle_options options;
-        const char* sentence;
+        const char* message;
     } bad[] = {
         { { .spacing = 0.0, .cap = 1.0 }, "spacing is 0 m, must be finite and above 0" },
         { { .spacing = -1.0, .cap = 1.0 }, "spacing is -1 m, must be finite and above 0" },
@@ -140,7 +140,7 @@ static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_sentence( void*
         boundary_oracle_layer layer;
         wisp_error error = { 0 };
         assert_int_equal( boundary_oracle_create( &mesh, &bad[n].options, &layer, &error ), WISP_BAD_INPUT );
-        assert_string_equal( error.sentence, bad[n].sentence );
+        assert_string_equal( error.message, bad[n].message );
     }
     balloon_mesh_destroy( &mesh );
 }
@@ -186,10 +186,10 @@ static void normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step( 
     assert_true( inner_points( &layer ) > 0 && layer.fallback_normals == layer.point_count );
     for ( int n = 0; n < layer.point_count; ++n )
     {
-        const double wanted = layer.points[n].element < layer.edge_count    ? 0.0
-                              : layer.points[n].element == layer.edge_count ? 1.0
-                                                                            : -1.0;
-        assert_true( layer.points[n].normal.z == wanted );
+        const double requested = layer.points[n].element < layer.edge_count    ? 0.0
+                                 : layer.points[n].element == layer.edge_count ? 1.0
+                                                                               : -1.0;
+        assert_true( layer.points[n].normal.z == requested );
     }
     boundary_oracle_destroy( &layer );
     balloon_mesh_destroy( &mesh );
@@ -269,12 +269,12 @@ static void too_many_points_are_refused_and_the_ones_there_are_still_follow( voi
         const balloon_mesh_edge* edge = layer.topology.edges + e;
         length += double3_distance( mesh.positions[edge->a], mesh.positions[edge->b] );
     }
-    assert_close( layer.wanted / ( length / 0.1 + area / 0.01 ), 1.0, 1e-12 );
+    assert_close( layer.requested / ( length / 0.1 + area / 0.01 ), 1.0, 1e-12 );
     const boundary_oracle_point first = layer.points[0];
     layer.options.spacing = 1e-4;
     scale_all( mesh.positions, mesh.positions, mesh.vertex_count, 2.0 );
     must_update( &layer, mesh.positions );
-    assert_true( layer.refused && layer.wanted > layer.options.cap );
+    assert_true( layer.refused && layer.requested > layer.options.cap );
     assert_int_equal( layer.point_count, points );
     assert_int_equal( layer.changed_elements, 0 );
     assert_memory_equal( layer.points[0].weight, first.weight, sizeof( first.weight ) );
@@ -295,7 +295,7 @@ int main( void )
         cmocka_unit_test( barycentric_normals_are_exact_for_a_linear_field ),
         cmocka_unit_test( normals_are_continuous_across_an_edge_in_both_modes ),
         cmocka_unit_test( the_angle_to_a_sphere_falls_with_the_size_of_its_triangles ),
-        cmocka_unit_test( a_spacing_or_hysteresis_out_of_range_is_refused_in_a_sentence ),
+        cmocka_unit_test( a_spacing_or_hysteresis_out_of_range_is_refused_in_a_message ),
         cmocka_unit_test( what_has_no_length_or_area_has_no_points_there ),
         cmocka_unit_test( normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step ),
         cmocka_unit_test( an_element_with_a_corner_that_is_not_finite_is_skipped_and_comes_back ),

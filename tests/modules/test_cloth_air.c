@@ -29,7 +29,7 @@ static wisp_vec3 force_at( wisp_world* world, double degrees, float drag, float 
     wisp_entity e = add_triangle(
         world, ( wisp_vec3 ){ (float)( 3.0 * cos( angle ) ), (float)( 3.0 * sin( angle ) ), 0.0f }, drag, lift );
     run_steps( world, 1, dt );
-    wisp_quality q = quality_of( world, e );
+    wisp_motion_stats q = motion_stats_of( world, e );
     assert_status( world, wisp_remove( world, e ), WISP_OK );
     return ( wisp_vec3 ){ (float)( q.momentum[0] / (double)dt ), (float)( q.momentum[1] / (double)dt ),
                           (float)( q.momentum[2] / (double)dt ) };
@@ -77,9 +77,10 @@ static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
         wisp_entity e = add_cloth( h.world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
         run_steps( h.world, 6, 1.0f / 60.0f );
         // the symplectic step is up to g dt early
-        assert_near( quality_of( h.world, e ).speed_max, terminal * tanh( 9.81 * 0.1 / terminal ), 9.81 / 240.0 );
+        assert_near( motion_stats_of( h.world, e ).speed_max, terminal * tanh( 9.81 * 0.1 / terminal ),
+                     9.81 / 240.0 );
         run_steps( h.world, 174, 1.0f / 60.0f );
-        wisp_quality q = quality_of( h.world, e );
+        wisp_motion_stats q = motion_stats_of( h.world, e );
         error[i] = -q.momentum[1] / q.mass - terminal;
         test_mesh_free( &mesh );
         close_world( &h );
@@ -100,9 +101,9 @@ static void air_moves_a_feather_to_the_winds_speed_and_never_beyond( void** stat
     {
         run_steps( h->world, 1, 0.2f );
         // far from the origin a velocity is a rounded difference
-        assert_true( quality_of( h->world, e ).speed_max <= 20.0 + 1e-3 );
+        assert_true( motion_stats_of( h->world, e ).speed_max <= 20.0 + 1e-3 );
     }
-    assert_near( quality_of( h->world, e ).momentum[1] / 0.03, 20.0, 0.05 );
+    assert_near( motion_stats_of( h->world, e ).momentum[1] / 0.03, 20.0, 0.05 );
 }
 
 static void wind_that_only_slides_along_does_nothing( void** state )
@@ -110,7 +111,7 @@ static void wind_that_only_slides_along_does_nothing( void** state )
     hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 5.0f, 0.0f, -3.0f }, 1.0f, 1.0f );
     run_steps( h->world, 10, 0.01f );
-    assert_true( quality_of( h->world, e ).speed_max == 0.0 );
+    assert_true( motion_stats_of( h->world, e ).speed_max == 0.0 );
 }
 
 static void wind_can_change_every_step( void** state )
@@ -118,14 +119,14 @@ static void wind_can_change_every_step( void** state )
     hosted* h = *state;
     wisp_entity e = add_triangle( h->world, ( wisp_vec3 ){ 0 }, 1.0f, 0.0f );
     run_steps( h->world, 1, 0.01f );
-    assert_true( quality_of( h->world, e ).speed_max == 0.0 );
+    assert_true( motion_stats_of( h->world, e ).speed_max == 0.0 );
     uint64_t plans = wisp_world_counter( h->world, WISP_COUNT_PLANS );
     for ( int i = 1; i <= 5; ++i )
     {
         assert_status( h->world, wisp_set_cloth_wind( h->world, e, ( wisp_vec3 ){ 0.0f, (float)i, 0.0f } ), WISP_OK );
         run_steps( h->world, 1, 0.01f );
     }
-    assert_true( quality_of( h->world, e ).momentum[1] > 0.0 );
+    assert_true( motion_stats_of( h->world, e ).momentum[1] > 0.0 );
     assert_int_equal( wisp_world_counter( h->world, WISP_COUNT_PLANS ), plans );
 }
 
@@ -136,7 +137,7 @@ static void a_cloth_without_coefficients_has_no_air( void** state )
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "cloth.air" ), 0 );
     assert_int_equal( wisp_set_cloth_wind( h->world, e, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
 }
 
 // Air on a turned mesh is the turned force: the same plate broadside along z.
@@ -158,7 +159,7 @@ static void drag_knows_no_axis( void** state )
         cloth.wind = i == 0 ? ( wisp_vec3 ){ 0.0f, 4.0f, 0.0f } : ( wisp_vec3 ){ 0.0f, 0.0f, 4.0f };
         wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
         run_steps( h->world, 10, 0.01f );
-        wisp_quality q = quality_of( h->world, e );
+        wisp_motion_stats q = motion_stats_of( h->world, e );
         speed[i] = ( i == 0 ? q.momentum[1] : q.momentum[2] ) / q.mass;
         test_mesh_free( &mesh );
     }

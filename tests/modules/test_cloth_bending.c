@@ -76,7 +76,7 @@ static shape hang_out( const beam* b )
     const int32_t pins[4] = { 0, 1, columns, columns + 1 };
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     fabric.hinges = true;
-    fabric.cross_links = false;
+    fabric.bend_links = false;
     wisp_surface_def surface = wisp_default_surface_def();
     surface.pins = pins;
     surface.pin_count = b->mesh == EQUILATERAL ? 3 : 4;
@@ -170,7 +170,7 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
     test_mesh flat = test_plane( 4, 0.1f ), creased = creased_mesh();
     wisp_fabric_def fabric = test_fabric_def( born_creased ? &creased : &flat );
     fabric.hinges = true;
-    fabric.cross_links = false;
+    fabric.bend_links = false;
     wisp_surface_def surface = wisp_default_surface_def();
     surface.points = creased.points;
     wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, ( wisp_vec3 ){ 0 } );

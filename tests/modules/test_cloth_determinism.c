@@ -14,19 +14,20 @@ typedef struct golden_case
     const char* name;
     wisp_cloth_bending bending;
     wisp_solver solver;
-    wisp_sweep sweep;
+    wisp_solve_order solve_order;
     bool blown, damped, far; // far: tethers and levels
     int iterations;
 } golden_case;
 
 static const golden_case cases[] = {
-    { "hanging", WISP_CLOTH_BENDING_CROSS, WISP_SOLVER_XPBD, WISP_SWEEP_COLOUR, false, false, false, 1 },
-    { "hanging-pbd-iterated", WISP_CLOTH_BENDING_CROSS, WISP_SOLVER_PBD, WISP_SWEEP_COLOUR, false, false, false, 3 },
-    { "flag", WISP_CLOTH_BENDING_CROSS, WISP_SOLVER_XPBD, WISP_SWEEP_COLOUR, true, true, false, 2 },
-    { "dihedral", WISP_CLOTH_BENDING_DIHEDRAL, WISP_SOLVER_XPBD, WISP_SWEEP_COLOUR, false, true, false, 2 },
-    { "isometric", WISP_CLOTH_BENDING_ISOMETRIC, WISP_SOLVER_XPBD, WISP_SWEEP_COLOUR, false, false, false, 2 },
-    { "tethers-levels", WISP_CLOTH_BENDING_CROSS, WISP_SOLVER_PBD, WISP_SWEEP_COLOUR, false, false, true, 1 },
-    { "list-sweep", WISP_CLOTH_BENDING_CROSS, WISP_SOLVER_XPBD, WISP_SWEEP_LIST, false, false, false, 1 },
+    { "hanging", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, false, false, 1 },
+    { "hanging-pbd-iterated", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_PBD, WISP_SOLVE_ORDER_COLOUR, false, false, false,
+      3 },
+    { "flag", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, true, true, false, 2 },
+    { "dihedral", WISP_CLOTH_BENDING_DIHEDRAL, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, true, false, 2 },
+    { "isometric", WISP_CLOTH_BENDING_ISOMETRIC, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_COLOUR, false, false, false, 2 },
+    { "tethers-levels", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_PBD, WISP_SOLVE_ORDER_COLOUR, false, false, true, 1 },
+    { "list-sweep", WISP_CLOTH_BENDING_LINKS, WISP_SOLVER_XPBD, WISP_SOLVE_ORDER_LIST, false, false, false, 1 },
 };
 
 static void open_place( hosted* h, const golden_case* c, const place_to_run* place, int* calls )
@@ -47,7 +48,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     fabric.hinges = true;
     fabric.tethers = c->far;
     fabric.levels = c->far ? 4 : 0;
-    fabric.sweep = c->sweep;
+    fabric.solve_order = c->solve_order;
     fabric.attachments = pins;
     fabric.attachment_count = 2;
     wisp_surface_def surface = wisp_default_surface_def();
@@ -64,7 +65,7 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     cloth.tethers = c->far;
     cloth.level_passes = c->far ? 2 : 0;
     wisp_entity e = add_cloth( world, &fabric, surface, &cloth, EARTH );
-    assert_status( world, wisp_want( world, e, WISP_SURFACE_NORMALS ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_SURFACE_NORMALS ), WISP_OK );
     test_mesh_free( &mesh );
     return e;
 }

@@ -1,4 +1,4 @@
-// What cloth refuses, in one sentence that names it, and that a refusal changes nothing.
+// What cloth refuses, in one message that names it, and that a refusal changes nothing.
 #include "cloth_fixture.h"
 
 #include <stddef.h>
@@ -8,7 +8,7 @@ static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached 
     test_mesh mesh = test_plane( 4, 0.1f );
     const int32_t pin = 0;
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    fabric.cross_links = cross;
+    fabric.bend_links = cross;
     fabric.hinges = hinges;
     fabric.attachments = &pin;
     fabric.attachment_count = attached ? 1 : 0;
@@ -23,7 +23,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def,
     uint64_t before = wisp_world_hash( h->world );
     int passes = wisp_world_plan_passes( h->world );
     assert_int_equal( wisp_set_cloth( h->world, e, def ), expected );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
     if ( strstr( wisp_world_message( h->world ), word ) == NULL )
     {
         fail_msg( "'%s' does not name %s", wisp_world_message( h->world ), word );
@@ -38,15 +38,15 @@ static void every_number_has_its_range( void** state )
     wisp_entity e = add_plain( h, true, true, false );
     const wisp_cloth_def good = wisp_default_cloth_def();
     assert_status( h->world, wisp_set_cloth( h->world, e, &good ), WISP_OK );
-#define FIELD( name, low, high )                                                                                     \
+#define FIELD( name, lower, upper )                                                                                  \
     {                                                                                                                \
-#name, offsetof( wisp_cloth_def, name ), low, high                                                           \
+#name, offsetof( wisp_cloth_def, name ), lower, upper                                                        \
     }
     const struct
     {
         const char* name;
         size_t at;
-        float low, high; // just outside
+        float lower, upper; // just outside
     } fields[] = {
         FIELD( warp_compliance, -1e-9f, 1.1e12f ),
         FIELD( weft_compliance, -1e-9f, 1.1e12f ),
@@ -65,7 +65,7 @@ static void every_number_has_its_range( void** state )
 #undef FIELD
     for ( int i = 0; i < WISP_COUNT( fields ); ++i )
     {
-        const float bad[] = { fields[i].low, fields[i].high, NAN, INFINITY, -INFINITY };
+        const float bad[] = { fields[i].lower, fields[i].upper, NAN, INFINITY, -INFINITY };
         for ( int k = 0; k < WISP_COUNT( bad ); ++k )
         {
             wisp_cloth_def def = good;

@@ -4,17 +4,17 @@
 static const float GRAVITY = 9.8f;
 static const float DT = 1.0f / 60.0f;
 
-static double distance_to( const wisp_collider_def* body, wisp_rigid pose, wisp_vec3 p )
+static double distance_to( const wisp_collider_def* body, wisp_transform pose, wisp_vec3 p )
 {
     static const wisp_shape_kind KINDS[] = { WISP_SHAPE_PLANE, WISP_SHAPE_SPHERE, WISP_SHAPE_CAPSULE,
                                              WISP_SHAPE_BOX };
     const wisp_shape shape = { KINDS[body->kind], body->radius, body->half_length, body->half_extent };
     wisp_surface_point surface;
-    assert_true( wisp_shape_closest( &shape, wisp_rigid_to_body( pose, p ), &surface ) );
+    assert_true( wisp_shape_closest( &shape, wisp_transform_to_local( pose, p ), &surface ) );
     return (double)surface.distance;
 }
 
-static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def* body, wisp_rigid pose )
+static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def* body, wisp_transform pose )
 {
     const wisp_view view = view_of( world, e, WISP_SURFACE_POINTS );
     double least = INFINITY;
@@ -62,7 +62,7 @@ static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** stat
     {
         run_for( h->world, DT, 1 );
         // a place near 1 m is rounded to 6e-8 m, which is 4e-6 m/s in a step; a handful of those
-        assert_true( quality_of( h->world, e ).speed_max < 5e-5 );
+        assert_true( motion_stats_of( h->world, e ).speed_max < 5e-5 );
     }
     assert_near( nearest( h->world, e, &plane, plane.pose ), 0.25 * 0.1 * ( 2.0 + sqrt( 2.0 ) ) / 3.0, 5e-3 );
     assert_true( collision_of( h->world, e ).penetration < 1e-6f );
@@ -83,13 +83,13 @@ static void contact_never_adds_energy( void** state )
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
     run_for( h->world, DT, 1 );
-    wisp_quality q = quality_of( h->world, e );
+    wisp_motion_stats q = motion_stats_of( h->world, e );
     const double start = q.kinetic_energy + q.potential_energy;
     double last = start;
     for ( int n = 0; n < 120; ++n )
     {
         run_for( h->world, DT, 1 );
-        q = quality_of( h->world, e );
+        q = motion_stats_of( h->world, e );
         double now = q.kinetic_energy + q.potential_energy;
         // velocities are rounded to 4e-6 m/s: some 1e-6 of the energy
         assert_true( now <= last + 1e-5 * fabs( start ) );
@@ -104,18 +104,18 @@ static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void**
     {
         hosted* h = new_colliding( 4, 4, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
-        body.pose = ( wisp_rigid ){ about_z( kind == WISP_COLLIDER_PLANE ? 0.1 : 1.2 ), { 0.1f, 0.5f, -0.1f } };
+        body.pose = ( wisp_transform ){ about_z( kind == WISP_COLLIDER_PLANE ? 0.1 : 1.2 ), { 0.1f, 0.5f, -0.1f } };
         add_collider( h->world, &body );
         wisp_entity e = add_cloth( h->world, 21, 1.2f, ( wisp_vec3 ){ 0.1f, 1.0f, -0.1f }, GRAVITY );
         run_for( h->world, DT, 300 );
-        const wisp_collision_figures figures = collision_of( h->world, e );
+        const wisp_collision_stats stats = collision_of( h->world, e );
         float thickness = 0.25f * 0.06f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
-        assert_true( figures.contacts > 20 );
+        assert_true( stats.contacts > 20 );
         // the share of the thickness that is lost to rounding and to what several contacts leave to each other
-        assert_true( figures.penetration <= 0.01f * thickness );
+        assert_true( stats.penetration <= 0.01f * thickness );
         assert_true( nearest( h->world, e, &body, body.pose ) >= 0.94 * (double)thickness );
         assert_true( nearest( h->world, e, &body, body.pose ) <= 1.06 * (double)thickness );
-        assert_int_equal( figures.dropped, 0 );
+        assert_int_equal( stats.dropped, 0 );
         free_colliding( h );
     }
 }
@@ -134,10 +134,10 @@ static void results_scale_with_the_scene( void** state )
         add_collider( h->world, &ball );
         wisp_entity e = add_cloth( h->world, 13, 0.6f * s, ( wisp_vec3 ){ 0.05f * s, 0.4f * s, 0.0f }, GRAVITY * s );
         run_for( h->world, DT, 60 );
-        const wisp_collision_figures figures = collision_of( h->world, e );
-        assert_true( figures.contacts > 20 );
-        assert_true( figures.penetration <= 0.01f * 0.0145f * s );
-        const wisp_quality q = quality_of( h->world, e );
+        const wisp_collision_stats stats = collision_of( h->world, e );
+        assert_true( stats.contacts > 20 );
+        assert_true( stats.penetration <= 0.01f * 0.0145f * s );
+        const wisp_motion_stats q = motion_stats_of( h->world, e );
         at[k] = ( wisp_vec3 ){ (float)q.centre[0] / s, (float)q.centre[1] / s, (float)q.centre[2] / s };
         free_colliding( h );
     }
@@ -166,10 +166,10 @@ static void what_starts_inside_leaves_without_flying_off( void** state )
         {
             run_for( h->world, DT, 1 );
             // a particle is moved by ten edges a second; those that hang on it are drawn along at a few times that
-            assert_true( quality_of( h->world, e ).speed_max < 5.0 * 10.0 * (double)edge );
+            assert_true( motion_stats_of( h->world, e ).speed_max < 5.0 * 10.0 * (double)edge );
         }
         assert_true( collision_of( h->world, e ).penetration < 0.1f * edge );
-        const wisp_quality q = quality_of( h->world, e );
+        const wisp_motion_stats q = motion_stats_of( h->world, e );
         // nothing pulls it back, so what velocity it was given it still has
         double momentum =
             sqrt( q.momentum[0] * q.momentum[0] + q.momentum[1] * q.momentum[1] + q.momentum[2] * q.momentum[2] );
@@ -195,7 +195,7 @@ static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
         wisp_entity e = add_cloth( h->world, 9, 0.8f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, GRAVITY );
         for ( int n = 1; n <= 5; ++n )
         {
-            const wisp_rigid pose = { body.pose.rotation, { 0.0f, below + 100.0f * DT * (float)n, 0.0f } };
+            const wisp_transform pose = { body.pose.rotation, { 0.0f, below + 100.0f * DT * (float)n, 0.0f } };
             assert_int_equal( wisp_move_collider( h->world, collider, pose ), WISP_OK );
             run_for( h->world, DT, 1 );
             assert_true( nearest( h->world, e, &body, pose ) > 0.0 );
@@ -206,7 +206,7 @@ static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
                 assert_true( ( (const wisp_vec3*)view.data )[v].y > pose.translation.y );
             }
         }
-        assert_true( quality_of( h->world, e ).speed_max < 130.0 );
+        assert_true( motion_stats_of( h->world, e ).speed_max < 130.0 );
         assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
         assert_int_equal( wisp_remove( h->world, collider ), WISP_OK );
     }
@@ -231,8 +231,8 @@ static void a_particle_at_100_m_s_stops_at_a_thin_plate( void** state )
         assert_true( point_of( h->world, e, v ).y > 0.0f );
     }
     // what goes along the plate goes on
-    assert_near( quality_of( h->world, e ).momentum[0] / quality_of( h->world, e ).mass, 2.0, 1e-3 );
-    assert_true( fabs( quality_of( h->world, e ).momentum[1] ) < 1e-6 );
+    assert_near( motion_stats_of( h->world, e ).momentum[0] / motion_stats_of( h->world, e ).mass, 2.0, 1e-3 );
+    assert_true( fabs( motion_stats_of( h->world, e ).momentum[1] ) < 1e-6 );
 }
 
 static void a_body_stands_still_when_it_is_not_moved_again( void** state )
@@ -241,13 +241,13 @@ static void a_body_stands_still_when_it_is_not_moved_again( void** state )
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity collider = add_collider( h->world, &plane );
     wisp_entity e = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 0.0f, 0.03f, 0.0f }, GRAVITY );
-    const wisp_rigid up = { plane.pose.rotation, { 0.0f, 0.05f, 0.0f } };
+    const wisp_transform up = { plane.pose.rotation, { 0.0f, 0.05f, 0.0f } };
     assert_int_equal( wisp_move_collider( h->world, collider, up ), WISP_OK );
     run_for( h->world, DT, 1 );
-    double pushed = quality_of( h->world, e ).speed_max;
+    double pushed = motion_stats_of( h->world, e ).speed_max;
     assert_true( pushed > 1.0 );
     run_for( h->world, DT, 120 );
-    assert_true( quality_of( h->world, e ).speed_max < 5e-5 );
+    assert_true( motion_stats_of( h->world, e ).speed_max < 5e-5 );
     assert_true( nearest( h->world, e, &plane, up ) > 0.0 );
 }
 
@@ -278,8 +278,8 @@ static void layers_say_who_collides_with_whom( void** state )
     collision.mask = 5;
     assert_int_equal( wisp_set_collision( h->world, lies, &collision ), WISP_OK );
     run_for( h->world, DT, 60 );
-    assert_true( quality_of( h->world, falls ).centre[1] < -4.0 );
-    assert_true( quality_of( h->world, lies ).centre[1] > 0.0 );
+    assert_true( motion_stats_of( h->world, falls ).centre[1] < -4.0 );
+    assert_true( motion_stats_of( h->world, lies ).centre[1] > 0.0 );
 }
 
 static void a_nan_halts_its_own_surface_alone( void** state )
@@ -295,7 +295,7 @@ static void a_nan_halts_its_own_surface_alone( void** state )
     run_for( h->world, DT, 60 );
     assert_true( wisp_is_halted( h->world, bad ) );
     assert_false( wisp_is_halted( h->world, good ) );
-    assert_true( quality_of( h->world, good ).speed_max < 5e-5 );
+    assert_true( motion_stats_of( h->world, good ).speed_max < 5e-5 );
 }
 
 // ---- the plan ----
@@ -308,16 +308,16 @@ static void nothing_to_collide_with_costs_no_pass( void** state )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
     test_mesh_free( &mesh );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     int bare = wisp_world_plan_passes( h->world );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity body = add_collider( h->world, &plane );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
     assert_int_equal( wisp_move_collider( h->world, body, plane.pose ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
@@ -346,11 +346,11 @@ static void removed_bodies_and_surfaces_are_forgotten( void** state )
     wisp_entity other = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 2.0f, 0.02f, 0.0f }, GRAVITY );
     assert_int_equal( other.index, second.index );
     run_for( h->world, DT, 60 );
-    assert_true( quality_of( h->world, e ).centre[1] > 0.0 );
+    assert_true( motion_stats_of( h->world, e ).centre[1] > 0.0 );
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     assert_int_equal( wisp_remove( h->world, first ), WISP_OK );
     run_for( h->world, DT, 60 );
-    assert_true( quality_of( h->world, other ).centre[1] < -1.0 );
+    assert_true( motion_stats_of( h->world, other ).centre[1] < -1.0 );
 }
 
 // ---- determinism and memory ----
@@ -373,7 +373,7 @@ static void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
 {
     for ( int n = from; n < to; ++n )
     {
-        const wisp_rigid pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
+        const wisp_transform pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
         assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
         run_for( world, DT, 1 );
     }
@@ -405,8 +405,8 @@ static void a_snapshot_brings_moving_bodies_back( void** state )
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 20 );
     // taken between being told to move and moving
-    assert_int_equal( wisp_move_collider( h->world, ball, ( wisp_rigid ){ about_z( 1.0 ), { 0.3f, 0.0f, 0.0f } } ),
-                      WISP_OK );
+    assert_int_equal(
+        wisp_move_collider( h->world, ball, ( wisp_transform ){ about_z( 1.0 ), { 0.3f, 0.0f, 0.0f } } ), WISP_OK );
     size_t size = wisp_world_snapshot_size( h->world );
     void* bytes = malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
@@ -424,9 +424,9 @@ static void a_warm_step_allocates_nothing( void** state )
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 5 );
-    int64_t asked = atomic_load( &h->host.asked );
+    int64_t queried = atomic_load( &h->host.queried );
     run_busy( h->world, ball, 5, 25 );
-    assert_int_equal( atomic_load( &h->host.asked ), asked );
+    assert_int_equal( atomic_load( &h->host.queried ), queried );
 }
 
 static void without_memory_a_call_changes_nothing( void** state )
@@ -436,7 +436,7 @@ static void without_memory_a_call_changes_nothing( void** state )
     wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
     test_mesh_free( &mesh );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     const int bare = wisp_world_plan_passes( h->world );
     wisp_collision_def collision = wisp_default_collision_def();
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -472,7 +472,7 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
     uint64_t before = wisp_world_hash( world );
     assert_int_equal( wisp_add_collider( world, def, &e ), WISP_BAD_INPUT );
     assert_int_equal( e.index, 0 );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     if ( strstr( wisp_world_message( world ), word ) == NULL )
     {
         fail_msg( "no '%s' in: %s", word, wisp_world_message( world ) );
@@ -512,7 +512,7 @@ static void impossible_bodies_are_refused( void** state )
     assert_refused( h->world, &def, "kind" );
 }
 
-static void calls_that_do_not_fit_are_refused_with_a_sentence( void** state )
+static void calls_that_do_not_fit_are_refused_with_a_message( void** state )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -521,7 +521,7 @@ static void calls_that_do_not_fit_are_refused_with_a_sentence( void** state )
     wisp_collision_def collision = wisp_default_collision_def();
     assert_int_equal( wisp_set_collision( h->world, body, &collision ), WISP_CONFLICT );
     assert_int_equal( wisp_move_collider( h->world, e, plane.pose ), WISP_CONFLICT );
-    wisp_rigid nowhere = plane.pose;
+    wisp_transform nowhere = plane.pose;
     nowhere.rotation.x = NAN;
     assert_int_equal( wisp_move_collider( h->world, body, nowhere ), WISP_BAD_INPUT );
     collision.thickness = -0.1f;
@@ -532,10 +532,10 @@ static void calls_that_do_not_fit_are_refused_with_a_sentence( void** state )
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, body, &copy ), WISP_CONFLICT );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
-    wisp_collision_figures figures;
-    assert_int_equal( wisp_read_collision_figures( h->world, e, &figures ), WISP_CONFLICT );
-    assert_int_equal( wisp_read_collision_figures( h->world, body, &figures ), WISP_CONFLICT );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
+    wisp_collision_stats stats;
+    assert_int_equal( wisp_read_collision_stats( h->world, e, &stats ), WISP_CONFLICT );
+    assert_int_equal( wisp_read_collision_stats( h->world, body, &stats ), WISP_CONFLICT );
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_STALE_ID );
 }
@@ -561,7 +561,7 @@ int main( void )
         COLLISION_TEST( a_warm_step_allocates_nothing ),
         COLLISION_TEST( without_memory_a_call_changes_nothing ),
         COLLISION_TEST( impossible_bodies_are_refused ),
-        COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_sentence ),
+        COLLISION_TEST( calls_that_do_not_fit_are_refused_with_a_message ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

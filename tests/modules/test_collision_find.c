@@ -44,7 +44,7 @@ static void add_shape( wisp_world* world, wisp_collider_kind kind, float radius,
     add_collider( world, &def );
 }
 
-static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 by, bool sheet )
+static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 by, bool double_sided )
 {
     move_mesh( &mesh, scale, by );
     wisp_collider_def def = wisp_default_collider_def();
@@ -54,7 +54,7 @@ static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 
     def.point_count = mesh.vertex_count;
     def.triangle_count = mesh.triangle_count;
     def.search = WISP_MESH_SEARCH_VOXELS;
-    def.sheet = sheet;
+    def.double_sided = double_sided;
     add_collider( world, &def );
     test_mesh_free( &mesh );
 }
@@ -104,16 +104,17 @@ static void place_bodies( meeting* m, int trial )
         {
             r[k] = test_random_float( key, 100 + k, -0.5f, 0.5f );
         }
-        wisp_rigid before = wisp_rigid_make( ( wisp_quat ){ r[0], r[1], r[2], 1.0f },
-                                             ( wisp_vec3 ){ far + 0.4f * r[3], 0.4f * r[4], 0.4f * r[5] } );
-        before = plain ? wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ far, 0.0f, 0.0f } )
-                       : before;
-        wisp_rigid after = before;
+        wisp_transform before = wisp_transform_make( ( wisp_quat ){ r[0], r[1], r[2], 1.0f },
+                                                     ( wisp_vec3 ){ far + 0.4f * r[3], 0.4f * r[4], 0.4f * r[5] } );
+        before =
+            plain ? wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ far, 0.0f, 0.0f } )
+                  : before;
+        wisp_transform after = before;
         after.translation.x += motion > 0 ? 0.05f * r[6] : 0.0f;
         after.translation.y += motion > 0 ? 0.05f * r[7] : 0.0f;
         const wisp_quat q = before.rotation;
-        after =
-            motion < 2 ? after : wisp_rigid_make( ( wisp_quat ){ q.x, q.y + 0.05f, q.z, q.w }, after.translation );
+        after = motion < 2 ? after
+                           : wisp_transform_make( ( wisp_quat ){ q.x, q.y + 0.05f, q.z, q.w }, after.translation );
         m->views[b] = ( collision_view ){ m->state->bodies + b, before, after, THICKNESS, 0.5f, 0.3f };
     }
 }
@@ -123,7 +124,7 @@ static void place_bodies( meeting* m, int trial )
 // Where the closest point is as far as contacts are looked for, give or take the last bits of it.
 static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, wisp_vec3* now )
 {
-    const wisp_vec3 q = wisp_rigid_to_body( view->after, *now ), way = collision_sub( *now, *old );
+    const wisp_vec3 q = wisp_transform_to_local( view->after, *now ), way = collision_sub( *now, *old );
     const wisp_mesh_query query = { q, 2.0f };
     wisp_surface_point s;
     bool is_near;
@@ -135,8 +136,8 @@ static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, w
     const float bits = (float)( test_random( i, 20, 9 ) - 4 ) * FLT_EPSILON;
     const float limit = ( 2.0f * view->thickness + collision_length( way ) ) * ( 1.0f + bits );
     const wisp_vec3 to = collision_add_scaled( s.point, limit, s.normal );
-    *now = wisp_rigid_to_world( view->after, to );
-    *old = wisp_rigid_to_world( view->before, collision_sub( to, way ) );
+    *now = wisp_transform_to_world( view->after, to );
+    *old = wisp_transform_to_world( view->before, collision_sub( to, way ) );
     return true;
 }
 
@@ -175,9 +176,9 @@ static int place_particles( meeting* m, int trial )
     return at_limit;
 }
 
-static collision_find_job job_on( particles* p )
+static collision_find_args job_on( particles* p )
 {
-    return ( collision_find_job ){
+    return ( collision_find_args ){
         kernels_select( "avx512", NULL ), p->position[0], p->previous[0], p->count, p->found[0], p->contact, 0.002f
     };
 }
@@ -187,30 +188,30 @@ static collision_find_job job_on( particles* p )
 // @return how many particles were not asked, over all bodies
 static int find_in_blocks( const meeting* m, particles* p, int first_body, int size )
 {
-    const collision_find_job job = job_on( p );
+    const collision_find_args args = job_on( p );
     int spared = 0;
     for ( int begin = 0; begin < PARTICLES; begin += size )
     {
         collision_block block;
-        collision_begin_block( &job, begin, begin + size < PARTICLES ? begin + size : PARTICLES, &block );
+        collision_begin_block( &args, begin, begin + size < PARTICLES ? begin + size : PARTICLES, &block );
         for ( int b = first_body; b < BODIES; ++b )
         {
             block.candidate_count = 0;
-            collision_meet( &job, m->views + b, &block );
+            collision_meet( &args, m->views + b, &block );
             spared += block.count - block.candidate_count;
         }
-        collision_end_block( &job, &block );
+        collision_end_block( &args, &block );
     }
     return spared;
 }
 
 static void find_singly( const meeting* m, particles* p, int first_body )
 {
-    const collision_find_job job = job_on( p );
+    const collision_find_args args = job_on( p );
     for ( int begin = 0; begin < PARTICLES; begin += COLLISION_BLOCK )
     {
         const int end = begin + COLLISION_BLOCK < PARTICLES ? begin + COLLISION_BLOCK : PARTICLES;
-        find_one_by_one( &job, m->views + first_body, BODIES - first_body, begin, end );
+        find_one_by_one( &args, m->views + first_body, BODIES - first_body, begin, end );
     }
 }
 
@@ -289,8 +290,8 @@ static void contacts_do_not_depend_on_where_blocks_begin( void** state )
     place_bodies( m, 1 );
     for ( int b = 0; b < BODIES; ++b )
     {
-        const wisp_rigid to = m->views[b].after;
-        m->views[b].after = wisp_rigid_make( ( wisp_quat ){ 0.1f, 0.2f, (float)b, 1.0f }, to.translation );
+        const wisp_transform to = m->views[b].after;
+        m->views[b].after = wisp_transform_make( ( wisp_quat ){ 0.1f, 0.2f, (float)b, 1.0f }, to.translation );
     }
     for ( int k = 0; k < WISP_COUNT( SIZES ); ++k )
     {
@@ -311,14 +312,14 @@ static void assert_clear( const meeting* m, const particles* before, const parti
     for ( int b = 0; b < BODIES; ++b )
     {
         const collision_view* view = m->views + b;
-        const wisp_mesh_query query = { wisp_rigid_to_body( view->after, now ), INFINITY };
+        const wisp_mesh_query query = { wisp_transform_to_local( view->after, now ), INFINITY };
         wisp_surface_point nearest, hit;
         bool is_near;
         collision_closest( view->body, &query, 1, &nearest, &is_near );
-        const wisp_vec3 from = wisp_rigid_to_body( view->before, old );
+        const wisp_vec3 from = wisp_transform_to_local( view->before, old );
         // 1e-6 of the metre that places are apart: rounding of two poses
         if ( ( is_near && nearest.distance < p->found[i][3] - 1e-6f ) ||
-             ( nearest.distance > 1e-6f && collision_sweep( view->body, from, query.point, &hit ) ) )
+             ( nearest.distance > 1e-6f && collision_cast( view->body, from, query.point, &hit ) ) )
         {
             fail_msg( "particle %d is said to be clear for %.9g, but body %d is at %.9g", i, (double)p->found[i][3],
                       b, (double)nearest.distance );
@@ -337,10 +338,10 @@ static void who_has_no_contact_is_as_clear_as_it_says( void** state )
         place_particles( m, trial );
         // the smaller a block, the farther it is from bodies as a whole
         find_in_blocks( m, m->blocks, 0, trial % 2 == 0 ? 8 : COLLISION_BLOCK );
-        const collision_find_job job = job_on( m->singly );
+        const collision_find_args args = job_on( m->singly );
         for ( int i = 0; i < PARTICLES; ++i )
         {
-            if ( one_moves( &job, i ) && m->blocks->count[i] == 0 )
+            if ( one_moves( &args, i ) && m->blocks->count[i] == 0 )
             {
                 assert_clear( m, m->singly, m->blocks, i );
                 ++clear;

@@ -15,7 +15,7 @@ typedef struct incline
 
 static double along( const incline* i )
 {
-    wisp_quality q = quality_of( i->h->world, i->surface );
+    wisp_motion_stats q = motion_stats_of( i->h->world, i->surface );
     return q.centre[0] * cos( i->angle ) + q.centre[1] * sin( i->angle );
 }
 
@@ -79,7 +79,7 @@ static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** sta
         double a = angles[k % 3] * DEGREE, mu = mus[k % 3];
         incline i = new_incline( a, (float)mu, (float)mu, SOLVERS[k / 3].substeps, SOLVERS[k / 3].iterations );
         run_for( i.h->world, 1.0f / 60.0f, 60 );
-        wisp_quality q = quality_of( i.h->world, i.surface );
+        wisp_motion_stats q = motion_stats_of( i.h->world, i.surface );
         double speed = -( q.momentum[0] * cos( a ) + q.momentum[1] * sin( a ) ) / q.mass;
         double expected = 9.8 * ( sin( a ) - mu * cos( a ) );
         // exact in each substep but for rounding; at 12 degrees the two terms all but cancel
@@ -100,7 +100,7 @@ static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** 
     double brake = 9.8 * ( 0.5 * cos( i.angle ) - sin( i.angle ) );
     // v^2 / 2a, and the first step's share of it: the stop falls within a step of 1/600 s at 2 m/s
     assert_near( i.start - along( &i ), 2.0 * 2.0 / ( 2.0 * brake ), 2.0 / 600.0 );
-    assert_true( quality_of( i.h->world, i.surface ).speed_max < 1e-4 );
+    assert_true( motion_stats_of( i.h->world, i.surface ).speed_max < 1e-4 );
     free_colliding( i.h );
 }
 
@@ -114,7 +114,7 @@ static void static_friction_holds_what_kinetic_friction_would_not( void** state 
     assert_int_equal( wisp_set_velocity( held.h->world, held.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
     run_for( held.h->world, 1.0f / 60.0f, 60 );
     double expected = 0.5 + 9.8 * ( sin( held.angle ) - 0.3 * cos( held.angle ) );
-    wisp_quality q = quality_of( held.h->world, held.surface );
+    wisp_motion_stats q = motion_stats_of( held.h->world, held.surface );
     double speed = -( q.momentum[0] * cos( held.angle ) + q.momentum[1] * sin( held.angle ) ) / q.mass;
     assert_near( speed, expected, 5e-3 );
     free_colliding( held.h );
@@ -129,7 +129,7 @@ static void friction_scales_with_the_surfaces_own_factor( void** state )
     collision.friction = 0.0f;
     assert_int_equal( wisp_set_collision( i.h->world, i.surface, &collision ), WISP_OK );
     run_for( i.h->world, 1.0f / 60.0f, 60 );
-    assert_near( quality_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );
+    assert_near( motion_stats_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );
     free_colliding( i.h );
 }
 
@@ -146,11 +146,11 @@ static void a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_f
         {
             speed += accelerations[k] * (double)dt;
             belt += speed * (double)dt;
-            const wisp_rigid pose = { about_z( 0.0 ), { (float)belt, 0.0f, 0.0f } };
+            const wisp_transform pose = { about_z( 0.0 ), { (float)belt, 0.0f, 0.0f } };
             assert_int_equal( wisp_move_collider( i.h->world, i.plane, pose ), WISP_OK );
             run_for( i.h->world, dt, 1 );
         }
-        wisp_quality q = quality_of( i.h->world, i.surface );
+        wisp_motion_stats q = motion_stats_of( i.h->world, i.surface );
         double expected = accelerations[k] < 4.9 ? speed : 4.9;
         assert_near( q.momentum[0] / q.mass, expected, 0.01 * expected );
         free_colliding( i.h );
@@ -174,7 +174,7 @@ static void a_turning_roller_drags_what_lies_on_it( void** state )
     run_for( h->world, 0.01f, 20 );
     for ( int n = 1; n <= 20; ++n )
     {
-        const wisp_rigid pose = { about_z( -0.01 * n ), { 0.0f, 0.0f, 0.0f } };
+        const wisp_transform pose = { about_z( -0.01 * n ), { 0.0f, 0.0f, 0.0f } };
         assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
         run_for( h->world, 0.01f, 1 );
     }
@@ -264,7 +264,7 @@ static double tension_ratio( float mu, double ratio )
     surface.vertex_mass = CORD_MASS;
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
     test_mesh_free( &mesh );
-    assert_int_equal( wisp_want( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( h->world, e, WISP_SURFACE_POINTS ), WISP_OK );
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_NONE;
     assert_int_equal( wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
@@ -275,24 +275,24 @@ static double tension_ratio( float mu, double ratio )
         give_mass( h->world, e, side, 0.5 );
         give_mass( h->world, e, 2 * CORD - 2 + side, 0.5 * ratio );
     }
-    double low[3], high[3];
+    double lower[3], upper[3];
     run_for( h->world, dt, 20 ); // until what the weights stretch has come to rest
     for ( int k = 0; k < 3; ++k )
     {
         run_for( h->world, dt, 20 );
-        low[k] = (double)point_of( h->world, e, 2 * CORD - 1 ).y;
-        high[k] = (double)point_of( h->world, e, 0 ).y;
+        lower[k] = (double)point_of( h->world, e, 2 * CORD - 1 ).y;
+        upper[k] = (double)point_of( h->world, e, 0 ).y;
     }
     free_colliding( h );
-    const double window = 20.0 * (double)dt, speed = ( low[0] - low[2] ) / ( 2.0 * window );
-    const double down = -( low[2] - 2.0 * low[1] + low[0] ) / ( window * window );
-    const double up = ( high[2] - 2.0 * high[1] + high[0] ) / ( window * window );
+    const double window = 20.0 * (double)dt, speed = ( lower[0] - lower[2] ) / ( 2.0 * window );
+    const double down = -( lower[2] - 2.0 * lower[1] + lower[0] ) / ( window * window );
+    const double up = ( upper[2] - 2.0 * upper[1] + upper[0] ) / ( window * window );
     assert_true( down > 0.5 );
     assert_near( up, down, 0.03 ); // the cord keeps its length; 0.3 % of gravity
     // what hangs of the cord changes as it slides; of the edge at the weight half is the weight's
     const double density = 2.0 * (double)CORD_MASS / ( 2.0 * 0.205 * sin( 0.5 * PI / ARC ) );
-    const double light = ( 1.0 - density * high[1] - (double)CORD_MASS ) * ( (double)GRAVITY + up );
-    const double heavy = ( ratio - density * low[1] - (double)CORD_MASS ) * ( (double)GRAVITY - down );
+    const double light = ( 1.0 - density * upper[1] - (double)CORD_MASS ) * ( (double)GRAVITY + up );
+    const double heavy = ( ratio - density * lower[1] - (double)CORD_MASS ) * ( (double)GRAVITY - down );
     return ( heavy - cord_part( (double)mu, density, 0.205, down, speed ) ) / light;
 }
 

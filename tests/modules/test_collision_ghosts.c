@@ -47,7 +47,7 @@ static flock new_flock( int workers )
     f.targets = guide_add( f.world, f.s.target, TARGETS, NODES );
     f.ghosts = guide_add( f.world, f.ghost, GHOSTS, NODES );
     guide_ok( f.world, wisp_world_attach( f.world, f.targets, WISP_STRAND_VELOCITY ) );
-    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_POINTS ) );
+    guide_ok( f.world, wisp_request( f.world, f.ghosts, WISP_STRAND_POINTS ) );
     guide_follow( &f, wisp_default_ghosts_def() );
     return f;
 }
@@ -59,9 +59,9 @@ static wisp_entity add_body( wisp_world* world, wisp_collider_def def )
     return body;
 }
 
-static wisp_rigid at( wisp_vec3 place )
+static wisp_transform at( wisp_vec3 place )
 {
-    return ( wisp_rigid ){ { 0.0f, 0.0f, 0.0f, 1.0f }, place };
+    return ( wisp_transform ){ { 0.0f, 0.0f, 0.0f, 1.0f }, place };
 }
 
 static wisp_collider_def sphere_at( wisp_vec3 centre )
@@ -78,14 +78,14 @@ static void collide( wisp_world* world, wisp_entity strands )
     wisp_collision_def def = wisp_default_collision_def();
     def.thickness = THICKNESS;
     guide_ok( world, wisp_set_collision( world, strands, &def ) );
-    guide_ok( world, wisp_want_collision_figures( world, strands, true ) );
+    guide_ok( world, wisp_request_collision_stats( world, strands, true ) );
 }
 
-static wisp_collision_figures figures_of( wisp_world* world, wisp_entity strands )
+static wisp_collision_stats stats_of( wisp_world* world, wisp_entity strands )
 {
-    wisp_collision_figures figures;
-    guide_ok( world, wisp_read_collision_figures( world, strands, &figures ) );
-    return figures;
+    wisp_collision_stats stats;
+    guide_ok( world, wisp_read_collision_stats( world, strands, &stats ) );
+    return stats;
 }
 
 // To the surface of the sphere; below 0 inside.
@@ -120,9 +120,9 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
             {
                 // at the thickness, straight out
                 assert_close( gap_to( CENTRE, now[n] ), (double)THICKNESS, ROUNDED );
-                const double share = ( (double)RADIUS + (double)THICKNESS ) / ( (double)RADIUS + gap );
+                const double fraction = ( (double)RADIUS + (double)THICKNESS ) / ( (double)RADIUS + gap );
                 assert_close( (double)now[n].z - (double)CENTRE.z,
-                              share * ( (double)without[n].z - (double)CENTRE.z ), ROUNDED );
+                              fraction * ( (double)without[n].z - (double)CENTRE.z ), ROUNDED );
             }
             else if ( n % NODES > 0 && gap < (double)THICKNESS + ROUNDED )
             {
@@ -133,9 +133,9 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
                 assert_memory_equal( now + n, without + n, sizeof( wisp_vec3 ) );
             }
         }
-        const wisp_collision_figures figures = figures_of( f.world, f.ghosts );
-        assert_in_range( figures.contacts, near, near + edge );
-        assert_true( (double)figures.penetration <= ROUNDED );
+        const wisp_collision_stats stats = stats_of( f.world, f.ghosts );
+        assert_in_range( stats.contacts, near, near + edge );
+        assert_true( (double)stats.penetration <= ROUNDED );
     }
     assert_true( inside > 100 );
     wisp_world_destroy( plain.world );
@@ -193,7 +193,7 @@ static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** st
         {
             assert_true( n % NODES == 0 || gap_to( there, now[n] ) > (double)THICKNESS - ROUNDED );
         }
-        touched += figures_of( f.world, f.ghosts ).contacts;
+        touched += stats_of( f.world, f.ghosts ).contacts;
     }
     assert_true( touched > 100 );
     wisp_world_destroy( f.world );
@@ -234,7 +234,7 @@ static void bits_do_not_depend_on_workers( void** state )
         {
             guide_swing( &f );
         }
-        assert_true( figures_of( f.world, f.ghosts ).contacts > 0 );
+        assert_true( stats_of( f.world, f.ghosts ).contacts > 0 );
         hashes[workers] = wisp_world_hash( f.world );
         assert_int_equal( hashes[workers], hashes[1] );
         wisp_world_destroy( f.world );
@@ -252,7 +252,7 @@ static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
     look.cursor = ( wisp_vec3 ){ 0.3f, 0.5f, 0.2f };
     look.reach = 100.0f;
     guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
-    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+    guide_ok( f.world, wisp_request( f.world, f.ghosts, WISP_STRAND_POSED ) );
     add_body( f.world, sphere_at( CENTRE ) );
     add_body( bare.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -261,7 +261,7 @@ static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
     {
         guide_swing( &f );
         guide_swing( &bare );
-        assert_true( figures_of( bare.world, bare.ghosts ).contacts > 0 );
+        assert_true( stats_of( bare.world, bare.ghosts ).contacts > 0 );
         double3 pushed[POINTS];
         for ( int n = 0; n < POINTS; ++n )
         {
@@ -269,7 +269,7 @@ static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
         }
         wisp_world* still = new_world( 1 );
         const wisp_entity hair = guide_add( still, pushed, GHOSTS, NODES );
-        guide_ok( still, wisp_want( still, hair, WISP_STRAND_POINTS ) );
+        guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
         guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
         guide_step( still );
         assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
@@ -294,7 +294,7 @@ static wisp_entity add_uneven( wisp_world* world )
         }
     }
     const wisp_entity strands = guide_add_mixed( world, nodes, 20, counts );
-    guide_ok( world, wisp_want( world, strands, WISP_STRAND_POINTS ) );
+    guide_ok( world, wisp_request( world, strands, WISP_STRAND_POINTS ) );
     return strands;
 }
 
@@ -311,14 +311,14 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
         def.half_length = 0.05f;
         def.half_extent = ( wisp_vec3 ){ 0.1f, 0.02f, 0.03f };
         // turned by 30 degrees about z
-        def.pose = ( wisp_rigid ){ { 0.0f, 0.0f, 0.258819045f, 0.965925826f }, { 0.01f, -0.05f, 0.002f } };
+        def.pose = ( wisp_transform ){ { 0.0f, 0.0f, 0.258819045f, 0.965925826f }, { 0.01f, -0.05f, 0.002f } };
         add_body( world, def );
         collide( world, hair );
         guide_step( world );
-        const wisp_collision_figures figures = figures_of( world, hair );
-        assert_true( figures.contacts >= 8 );
+        const wisp_collision_stats stats = stats_of( world, hair );
+        assert_true( stats.contacts >= 8 );
         // what was moved is as far as it shall be
-        assert_true( (double)figures.penetration <= ROUNDED );
+        assert_true( (double)stats.penetration <= ROUNDED );
         const int count = wisp_world_strands( world, hair )->vertex_count;
         wisp_vec3* before = calloc( (size_t)count, sizeof( wisp_vec3 ) );
         assert_non_null( before );
@@ -336,7 +336,7 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
 }
 
 // Four ghosts' worth of strands over a floor, with dynamics that come later: asked again, they fall on it.
-static void strands_that_move_later_collide_as_such_when_asked_again( void** state )
+static void strands_that_move_later_collide_as_such_when_queried_again( void** state )
 {
     (void)state;
     wisp_world* world = new_world( 1 );
@@ -353,7 +353,7 @@ static void strands_that_move_later_collide_as_such_when_asked_again( void** sta
     {
         guide_step( world );
     }
-    assert_true( figures_of( world, hair ).penetration < THICKNESS );
+    assert_true( stats_of( world, hair ).penetration < THICKNESS );
     wisp_world_destroy( world );
 }
 
@@ -379,7 +379,7 @@ int main( void )
         cmocka_unit_test( bits_do_not_depend_on_workers ),
         cmocka_unit_test( frozen_hair_starts_from_where_ghosts_were_pushed ),
         cmocka_unit_test( still_strands_leave_every_kind_of_body_and_then_rest ),
-        cmocka_unit_test( strands_that_move_later_collide_as_such_when_asked_again ),
+        cmocka_unit_test( strands_that_move_later_collide_as_such_when_queried_again ),
         cmocka_unit_test( strands_that_move_in_a_way_without_weights_are_refused ),
     };
     return cmocka_run_group_tests_name( "collision, ghosts", tests, NULL, NULL );

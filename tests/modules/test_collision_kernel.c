@@ -45,13 +45,13 @@ static void make_rows( contact_rows* r )
     }
 }
 
-static wisp_strand_contact_job job_on( contact_rows* r, const wisp_shape* shape, bool moves )
+static wisp_strand_contact_args job_on( contact_rows* r, const wisp_shape* shape, bool moves )
 {
-    const wisp_rigid before =
-        wisp_rigid_make( ( wisp_quat ){ 0.3f, -0.2f, 0.5f, 0.9f }, ( wisp_vec3 ){ 0.1f, 0, 0.2f } );
-    const wisp_rigid after =
-        wisp_rigid_make( ( wisp_quat ){ 0.35f, -0.2f, 0.45f, 0.9f }, ( wisp_vec3 ){ 0.15f, 0.05f, 0.2f } );
-    return ( wisp_strand_contact_job ){
+    const wisp_transform before =
+        wisp_transform_make( ( wisp_quat ){ 0.3f, -0.2f, 0.5f, 0.9f }, ( wisp_vec3 ){ 0.1f, 0, 0.2f } );
+    const wisp_transform after =
+        wisp_transform_make( ( wisp_quat ){ 0.35f, -0.2f, 0.45f, 0.9f }, ( wisp_vec3 ){ 0.15f, 0.05f, 0.2f } );
+    return ( wisp_strand_contact_args ){
         .group_row = GROUP_ROW,
         .position = r->position,
         .previous = r->previous,
@@ -95,10 +95,10 @@ static wisp_vec3 lane_of( const float* rows, int i )
     return ( wisp_vec3 ){ x[0], x[WISP_LANES], x[2 * WISP_LANES] };
 }
 
-static void rub( const wisp_strand_contact_job* job, contact_vertex* v, const double n[3], const double motion[3],
+static void rub( const wisp_strand_contact_args* args, contact_vertex* v, const double n[3], const double motion[3],
                  double push )
 {
-    double u[3], across = 0.0;
+    double u[3], foreign = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
         u[k] = v->p[k] - v->previous[k] - motion[k];
@@ -107,29 +107,29 @@ static void rub( const wisp_strand_contact_job* job, contact_vertex* v, const do
     for ( int k = 0; k < 3; ++k )
     {
         u[k] -= up * n[k];
-        across += u[k] * u[k];
+        foreign += u[k] * u[k];
     }
-    const double length = sqrt( across ), cone = (double)job->static_friction * push;
+    const double length = sqrt( foreign ), cone = (double)args->static_friction * push;
     v->near_edge = v->near_edge || fabs( length - cone ) < 1e-5;
-    const double share = length <= cone ? 1.0 : (double)job->kinetic_friction * push / length;
+    const double fraction = length <= cone ? 1.0 : (double)args->kinetic_friction * push / length;
     for ( int k = 0; k < 3; ++k )
     {
-        v->p[k] -= share * u[k];
+        v->p[k] -= fraction * u[k];
     }
 }
 
-static contact_vertex expected_at( const wisp_strand_contact_job* job, int i )
+static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
 {
-    contact_vertex v = { .pushed = (double)job->pushed[i], .left = (double)job->left[i] };
-    const wisp_vec3 p = lane_of( job->position, i ), previous = lane_of( job->previous, i );
+    contact_vertex v = { .pushed = (double)args->pushed[i], .left = (double)args->left[i] };
+    const wisp_vec3 p = lane_of( args->position, i ), previous = lane_of( args->previous, i );
     spread( p, v.p );
     spread( previous, v.previous );
     wisp_surface_point s, first;
-    assert_true( wisp_shape_closest( &job->shape, wisp_rigid_to_body( job->after, p ), &s ) );
-    assert_true( wisp_shape_closest( &job->shape, wisp_rigid_to_body( job->before, previous ), &first ) );
-    const double h = (double)job->thickness, now = (double)s.distance, start = (double)first.distance;
-    const double began = fmax( 0.0, h - start ), depth = (double)job->depth[i];
-    v.touches = job->weight[i] > 0.0f && now < h;
+    assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->after, p ), &s ) );
+    assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->before, previous ), &first ) );
+    const double h = (double)args->thickness, now = (double)s.distance, start = (double)first.distance;
+    const double began = fmax( 0.0, h - start ), depth = (double)args->depth[i];
+    v.touches = args->weight[i] > 0.0f && now < h;
     v.near_edge = fabs( now - h ) < 1e-5 || fabs( began - depth - h ) < 1e-5;
     if ( v.touches == false )
     {
@@ -138,12 +138,12 @@ static contact_vertex expected_at( const wisp_strand_contact_job* job, int i )
     const double may = began > depth + h ? began : fmin( began, depth );
     const double outward = fmax( 0.0, now - start - ( began - may ) );
     const double free = fmax( 0.0, may - outward );
-    const double healed = fmin( free, fmax( 0.0, (double)job->recovery - outward ) );
+    const double healed = fmin( free, fmax( 0.0, (double)args->recovery - outward ) );
     const double out = fmax( 0.0, h - ( free - healed ) - now ), push = fmax( 0.0, out - healed );
     double n[3], a[3], b[3], motion[3];
-    spread( wisp_quat_turn( job->after.rotation, s.normal ), n );
-    spread( wisp_rigid_to_world( job->after, s.point ), a );
-    spread( wisp_rigid_to_world( job->before, s.point ), b );
+    spread( wisp_quat_rotate( args->after.rotation, s.normal ), n );
+    spread( wisp_transform_to_world( args->after, s.point ), a );
+    spread( wisp_transform_to_world( args->before, s.point ), b );
     for ( int k = 0; k < 3; ++k )
     {
         v.p[k] += out * n[k];
@@ -151,7 +151,7 @@ static contact_vertex expected_at( const wisp_strand_contact_job* job, int i )
         motion[k] = a[k] - b[k];
     }
     v.near_edge = v.near_edge || fabs( may - 0.1 * h ) < 1e-5;
-    rub( job, &v, n, motion, push );
+    rub( args, &v, n, motion, push );
     v.pushed += push;
     v.left = fmax( v.left, free - healed );
     return v;
@@ -178,9 +178,9 @@ static void lanes_answer_as_a_scalar_does( void** state )
     for ( int k = 0; k < 2 * WISP_COUNT( SHAPES ); ++k )
     {
         rows = made;
-        const wisp_strand_contact_job before = job_on( &made, SHAPES + k / 2, k % 2 == 1 );
-        const wisp_strand_contact_job job = job_on( &rows, SHAPES + k / 2, k % 2 == 1 );
-        widest_table()->strand_contact( &job, 0, 3 );
+        const wisp_strand_contact_args before = job_on( &made, SHAPES + k / 2, k % 2 == 1 );
+        const wisp_strand_contact_args args = job_on( &rows, SHAPES + k / 2, k % 2 == 1 );
+        widest_table()->strand_contact( &args, 0, 3 );
         int touched = 0, skipped = 0;
         for ( int i = 0; i < LANES; ++i )
         {
@@ -200,7 +200,7 @@ static void every_table_gives_the_same_bits_on_a_body( void** state )
 {
     (void)state;
     static contact_rows first, rows;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -208,11 +208,11 @@ static void every_table_gives_the_same_bits_on_a_body( void** state )
         {
             make_rows( &rows );
             // the middle of a body, where no direction is the nearest
-            const wisp_strand_contact_job job = job_on( &rows, SHAPES + k, true );
-            rows.position[1] = job.after.translation.x;
-            rows.position[1 + WISP_LANES] = job.after.translation.y;
-            rows.position[1 + 2 * WISP_LANES] = job.after.translation.z;
-            tables[t]->strand_contact( &job, 0, 3 );
+            const wisp_strand_contact_args args = job_on( &rows, SHAPES + k, true );
+            rows.position[1] = args.after.translation.x;
+            rows.position[1 + WISP_LANES] = args.after.translation.y;
+            rows.position[1 + 2 * WISP_LANES] = args.after.translation.z;
+            tables[t]->strand_contact( &args, 0, 3 );
             first = t == 0 ? rows : first;
             assert_memory_equal( &rows, &first, sizeof( rows ) );
         }
@@ -231,14 +231,14 @@ static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
         made.weight[i] = i % 3 == 0 || i == 2 ? 1.0f : 0.0f;
     }
     rows = made;
-    wisp_strand_contact_job job = job_on( &rows, SHAPES + 1, true );
-    job.thickness = 0.0f;
-    widest_table()->strand_contact( &job, 0, 3 );
+    wisp_strand_contact_args args = job_on( &rows, SHAPES + 1, true );
+    args.thickness = 0.0f;
+    widest_table()->strand_contact( &args, 0, 3 );
     for ( int i = 0; i < LANES; ++i )
     {
         const wisp_vec3 p = lane_of( made.position, i ), now = lane_of( rows.position, i );
         wisp_surface_point s;
-        const bool known = wisp_shape_closest( SHAPES + 1, wisp_rigid_to_body( job.after, p ), &s );
+        const bool known = wisp_shape_closest( SHAPES + 1, wisp_transform_to_local( args.after, p ), &s );
         if ( made.weight[i] == 0.0f || known == false || s.distance > 1e-6f )
         {
             assert_memory_equal( &p, &now, sizeof( p ) );
@@ -252,17 +252,17 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
     static contact_rows made, rows;
     make_rows( &made );
     made.position[3] = NAN;
-    const wisp_kernels* tables[MOST_TABLES];
+    const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < 2 * count; ++t )
     {
         rows = made;
-        const wisp_strand_contact_job job = job_on( &rows, SHAPES + 1, true );
+        const wisp_strand_contact_args args = job_on( &rows, SHAPES + 1, true );
         wisp_strand_reach reach, empty;
-        tables[t / 2]->strand_contact_begin( &job, 2, t % 2 == 0, &reach );
-        tables[t / 2]->strand_contact_begin( &job, 1, t % 2 == 0, &empty );
-        assert_true( empty.low.x > empty.high.x );
-        wisp_vec3 low = { INFINITY, INFINITY, INFINITY };
+        tables[t / 2]->strand_contact_begin( &args, 2, t % 2 == 0, &reach );
+        tables[t / 2]->strand_contact_begin( &args, 1, t % 2 == 0, &empty );
+        assert_true( empty.lower.x > empty.upper.x );
+        wisp_vec3 lower = { INFINITY, INFINITY, INFINITY };
         double path = 0.0;
         for ( int i = 0; i < LANES; ++i )
         {
@@ -270,8 +270,8 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
             const bool inside = i >= GROUP_ROW[2] * WISP_LANES, held = made.pushed[i] > 0.0f || made.left[i] > 0.0f;
             if ( inside && made.weight[i] > 0.0f )
             {
-                low = ( wisp_vec3 ){ fminf( low.x, fminf( p.x, q.x ) ), fminf( low.y, fminf( p.y, q.y ) ),
-                                     fminf( low.z, fminf( p.z, q.z ) ) };
+                lower = ( wisp_vec3 ){ fminf( lower.x, fminf( p.x, q.x ) ), fminf( lower.y, fminf( p.y, q.y ) ),
+                                       fminf( lower.z, fminf( p.z, q.z ) ) };
                 const float d[3] = { p.x - q.x, p.y - q.y, p.z - q.z };
                 path = fmax( path, sqrt( (double)( d[0] * d[0] + d[1] * d[1] + d[2] * d[2] ) ) );
             }
@@ -280,7 +280,7 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
             assert_true( rows.left[i] == ( inside ? 0.0f : made.left[i] ) );
             assert_true( rows.pushed[i] == ( inside && t % 2 == 0 ? 0.0f : made.pushed[i] ) );
         }
-        assert_true( reach.low.x == low.x && reach.low.y == low.y && reach.low.z == low.z );
+        assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
         assert_near( (double)reach.path, path, 1e-7, "path", t );
     }
 }

@@ -72,7 +72,7 @@ static wisp_entity add_sheet( wisp_world* world, wisp_collider_def* def )
     test_mesh mesh = test_plane( 3, 1.0f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -1.0f, 0.0f, -1.0f } );
     *def = mesh_body( &mesh );
-    def->sheet = true;
+    def->double_sided = true;
     wisp_entity e = add_collider( world, def );
     test_mesh_free( &mesh );
     return e;
@@ -82,7 +82,7 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
 {
     (void)state;
     NEEDS_EMBREE();
-    wisp_quality result[2];
+    wisp_motion_stats result[2];
     for ( int k = 0; k < 2; ++k )
     {
         hosted* h = new_colliding( 4, 4, 1 );
@@ -91,13 +91,13 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
         for ( int n = 0; n < 300; ++n )
         {
             run_for( h->world, DT, 1 );
-            const wisp_collision_figures figures = collision_of( h->world, e );
+            const wisp_collision_stats stats = collision_of( h->world, e );
             // rounding in closed form; on a mesh also what a particle gains on the plane of a neighbouring face
-            assert_true( figures.penetration <= 0.05f * 0.0166f );
+            assert_true( stats.penetration <= 0.05f * 0.0166f );
         }
         assert_true( collision_of( h->world, e ).penetration <= 0.01f * 0.0166f );
         assert_true( collision_of( h->world, e ).contacts > 30 );
-        result[k] = quality_of( h->world, e );
+        result[k] = motion_stats_of( h->world, e );
         free_colliding( h );
     }
     // faces of the mesh lie up to 0.3 (1 - cos( 90 / 32 degrees )), 4e-4 m, inside the ball; cloth folds as it likes
@@ -121,7 +121,7 @@ static void results_on_a_mesh_scale_with_the_scene( void** state )
         run_for( h->world, DT, 90 );
         assert_true( collision_of( h->world, e ).contacts > 20 );
         assert_true( collision_of( h->world, e ).penetration <= 0.01f * 0.0178f * scales[k] );
-        height[k] = quality_of( h->world, e ).centre[1] / (double)scales[k];
+        height[k] = motion_stats_of( h->world, e ).centre[1] / (double)scales[k];
         free_colliding( h );
     }
     assert_near( height[1], height[0], 0.01 );
@@ -152,7 +152,7 @@ static void a_particle_at_100_m_s_does_not_tunnel_through_a_sheet( void** state 
             }
         }
         assert_true( collision_of( h->world, e ).penetration < 1e-6f );
-        assert_true( quality_of( h->world, e ).speed_max < 1e-3 );
+        assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
     }
 }
 
@@ -161,18 +161,18 @@ static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
     NEEDS_EMBREE();
     hosted* h = *state;
     wisp_collider_def def;
-    wisp_entity sheet = add_sheet( h->world, &def );
+    wisp_entity double_sided = add_sheet( h->world, &def );
     wisp_entity e = add_cloth( h->world, 7, 0.6f, ( wisp_vec3 ){ 0.03f, 0.7f, 0.02f }, 0.0f );
     for ( int n = 1; n <= 5; ++n )
     {
         // turning as it goes
-        const wisp_rigid pose = { about_z( 0.05 * n ), { 0.0f, 100.0f * DT * (float)n, 0.0f } };
-        assert_int_equal( wisp_move_collider( h->world, sheet, pose ), WISP_OK );
+        const wisp_transform pose = { about_z( 0.05 * n ), { 0.0f, 100.0f * DT * (float)n, 0.0f } };
+        assert_int_equal( wisp_move_collider( h->world, double_sided, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
         const wisp_view view = view_of( h->world, e, WISP_SURFACE_POINTS );
         for ( int v = 0; v < view.count; ++v )
         {
-            assert_true( wisp_rigid_to_body( pose, ( (const wisp_vec3*)view.data )[v] ).y > 0.0f );
+            assert_true( wisp_transform_to_local( pose, ( (const wisp_vec3*)view.data )[v] ).y > 0.0f );
         }
     }
 }
@@ -215,7 +215,7 @@ static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
     float edge = 0.03f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
     run_for( h->world, DT, 240 );
     assert_true( collision_of( h->world, e ).penetration < 0.1f * edge );
-    const wisp_quality q = quality_of( h->world, e );
+    const wisp_motion_stats q = motion_stats_of( h->world, e );
     // no faster than it is moved out, ten edges a second
     assert_true( fabs( q.momentum[1] ) / q.mass < 10.0 * (double)edge );
     assert_true( q.centre[1] > 0.2 && q.centre[1] < 2.0 );
@@ -234,12 +234,12 @@ static void a_mesh_that_moves_is_answered_in_its_own_frame( void** state )
         wisp_entity e = add_cloth( h->world, 9, 0.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
         for ( int n = 1; n <= 60; ++n )
         {
-            const wisp_rigid pose = { about_z( 0.004 * n ), { 0.0f, 0.02f * (float)n, 0.0f } };
+            const wisp_transform pose = { about_z( 0.004 * n ), { 0.0f, 0.02f * (float)n, 0.0f } };
             assert_int_equal( wisp_move_collider( h->world, ball, pose ), WISP_OK );
             run_for( h->world, DT, 1 );
             assert_true( collision_of( h->world, e ).penetration < 0.05f * 0.0142f );
         }
-        height[k] = quality_of( h->world, e ).centre[1];
+        height[k] = motion_stats_of( h->world, e ).centre[1];
         assert_true( height[k] > 1.2 );
         free_colliding( h );
     }
@@ -259,7 +259,7 @@ static void any_number_of_workers_gives_the_same_bits_on_a_mesh( void** state )
         wisp_entity e = add_cloth( h->world, 33, 0.9f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
         for ( int n = 1; n <= 40; ++n )
         {
-            const wisp_rigid pose = { about_z( 0.03 * n ), { 0.005f * (float)n, 0.0f, 0.0f } };
+            const wisp_transform pose = { about_z( 0.03 * n ), { 0.005f * (float)n, 0.0f, 0.0f } };
             assert_int_equal( wisp_move_collider( h->world, ball, pose ), WISP_OK );
             run_for( h->world, DT, 1 );
         }
@@ -287,7 +287,7 @@ static void trees_go_with_their_bodies( void** state )
         assert_int_equal( wisp_remove( h->world, ball ), WISP_OK );
     }
     run_for( h->world, DT, 60 );
-    assert_true( quality_of( h->world, e ).centre[1] < -1.0 );
+    assert_true( motion_stats_of( h->world, e ).centre[1] < -1.0 );
     add_ball( h->world, true, 1.0f ); // and what is left goes with the world
 }
 
@@ -297,7 +297,7 @@ static void assert_refused( wisp_world* world, const wisp_collider_def* def, con
     size_t before = wisp_world_memory( world );
     assert_int_equal( wisp_add_collider( world, def, &e ), WISP_BAD_INPUT );
     assert_int_equal( e.index, 0 );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     if ( strstr( wisp_world_message( world ), word ) == NULL )
     {
         fail_msg( "no '%s' in: %s", word, wisp_world_message( world ) );

@@ -21,7 +21,7 @@ static void each_closed_form_is_sensed_where_it_stands( void** state )
     {
         hosted* h = new_world( 1, 1 );
         wisp_collider_def body = body_of( (wisp_collider_kind)kind );
-        body.pose = ( wisp_rigid ){ about_z( 1.2 ), { 0.1f, 0.5f, -0.1f } };
+        body.pose = ( wisp_transform ){ about_z( 1.2 ), { 0.1f, 0.5f, -0.1f } };
         add_collider( h->world, &body );
         const wisp_vec3 a = cases[kind].at, n = cases[kind].normal;
         const wisp_entity e =
@@ -38,7 +38,7 @@ static void each_closed_form_is_sensed_where_it_stands( void** state )
     }
 }
 
-static void margin_and_friction_are_those_of_guest_and_body( void** state )
+static void margin_and_friction_are_those_of_participant_and_body( void** state )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -49,7 +49,7 @@ static void margin_and_friction_are_those_of_guest_and_body( void** state )
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.025f, 0.0f } );
     wisp_collision_def def = thin();
     def.friction = 0.5f;
-    def.recovery_speed = 3.0f;
+    def.max_push_out_speed = 3.0f;
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
     const sensed t = sense( h->world, e );
     assert_true( t.margin == MARGIN + 0.01f );
@@ -95,7 +95,7 @@ static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state 
     assert_near( touch_of( h->world, near, 0, 0 ).gap, 0.019, 2e-7 );
     assert_near( touch_of( h->world, leaves, 0, 0 ).gap, 0.05, 2e-7 );
     assert_int_equal( touch_of( h->world, stays, 0, 0 ).body, 0 );
-    const wisp_rigid away = { box.pose.rotation, collision_add_scaled( none, -0.04f, out ) };
+    const wisp_transform away = { box.pose.rotation, collision_add_scaled( none, -0.04f, out ) };
     assert_int_equal( wisp_move_collider( h->world, body, away ), WISP_OK );
     run_for( h->world, DT, 1 );
     assert_near( touch_of( h->world, stays, 0, 0 ).gap, 0.05, 2e-7 );
@@ -136,7 +136,7 @@ static void what_starts_inside_is_told_how_deep_it_is( void** state )
         add_collider( h->world, &body );
         const wisp_entity e = add_probe( h->world, cases[kind].at );
         wisp_collision_def def = thin();
-        def.recovery_speed = 0.7f;
+        def.max_push_out_speed = 0.7f;
         assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
         const sensed t = sense( h->world, e );
         const wisp_vec3 n = cases[kind].normal;
@@ -158,9 +158,9 @@ static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
     wisp_collider_def box = body_of( WISP_COLLIDER_BOX );
     wisp_entity body = add_collider( h->world, &box );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.1f, 0.215f, 0.05f } );
-    const wisp_rigid pose = { about_z( omega * (double)DT ),
-                              { (float)( v[0] * (double)DT ), (float)( v[1] * (double)DT ),
-                                (float)( v[2] * (double)DT ) } };
+    const wisp_transform pose = { about_z( omega * (double)DT ),
+                                  { (float)( v[0] * (double)DT ), (float)( v[1] * (double)DT ),
+                                    (float)( v[2] * (double)DT ) } };
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
     const sensed t = sense( h->world, e );
     // the last substep begins with the body at three quarters of its way
@@ -189,7 +189,7 @@ static void a_body_at_100_m_s_is_sensed_before_it_arrives( void** state )
     plate.pose.translation.y = -1.0f;
     wisp_entity body = add_collider( h->world, &plate );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
-    const wisp_rigid pose = { plate.pose.rotation, { 0.0f, -1.0f + 100.0f * DT, 0.0f } };
+    const wisp_transform pose = { plate.pose.rotation, { 0.0f, -1.0f + 100.0f * DT, 0.0f } };
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
     const sensed t = sense( h->world, e );
     assert_near( t.gap, 0.998, 1e-6 );
@@ -306,7 +306,8 @@ static void pinned_particles_and_those_that_are_no_numbers_sense_nothing( void**
 static wisp_entity add_wall( wisp_world* world, double angle, float gap )
 {
     wisp_collider_def wall = body_of( WISP_COLLIDER_PLANE );
-    wall.pose = ( wisp_rigid ){ about_z( angle ), { gap * (float)sin( angle ), -gap * (float)cos( angle ), 0.0f } };
+    wall.pose =
+        ( wisp_transform ){ about_z( angle ), { gap * (float)sin( angle ), -gap * (float)cos( angle ), 0.0f } };
     return add_collider( world, &wall );
 }
 
@@ -370,7 +371,7 @@ static void a_thick_body_that_touches_counts_before_a_thin_one_that_is_nearer( v
     add_wall( h->world, 1.0, 0.012f );
     wisp_collider_def thick = body_of( WISP_COLLIDER_PLANE );
     thick.thickness = 0.05f;
-    thick.pose = ( wisp_rigid ){ about_z( 3.0 ), { 0.0f, 0.015f, 0.0f } };
+    thick.pose = ( wisp_transform ){ about_z( 3.0 ), { 0.0f, 0.015f, 0.0f } };
     add_collider( h->world, &thick );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     assert_true( sense( h->world, e ).margin == MARGIN + 0.05f );
@@ -414,7 +415,7 @@ static void a_body_in_the_place_of_a_removed_one_has_another_name( void** state 
 static void a_mesh_is_sensed_as_the_ball_it_stands_for( void** state )
 {
     hosted* h = *state;
-    if ( add_mesh( h->world, false, ( wisp_rigid ){ about_z( 1.2 ), { 0.5f, 0.0f, 0.0f } } ) == false )
+    if ( add_mesh( h->world, false, ( wisp_transform ){ about_z( 1.2 ), { 0.5f, 0.0f, 0.0f } } ) == false )
     {
         skip();
     }
@@ -457,7 +458,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( each_closed_form_is_sensed_where_it_stands ),
-        SENSE_TEST( margin_and_friction_are_those_of_guest_and_body ),
+        SENSE_TEST( margin_and_friction_are_those_of_participant_and_body ),
         SENSE_TEST( what_is_beyond_margin_and_path_is_not_sensed ),
         SENSE_TEST( what_parts_from_a_corner_is_sensed_as_far_as_its_path ),
         SENSE_TEST( gravity_counts_in_the_path ),

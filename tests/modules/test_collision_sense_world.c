@@ -3,7 +3,7 @@
 
 // ---- figures ----
 
-static void figures_tell_depth_behind_the_surface_and_count_within_the_margin( void** state )
+static void stats_tell_depth_behind_the_surface_and_count_within_the_margin( void** state )
 {
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
@@ -20,9 +20,9 @@ static void figures_tell_depth_behind_the_surface_and_count_within_the_margin( v
     give_solver( h->world, e );
     const wisp_collision_def def = thin();
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     run_for( h->world, DT, 1 );
-    wisp_collision_figures f = collision_of( h->world, e );
+    wisp_collision_stats f = collision_of( h->world, e );
     assert_near( f.penetration, 0.035, 1e-8 );
     assert_true( f.thickness == MARGIN + 0.01f );
     assert_int_equal( f.vertex, 0 );
@@ -34,8 +34,8 @@ static void figures_tell_depth_behind_the_surface_and_count_within_the_margin( v
     assert_true( f.penetration == 0.0f );
     assert_int_equal( f.vertex, -1 );
     assert_int_equal( f.contacts, 3 * 9 );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
-    assert_false( is_planned( h->world, "collision.touch_figures" ) );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
+    assert_false( is_planned( h->world, "collision.touch_stats" ) );
 }
 
 // ---- plans ----
@@ -51,7 +51,7 @@ static void calls_in_either_order_give_the_same_plan( void** state )
     test_mesh_free( &mesh );
     const wisp_collision_def def = thin();
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     assert_true( is_planned( h->world, "collision.find" ) );
     assert_false( is_planned( h->world, "collision.sense" ) );
     run_for( h->world, DT, 1 ); // which pushes it out of the margin
@@ -62,7 +62,7 @@ static void calls_in_either_order_give_the_same_plan( void** state )
         // contacts of ours lie idle until somebody calls again
         assert_true( wisp_world_has( h->world, e, collision->contact ) == ( again == 0 ) );
         assert_true( is_planned( h->world, "collision.sense" ) );
-        assert_true( is_planned( h->world, "collision.touch_figures" ) );
+        assert_true( is_planned( h->world, "collision.touch_stats" ) );
         assert_false( is_planned( h->world, "collision.find" ) );
         assert_false( is_planned( h->world, "collision.project" ) );
         assert_false( is_planned( h->world, "collision.figures" ) );
@@ -77,7 +77,7 @@ static void nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies( void** stat
     hosted* h = *state;
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     const int bare = wisp_world_plan_passes( h->world );
     assert_false( is_planned( h->world, "collision.sense" ) );
     wisp_entity body = add_collider( h->world, &plane );
@@ -139,7 +139,7 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     def = body_of( WISP_COLLIDER_PLANE );
     def.pose.translation.y = -0.1f;
     add_collider( world, &def );
-    add_mesh( world, false, ( wisp_rigid ){ about_z( 0.3 ), { 0.0f, 0.0f, -0.6f } } );
+    add_mesh( world, false, ( wisp_transform ){ about_z( 0.3 ), { 0.0f, 0.0f, -0.6f } } );
     test_mesh mesh = test_plane( 40, 0.035f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -0.7f, 0.35f, -0.7f } );
     wisp_entity e = add_surface( world, &mesh );
@@ -147,7 +147,7 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     give_solver( world, e );
     const wisp_collision_def collision = thin();
     assert_int_equal( wisp_set_collision( world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_want_collision_figures( world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
     give_velocity( world, e, 0.1f, -2.0f, 0.05f );
     give_gravity( world, e, 9.8f );
     return e;
@@ -157,7 +157,7 @@ static void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
 {
     for ( int n = from; n < to; ++n )
     {
-        const wisp_rigid pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
+        const wisp_transform pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
         assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
         run_for( world, DT, 1 );
     }
@@ -210,7 +210,7 @@ static void a_particle_senses_the_same_alone_and_among_others( void** state )
         run_busy( h->world, ball, n, n + 1 );
         for ( int k = 0; k < 10; ++k )
         {
-            for ( int t = 0; t < WISP_TOUCHES; ++t )
+            for ( int t = 0; t < WISP_MAX_PARTICLE_CONTACTS; ++t )
             {
                 const sensed a = touch_of( h->world, alone[k], 0, t ), b = touch_of( h->world, many, 160 * k + 7, t );
                 assert_memory_equal( &a, &b, sizeof( a ) );
@@ -227,15 +227,15 @@ static void a_warm_step_allocates_nothing( void** state )
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 5 );
-    const int64_t asked = atomic_load( &h->host.asked );
+    const int64_t queried = atomic_load( &h->host.queried );
     run_busy( h->world, ball, 5, 20 );
-    assert_int_equal( atomic_load( &h->host.asked ), asked );
+    assert_int_equal( atomic_load( &h->host.queried ), queried );
 }
 
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        SENSE_TEST( figures_tell_depth_behind_the_surface_and_count_within_the_margin ),
+        SENSE_TEST( stats_tell_depth_behind_the_surface_and_count_within_the_margin ),
         SENSE_TEST( calls_in_either_order_give_the_same_plan ),
         SENSE_TEST( nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies ),
         SENSE_TEST( without_memory_a_call_changes_nothing ),

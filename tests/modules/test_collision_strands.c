@@ -68,8 +68,8 @@ static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wi
     {
         fail_msg( "no hair: %s", wisp_world_message( world ) );
     }
-    assert_int_equal( wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want_collision_figures( world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( world, e, true ), WISP_OK );
     return e;
 }
 
@@ -179,7 +179,7 @@ static void strands_that_fall_on_a_body_rest_outside( void** state )
         add_collider( h->world, &body );
         wisp_entity e = add_fringe( h->world );
         run_for( h->world, DT, 180 );
-        const wisp_collision_figures f = collision_of( h->world, e );
+        const wisp_collision_stats f = collision_of( h->world, e );
         print_message( "kind %d: %d contacts, %.3f of a segment deep, %.2g m/s\n", kind, f.contacts,
                        (double)( f.penetration / SEGMENT ), fastest( h->world, e ) );
         assert_true( f.contacts >= 40 );
@@ -256,11 +256,11 @@ static void friction_holds_a_strand_below_its_angle_alone( void** state )
 
 // ---- bodies that move ----
 
-static wisp_rigid shaken( int n )
+static wisp_transform shaken( int n )
 {
     const double t = (double)n / 60.0;
-    return ( wisp_rigid ){ about_z( 0.5 * sin( 9.0 * t ) ),
-                           { (float)( 0.15 * sin( 7.0 * t ) ), (float)( 0.05 * sin( 11.0 * t ) ), 0.0f } };
+    return ( wisp_transform ){ about_z( 0.5 * sin( 9.0 * t ) ),
+                               { (float)( 0.15 * sin( 7.0 * t ) ), (float)( 0.05 * sin( 11.0 * t ) ), 0.0f } };
 }
 
 static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch, bool as_mesh )
@@ -389,7 +389,7 @@ static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state 
 
 // ---- the same bits ----
 
-static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_figures* figures )
+static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats )
 {
     hosted* h = new_hair_world( w );
     const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
@@ -404,15 +404,15 @@ static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_figures* figu
     wisp_entity e = add_head_of_hair( h->world, 150 );
     for ( int n = 1; n <= 30; ++n )
     {
-        wisp_rigid beside = shaken( 2 * n );
+        wisp_transform beside = shaken( 2 * n );
         beside.translation.z += 0.2f;
         assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
         assert_true( has_embree == false || wisp_move_collider( h->world, mesh, beside ) == WISP_OK );
         assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
         run_for( h->world, DT, 1 );
     }
-    *figures = collision_of( h->world, e );
-    assert_true( figures->contacts > 100 && figures->vertex >= 0 );
+    *stats = collision_of( h->world, e );
+    assert_true( stats->contacts > 100 && stats->vertex >= 0 );
     uint64_t hash = wisp_world_hash( h->world );
     free_colliding( h );
     return hash;
@@ -424,7 +424,7 @@ static void workers_and_instruction_sets_give_the_same_bits( void** state )
     const hair_world worlds[] = {
         { 4, 2, 1, NULL }, { 4, 2, 2, NULL }, { 4, 2, 3, NULL }, { 4, 2, 5, NULL }, { 4, 2, 2, "baseline" }
     };
-    wisp_collision_figures first, now;
+    wisp_collision_stats first, now;
     const uint64_t expected = hash_of_a_busy_scene( worlds[0], &first );
     for ( int k = 1; k < WISP_COUNT( worlds ); ++k )
     {
@@ -439,15 +439,15 @@ static void a_warm_step_allocates_nothing( void** state )
     const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
     wisp_entity head = add_collider( h->world, &ball );
     wisp_entity e = add_head_of_hair( h->world, 40 );
-    int64_t asked = 0;
+    int64_t queried = 0;
     for ( int n = 1; n <= 20; ++n )
     {
-        asked = n == 5 ? atomic_load( &h->host.asked ) : asked;
+        queried = n == 5 ? atomic_load( &h->host.queried ) : queried;
         assert_int_equal( wisp_move_collider( h->world, head, shaken( n ) ), WISP_OK );
         assert_int_equal( wisp_move_strand_head( h->world, e, shaken( n ) ), WISP_OK );
         run_for( h->world, DT, 1 );
     }
-    assert_int_equal( atomic_load( &h->host.asked ), asked );
+    assert_int_equal( atomic_load( &h->host.queried ), queried );
 }
 
 // ---- the plan, and refusals ----
@@ -477,7 +477,7 @@ static void contact_comes_before_lengths_in_the_item_loop( void** state )
     plan_lines found = { 0 };
     assert_int_equal( wisp_world_plan( h->world, read_plan_line, &found ), WISP_OK );
     assert_true( found.in_item_loop && found.before_stretch && found.seen_stretch );
-    assert_int_equal( wisp_want_collision_figures( h->world, e, false ), WISP_OK );
+    assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
     assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare );
@@ -505,7 +505,7 @@ static void layers_and_pins_are_kept( void** state )
     assert_int_equal( collision_of( h->world, e ).vertex, -1 );
 }
 
-static void strands_that_cannot_collide_are_refused_with_a_sentence( void** state )
+static void strands_that_cannot_collide_are_refused_with_a_message( void** state )
 {
     hosted* h = *state;
     wisp_entity still = test_add_strands( h->world, 3, 5 );
@@ -513,17 +513,17 @@ static void strands_that_cannot_collide_are_refused_with_a_sentence( void** stat
                       WISP_OK ); // it moves, but has no weights
     wisp_collision_def collision = wisp_default_collision_def();
     assert_int_equal( wisp_set_collision( h->world, still, &collision ), WISP_CONFLICT );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
     assert_non_null( strstr( wisp_world_message( h->world ), "dynamics" ) );
-    wisp_collision_figures figures;
-    assert_int_equal( wisp_read_collision_figures( h->world, still, &figures ), WISP_CONFLICT );
+    wisp_collision_stats stats;
+    assert_int_equal( wisp_read_collision_stats( h->world, still, &stats ), WISP_CONFLICT );
     wisp_entity e = add_fringe( h->world );
     uint64_t before = wisp_world_hash( h->world );
     collision.thickness = -1.0f;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );
     collision = wisp_default_collision_def();
-    collision.recovery_speed = NAN;
+    collision.max_push_out_speed = NAN;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     assert_int_equal( wisp_world_hash( h->world ), before );
     assert_int_equal( wisp_remove( h->world, e ), WISP_OK );
@@ -544,7 +544,7 @@ int main( void )
         HAIR_TEST( a_warm_step_allocates_nothing ),
         HAIR_TEST( contact_comes_before_lengths_in_the_item_loop ),
         HAIR_TEST( layers_and_pins_are_kept ),
-        HAIR_TEST( strands_that_cannot_collide_are_refused_with_a_sentence ),
+        HAIR_TEST( strands_that_cannot_collide_are_refused_with_a_message ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -63,19 +63,19 @@ static bool has_trees( void )
 // What a run leaves behind: the contacts after each step, and the bits of the cloth at the end.
 typedef struct trace
 {
-    wisp_collision_figures figures[STEPS];
+    wisp_collision_stats stats[STEPS];
     wisp_vec3 points[21 * 21];
 } trace;
 
 // Cloth falls on a body that moves and turns.
-static trace* run( search how, bool sheet, int workers )
+static trace* run( search how, bool double_sided, int workers )
 {
     trace* t = calloc( 1, sizeof( trace ) );
     assert_non_null( t );
     hosted* h = new_colliding( 2, 2, workers );
     test_mesh ball = make_bumpy_ball();
     wisp_collider_def body = mesh_body( &ball, how );
-    body.sheet = sheet;
+    body.double_sided = double_sided;
     wisp_entity collider = add_collider( h->world, &body );
     test_mesh_free( &ball );
 
@@ -90,10 +90,10 @@ static trace* run( search how, bool sheet, int workers )
 
     for ( int n = 0; n < STEPS; ++n )
     {
-        const wisp_rigid pose = { about_z( 0.02 * n ), { 0.002f * (float)n, 0.001f * (float)n, 0.0f } };
+        const wisp_transform pose = { about_z( 0.02 * n ), { 0.002f * (float)n, 0.001f * (float)n, 0.0f } };
         assert_int_equal( wisp_move_collider( h->world, collider, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
-        t->figures[n] = collision_of( h->world, e );
+        t->stats[n] = collision_of( h->world, e );
     }
     const wisp_view view = view_of( h->world, e, WISP_SURFACE_POINTS );
     assert_int_equal( view.count, WISP_COUNT( t->points ) );
@@ -104,13 +104,13 @@ static trace* run( search how, bool sheet, int workers )
 
 static void assert_same( const trace* expected, trace* found )
 {
-    assert_true( expected->figures[STEPS - 1].contacts > 50 );
+    assert_true( expected->stats[STEPS - 1].contacts > 50 );
     for ( int n = 0; n < STEPS; ++n )
     {
-        assert_int_equal( found->figures[n].contacts, expected->figures[n].contacts );
-        assert_int_equal( found->figures[n].vertex, expected->figures[n].vertex );
-        assert_true( found->figures[n].penetration == expected->figures[n].penetration );
-        assert_int_equal( found->figures[n].dropped, expected->figures[n].dropped );
+        assert_int_equal( found->stats[n].contacts, expected->stats[n].contacts );
+        assert_int_equal( found->stats[n].vertex, expected->stats[n].vertex );
+        assert_true( found->stats[n].penetration == expected->stats[n].penetration );
+        assert_int_equal( found->stats[n].dropped, expected->stats[n].dropped );
     }
     assert_memory_equal( found->points, expected->points, sizeof( found->points ) );
     free( found );
@@ -119,11 +119,11 @@ static void assert_same( const trace* expected, trace* found )
 static void cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force( void** state )
 {
     (void)state;
-    for ( int sheet = 0; sheet < 2; ++sheet )
+    for ( int double_sided = 0; double_sided < 2; ++double_sided )
     {
-        trace* expected = run( BRUTE_FORCE, sheet == 1, 1 );
-        assert_same( expected, run( VOXELS, sheet == 1, 1 ) );
-        assert_same( expected, run( FINE_VOXELS, sheet == 1, 1 ) );
+        trace* expected = run( BRUTE_FORCE, double_sided == 1, 1 );
+        assert_same( expected, run( VOXELS, double_sided == 1, 1 ) );
+        assert_same( expected, run( FINE_VOXELS, double_sided == 1, 1 ) );
         free( expected );
     }
 }

@@ -24,9 +24,10 @@ static void assert_close( double a, double b, double tolerance )
     }
 }
 
-static double random_between( int n, int m, double low, double high )
+static double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 21, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 21, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static double3 random_vector( int n, int m )
@@ -254,9 +255,9 @@ static void a_stretched_pair_returns_to_its_length_and_moves_in_ratio_of_inverse
         constraint_oracle_skips skips = { { 0 } };
         constraint_oracle_term term = constraint_oracle_distance( p[0], p[1], 1.0 );
         constraint_oracle_project( &term, four, ratio[n], 1.0, p, &skips );
-        double share = ratio[n][0] / ( ratio[n][0] + ratio[n][1] );
-        assert_close( p[0].x, 0.5 * share, 1e-15 );
-        assert_close( p[1].x, 1.5 - 0.5 * ( 1.0 - share ), 1e-15 );
+        double fraction = ratio[n][0] / ( ratio[n][0] + ratio[n][1] );
+        assert_close( p[0].x, 0.5 * fraction, 1e-15 );
+        assert_close( p[1].x, 1.5 - 0.5 * ( 1.0 - fraction ), 1e-15 );
         assert_close( double3_distance( p[0], p[1] ), 1.0, 1e-15 );
     }
 }

@@ -1,5 +1,5 @@
 // The law of contact between two small bodies, against the oracle, and what a definition says: friction, recovery, gaps,
-// layers, the own surface, pins, guests that come, go and are halted.
+// layers, the own surface, pins, participants that come, go and are halted.
 #include "contact_fixture.h"
 
 #include "oracle/contact_oracle.h"
@@ -40,7 +40,8 @@ static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
     open_contact( &m->h, 1, iterations, 1 );
     wisp_world* w = m->h.world;
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.guard = false; // bodies of one triangle turn about: it would cut what the law has already answered
+    settings.displacement_limit =
+        false; // bodies of one triangle turn about: it would cut what the law has already answered
     assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
     const float height = THICK * test_random_float( n, 1, 0.6f, 1.4f );
     test_mesh upper = is_edges ? three( ( wisp_vec3 ){ -0.5f, height, 0.0f }, ( wisp_vec3 ){ 0.5f, height, 0.0f },
@@ -55,12 +56,12 @@ static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
     m->body[0] = add_mesh( w, &upper, pins, n % 3 == 1 ? 1 : 0, 0.2f );
     m->body[1] = add_mesh( w, &lower, pins + 1, n % 3 == 2 ? 1 : 0, 0.4f );
     wisp_contact_def def = contact_of( THICK );
-    def.recovery_speed = 1e-9f; // the law alone
+    def.max_push_out_speed = 1e-9f; // the law alone
     def.friction = test_random_float( n, 4, 0.0f, 2.0f );
     set_contact( w, m->body[0], &def );
     def.friction *= 0.5f;
     set_contact( w, m->body[1], &def );
-    want_figures( w );
+    request_stats( w );
     for ( int v = 0; v < 3; ++v )
     {
         const bool is_held = n % 3 == 1 && v == pins[0];
@@ -125,15 +126,15 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
             const double off = double3_distance( from_floats( place_of( m.h.world, m.body[i / 3], i % 3 ) ), x[i] );
             assert_near( off, 0.0, 4e-6 );
         }
-        const wisp_contact_figures f = contact_figures( m.h.world );
+        const wisp_contact_stats f = contact_stats( m.h.world );
         assert_int_equal( f.contacts, c.lambda > 1e-9 ? 1 : 0 );
         double impulse[3];
         assert_status( m.h.world, wisp_read_contact_impulse( m.h.world, m.body[0], impulse ), WISP_OK );
-        const double3 wanted =
+        const double3 requested =
             double3_scale( 1.0 / (double)DT, double3_add( double3_scale( c.lambda, c.normal ), c.rubbed ) );
         const double3 got = double3_make( impulse[0], impulse[1], impulse[2] );
         // of a push of a rounding of places in a step, with the masses of these bodies
-        assert_near( double3_distance( got, wanted ), 0.0, 1e-4 );
+        assert_near( double3_distance( got, requested ), 0.0, 1e-4 );
         pushed += c.lambda > 0.0 ? 1 : 0;
         free += c.lambda == 0.0 ? 1 : 0;
         close_world( &m.h );
@@ -159,7 +160,7 @@ static void momentum_is_kept_and_forces_are_opposite( void** state )
         }
         run_steps( m.h.world, 1, DT );
         momentum_of( m.h.world, m.body, 2, after );
-        const wisp_contact_figures f = contact_figures( m.h.world );
+        const wisp_contact_stats f = contact_stats( m.h.world );
         for ( int b = 0; b < 2; ++b )
         {
             assert_status( m.h.world, wisp_read_contact_impulse( m.h.world, m.body[b], impulse[b] ), WISP_OK );
@@ -188,7 +189,7 @@ static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const w
     sheets[1] = add_draping( h->world, &b, NULL, 0, ( wisp_vec3 ){ 0 } );
     set_contact( h->world, sheets[0], lower );
     set_contact( h->world, sheets[1], upper );
-    want_figures( h->world );
+    request_stats( h->world );
 }
 
 // Gravity leans by an angle whose tangent is a share of mu. Below one it holds; above, m a = g (sin - mu cos).
@@ -225,14 +226,14 @@ static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state
     hosted h;
     wisp_entity sheets[2];
     wisp_contact_def def = contact_of( THICK );
-    def.recovery_speed = 0.125f;
+    def.max_push_out_speed = 0.125f;
     open_sheets( &h, sheets, 0.25f * THICK, &def, &def );
     for ( int i = 1; i <= 12; ++i )
     {
         run_steps( h.world, 1, DT );
         const double expected = fmin( 0.25 * (double)THICK + 0.125 * i * (double)DT, (double)THICK );
         assert_near( mean_of( h.world, sheets[1], 1 ), expected, 1e-5 );
-        assert_true( quality_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings of places over a substep
+        assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings of places over a substep
     }
     close_world( &h );
 }
@@ -255,12 +256,12 @@ static void resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_sti
             run_steps( h.world, 1, DT );
             assert_near( mean_of( h.world, sheets[1], 1 ), gap, 0.001 * gap );
             // a hundredth of what gravity gives in a step: what presses does not fall and rise
-            assert_true( quality_of( h.world, sheets[1] ).speed_max < 1e-3 );
+            assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-3 );
         }
-        const wisp_contact_figures f = contact_figures( h.world );
-        assert_near( (double)f.least_gap, 1.0, 1e-3 );
+        const wisp_contact_stats f = contact_stats( h.world );
+        assert_near( (double)f.min_gap, 1.0, 1e-3 );
         double impulse[3];
-        const double weight = quality_of( h.world, sheets[1] ).mass * 9.81;
+        const double weight = motion_stats_of( h.world, sheets[1] ).mass * 9.81;
         assert_status( h.world, wisp_read_contact_impulse( h.world, sheets[1], impulse ), WISP_OK );
         assert_near( impulse[1], weight * (double)DT, 0.01 * weight * (double)DT );
         close_world( &h );
@@ -311,7 +312,7 @@ static void layers_and_masks_say_who_meets( void** state )
     assert_true( falls_through( &on, &off ) );
 }
 
-// Two pieces of one surface, the upper one coming down.
+// Two primitives of one surface, the upper one coming down.
 static bool passes_itself( bool self )
 {
     hosted h;
@@ -374,11 +375,12 @@ static void pins_push_and_are_not_pushed( void** state )
         assert_true( mean_of( h.world, sheets[1], 1 ) > (double)targets[0].y + 0.99 * (double)THICK );
     }
     // it goes on as fast as it was pushed: nothing bounces
-    assert_near( quality_of( h.world, sheets[1] ).momentum[1] / quality_of( h.world, sheets[1] ).mass, 0.5, 0.01 );
+    assert_near( motion_stats_of( h.world, sheets[1] ).momentum[1] / motion_stats_of( h.world, sheets[1] ).mass, 0.5,
+                 0.01 );
     close_world( &h );
 }
 
-// ---- guests come and go ----
+// ---- participants come and go ----
 
 // A sheet that rests on another.
 static void open_resting( hosted* h, wisp_entity sheets[2] )
@@ -398,7 +400,7 @@ static void assert_free_fall( hosted* h, wisp_entity e )
     assert_near( start - mean_of( h->world, e, 1 ), 0.196, 0.01 );
 }
 
-static void what_lay_on_a_guest_falls_when_that_is_removed_or_leaves( void** state )
+static void what_lay_on_a_participant_falls_when_that_is_removed_or_leaves( void** state )
 {
     (void)state;
     for ( int way = 0; way < 3; ++way )
@@ -414,7 +416,7 @@ static void what_lay_on_a_guest_falls_when_that_is_removed_or_leaves( void** sta
                                   : wisp_set_contact( h.world, sheets[0], &off ),
                        WISP_OK );
         assert_free_fall( &h, sheets[1] );
-        assert_int_equal( contact_figures( h.world ).guests, 1 );
+        assert_int_equal( contact_stats( h.world ).participants, 1 );
         assert_status( h.world, wisp_unset_contact( h.world, sheets[1] ), WISP_OK );
         run_steps( h.world, 1, DT );
         assert_int_equal( count_passes_named( h.world, "contact.push" ), 0 );
@@ -423,7 +425,7 @@ static void what_lay_on_a_guest_falls_when_that_is_removed_or_leaves( void** sta
     }
 }
 
-static void a_guest_that_comes_later_is_met( void** state )
+static void a_participant_that_comes_later_is_met( void** state )
 {
     (void)state;
     hosted h;
@@ -437,7 +439,7 @@ static void a_guest_that_comes_later_is_met( void** state )
     run_steps( h.world, 100, DT );
     assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
     assert_near( mean_of( h.world, third, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
-    assert_int_equal( contact_figures( h.world ).guests, 3 );
+    assert_int_equal( contact_stats( h.world ).participants, 3 );
     close_world( &h );
 }
 
@@ -465,7 +467,7 @@ static void instances_meet_like_all_others( void** state )
 }
 
 // The middle one of three that fall is halted; what falls on it lies there, and when it takes part again it falls itself.
-static void a_halted_guest_stands_and_is_met_again_when_it_is_resumed( void** state )
+static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( void** state )
 {
     (void)state;
     hosted h;
@@ -494,8 +496,8 @@ static void a_halted_guest_stands_and_is_met_again_when_it_is_resumed( void** st
     close_world( &h );
 }
 
-// A number that goes wrong in the middle of a step stays with its guest, also where another lies on it.
-static void what_goes_wrong_in_a_guest_reaches_no_other( void** state )
+// A number that goes wrong in the middle of a step stays with its participant, also where another lies on it.
+static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
 {
     (void)state;
     hosted h;
@@ -517,7 +519,7 @@ static void what_goes_wrong_in_a_guest_reaches_no_other( void** state )
 }
 
 // Thicker than its edges are long, a sheet is pushed apart nowhere: it keeps what it has at rest. Bent round, it does not.
-static void a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
+static void a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
 {
     (void)state;
     for ( int bent = 0; bent < 2; ++bent )
@@ -540,7 +542,7 @@ static void a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still( void*
         }
         const wisp_contact_def def = contact_of( 0.12f );
         set_contact( h.world, e, &def );
-        want_figures( h.world );
+        request_stats( h.world );
         double most = 0.0;
         for ( int step = 0; step < 10; ++step )
         {
@@ -551,7 +553,7 @@ static void a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still( void*
             const float* at = place_of( h.world, e, v );
             most = fmax( most, fabs( (double)( at[1] - before[v][1] ) ) );
         }
-        assert_true( bent == 0 ? most < 1e-6 && contact_figures( h.world ).contacts == 0 : most > 0.01 );
+        assert_true( bent == 0 ? most < 1e-6 && contact_stats( h.world ).contacts == 0 : most > 0.01 );
         close_world( &h );
     }
 }
@@ -565,14 +567,14 @@ int main( void )
         cmocka_unit_test( what_is_too_near_is_parted_slowly_and_gets_no_velocity ),
         cmocka_unit_test( resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still ),
         cmocka_unit_test( layers_and_masks_say_who_meets ),
-        cmocka_unit_test( a_guest_that_is_thinner_at_rest_than_its_thickness_lies_still ),
+        cmocka_unit_test( a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still ),
         cmocka_unit_test( a_surface_meets_itself_unless_told_not_to ),
         cmocka_unit_test( pins_push_and_are_not_pushed ),
-        cmocka_unit_test( what_lay_on_a_guest_falls_when_that_is_removed_or_leaves ),
-        cmocka_unit_test( a_guest_that_comes_later_is_met ),
+        cmocka_unit_test( what_lay_on_a_participant_falls_when_that_is_removed_or_leaves ),
+        cmocka_unit_test( a_participant_that_comes_later_is_met ),
         cmocka_unit_test( instances_meet_like_all_others ),
-        cmocka_unit_test( a_halted_guest_stands_and_is_met_again_when_it_is_resumed ),
-        cmocka_unit_test( what_goes_wrong_in_a_guest_reaches_no_other ),
+        cmocka_unit_test( a_halted_participant_stands_and_is_met_again_when_it_is_resumed ),
+        cmocka_unit_test( what_goes_wrong_in_a_participant_reaches_no_other ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -50,7 +50,7 @@ static void open_pressed( pressed* p, int start, float gravity, int level )
                                k == 2 ? 1.0f : ( k == 3 ? -1.0f : 0.0f ) };
         add_floor( p->h.world, ( wisp_vec3 ){ 0.0f, -1.1f * RADIUS * up.y, -1.1f * RADIUS * up.z }, up );
     }
-    want_figures( p->h.world );
+    request_stats( p->h.world );
 }
 
 static double deepest_overlap( wisp_world* world, const wisp_entity b[2] )
@@ -77,14 +77,14 @@ typedef struct patch
 
 static patch patch_of( wisp_world* world, const wisp_entity b[2] )
 {
-    double centre[3], along[3], length = 0.0, low = INFINITY, high = -INFINITY;
+    double centre[3], along[3], length = 0.0, lower = INFINITY, upper = -INFINITY;
     for ( int k = 0; k < 3; ++k )
     {
         centre[k] = mean_of( world, b[0], k );
         along[k] = mean_of( world, b[1], k ) - centre[k];
         length = hypot( length, along[k] );
     }
-    const double ball = cbrt( 3.0 * quality_of( world, b[0] ).volume / ( 4.0 * 3.14159265 ) );
+    const double ball = cbrt( 3.0 * motion_stats_of( world, b[0] ).volume / ( 4.0 * 3.14159265 ) );
     patch p = { .radius = 0.6 * sqrt( fmax( 0.0, ball * ball - 0.25 * length * length ) ) };
     for ( int v = 0; v < wisp_world_fabric( world, b[0] )->vertex_count; ++v )
     {
@@ -99,11 +99,11 @@ static patch patch_of( wisp_world* world, const wisp_entity b[2] )
         if ( height > 0.0 && squared - height * height < p.radius * p.radius )
         {
             p.count += 1;
-            low = fmin( low, height );
-            high = fmax( high, height );
+            lower = fmin( lower, height );
+            upper = fmax( upper, height );
         }
     }
-    p.spread = high - low;
+    p.spread = upper - lower;
     return p;
 }
 
@@ -117,12 +117,12 @@ static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
         for ( int s = 0; s < 9; ++s )
         {
             run_steps( p.h.world, 10, FRAME );
-            const wisp_contact_figures f = contact_figures( p.h.world );
-            assert_int_equal( f.crossings, 0 );
+            const wisp_contact_stats f = contact_stats( p.h.world );
+            assert_int_equal( f.intersections, 0 );
             assert_true( deepest_overlap( p.h.world, p.b ) <= 0.01 * (double)RADIUS );
         }
         assert_int_equal( count_all_passing( p.h.world, p.b, 2 ), 0 );
-        assert_true( (double)contact_figures( p.h.world ).least_gap > 0.98 );
+        assert_true( (double)contact_stats( p.h.world ).min_gap > 0.98 );
         const patch flat = patch_of( p.h.world, p.b );
         // a patch of several vertices, whose height is a third of that of the cap that it was, at most, and a fiftieth of the radius
         const double cap = flat.radius * flat.radius / ( 2.0 * 1.1 * (double)RADIUS );
@@ -158,10 +158,10 @@ static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** sta
             {
                 // both sums are of the same numbers in the same order
                 assert_near( impulse[0][k] + impulse[1][k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
-                assert_near( contact_figures( p.h.world ).pushed[k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
+                assert_near( contact_stats( p.h.world ).pushed[k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
             }
         }
-        const double load = quality_of( p.h.world, p.b[0] ).mass * (double)gravity * 30.0 * (double)FRAME;
+        const double load = motion_stats_of( p.h.world, p.b[0] ).mass * (double)gravity * 30.0 * (double)FRAME;
         // what is left of swinging is the rest
         assert_near( sum[0], -load, 0.01 * load );
         assert_near( sum[1], load, 0.01 * load );
@@ -176,19 +176,19 @@ static void a_balloon_that_rests_on_a_sheet_does_not_tremble( void** state )
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh ball = ball_of( 2, RADIUS, ( wisp_vec3 ){ 0.01f, 1.06f * RADIUS, 0.02f } ),
-              sheet = level_sheet( 11, 1.0f, ( wisp_vec3 ){ 0 } );
-    const wisp_entity b = add_balloon( h.world, &ball, EARTH ), e = add_pinned( h.world, &sheet );
+              double_sided = level_sheet( 11, 1.0f, ( wisp_vec3 ){ 0 } );
+    const wisp_entity b = add_balloon( h.world, &ball, EARTH ), e = add_pinned( h.world, &double_sided );
     assert_status( h.world, wisp_set_damping( h.world, b, 20.0f ), WISP_OK );
     wisp_contact_def def = wisp_default_contact_def();
     def.thickness = 0.05f * RADIUS;
     set_contact( h.world, b, &def );
     set_contact( h.world, e, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     run_steps( h.world, 180, FRAME );
     for ( int s = 0; s < 60; ++s )
     {
         run_steps( h.world, 1, FRAME );
-        const wisp_quality q = quality_of( h.world, b );
+        const wisp_motion_stats q = motion_stats_of( h.world, b );
         double impulse[3];
         assert_status( h.world, wisp_read_contact_impulse( h.world, b, impulse ), WISP_OK );
         // gravity gives 0.16 m/s in a step: all that moves has less than a hundredth of that
@@ -233,7 +233,7 @@ static void open_box( box_of* x, int count, int level, int start, bool walls, in
                                k == 2 ? 1.0f : ( k == 3 ? -1.0f : 0.0f ) };
         add_floor( x->h.world, ( wisp_vec3 ){ -0.25f * up.x, 0.0f, -0.25f * up.z }, up );
     }
-    want_figures( x->h.world );
+    request_stats( x->h.world );
 }
 
 static double speed_of( box_of* x )
@@ -241,7 +241,7 @@ static double speed_of( box_of* x )
     double energy = 0.0, mass = 0.0;
     for ( int k = 0; k < x->count; ++k )
     {
-        const wisp_quality q = quality_of( x->h.world, x->b[k] );
+        const wisp_motion_stats q = motion_stats_of( x->h.world, x->b[k] );
         energy += q.kinetic_energy;
         mass += q.mass;
     }
@@ -250,7 +250,7 @@ static double speed_of( box_of* x )
 
 static void assert_nothing_overlaps( box_of* x )
 {
-    assert_int_equal( contact_figures( x->h.world ).crossings, 0 );
+    assert_int_equal( contact_stats( x->h.world ).intersections, 0 );
     for ( int k = 0; k < x->count; ++k )
     {
         for ( int l = 0; l < x->count; ++l )
@@ -283,7 +283,7 @@ static void a_balloon_on_a_floor_carries_another( void** state )
         assert_status( x.h.world, wisp_read_contact_impulse( x.h.world, x.b[1], impulse ), WISP_OK );
         mean += impulse[1] / 30.0;
     }
-    const double weight = quality_of( x.h.world, x.b[1] ).mass * 9.81 * (double)FRAME;
+    const double weight = motion_stats_of( x.h.world, x.b[1] ).mass * 9.81 * (double)FRAME;
     assert_near( mean, weight, 0.02 * weight );
     assert_true( speed_of( &x ) < 0.02 );
     close_world( &x.h );
@@ -296,22 +296,23 @@ static void settle_stack( int count, int level, int start, int steps )
     for ( int k = 0; k < count; ++k )
     {
         wisp_balloon_def soft = wisp_default_balloon_def();
-        soft.fill = 1.05f;
+        soft.gas_ratio = 1.05f;
         soft.buoyancy = false;
         assert_status( x.h.world, wisp_set_balloon( x.h.world, x.b[k], &soft ), WISP_OK );
     }
     for ( int s = 0; s < steps; s += 30 )
     {
         run_steps( x.h.world, 30, FRAME );
-        if ( contact_figures( x.h.world ).crossings != 0 )
+        if ( contact_stats( x.h.world ).intersections != 0 )
         {
-            fail_msg( "start %d: %d crossings in step %d", start, contact_figures( x.h.world ).crossings, s + 30 );
+            fail_msg( "start %d: %d intersections in step %d", start, contact_stats( x.h.world ).intersections,
+                      s + 30 );
         }
     }
     double centre[16][3];
     for ( int k = 0; k < count; ++k )
     {
-        memcpy( centre[k], quality_of( x.h.world, x.b[k] ).centre, sizeof( centre[k] ) );
+        memcpy( centre[k], motion_stats_of( x.h.world, x.b[k] ).centre, sizeof( centre[k] ) );
     }
     for ( int s = 0; s < 60; ++s )
     {
@@ -323,7 +324,7 @@ static void settle_stack( int count, int level, int start, int steps )
     }
     for ( int k = 0; k < count; ++k )
     {
-        const wisp_quality q = quality_of( x.h.world, x.b[k] );
+        const wisp_motion_stats q = motion_stats_of( x.h.world, x.b[k] );
         const double off =
             hypot( hypot( q.centre[0] - centre[k][0], q.centre[1] - centre[k][1] ), q.centre[2] - centre[k][2] );
         if ( off > 0.03 * (double)RADIUS )
@@ -353,9 +354,9 @@ static void cloth_that_falls_on_a_balloon_lies_around_it( void** state )
     {
         box_of x;
         open_box( &x, 1, 3, start, false, SUBSTEPS );
-        test_mesh sheet = level_sheet(
+        test_mesh double_sided = level_sheet(
             15, 0.5f, ( wisp_vec3 ){ test_random_float( start, 90, -0.02f, 0.02f ), 2.5f * RADIUS, 0.01f } );
-        const wisp_entity cloth = add_draping( x.h.world, &sheet, NULL, 0, EARTH );
+        const wisp_entity cloth = add_draping( x.h.world, &double_sided, NULL, 0, EARTH );
         const wisp_contact_def def = wisp_default_contact_def();
         set_contact( x.h.world, cloth, &def );
         set_collision( x.h.world, cloth );
@@ -368,7 +369,7 @@ static void cloth_that_falls_on_a_balloon_lies_around_it( void** state )
         for ( int s = 0; s < 10; ++s )
         {
             run_steps( x.h.world, 9, FRAME );
-            assert_int_equal( contact_figures( x.h.world ).crossings, 0 );
+            assert_int_equal( contact_stats( x.h.world ).intersections, 0 );
             for ( int v = 0; v < 15 * 15; ++v )
             {
                 assert_true( depth_inside( x.h.world, x.b[0], place_of( x.h.world, cloth, v ) ) == 0.0 );

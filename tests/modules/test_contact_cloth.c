@@ -1,5 +1,5 @@
 // Cloth that folds on a ball, is crumpled by wind and by its pins, and is shot at: no triangle passes through another at any
-// step that is looked at, and contact gives no energy. Crossings are counted exactly.
+// step that is looked at, and contact gives no energy. Intersections are counted exactly.
 #include "contact_fixture.h"
 
 enum
@@ -16,7 +16,7 @@ typedef struct folding
 } folding;
 
 // n x n vertices of a metre, level, above a ball that moves to and fro over a plane. @param start jitters where it starts
-static void open_folding( folding* f, int n, int start, bool guard, bool touches )
+static void open_folding( folding* f, int n, int start, bool displacement_limit, bool touches )
 {
     *f = ( folding ){ 0 };
     open_contact( &f->h, SUBSTEPS, 1, 1 );
@@ -33,13 +33,13 @@ static void open_folding( folding* f, int n, int start, bool guard, bool touches
     add_floor( w, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
     set_collision( w, f->cloth );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.guard = guard;
+    settings.displacement_limit = displacement_limit;
     assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
     if ( touches )
     {
         set_contact( w, f->cloth, &def );
-        want_figures( w );
+        request_stats( w );
     }
 }
 
@@ -49,8 +49,8 @@ static void fold( folding* f, int steps )
     {
         f->steps += 1;
         const float t = FRAME * (float)f->steps;
-        const wisp_rigid pose = { { 0.0f, 0.0f, 0.0f, 1.0f },
-                                  { 0.05f + 0.15f * sinf( 3.0f * t ), 0.3f, 0.02f + 0.15f * sinf( 2.0f * t ) } };
+        const wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f },
+                                      { 0.05f + 0.15f * sinf( 3.0f * t ), 0.3f, 0.02f + 0.15f * sinf( 2.0f * t ) } };
         assert_status( f->h.world, wisp_move_collider( f->h.world, f->ball, pose ), WISP_OK );
         run_steps( f->h.world, 1, FRAME );
     }
@@ -65,9 +65,9 @@ static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** sta
     for ( int s = 0; s < 60; ++s )
     {
         fold( &f, 5 );
-        const wisp_contact_figures figures = contact_figures( f.h.world );
-        assert_int_equal( figures.crossings, 0 );
-        pressed += figures.contacts > 0 ? 1 : 0;
+        const wisp_contact_stats stats = contact_stats( f.h.world );
+        assert_int_equal( stats.intersections, 0 );
+        pressed += stats.contacts > 0 ? 1 : 0;
         if ( s % 12 == 11 )
         {
             assert_int_equal( count_passing( f.h.world, f.cloth, f.cloth ), 0 );
@@ -105,9 +105,9 @@ static void no_jittered_start_crosses( void** state )
         for ( int s = 0; s < 18; ++s )
         {
             fold( &f, 5 );
-            if ( contact_figures( f.h.world ).crossings != 0 )
+            if ( contact_stats( f.h.world ).intersections != 0 )
             {
-                fail_msg( "start %d: %d crossings in step %d", start, contact_figures( f.h.world ).crossings,
+                fail_msg( "start %d: %d intersections in step %d", start, contact_stats( f.h.world ).intersections,
                           f.steps );
             }
         }
@@ -119,7 +119,7 @@ static void no_jittered_start_crosses( void** state )
 // ---- crumpling ----
 
 // A cloth that hangs by two corners, which are shaken to and fro at 2 m/s, while wind pushes it with several times its weight.
-static int crumple( int n, int start, bool guard, int substeps, int steps )
+static int crumple( int n, int start, bool displacement_limit, int substeps, int steps )
 {
     hosted h;
     open_contact( &h, substeps, 1, 1 );
@@ -134,11 +134,11 @@ static int crumple( int n, int start, bool guard, int substeps, int steps )
     assert_status( h.world, wisp_set_cloth( h.world, e, &cloth ), WISP_OK );
     assert_status( h.world, wisp_set_gravity( h.world, e, EARTH ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.guard = guard;
+    settings.displacement_limit = displacement_limit;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
     set_contact( h.world, e, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     int most = 0;
     for ( int s = 0; s < steps; ++s )
     {
@@ -154,11 +154,11 @@ static int crumple( int n, int start, bool guard, int substeps, int steps )
         }
         assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
         run_steps( h.world, 1, FRAME );
-        const int crossings = contact_figures( h.world ).crossings;
-        most = crossings > most ? crossings : most;
+        const int intersections = contact_stats( h.world ).intersections;
+        most = intersections > most ? intersections : most;
         if ( s % 30 == 29 )
         {
-            assert_int_equal( count_passing( h.world, e, e ), crossings );
+            assert_int_equal( count_passing( h.world, e, e ), intersections );
         }
     }
     assert_true( is_finite( h.world, e ) );
@@ -186,7 +186,7 @@ static void shoot( float speed )
     {
         SIDE = 17,
     };
-    test_mesh sheet = level_sheet( SIDE, 1.0f, ( wisp_vec3 ){ 0 } ),
+    test_mesh double_sided = level_sheet( SIDE, 1.0f, ( wisp_vec3 ){ 0 } ),
               ball = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.03f, 0.5f, 0.02f } );
     int32_t border[4 * SIDE];
     int count = 0;
@@ -196,12 +196,12 @@ static void shoot( float speed )
         border[count] = v;
         count += is_border ? 1 : 0;
     }
-    const wisp_entity cloth = add_draping( h.world, &sheet, border, count, ( wisp_vec3 ){ 0 } );
+    const wisp_entity cloth = add_draping( h.world, &double_sided, border, count, ( wisp_vec3 ){ 0 } );
     const wisp_entity shot = add_draping( h.world, &ball, NULL, 0, ( wisp_vec3 ){ 0 } );
     const wisp_contact_def def = wisp_default_contact_def();
     set_contact( h.world, cloth, &def );
     set_contact( h.world, shot, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     assert_status( h.world,
                    wisp_set_velocity( h.world, shot, ( wisp_vec3 ){ 0.0f, -speed, 0.0f }, ( wisp_vec3 ){ 0 } ),
                    WISP_OK );
@@ -209,10 +209,10 @@ static void shoot( float speed )
     for ( int s = 0; s < 60; ++s )
     {
         run_steps( h.world, 1, FRAME );
-        const wisp_contact_figures f = contact_figures( h.world );
-        assert_int_equal( f.crossings, 0 );
+        const wisp_contact_stats f = contact_stats( h.world );
+        assert_int_equal( f.intersections, 0 );
         pressed += f.impulse > 0.0 ? 1 : 0;
-        // a sheet that is held along its border is a wall: what is above it without a crossing has not passed
+        // a sheet that is held along its border is a wall: what is above it without a intersection has not passed
         const double middle = (double)place_of( h.world, cloth, SIDE * SIDE / 2 )[1];
         assert_true( mean_of( h.world, shot, 1 ) > middle );
     }
@@ -268,7 +268,7 @@ static void open_closed( closed_system* c, int start, bool woven, float friction
             velocity[2] = test_random_float( start, 6 * v + 3 * k + 2, -0.3f, 0.3f );
         }
     }
-    want_figures( w );
+    request_stats( w );
 }
 
 static double start_energy( closed_system* c )
@@ -330,7 +330,7 @@ static void woven_sheets_never_have_more_energy_than_at_the_start( void** state 
                 fail_msg( "start %d, step %d: %.9g J, it had %.9g J", start, s, now, first );
             }
         }
-        assert_int_equal( contact_figures( c.h.world ).crossings, 0 );
+        assert_int_equal( contact_stats( c.h.world ).intersections, 0 );
         close_world( &c.h );
     }
 }

@@ -5,7 +5,7 @@
 
 enum
 {
-    MOST_GUESTS = 3,
+    MAX_PARTICIPANTS = 3,
     STEPS = 24,
 };
 
@@ -21,14 +21,14 @@ typedef struct golden_case
 {
     const char* name;
     case_kind kind;
-    wisp_contact_features features;
+    wisp_contact_primitives primitives;
     int iterations;
 } golden_case;
 
 static const golden_case cases[] = {
-    { "fold", FOLD, WISP_CONTACT_EXACT, 1 },          { "balloons", BALLOONS, WISP_CONTACT_EXACT, 2 },
-    { "tangled", TANGLED, WISP_CONTACT_EXACT, 1 },    { "strands", THREADS, WISP_CONTACT_EXACT, 1 },
-    { "samples", BALLOONS, WISP_CONTACT_SAMPLES, 1 },
+    { "fold", FOLD, WISP_CONTACT_TRIANGLES, 1 },        { "balloons", BALLOONS, WISP_CONTACT_TRIANGLES, 2 },
+    { "tangled", TANGLED, WISP_CONTACT_TRIANGLES, 1 },  { "strands", THREADS, WISP_CONTACT_TRIANGLES, 1 },
+    { "samples", BALLOONS, WISP_CONTACT_PARTICLES, 1 },
 };
 
 typedef struct running
@@ -36,8 +36,8 @@ typedef struct running
     determinism_run base;
     const golden_case* c;
     hosted h;
-    wisp_entity guests[MOST_GUESTS], ball;
-    int guest_count;
+    wisp_entity participants[MAX_PARTICIPANTS], ball;
+    int participant_count;
     double impulse; // of all steps
 } running;
 
@@ -45,26 +45,26 @@ static void add_fold( running* r )
 {
     test_mesh mesh = level_sheet( 17, 0.6f, ( wisp_vec3 ){ 0.02f, 0.2f, 0.01f } );
     test_mesh upper = level_sheet( 11, 0.5f, ( wisp_vec3 ){ 0.0f, 0.22f, 0.03f } );
-    r->guests[r->guest_count++] = add_draping( r->h.world, &mesh, NULL, 0, EARTH );
-    r->guests[r->guest_count++] = add_draping( r->h.world, &upper, NULL, 0, EARTH );
+    r->participants[r->participant_count++] = add_draping( r->h.world, &mesh, NULL, 0, EARTH );
+    r->participants[r->participant_count++] = add_draping( r->h.world, &upper, NULL, 0, EARTH );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.08f;
     ball.pose.translation = ( wisp_vec3 ){ 0.0f, 0.1f, 0.0f };
     assert_status( r->h.world, wisp_add_collider( r->h.world, &ball, &r->ball ), WISP_OK );
     add_floor( r->h.world, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    set_collision( r->h.world, r->guests[0] );
+    set_collision( r->h.world, r->participants[0] );
 }
 
 static void add_heap( running* r )
 {
     add_floor( r->h.world, ( wisp_vec3 ){ 0 }, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    for ( int k = 0; k < MOST_GUESTS; ++k )
+    for ( int k = 0; k < MAX_PARTICIPANTS; ++k )
     {
         test_mesh mesh =
             ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.09f * (float)k, 0.11f + 0.15f * (float)( k % 2 ), 0.0f } );
-        r->guests[r->guest_count++] = add_balloon( r->h.world, &mesh, EARTH );
-        set_collision( r->h.world, r->guests[k] );
+        r->participants[r->participant_count++] = add_balloon( r->h.world, &mesh, EARTH );
+        set_collision( r->h.world, r->participants[k] );
     }
 }
 
@@ -79,7 +79,7 @@ static void add_tangle( running* r )
             mesh.points[v] = ( wisp_vec3 ){ 0.9f * p.x + 0.013f, p.z + 0.2f, 0.017f };
         }
         const int32_t corners[4] = { 80, 72, 0, 8 };
-        r->guests[r->guest_count++] = add_draping( r->h.world, &mesh, corners, k == 0 ? 4 : 2, EARTH );
+        r->participants[r->participant_count++] = add_draping( r->h.world, &mesh, corners, k == 0 ? 4 : 2, EARTH );
     }
 }
 
@@ -87,14 +87,14 @@ static void add_threads( running* r )
 {
     test_mesh mesh = level_sheet( 9, 0.4f, ( wisp_vec3 ){ 0 } );
     const int32_t corners[4] = { 0, 8, 72, 80 };
-    r->guests[r->guest_count++] = add_draping( r->h.world, &mesh, corners, 4, EARTH );
+    r->participants[r->participant_count++] = add_draping( r->h.world, &mesh, corners, 4, EARTH );
     const wisp_entity e = test_add_strands( r->h.world, 10, 12 ); // upwards from 0.1 m, so they fall over
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     assert_status( r->h.world, wisp_set_strand_dynamics( r->h.world, e, &def ), WISP_OK );
-    assert_status( r->h.world, wisp_want( r->h.world, e, WISP_STRAND_POINTS ), WISP_OK );
-    const wisp_rigid down = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 0.0f, 0.2f, 0.0f } };
+    assert_status( r->h.world, wisp_request( r->h.world, e, WISP_STRAND_POINTS ), WISP_OK );
+    const wisp_transform down = { { 0.0f, 0.0f, 1.0f, 0.0f }, { 0.0f, 0.2f, 0.0f } };
     assert_status( r->h.world, wisp_move_strand_head( r->h.world, e, down ), WISP_OK );
-    r->guests[r->guest_count++] = e;
+    r->participants[r->participant_count++] = e;
 }
 
 static void add_case( running* r )
@@ -115,15 +115,15 @@ static void add_case( running* r )
             break;
     }
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.features = r->c->features;
-    settings.sample_spacing = 0.02f;
+    settings.primitives = r->c->primitives;
+    settings.particle_spacing = 0.02f;
     assert_status( r->h.world, wisp_set_contact_settings( r->h.world, &settings ), WISP_OK );
     const wisp_contact_def def = wisp_default_contact_def();
-    for ( int k = 0; k < r->guest_count; ++k )
+    for ( int k = 0; k < r->participant_count; ++k )
     {
-        set_contact( r->h.world, r->guests[k], &def );
+        set_contact( r->h.world, r->participants[k], &def );
     }
-    want_figures( r->h.world );
+    request_stats( r->h.world );
 }
 
 static void run_case_steps( determinism_run* base, int steps )
@@ -133,13 +133,13 @@ static void run_case_steps( determinism_run* base, int steps )
     {
         r->base.steps += 1;
         const float t = FRAME * (float)r->base.steps;
-        const wisp_rigid pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.4f * t, 0.1f, -0.2f * t } };
+        const wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.4f * t, 0.1f, -0.2f * t } };
         if ( r->c->kind == FOLD )
         {
             assert_status( r->h.world, wisp_move_collider( r->h.world, r->ball, pose ), WISP_OK );
         }
         run_steps( r->h.world, 1, FRAME );
-        r->impulse += contact_figures( r->h.world ).impulse;
+        r->impulse += contact_stats( r->h.world ).impulse;
     }
 }
 
@@ -168,11 +168,11 @@ static traces traces_of( determinism_run* base )
 {
     running* r = (running*)base;
     traces t = { 0, wisp_world_hash( r->h.world ) };
-    for ( int k = 0; k < r->guest_count; ++k )
+    for ( int k = 0; k < r->participant_count; ++k )
     {
         const bool strands = r->c->kind == THREADS && k == 1;
-        t.motion =
-            31 * t.motion + hash_of( r->h.world, r->guests[k], strands ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS );
+        t.motion = 31 * t.motion +
+                   hash_of( r->h.world, r->participants[k], strands ? WISP_STRAND_POINTS : WISP_SURFACE_POINTS );
     }
     return t;
 }
@@ -187,7 +187,7 @@ static void check_case( determinism_run* base )
 
 static void nudge( determinism_run* base )
 {
-    velocity_of( base->world, ( (running*)base )->guests[0], 20 )[2] += 1e-3f;
+    velocity_of( base->world, ( (running*)base )->participants[0], 20 )[2] += 1e-3f;
 }
 
 // Lists of pairs grow with what is found, so the same motion is run twice: what was enough for it once is enough again.

@@ -23,9 +23,10 @@ static void assert_close( double a, double b, double allowed )
     }
 }
 
-static double random_between( int n, int m, double low, double high )
+static double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static double3 random_vector( int n, int m )
@@ -489,10 +490,10 @@ static void friction_holds_within_the_cone_and_slides_on_its_border( void** stat
         const double3 way = slid( &s );
         settle( &s, 1 );
         const double rubbed = double3_length( s.contact.rubbed ), allowed = s.contact.friction * s.contact.lambda;
-        const double wanted = double3_length( way ) / contact_oracle_mobility( &s.contact, s.w );
+        const double requested = double3_length( way ) / contact_oracle_mobility( &s.contact, s.w );
         assert_close( double3_dot( s.contact.rubbed, s.contact.normal ), 0.0, tolerance );
-        assert_close( rubbed, fmin( wanted, allowed ), tolerance );
-        const double left = wanted > allowed ? 1.0 - allowed / wanted : 0.0;
+        assert_close( rubbed, fmin( requested, allowed ), tolerance );
+        const double left = requested > allowed ? 1.0 - allowed / requested : 0.0;
         assert_close( double3_distance( slid( &s ), double3_scale( left, way ) ), 0.0, tolerance );
         free += s.contact.lambda == 0.0 ? 1 : 0;
         sticks += s.contact.lambda > 0.0 && left == 0.0 ? 1 : 0;

@@ -1,4 +1,4 @@
-// What contact refuses, in one sentence that names it, that a refusal changes nothing, and that numbers of one guest that go
+// What contact refuses, in one message that names it, that a refusal changes nothing, and that numbers of one participant that go
 // wrong never reach another.
 #include "contact_fixture.h"
 
@@ -21,27 +21,27 @@ static wisp_entity add_small( wisp_world* world, float height )
     return add_draping( world, &mesh, NULL, 0, EARTH );
 }
 
-static void assert_sentence( wisp_world* world, wisp_status status, wisp_status expected, const char* word )
+static void assert_message( wisp_world* world, wisp_status status, wisp_status expected, const char* word )
 {
     assert_int_equal( status, expected );
-    assert_one_sentence( wisp_world_message( world ) );
+    assert_one_message( wisp_world_message( world ) );
     if ( strstr( wisp_world_message( world ), word ) == NULL )
     {
         fail_msg( "'%s' does not name %s", wisp_world_message( world ), word );
     }
 }
 
-static void assert_guest_refused( hosted* h, wisp_entity e, const wisp_contact_def* def, wisp_status expected,
-                                  const char* word )
+static void assert_participant_refused( hosted* h, wisp_entity e, const wisp_contact_def* def, wisp_status expected,
+                                        const char* word )
 {
     const int passes = wisp_world_plan_passes( h->world ); // which compiles the plan
     const uint64_t before = wisp_world_hash( h->world );
-    assert_sentence( h->world, wisp_set_contact( h->world, e, def ), expected, word );
+    assert_message( h->world, wisp_set_contact( h->world, e, def ), expected, word );
     assert_true( wisp_world_hash( h->world ) == before );
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }
 
-static void every_number_of_a_guest_has_its_range( void** state )
+static void every_number_of_a_participant_has_its_range( void** state )
 {
     hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
@@ -53,10 +53,10 @@ static void every_number_of_a_guest_has_its_range( void** state )
     } fields[] = {
         { "thickness", offsetof( wisp_contact_def, thickness ) },
         { "friction", offsetof( wisp_contact_def, friction ) },
-        { "recovery_speed", offsetof( wisp_contact_def, recovery_speed ) },
+        { "max_push_out_speed", offsetof( wisp_contact_def, max_push_out_speed ) },
     };
     static const float BAD[] = { -1e-9f, 1.1e6f, NAN, INFINITY, -INFINITY };
-    for ( int was_guest = 0; was_guest < 2; ++was_guest )
+    for ( int was_participant = 0; was_participant < 2; ++was_participant )
     {
         for ( int i = 0; i < WISP_COUNT( fields ); ++i )
         {
@@ -64,7 +64,7 @@ static void every_number_of_a_guest_has_its_range( void** state )
             {
                 wisp_contact_def def = good;
                 memcpy( (char*)&def + fields[i].at, BAD + k, sizeof( float ) );
-                assert_guest_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
+                assert_participant_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
             }
         }
         set_contact( h->world, e, &good );
@@ -75,8 +75,8 @@ static void every_number_of_the_settings_has_its_range( void** state )
 {
     hosted* h = *state;
     const wisp_entity e = add_small( h->world, 0.0f );
-    const wisp_contact_def guest = wisp_default_contact_def();
-    set_contact( h->world, e, &guest );
+    const wisp_contact_def participant = wisp_default_contact_def();
+    set_contact( h->world, e, &participant );
     const uint64_t before = wisp_world_hash( h->world );
     static const float MARGINS[] = { 0.0f, -1.0f, 101.0f, NAN, INFINITY },
                        SPACINGS[] = { -1e-9f, 1.1e6f, NAN, INFINITY };
@@ -85,20 +85,20 @@ static void every_number_of_the_settings_has_its_range( void** state )
     {
         wisp_contact_settings def = good;
         def.margin = MARGINS[i];
-        assert_sentence( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "margin" );
+        assert_message( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "margin" );
     }
     for ( int i = 0; i < WISP_COUNT( SPACINGS ); ++i )
     {
         wisp_contact_settings def = good;
-        def.sample_spacing = SPACINGS[i];
-        assert_sentence( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "sample_spacing" );
+        def.particle_spacing = SPACINGS[i];
+        assert_message( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "particle_spacing" );
     }
     wisp_contact_settings def = good;
-    def.features = WISP_CONTACT_FEATURES_COUNT;
-    assert_sentence( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "features" );
+    def.primitives = WISP_CONTACT_PRIMITIVES_COUNT;
+    assert_message( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "features" );
     def = good;
     def.search = WISP_PAIR_SEARCH_COUNT;
-    assert_sentence( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "search" );
+    assert_message( h->world, wisp_set_contact_settings( h->world, &def ), WISP_BAD_INPUT, "search" );
     assert_true( wisp_world_hash( h->world ) == before );
     run_steps( h->world, 2, 0.01f );
 }
@@ -112,49 +112,49 @@ static void who_cannot_take_part_is_told( void** state )
     test_mesh mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0.0f, 2.0f, 0.0f } );
     const wisp_entity other = add_mesh( h->world, &mesh, NULL, 0, 0.15f );
     assert_status( h->world, wisp_set_implicit_cloth( h->world, other, &implicit ), WISP_OK );
-    assert_guest_refused( h, other, &def, WISP_CONFLICT, "solves" );
+    assert_participant_refused( h, other, &def, WISP_CONFLICT, "solves" );
     const wisp_entity still = test_add_strands( h->world, 3, 4 );
-    assert_guest_refused( h, still, &def, WISP_CONFLICT, "dynamics" );
+    assert_participant_refused( h, still, &def, WISP_CONFLICT, "dynamics" );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     wisp_entity body;
     assert_status( h->world, wisp_add_collider( h->world, &ball, &body ), WISP_OK );
-    assert_guest_refused( h, body, &def, WISP_CONFLICT, "not a surface" );
+    assert_participant_refused( h, body, &def, WISP_CONFLICT, "not a surface" );
     assert_status( h->world, wisp_remove( h->world, gone ), WISP_OK );
-    assert_guest_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
+    assert_participant_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
     set_contact( h->world, solved, &def );
     run_steps( h->world, 1, 0.01f );
 }
 
-static void figures_that_were_not_requested_are_not_there( void** state )
+static void stats_that_were_not_requested_are_not_there( void** state )
 {
     hosted* h = *state;
-    wisp_contact_figures f;
+    wisp_contact_stats f;
     double impulse[3];
     const wisp_entity e = add_small( h->world, 0.0f ), other = add_small( h->world, 1.0f );
     const wisp_contact_def def = wisp_default_contact_def();
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
+    assert_message( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "not requested" );
     set_contact( h->world, e, &def );
     run_steps( h->world, 1, 0.01f );
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
-    assert_status( h->world, wisp_want_contact_figures( h->world, true, false ), WISP_OK );
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "no step" );
+    assert_message( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "not requested" );
+    assert_status( h->world, wisp_request_contact_stats( h->world, true, false ), WISP_OK );
+    assert_message( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "no step" );
     run_steps( h->world, 1, 0.01f );
-    assert_status( h->world, wisp_read_contact_figures( h->world, &f ), WISP_OK );
-    assert_int_equal( f.crossings, -1 );
-    assert_int_equal( f.guests, 1 );
-    assert_sentence( h->world, wisp_read_contact_impulse( h->world, other, impulse ), WISP_CONFLICT, "no part" );
-    assert_status( h->world, wisp_want_contact_figures( h->world, false, false ), WISP_OK );
+    assert_status( h->world, wisp_read_contact_stats( h->world, &f ), WISP_OK );
+    assert_int_equal( f.intersections, -1 );
+    assert_int_equal( f.participants, 1 );
+    assert_message( h->world, wisp_read_contact_impulse( h->world, other, impulse ), WISP_CONFLICT, "no part" );
+    assert_status( h->world, wisp_request_contact_stats( h->world, false, false ), WISP_OK );
     run_steps( h->world, 1, 0.01f );
-    assert_sentence( h->world, wisp_read_contact_figures( h->world, &f ), WISP_CONFLICT, "not requested" );
+    assert_message( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "not requested" );
     assert_int_equal( count_passes_named( h->world, "contact.figures" ), 0 );
     // they were asked for before anybody took part
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK );
-    assert_status( h->world, wisp_want_contact_figures( h->world, true, true ), WISP_OK );
+    assert_status( h->world, wisp_request_contact_stats( h->world, true, true ), WISP_OK );
     set_contact( h->world, other, &def );
     run_steps( h->world, 1, 0.01f );
-    assert_status( h->world, wisp_read_contact_figures( h->world, &f ), WISP_OK );
-    assert_int_equal( f.crossings, 0 );
+    assert_status( h->world, wisp_read_contact_stats( h->world, &f ), WISP_OK );
+    assert_int_equal( f.intersections, 0 );
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK ); // takes no part already
 }
 
@@ -167,14 +167,14 @@ static void a_world_without_the_module_says_so( void** state )
     const wisp_entity e = add_small( h.world, 0.0f );
     const wisp_contact_def def = wisp_default_contact_def();
     const wisp_contact_settings settings = wisp_default_contact_settings();
-    wisp_contact_figures f;
+    wisp_contact_stats f;
     double impulse[3];
-    assert_sentence( h.world, wisp_set_contact( h.world, e, &def ), WISP_CONFLICT, "not registered" );
-    assert_sentence( h.world, wisp_unset_contact( h.world, e ), WISP_CONFLICT, "not registered" );
-    assert_sentence( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_CONFLICT, "not registered" );
-    assert_sentence( h.world, wisp_want_contact_figures( h.world, true, true ), WISP_CONFLICT, "not registered" );
-    assert_sentence( h.world, wisp_read_contact_figures( h.world, &f ), WISP_CONFLICT, "not registered" );
-    assert_sentence( h.world, wisp_read_contact_impulse( h.world, e, impulse ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_set_contact( h.world, e, &def ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_unset_contact( h.world, e ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_request_contact_stats( h.world, true, true ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_read_contact_stats( h.world, &f ), WISP_CONFLICT, "not registered" );
+    assert_message( h.world, wisp_read_contact_impulse( h.world, e, impulse ), WISP_CONFLICT, "not registered" );
     close_world( &h );
 }
 
@@ -197,7 +197,7 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
         if ( status != WISP_OK )
         {
             assert_int_equal( status, WISP_NO_MEMORY );
-            assert_one_sentence( wisp_world_message( h.world ) );
+            assert_one_message( wisp_world_message( h.world ) );
             assert_true( wisp_world_hash( h.world ) == before );
             in_call += 1;
         }
@@ -211,9 +211,9 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
         test_host_refuse( &h.host, 0, false );
         set_contact( h.world, e[1], &def );
         set_contact( h.world, e[0], &def );
-        want_figures( h.world );
+        request_stats( h.world );
         run_steps( h.world, 3, 0.01f );
-        assert_int_equal( contact_figures( h.world ).guests, 2 );
+        assert_int_equal( contact_stats( h.world ).participants, 2 );
         assert_true( is_finite( h.world, e[0] ) && is_finite( h.world, e[1] ) );
         close_world( &h );
     }
@@ -222,7 +222,7 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
 
 // One of three sheets that lie on each other goes wrong in a vertex, by its place or by its velocity: it is halted, and the
 // others stay finite in every step.
-static void a_guest_that_goes_wrong_takes_nobody_along( void** state )
+static void a_participant_that_goes_wrong_takes_nobody_along( void** state )
 {
     (void)state;
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f };
@@ -250,7 +250,8 @@ static void a_guest_that_goes_wrong_takes_nobody_along( void** state )
                 assert_true( is_finite( h.world, e[i] ) );
                 assert_int_equal( wisp_is_halted( h.world, e[i] ), i == 2 );
             }
-            assert_true( quality_of( h.world, e[1] ).speed_max < 5.0 && quality_of( h.world, e[3] ).speed_max < 5.0 );
+            assert_true( motion_stats_of( h.world, e[1] ).speed_max < 5.0 &&
+                         motion_stats_of( h.world, e[3] ).speed_max < 5.0 );
         }
         close_world( &h );
     }
@@ -259,13 +260,13 @@ static void a_guest_that_goes_wrong_takes_nobody_along( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        CONTACT_TEST( every_number_of_a_guest_has_its_range ),
+        CONTACT_TEST( every_number_of_a_participant_has_its_range ),
         CONTACT_TEST( every_number_of_the_settings_has_its_range ),
         CONTACT_TEST( who_cannot_take_part_is_told ),
-        CONTACT_TEST( figures_that_were_not_requested_are_not_there ),
+        CONTACT_TEST( stats_that_were_not_requested_are_not_there ),
         cmocka_unit_test( a_world_without_the_module_says_so ),
         cmocka_unit_test( without_memory_nothing_changes_and_nothing_is_lost ),
-        cmocka_unit_test( a_guest_that_goes_wrong_takes_nobody_along ),
+        cmocka_unit_test( a_participant_that_goes_wrong_takes_nobody_along ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -17,20 +17,20 @@ typedef struct scene_counts
 static void add_heap( wisp_world* world )
 {
     test_mesh ball = ball_of( 2, 0.1f, ( wisp_vec3 ){ 0.01f, 0.12f, 0.02f } ),
-              sheet = level_sheet( 7, 0.5f, ( wisp_vec3 ){ 0 } ),
+              double_sided = level_sheet( 7, 0.5f, ( wisp_vec3 ){ 0 } ),
               cloth = level_sheet( 11, 0.4f, ( wisp_vec3 ){ 0.0f, 0.26f, 0.0f } );
-    const wisp_entity e[3] = { add_pinned( world, &sheet ), add_balloon( world, &ball, EARTH ),
+    const wisp_entity e[3] = { add_pinned( world, &double_sided ), add_balloon( world, &ball, EARTH ),
                                add_draping( world, &cloth, NULL, 0, EARTH ) };
     const wisp_contact_def def = wisp_default_contact_def();
     for ( int i = 0; i < 3; ++i )
     {
         set_contact( world, e[i], &def );
     }
-    want_figures( world );
+    request_stats( world );
 }
 
 // @return the hash of all state
-static uint64_t run_scene( wisp_pair_search search, wisp_contact_features features, float margin,
+static uint64_t run_scene( wisp_pair_search search, wisp_contact_primitives primitives, float margin,
                            scene_counts* counts )
 {
     hosted h;
@@ -38,19 +38,19 @@ static uint64_t run_scene( wisp_pair_search search, wisp_contact_features featur
     open_contact( &h, 8, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
     settings.search = search;
-    settings.features = features;
+    settings.primitives = primitives;
     settings.margin = margin;
-    settings.sample_spacing = 0.02f;
+    settings.particle_spacing = 0.02f;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     add_heap( h.world );
     for ( int step = 0; step < 30; ++step )
     {
         run_steps( h.world, 1, FRAME );
-        const wisp_contact_figures f = contact_figures( h.world );
+        const wisp_contact_stats f = contact_stats( h.world );
         counts->candidates = (int)f.candidates;
         counts->searches += f.searches;
     }
-    assert_true( contact_figures( h.world ).contacts > 0 );
+    assert_true( contact_stats( h.world ).contacts > 0 );
     const uint64_t hash = wisp_world_hash( h.world );
     close_world( &h );
     return hash;
@@ -59,15 +59,15 @@ static uint64_t run_scene( wisp_pair_search search, wisp_contact_features featur
 static void what_searches_does_not_change_a_bit( void** state )
 {
     (void)state;
-    for ( int features = 0; features < WISP_CONTACT_FEATURES_COUNT; ++features )
+    for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
     {
         scene_counts first_counts, counts;
         const uint64_t first =
-            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_features)features, 2.0f, &first_counts );
+            run_scene( WISP_PAIR_SEARCH_BRUTE, (wisp_contact_primitives)primitives, 2.0f, &first_counts );
         assert_true( first_counts.candidates > 100 );
         for ( int i = 0; i < WISP_COUNT( SEARCHES ); ++i )
         {
-            assert_true( run_scene( SEARCHES[i], (wisp_contact_features)features, 2.0f, &counts ) == first );
+            assert_true( run_scene( SEARCHES[i], (wisp_contact_primitives)primitives, 2.0f, &counts ) == first );
             assert_int_equal( counts.candidates, first_counts.candidates );
             assert_int_equal( counts.searches, first_counts.searches );
         }
@@ -78,14 +78,14 @@ static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
 {
     (void)state;
     static const float MARGINS[] = { 0.05f, 0.3f, 1.0f, 6.0f, 30.0f };
-    for ( int features = 0; features < WISP_CONTACT_FEATURES_COUNT; ++features )
+    for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
     {
         uint64_t first = 0;
         scene_counts counts[WISP_COUNT( MARGINS )];
         for ( int i = 0; i < WISP_COUNT( MARGINS ); ++i )
         {
             const uint64_t hash =
-                run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_features)features, MARGINS[i], counts + i );
+                run_scene( WISP_PAIR_SEARCH_AUTO, (wisp_contact_primitives)primitives, MARGINS[i], counts + i );
             first = i == 0 ? hash : first;
             assert_true( hash == first );
         }
@@ -114,13 +114,13 @@ static wisp_entity add_folding( wisp_world* world )
     set_collision( world, e );
     const wisp_contact_def def = wisp_default_contact_def();
     set_contact( world, e, &def );
-    assert_status( world, wisp_want_contact_figures( world, true, false ), WISP_OK );
+    assert_status( world, wisp_request_contact_stats( world, true, false ), WISP_OK );
     return body;
 }
 
 static void swing( wisp_world* world, wisp_entity ball, float t )
 {
-    wisp_rigid pose = wisp_default_collider_def().pose;
+    wisp_transform pose = wisp_default_collider_def().pose;
     pose.translation =
         ( wisp_vec3 ){ 0.15f * ( 0.3f + sinf( 3.0f * t ) ), 0.3f, 0.15f * ( 0.1f + sinf( 2.0f * t ) ) };
     assert_status( world, wisp_move_collider( world, ball, pose ), WISP_OK );
@@ -169,9 +169,9 @@ static void check_remembered( bool folds, int steps, float seconds )
             run_steps( both[w]->world, 1, seconds );
         }
         assert_true( wisp_world_hash( h.world ) == wisp_world_hash( other.world ) );
-        assert_true( contact_figures( other.world ).searches > 0 );
-        searches += contact_figures( h.world ).searches > 0 ? 1 : 0;
-        contacts += contact_figures( h.world ).contacts;
+        assert_true( contact_stats( other.world ).searches > 0 );
+        searches += contact_stats( h.world ).searches > 0 ? 1 : 0;
+        contacts += contact_stats( h.world ).contacts;
     }
     assert_true( contacts > steps && searches > 0 && 2 * searches < steps );
     free( bytes );
@@ -245,8 +245,8 @@ static void open_six( six* s, int n )
     *s = ( six ){ 0 };
     open_contact( &s->h, 1, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.features = WISP_CONTACT_SAMPLES;
-    settings.sample_spacing = 0.2f;
+    settings.primitives = WISP_CONTACT_PARTICLES;
+    settings.particle_spacing = 0.2f;
     assert_status( s->h.world, wisp_set_contact_settings( s->h.world, &settings ), WISP_OK );
     for ( int k = 0; k < 2; ++k )
     {
@@ -261,10 +261,10 @@ static void open_six( six* s, int n )
         test_mesh mesh = triangle_mesh( p[0], p[1], p[2] );
         s->body[k] = add_mesh( s->h.world, &mesh, NULL, 0, k == 0 ? 0.2f : 0.5f );
         wisp_contact_def def = contact_of( THICK );
-        def.recovery_speed = 1e-9f; // the law alone
+        def.max_push_out_speed = 1e-9f; // the law alone
         set_contact( s->h.world, s->body[k], &def );
     }
-    want_figures( s->h.world );
+    request_stats( s->h.world );
     read_places( s, s->before );
     for ( int i = 0; i < 6; ++i )
     {
@@ -338,7 +338,7 @@ static void a_boundary_particle_moves_its_parents_by_their_weights( void** state
         // a rounding of places (6e-8 m) over the step, times 0.3 kg
         assert_near( momentum[1], expected, 1e-5 );
         assert_near( momentum[0], 0.0, 1e-5 );
-        if ( contact_figures( s.h.world ).contacts == 1 )
+        if ( contact_stats( s.h.world ).contacts == 1 )
         {
             checked += 1;
             inner += check_six( &s ) ? 1 : 0;
@@ -349,24 +349,24 @@ static void a_boundary_particle_moves_its_parents_by_their_weights( void** state
 }
 
 // A needle falls on a sheet: between particles that are as far apart as its edges it passes; it does not where they are nearer.
-static bool needle_passes( wisp_contact_features features, float spacing )
+static bool needle_passes( wisp_contact_primitives primitives, float spacing )
 {
     hosted h;
     open_contact( &h, 4, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.features = features;
-    settings.sample_spacing = spacing;
+    settings.primitives = primitives;
+    settings.particle_spacing = spacing;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-    test_mesh sheet = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
+    test_mesh double_sided = level_sheet( 3, 1.0f, ( wisp_vec3 ){ 0 } ),
               needle = triangle_mesh( ( wisp_vec3 ){ 0.13f, 0.03f, 0.31f }, ( wisp_vec3 ){ 0.14f, 0.13f, 0.31f },
                                       ( wisp_vec3 ){ 0.13f, 0.13f, 0.32f } );
-    const wisp_entity a = add_pinned( h.world, &sheet ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
+    const wisp_entity a = add_pinned( h.world, &double_sided ), b = add_draping( h.world, &needle, NULL, 0, EARTH );
     const wisp_contact_def def = contact_of( 0.02f );
     set_contact( h.world, a, &def );
     set_contact( h.world, b, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     run_steps( h.world, 30, DT );
-    assert_int_equal( contact_figures( h.world ).guests, 2 );
+    assert_int_equal( contact_stats( h.world ).participants, 2 );
     const bool passed = mean_of( h.world, b, 1 ) < 0.0;
     close_world( &h );
     return passed;
@@ -375,9 +375,9 @@ static bool needle_passes( wisp_contact_features features, float spacing )
 static void what_is_finer_than_the_spacing_passes( void** state )
 {
     (void)state;
-    assert_true( needle_passes( WISP_CONTACT_SAMPLES, 0.5f ) );
-    assert_false( needle_passes( WISP_CONTACT_SAMPLES, 0.01f ) );
-    assert_false( needle_passes( WISP_CONTACT_EXACT, 0.5f ) );
+    assert_true( needle_passes( WISP_CONTACT_PARTICLES, 0.5f ) );
+    assert_false( needle_passes( WISP_CONTACT_PARTICLES, 0.01f ) );
+    assert_false( needle_passes( WISP_CONTACT_TRIANGLES, 0.5f ) );
 }
 
 static void more_particles_stand_on_a_finer_spacing( void** state )
@@ -389,16 +389,16 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
         hosted h;
         open_contact( &h, 1, 1, 1 );
         wisp_contact_settings settings = wisp_default_contact_settings();
-        settings.features = WISP_CONTACT_SAMPLES;
-        settings.sample_spacing = i == 2 ? 0.0f : 0.1f / (float)( 1 + i ); // of the last: the thickness, 0.0125 m
+        settings.primitives = WISP_CONTACT_PARTICLES;
+        settings.particle_spacing = i == 2 ? 0.0f : 0.1f / (float)( 1 + i ); // of the last: the thickness, 0.0125 m
         assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
-        test_mesh sheet = level_sheet( 3, 0.5f, ( wisp_vec3 ){ 0 } );
-        const wisp_entity e = add_draping( h.world, &sheet, NULL, 0, EARTH );
+        test_mesh double_sided = level_sheet( 3, 0.5f, ( wisp_vec3 ){ 0 } );
+        const wisp_entity e = add_draping( h.world, &double_sided, NULL, 0, EARTH );
         const wisp_contact_def def = contact_of( 0.0125f );
         set_contact( h.world, e, &def );
-        want_figures( h.world );
+        request_stats( h.world );
         run_steps( h.world, 1, DT );
-        points[i] = contact_figures( h.world ).points;
+        points[i] = contact_stats( h.world ).points;
         close_world( &h );
     }
     assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
@@ -412,8 +412,8 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
     hosted h;
     open_contact( &h, 1, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.features = WISP_CONTACT_SAMPLES;
-    settings.sample_spacing = GAP;
+    settings.primitives = WISP_CONTACT_PARTICLES;
+    settings.particle_spacing = GAP;
     settings.margin = 0.05f;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     test_mesh floor = level_sheet( 4, 0.5f, ( wisp_vec3 ){ 0 } ),
@@ -425,7 +425,7 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
     {
         set_contact( h.world, e[i], &def );
     }
-    want_figures( h.world );
+    request_stats( h.world );
     int64_t candidates[2];
     int searches = 0;
     for ( int step = 0; step < 60; ++step )
@@ -435,8 +435,8 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
             velocity_of( h.world, e[1], v )[1] = step < 8 ? -SPEED : 0.0f;
         }
         run_steps( h.world, 1, DT );
-        candidates[step < 8 ? 0 : 1] = (int64_t)contact_figures( h.world ).candidates;
-        searches += step < 8 ? 0 : contact_figures( h.world ).searches;
+        candidates[step < 8 ? 0 : 1] = (int64_t)contact_stats( h.world ).candidates;
+        searches += step < 8 ? 0 : contact_stats( h.world ).searches;
     }
     assert_near( mean_of( h.world, e[1], 1 ), 0.12 - 8.0 * (double)( SPEED * DT ), 1e-5 );
     assert_true( candidates[0] > 1000 );

@@ -35,8 +35,8 @@ static wisp_entity add_rake( wisp_world* world, wisp_vec3 root, float apart )
     dynamics.line_density = 0.01f; // threads of 10 g a metre
     dynamics.damping = 1.0f;
     assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_STRAND_POINTS ), WISP_OK );
-    assert_status( world, wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_status( world, wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     return e;
 }
 
@@ -44,7 +44,7 @@ static void assert_lengths( wisp_world* world, wisp_entity strands )
 {
     // The direct solve holds them within a hundredth. In this world contact is listed behind strands, so a push at the end of
     // a substep stretches a segment by some of the gap that it restores: where strands land, by twice as much.
-    assert_true( quality_of( world, strands ).strain_max < 0.03 );
+    assert_true( motion_stats_of( world, strands ).strain_max < 0.03 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_HALTED ), 0 );
 }
 
@@ -74,7 +74,7 @@ static int count_segments_through( wisp_world* world, wisp_entity strands, wisp_
             const int32_t* c = f->triangles + 3 * (size_t)t;
             const float from[3] = { p[i - 1].x, p[i - 1].y, p[i - 1].z }, to[3] = { p[i].x, p[i].y, p[i].z };
             count +=
-                wisp_segment_crosses( from, to, x + 4 * (size_t)c[0], x + 4 * (size_t)c[1], x + 4 * (size_t)c[2] )
+                wisp_segment_intersects( from, to, x + 4 * (size_t)c[0], x + 4 * (size_t)c[1], x + 4 * (size_t)c[2] )
                     ? 1
                     : 0;
         }
@@ -100,13 +100,13 @@ static void strands_lie_on_a_balloon_and_not_in_it( void** state )
     def.thickness = 0.01f;
     set_contact( h.world, ball, &def );
     set_contact( h.world, strands, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     int pressed = 0;
     for ( int s = 0; s < 90; ++s )
     {
         run_steps( h.world, 1, FRAME );
-        const wisp_contact_figures f = contact_figures( h.world );
-        assert_int_equal( f.crossings, 0 );
+        const wisp_contact_stats f = contact_stats( h.world );
+        assert_int_equal( f.intersections, 0 );
         pressed += f.contacts > 0 ? 1 : 0;
         double impulse[2][3];
         assert_status( h.world, wisp_read_contact_impulse( h.world, ball, impulse[0] ), WISP_OK );
@@ -139,18 +139,18 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
     const wisp_entity ball = add_balloon( h.world, &mesh, ( wisp_vec3 ){ 0 } );
     const wisp_entity strands = add_rake( h.world, ( wisp_vec3 ){ -0.2f, 0.2f, 0.0f }, 0.02f );
     wisp_balloon_def vacuum = wisp_default_balloon_def();
-    vacuum.fill = 1.3f;
+    vacuum.gas_ratio = 1.3f;
     vacuum.buoyancy = false;
     vacuum.drag_coefficient = 0.0f;
     assert_status( h.world, wisp_set_balloon( h.world, ball, &vacuum ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.guard = false; // which cuts ways, and is no force
+    settings.displacement_limit = false; // which cuts ways, and is no force
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     wisp_contact_def def = wisp_default_contact_def();
     def.thickness = 0.02f;
     set_contact( h.world, ball, &def );
     set_contact( h.world, strands, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     double given[3] = { 0 };
     for ( int s = 0; s < 45; ++s )
     {
@@ -162,7 +162,7 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
             given[k] += impulse[k];
         }
     }
-    const wisp_quality q = quality_of( h.world, ball );
+    const wisp_motion_stats q = motion_stats_of( h.world, ball );
     assert_true( given[1] < -0.001 );
     for ( int k = 0; k < 3; ++k )
     {
@@ -185,13 +185,13 @@ static void strands_lie_on_cloth_and_do_not_pass( void** state )
     def.thickness = 0.012f;
     set_contact( h.world, cloth, &def );
     set_contact( h.world, strands, &def );
-    want_figures( h.world );
+    request_stats( h.world );
     int pressed = 0;
     for ( int s = 0; s < 120; ++s )
     {
         run_steps( h.world, 1, FRAME );
-        const wisp_contact_figures f = contact_figures( h.world );
-        assert_int_equal( f.crossings, 0 );
+        const wisp_contact_stats f = contact_stats( h.world );
+        assert_int_equal( f.intersections, 0 );
         pressed += f.contacts > 0 ? 1 : 0;
         assert_lengths( h.world, strands );
         if ( s % 20 == 19 )

@@ -34,7 +34,7 @@ static void open_tangle( tangle* t, float dip, int start )
         const wisp_contact_def def = wisp_default_contact_def();
         set_contact( t->h.world, t->c[k], &def );
     }
-    want_figures( t->h.world );
+    request_stats( t->h.world );
 }
 
 static void what_starts_crossed_is_drawn_apart( void** state )
@@ -46,23 +46,23 @@ static void what_starts_crossed_is_drawn_apart( void** state )
         open_tangle( &t, test_random_float( start, 3, 0.05f, 0.15f ), start );
         assert_true( count_all_passing( t.h.world, t.c, 2 ) > 0 );
         run_steps( t.h.world, 1, FRAME );
-        assert_int_equal( count_all_passing( t.h.world, t.c, 2 ), contact_figures( t.h.world ).crossings );
+        assert_int_equal( count_all_passing( t.h.world, t.c, 2 ), contact_stats( t.h.world ).intersections );
         double fastest = 0.0;
         for ( int s = 0; s < 60; ++s )
         {
             run_steps( t.h.world, 1, FRAME );
-            fastest = fmax( fastest, quality_of( t.h.world, t.c[1] ).speed_max );
+            fastest = fmax( fastest, motion_stats_of( t.h.world, t.c[1] ).speed_max );
         }
-        if ( contact_figures( t.h.world ).crossings != 0 || contact_figures( t.h.world ).tangled != 0 )
+        if ( contact_stats( t.h.world ).intersections != 0 || contact_stats( t.h.world ).tangled != 0 )
         {
-            fail_msg( "start %d: %d crossings after a second", start, contact_figures( t.h.world ).crossings );
+            fail_msg( "start %d: %d intersections after a second", start, contact_stats( t.h.world ).intersections );
         }
         // gravity gives 1 m/s in that second; links that were drawn along give some more
         assert_true( fastest < 4.0 );
         for ( int s = 0; s < 15; ++s )
         {
             run_steps( t.h.world, 1, FRAME );
-            assert_int_equal( contact_figures( t.h.world ).crossings, 0 );
+            assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
         }
         assert_int_equal( count_all_passing( t.h.world, t.c, 2 ), 0 );
         close_world( &t.h );
@@ -76,16 +76,16 @@ static void what_the_user_puts_through_is_drawn_apart( void** state )
     tangle t;
     open_tangle( &t, -0.1f, 0 );
     run_steps( t.h.world, 3, FRAME );
-    assert_int_equal( contact_figures( t.h.world ).crossings, 0 );
+    assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
     float* column = wisp_world_column( t.h.world, t.c[1], WISP_PARTICLE_POSITION, 0 );
     for ( int v = 0; v < SIDE * SIDE; ++v )
     {
         column[4 * v + 1] -= 0.2f;
     }
     run_steps( t.h.world, 1, FRAME );
-    assert_true( contact_figures( t.h.world ).crossings > 0 );
+    assert_true( contact_stats( t.h.world ).intersections > 0 );
     run_steps( t.h.world, 75, FRAME );
-    assert_int_equal( contact_figures( t.h.world ).crossings, 0 );
+    assert_int_equal( contact_stats( t.h.world ).intersections, 0 );
     close_world( &t.h );
 }
 
@@ -118,14 +118,14 @@ static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return(
         }
         assert_status( t.h.world, wisp_move_pins( t.h.world, t.c[1], pins, targets, 2 ), WISP_OK );
         run_steps( t.h.world, 1, FRAME );
-        const int crossings = contact_figures( t.h.world ).crossings;
-        most = crossings > most ? crossings : most;
+        const int intersections = contact_stats( t.h.world ).intersections;
+        most = intersections > most ? intersections : most;
         assert_true( is_finite( t.h.world, t.c[0] ) && is_finite( t.h.world, t.c[1] ) );
     }
     assert_true( most > 0 );
     run_steps( t.h.world, 120, FRAME );
     // what was dragged a metre and a half through and back stays caught in a few places
-    assert_true( contact_figures( t.h.world ).crossings < most / 4 );
+    assert_true( contact_stats( t.h.world ).intersections < most / 4 );
     close_world( &t.h );
 }
 
@@ -148,15 +148,15 @@ static void untangling_gives_neither_momentum_nor_speed( void** state )
         const wisp_contact_def def = wisp_default_contact_def();
         set_contact( h.world, e[k], &def );
     }
-    want_figures( h.world );
+    request_stats( h.world );
     run_steps( h.world, 1, FRAME );
-    assert_true( contact_figures( h.world ).crossings > 0 );
+    assert_true( contact_stats( h.world ).intersections > 0 );
     for ( int s = 0; s < 60; ++s )
     {
         run_steps( h.world, 1, FRAME );
         double momentum[3];
         momentum_of( h.world, e, 2, momentum );
-        const double mass = quality_of( h.world, e[0] ).mass + quality_of( h.world, e[1] ).mass;
+        const double mass = motion_stats_of( h.world, e[0] ).mass + motion_stats_of( h.world, e[1] ).mass;
         for ( int k = 0; k < 3; ++k )
         {
             // Drawing keeps the momentum; the guard, which cuts ways around what was crossed, does not quite. A quarter of
@@ -165,7 +165,7 @@ static void untangling_gives_neither_momentum_nor_speed( void** state )
         }
         assert_true( sqrt( 2.0 * energy_of( h.world, e, 2 ) / mass ) < 1.5 );
     }
-    assert_int_equal( contact_figures( h.world ).crossings, 0 );
+    assert_int_equal( contact_stats( h.world ).intersections, 0 );
     close_world( &h );
 }
 

@@ -8,7 +8,7 @@
 static void say( const char* what, hair_shadow s )
 {
     print_message( "           %s: %.2g m off, %.0f %% of the tolerance, %llu neighbours, %u searches, %llu late\n",
-                   what, s.offset, 100.0 * s.share, (unsigned long long)s.neighbours, (unsigned)s.searches,
+                   what, s.offset, 100.0 * s.fraction, (unsigned long long)s.neighbours, (unsigned)s.searches,
                    (unsigned long long)s.late );
 }
 
@@ -49,14 +49,14 @@ static void follow_gap( wisp_gap gap )
         wisp_frozen_hair_def def = hair_clump_only();
         def.gap = gap;
         def.gap_by_iteration = ( n & 4 ) != 0;
-        def.guard = ( n & 8 ) != 0;
+        def.min_distance_clamp = ( n & 8 ) != 0;
         def.epsilon = ( n & 16 ) != 0 ? 1e-6f : 0.0f;
         def.lambda_min = ( n & 16 ) != 0 ? 0.3f : 0.0f;
         def.clump_iterations = 4;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, n % 3 );
         assert_int_equal( shadow.capped, 0 );
         worst.offset = fmax( worst.offset, shadow.offset );
-        worst.share = fmax( worst.share, shadow.share );
+        worst.fraction = fmax( worst.fraction, shadow.fraction );
         worst.neighbours += shadow.neighbours;
         worst.searches += shadow.searches;
         hair_groom_destroy( &groom );
@@ -67,25 +67,25 @@ static void follow_gap( wisp_gap gap )
 static void prose_gaps_follow_the_oracle( void** state )
 {
     (void)state;
-    follow_gap( WISP_GAP_PROSE );
+    follow_gap( WISP_GAP_ABSOLUTE );
 }
 
 static void printed_gaps_follow_the_oracle( void** state )
 {
     (void)state;
-    follow_gap( WISP_GAP_PRINTED );
+    follow_gap( WISP_GAP_SIGNED );
 }
 
 static void closing_gaps_follow_the_oracle( void** state )
 {
     (void)state;
-    follow_gap( WISP_GAP_CLOSING );
+    follow_gap( WISP_GAP_REVERSED );
 }
 
 static void wet_hair_follows_the_oracle( void** state )
 {
     (void)state;
-    follow_gap( WISP_GAP_WET );
+    follow_gap( WISP_GAP_NONE );
 }
 
 // The switches are not ignored: each gives another shape.
@@ -99,11 +99,11 @@ static void every_switch_of_the_stage_changes_the_result( void** state )
     {
         other[n] = plain;
     }
-    other[0].gap = WISP_GAP_PRINTED;
-    other[1].gap = WISP_GAP_CLOSING;
-    other[2].gap = WISP_GAP_WET;
+    other[0].gap = WISP_GAP_SIGNED;
+    other[1].gap = WISP_GAP_REVERSED;
+    other[2].gap = WISP_GAP_NONE;
     other[3].gap_by_iteration = true;
-    other[4].guard = false;
+    other[4].min_distance_clamp = false;
     other[5].lambda_min = 0.5f;
     other[6].clump_step = 0.005f;
     other[7].clump_radius = 0.012f;
@@ -148,7 +148,7 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
     {
         hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
-        def.guard = false;
+        def.min_distance_clamp = false;
         def.clump_step = ( n & 2 ) != 0 ? 0.01f : 0.0017f;
         def.clump_iterations = 8;
         def.gap = (wisp_gap)( n / 4 );
@@ -170,7 +170,7 @@ static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( voi
     {
         hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
         wisp_frozen_hair_def def = hair_clump_only();
-        def.guard = false;
+        def.min_distance_clamp = false;
         def.clump_step = ( n & 1 ) != 0 ? 0.0012f : 0.0014f;
         def.gap_by_iteration = n / 2 == 1;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
@@ -231,7 +231,7 @@ static void the_report_counts_exactly_the_pairs_within_the_radius( void** state 
         {
             assert_int_equal( expected, 9 * vertices * 8 * vertices ); // all vertices of all other strands
         }
-        assert_int_equal( hair_report( world, entity ).neighbours, expected );
+        assert_int_equal( hair_stats( world, entity ).neighbours, expected );
         assert_int_equal( wisp_world_counter( world, WISP_COUNT_NEIGHBOURS ), expected );
         wisp_world_destroy( world );
         hair_groom_destroy( &groom );
@@ -262,7 +262,7 @@ static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
-    wisp_frozen_hair_report report = hair_report( world, entity );
+    wisp_frozen_hair_stats report = hair_stats( world, entity );
     assert_int_equal( report.coarse_grid, 1 );
     assert_int_equal( report.neighbours, 0 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_COARSE_GRIDS ), 1 );
@@ -282,7 +282,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
-    wisp_frozen_hair_report report = hair_report( world, entity );
+    wisp_frozen_hair_stats report = hair_stats( world, entity );
     uint64_t all = count_neighbours( &groom, groom.points, def.clump_radius );
 
     // in this dense groom every vertex has more than five neighbours
@@ -296,7 +296,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     def.neighbour_limit = 256;
     hair_set( world, entity, &def );
     hair_step( world );
-    report = hair_report( world, entity );
+    report = hair_stats( world, entity );
     assert_int_equal( report.capped, 0 );
     assert_int_equal( report.neighbours, all );
     wisp_world_destroy( world );
@@ -322,10 +322,10 @@ static void strands_in_one_place_have_no_direction_and_stay( void** state )
     hair_groom groom = hair_groom_from( 3, copies, counts, points );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_radius = 0.003f; // less than a segment: only coincident vertices are near
-    for ( int gap = WISP_GAP_PROSE; gap <= WISP_GAP_WET; ++gap )
+    for ( int gap = WISP_GAP_ABSOLUTE; gap <= WISP_GAP_NONE; ++gap )
     {
         def.gap = (wisp_gap)gap;
-        def.guard = gap % 2 == 0;
+        def.min_distance_clamp = gap % 2 == 0;
         wisp_vec3* out = hair_run( NULL, &groom, &def );
         assert_true( hair_same_bits( out, points, copies * vertices ) );
         free( out );

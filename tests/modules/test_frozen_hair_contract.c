@@ -1,5 +1,5 @@
 // Frozen hair (Kim 2026, Eq. 1-13), held by the engine against closed forms through its public interface alone. Eq. 14-19
-// are in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_figures.c.
+// are in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_stats.c.
 // A float rounds by u = 2^-24: where a bound for double precision is known, the bound here is the number
 // of roundings times u times the size of what is rounded.
 #include "frozen_hair_engine_fixture.h"

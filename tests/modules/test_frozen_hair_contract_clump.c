@@ -34,7 +34,7 @@ typedef struct pair_groom
     int count;
 } pair_groom;
 
-static pair_groom make_pairs( int side, float low, float high )
+static pair_groom make_pairs( int side, float lower, float upper )
 {
     int count = side * side;
     wisp_vec3* points = calloc( 4 * (size_t)count, sizeof( wisp_vec3 ) );
@@ -43,7 +43,7 @@ static pair_groom make_pairs( int side, float low, float high )
     for ( int n = 0; n < count; ++n )
     {
         float x = 0.03125f * (float)( n % side ), z = 0.03125f * (float)( n / side );
-        float half = 0.5f * ( low + ( high - low ) * (float)n / (float)( count > 1 ? count - 1 : 1 ) );
+        float half = 0.5f * ( lower + ( upper - lower ) * (float)n / (float)( count > 1 ? count - 1 : 1 ) );
         points[4 * n] = ( wisp_vec3 ){ x, 1.0f, z };
         points[4 * n + 1] = ( wisp_vec3 ){ x - half, 0.0f, z };
         points[4 * n + 2] = ( wisp_vec3 ){ x, 2.0f, z };
@@ -60,8 +60,8 @@ static wisp_frozen_hair_def one_wet_step( void )
 {
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_iterations = 1;
-    def.gap = WISP_GAP_WET;
-    def.guard = false;
+    def.gap = WISP_GAP_NONE;
+    def.min_distance_clamp = false;
     def.clump_step = 0.001f;
     return def;
 }
@@ -136,7 +136,7 @@ static void lambda_obeys_the_law_of_each_gap_rule( void** state )
     wisp_vec3* wet = hair_run( NULL, &pairs.groom, &def );
     for ( int n = 0; n < 4; ++n )
     {
-        const wisp_gap gaps[] = { WISP_GAP_PRINTED, WISP_GAP_PROSE, WISP_GAP_CLOSING, WISP_GAP_PROSE };
+        const wisp_gap gaps[] = { WISP_GAP_SIGNED, WISP_GAP_ABSOLUTE, WISP_GAP_REVERSED, WISP_GAP_ABSOLUTE };
         def.gap = gaps[n];
         def.lambda_min = n == 3 ? 0.6f : 0.0f;
         wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
@@ -147,8 +147,8 @@ static void lambda_obeys_the_law_of_each_gap_rule( void** state )
             double full = hair_distance( wet[v], p ), lambda = hair_distance( out[v], p ) / full;
 
             // closing in by two full steps: no change as printed, a share of h in the other rules
-            double delta = def.gap == WISP_GAP_PRINTED ? 0.0 : 2.0 * full / h;
-            double floor = def.gap == WISP_GAP_CLOSING ? 1.0 : (double)def.lambda_min;
+            double delta = def.gap == WISP_GAP_SIGNED ? 0.0 : 2.0 * full / h;
+            double floor = def.gap == WISP_GAP_REVERSED ? 1.0 : (double)def.lambda_min;
             double law = ( 1.0 - delta ) * draw( 3, v / 2, 1 ) + delta * floor;
 
             // both steps end in rounded coordinates below half a metre
@@ -188,7 +188,7 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
     {
         hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
         wisp_frozen_hair_def def = hair_clump_only();
-        def.gap = WISP_GAP_WET;
+        def.gap = WISP_GAP_NONE;
         def.clump_step = 0.05f;
         def.distance_min = 0.0006f;
         double start = nearest_of_all( &groom, groom.points );
@@ -211,7 +211,7 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
     def.clump_step = 0.05f;
     wisp_vec3* swapped = hair_run( NULL, &pair.groom, &def );
     assert_true( swapped[3].x < swapped[1].x );
-    def.guard = true;
+    def.min_distance_clamp = true;
     wisp_vec3* kept = hair_run( NULL, &pair.groom, &def );
     hair_assert_close( (double)kept[3].x - (double)kept[1].x, 0.0002, 8.0 * u * 0.001 );
     free( swapped );
@@ -298,7 +298,7 @@ static void replaying_an_event_from_rest_gives_the_same_bits( void** state )
         hair_step( world );
         assert_true(
             hair_same_bits( hair_view( world, entity, groom.vertex_count ), looks[event], groom.vertex_count ) );
-        assert_int_equal( hair_report( world, entity ).event, event );
+        assert_int_equal( hair_stats( world, entity ).event, event );
     }
     free( looks[0] );
     free( looks[1] );

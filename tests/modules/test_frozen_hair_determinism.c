@@ -51,27 +51,27 @@ static void clump_by( wisp_frozen_hair_def* def, wisp_gap gap )
 
 static void clump_prose( wisp_frozen_hair_def* def )
 {
-    clump_by( def, WISP_GAP_PROSE );
+    clump_by( def, WISP_GAP_ABSOLUTE );
 }
 
 static void clump_printed( wisp_frozen_hair_def* def )
 {
-    clump_by( def, WISP_GAP_PRINTED );
+    clump_by( def, WISP_GAP_SIGNED );
 }
 
 static void clump_closing( wisp_frozen_hair_def* def )
 {
-    clump_by( def, WISP_GAP_CLOSING );
+    clump_by( def, WISP_GAP_REVERSED );
 }
 
 static void clump_wet( wisp_frozen_hair_def* def )
 {
-    clump_by( def, WISP_GAP_WET );
+    clump_by( def, WISP_GAP_NONE );
 }
 
 static void clump_by_iteration( wisp_frozen_hair_def* def )
 {
-    clump_by( def, WISP_GAP_PROSE );
+    clump_by( def, WISP_GAP_ABSOLUTE );
     def->gap_by_iteration = true;
 }
 
@@ -80,8 +80,8 @@ static void printed_form( wisp_frozen_hair_def* def )
 {
     def->epsilon = 1e-6f;
     def->blend_chord = true;
-    def->gap = WISP_GAP_PRINTED;
-    def->guard = false;
+    def->gap = WISP_GAP_SIGNED;
+    def->min_distance_clamp = false;
 }
 
 static void capped( wisp_frozen_hair_def* def )
@@ -186,7 +186,7 @@ enum
     host_threads = 4
 };
 
-static void* race( void* argument )
+static void* comparison( void* argument )
 {
     const thread_worker* worker = argument;
     thread_wave* wave = worker->wave;
@@ -209,7 +209,7 @@ static void with_threads( void* user, int block_count, wisp_block_fn* run, void*
     for ( int n = 0; n < host_threads; ++n )
     {
         workers[n] = ( thread_worker ){ &wave, n };
-        assert_int_equal( pthread_create( threads + n, NULL, race, workers + n ), 0 );
+        assert_int_equal( pthread_create( threads + n, NULL, comparison, workers + n ), 0 );
     }
     for ( int n = 0; n < host_threads; ++n )
     {

@@ -1,6 +1,6 @@
 // The method of frozen hair, equation by equation and stage by stage, on its double-precision oracle. The pipeline
 // and the guard are in test_frozen_hair_oracle_pipeline.c, statistics and figures in
-// test_frozen_hair_oracle_figures.c. Numbers of equations, figures and sections are those of Kim 2026.
+// test_frozen_hair_oracle_stats.c. Numbers of equations, figures and sections are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
 static const double pi = 3.14159265358979323846;
@@ -56,7 +56,7 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
     assert_true( same_bits( &copied, &previous, 1 ) );
 }
 
-// Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_figures.c
+// Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_stats.c
 static void a_target_length_stays_within_one_over_the_stiffness( void** state )
 {
     (void)state;
@@ -457,8 +457,8 @@ static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
         double r = distances[n];
         frozen_scene scene = two_tips( r );
         frozen_oracle_options options = frozen_oracle_default_options();
-        options.gap = FROZEN_ORACLE_GAP_WET;
-        options.guard = false;
+        options.gap = FROZEN_ORACLE_GAP_NONE;
+        options.min_distance_clamp = false;
         options.deform = options.align = false;
         options.clump_step = 0.0002;
         options.clump_iterations = 1;
@@ -505,12 +505,12 @@ static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( vo
     adhesion.nearest = 0.0001;
     assert_true( double3_length( frozen_oracle_tentative_step( &options, adhesion ) ) == 0.0 );
 
-    options.guard = false;
+    options.min_distance_clamp = false;
     double3 whole = frozen_oracle_tentative_step( &options, adhesion );
     assert_close( double3_distance( whole, double3_make( 0.003, -0.004, 0.0 ) ), 0.0, 1e-15 );
 
     // a step with room enough is not touched
-    options.guard = true;
+    options.min_distance_clamp = true;
     adhesion.nearest = 0.0102 + 1e-9;
     double3 same = frozen_oracle_tentative_step( &options, adhesion );
     assert_true( same_bits( &same, &whole, 1 ) );
@@ -521,18 +521,18 @@ static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
 {
     (void)state;
     double h = 0.01;
-    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_PRINTED, 0.004, 0.006, h ), 0.2, 1e-12 );
-    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_PRINTED, 0.006, 0.004, h ) == 0.0 );
-    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_CLOSING, 0.006, 0.004, h ), 0.2, 1e-12 );
-    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_CLOSING, 0.004, 0.006, h ) == 0.0 );
-    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_PROSE, 0.004, 0.006, h ), 0.2, 1e-12 );
-    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_PROSE, 0.006, 0.004, h ), 0.2, 1e-12 );
-    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_PROSE, 0.006, 0.5, h ) == 1.0 );
+    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.004, 0.006, h ), 0.2, 1e-12 );
+    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.006, 0.004, h ) == 0.0 );
+    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_REVERSED, 0.006, 0.004, h ), 0.2, 1e-12 );
+    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_REVERSED, 0.004, 0.006, h ) == 0.0 );
+    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_ABSOLUTE, 0.004, 0.006, h ), 0.2, 1e-12 );
+    assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_ABSOLUTE, 0.006, 0.004, h ), 0.2, 1e-12 );
+    assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_ABSOLUTE, 0.006, 0.5, h ) == 1.0 );
 
-    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_PRINTED, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.25, 1e-15 );
-    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_CLOSING, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.25, 1e-15 );
-    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_PROSE, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.025, 1e-15 );
-    assert_true( frozen_oracle_lambda( FROZEN_ORACLE_GAP_WET, 0.25, 0.4, 0.1 ) == 1.0 );
+    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_SIGNED, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.25, 1e-15 );
+    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_REVERSED, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.25, 1e-15 );
+    assert_close( frozen_oracle_lambda( FROZEN_ORACLE_GAP_ABSOLUTE, 0.25, 0.4, 0.1 ), 0.75 * 0.4 + 0.025, 1e-15 );
+    assert_true( frozen_oracle_lambda( FROZEN_ORACLE_GAP_NONE, 0.25, 0.4, 0.1 ) == 1.0 );
 }
 
 // Eq. 17-19

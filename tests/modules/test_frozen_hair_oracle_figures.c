@@ -105,7 +105,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
     {
         n = 20000
     };
-    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_PRINTED, FROZEN_ORACLE_GAP_CLOSING };
+    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_SIGNED, FROZEN_ORACLE_GAP_REVERSED };
     // printed does not count a pair that closes, closing does not count one that opens
     const double r1[] = { 0.004, 0.006 };
     double* samples = malloc( n * sizeof( double ) );
@@ -131,7 +131,8 @@ static void lambda_follows_its_law_in_hair( void** state )
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 64, 20, 0.004 );
     double3 *p = new_points( &scene ), *out = new_points( &scene );
     double *delta = new_doubles( &scene ), *lambda = new_doubles( &scene );
-    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_PROSE, FROZEN_ORACLE_GAP_CLOSING, FROZEN_ORACLE_GAP_WET };
+    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_ABSOLUTE, FROZEN_ORACLE_GAP_REVERSED,
+                                        FROZEN_ORACLE_GAP_NONE };
     for ( int rule = 0; rule < 3; ++rule )
     {
         frozen_oracle_options options = frozen_oracle_default_options();
@@ -143,14 +144,14 @@ static void lambda_follows_its_law_in_hair( void** state )
         {
             if ( v % 20 > 0 )
             {
-                double one_or_zero = rules[rule] == FROZEN_ORACLE_GAP_CLOSING ? 1.0 : 0.0;
+                double one_or_zero = rules[rule] == FROZEN_ORACLE_GAP_REVERSED ? 1.0 : 0.0;
                 excess += lambda[v] - ( 1.0 - delta[v] ) / 2.0 - delta[v] * one_or_zero;
                 variance += ( 1.0 - delta[v] ) * ( 1.0 - delta[v] ) / 12.0;
                 change += delta[v] / ( 0.95 * scene.vertex_count );
-                assert_true( rules[rule] != FROZEN_ORACLE_GAP_WET || ( lambda[v] == 1.0 && delta[v] == 0.0 ) );
+                assert_true( rules[rule] != FROZEN_ORACLE_GAP_NONE || ( lambda[v] == 1.0 && delta[v] == 0.0 ) );
             }
         }
-        if ( rules[rule] != FROZEN_ORACLE_GAP_WET )
+        if ( rules[rule] != FROZEN_ORACLE_GAP_NONE )
         {
             assert_close( excess, 0.0, 3.0 * sqrt( variance ) );
             assert_true( change > 0.05 ); // the hair has moved enough for the law to matter
@@ -329,10 +330,11 @@ static clumping measure_clumping( const frozen_scene* scene, const double3* p, d
 }
 
 // Fig. 3: hair aligned by the cursor, then clumped by wet, printed and prose rule; result[0] is before clumping
-static void clump_aligned_hair( const frozen_scene* scene, int dimension, int event, bool guard, clumping result[4] )
+static void clump_aligned_hair( const frozen_scene* scene, int dimension, int event, bool min_distance_clamp,
+                                clumping result[4] )
 {
-    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_WET, FROZEN_ORACLE_GAP_WET, FROZEN_ORACLE_GAP_PRINTED,
-                                        FROZEN_ORACLE_GAP_PROSE };
+    const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_NONE, FROZEN_ORACLE_GAP_NONE, FROZEN_ORACLE_GAP_SIGNED,
+                                        FROZEN_ORACLE_GAP_ABSOLUTE };
     for ( int n = 0; n < 4; ++n )
     {
         frozen_oracle_options options = frozen_oracle_default_options();
@@ -342,7 +344,7 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, int ev
         options.event = (uint64_t)event;
         options.clump = n > 0;
         options.gap = rules[n];
-        options.guard = guard;
+        options.min_distance_clamp = min_distance_clamp;
         double3* out = run( scene, &options );
         for ( int s = 0; s < scene->hair.strand_count; ++s )
         {

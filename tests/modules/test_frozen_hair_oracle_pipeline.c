@@ -286,7 +286,7 @@ static void count_violations( const frozen_scene* scene, const frozen_oracle_opt
             {
                 double3 before = double3_sub( p[q], p[v] ), after = double3_sub( next[q], next[v] );
                 double floor_distance =
-                    fmin( double3_distance( scene->rest[q], scene->rest[v] ), options->guard_distance );
+                    fmin( double3_distance( scene->rest[q], scene->rest[v] ), options->min_distance );
                 if ( !same_strand( scene, v, q ) )
                 {
                     // 1e-15 m is the rounding of coordinates below one metre
@@ -306,7 +306,7 @@ static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void
 {
     (void)state;
     frozen_scene scene = crowded_scene();
-    for ( int gap = FROZEN_ORACLE_GAP_PROSE; gap <= FROZEN_ORACLE_GAP_WET; ++gap )
+    for ( int gap = FROZEN_ORACLE_GAP_ABSOLUTE; gap <= FROZEN_ORACLE_GAP_NONE; ++gap )
     {
         frozen_oracle_options options = busy_options( 3 );
         int too_close, swapped;
@@ -316,7 +316,7 @@ static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void
         assert_int_equal( too_close, 0 );
         assert_int_equal( swapped, 0 );
 
-        options.guard = false;
+        options.min_distance_clamp = false;
         count_violations( &scene, &options, &too_close, &swapped );
         assert_true( too_close > 0 && swapped > 0 );
     }
@@ -340,7 +340,7 @@ static void degenerate_strands_come_out_finite_and_as_agreed( void** state )
     {
         frozen_oracle_options options = busy_options( 2 + n % 2 );
         options.gap = (frozen_oracle_gap)( n / 2 % 4 );
-        options.guard = n / 8 % 2 == 0;
+        options.min_distance_clamp = n / 8 % 2 == 0;
         options.epsilon = n / 16 == 0 ? 0.0 : 1e-6;
         double3* out = run( &scene, &options );
         for ( int v = 0; v < scene.vertex_count; ++v )
@@ -398,12 +398,12 @@ static void assert_refused( const frozen_scene* scene, const frozen_oracle_optio
     double3* out = new_points( scene );
     assert_int_equal( frozen_oracle_run( &scene->hair, options, NULL, out, &error ), WISP_BAD_INPUT );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, named ) );
+    assert_non_null( strstr( error.message, named ) );
     assert_true( out[0].x == 0.0 && out[1].y == 0.0 );
     free( out );
 }
 
-// What cannot be meant is refused with a sentence that names it
+// What cannot be meant is refused with a message that names it
 static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state )
 {
     (void)state;
@@ -421,7 +421,7 @@ static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state 
         { "cursor is", offsetof( frozen_oracle_options, cursor ), INFINITY },
         { "clump radius", offsetof( frozen_oracle_options, clump_radius ), 0.0 },
         { "clump step", offsetof( frozen_oracle_options, clump_step ), NAN },
-        { "guard distance", offsetof( frozen_oracle_options, guard_distance ), -1.0 },
+        { "guard distance", offsetof( frozen_oracle_options, min_distance ), -1.0 },
         { "lambda_min", offsetof( frozen_oracle_options, lambda_min ), 1.5 },
         { "length floor", offsetof( frozen_oracle_options, length_floor ), 1.5 },
         { "epsilon", offsetof( frozen_oracle_options, epsilon ), -1e-6 },

@@ -1,9 +1,9 @@
-// What frozen hair cannot take is refused with one sentence that names it, and the refused call has changed nothing.
+// What frozen hair cannot take is refused with one message that names it, and the refused call has changed nothing.
 #include "frozen_hair_engine_fixture.h"
 
 #include <math.h>
 
-// X( what the sentence must name, the statement that breaks a definition )
+// X( what the message must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
     X( "stretch_stiffness: got 0,", d->stretch_stiffness = 0.0f )                                                    \
     X( "stretch_stiffness: got -7,", d->stretch_stiffness = -7.0f )                                                  \
@@ -42,7 +42,7 @@ static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
 
 enum
 {
-#define COUNT_ONE( sentence, statement ) +1
+#define COUNT_ONE( message, statement ) +1
     broken_count = 0 BROKEN_DEFS( COUNT_ONE )
 #undef COUNT_ONE
 };
@@ -51,11 +51,11 @@ static const char* break_def( int number, wisp_frozen_hair_def* d )
 {
     int n = 0;
     const char* expected = NULL;
-#define BREAK_ONE( sentence, statement )                                                                             \
+#define BREAK_ONE( message, statement )                                                                              \
     if ( n++ == number )                                                                                             \
     {                                                                                                                \
         statement;                                                                                                   \
-        expected = sentence;                                                                                         \
+        expected = message;                                                                                          \
     }
     BROKEN_DEFS( BREAK_ONE )
 #undef BREAK_ONE
@@ -91,23 +91,23 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
 {
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
-    for ( int high = 0; high <= 1; ++high )
+    for ( int upper = 0; upper <= 1; ++upper )
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.stretch_stiffness = def.bend_stiffness = high ? 1e12f : 1e-3f;
-        def.bend_angle_max = high ? 3.14159274f : 0.0f;
-        def.intensity = high ? 1.0f : 0.0f;
-        def.cursor = high ? ( wisp_vec3 ){ 1e6f, -1e6f, 1e6f } : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-        def.reach = high ? 1e7f : 0.0f;
-        def.clump_radius = high ? 1e6f : 1e-6f;
-        def.clump_iterations = high ? 1000 : 1;
-        def.clump_step = high ? 1e3f : 0.0f;
-        def.lambda_min = high ? 1.0f : 0.0f;
-        def.neighbour_limit = high ? 4096 : 1;
-        def.epsilon = high ? 1.0f : 0.0f;
-        for ( int guard = 0; guard <= 1; ++guard )
+        def.stretch_stiffness = def.bend_stiffness = upper ? 1e12f : 1e-3f;
+        def.bend_angle_max = upper ? 3.14159274f : 0.0f;
+        def.intensity = upper ? 1.0f : 0.0f;
+        def.cursor = upper ? ( wisp_vec3 ){ 1e6f, -1e6f, 1e6f } : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
+        def.reach = upper ? 1e7f : 0.0f;
+        def.clump_radius = upper ? 1e6f : 1e-6f;
+        def.clump_iterations = upper ? 1000 : 1;
+        def.clump_step = upper ? 1e3f : 0.0f;
+        def.lambda_min = upper ? 1.0f : 0.0f;
+        def.neighbour_limit = upper ? 4096 : 1;
+        def.epsilon = upper ? 1.0f : 0.0f;
+        for ( int min_distance_clamp = 0; min_distance_clamp <= 1; ++min_distance_clamp )
         {
-            def.guard = guard != 0;
+            def.min_distance_clamp = min_distance_clamp != 0;
             wisp_vec3* out = hair_run( NULL, &groom, &def );
             hair_assert_finite( out, groom.vertex_count );
             free( out );
@@ -138,18 +138,18 @@ static void a_cursor_that_is_no_place_is_refused_and_no_command_waits( void** st
     hair_groom_destroy( &groom );
 }
 
-static void forget( void* user, wisp_log_level level, const char* sentence )
+static void forget( void* user, wisp_log_level level, const char* message )
 {
     (void)user;
     (void)level;
-    (void)sentence;
+    (void)message;
 }
 
 static void commands_to_nobody_are_refused( void** state )
 {
     (void)state;
     const wisp_vec3 cursor = { 0, 0, 0 };
-    wisp_frozen_hair_report report;
+    wisp_frozen_hair_stats report;
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
 
@@ -158,7 +158,7 @@ static void commands_to_nobody_are_refused( void** state )
     wisp_entity bare = hair_add( world, &groom );
     assert_int_equal( wisp_command_frozen_hair( world, bare, cursor ), WISP_CONFLICT );
     assert_int_equal( wisp_replay_frozen_hair( world, bare, cursor, 0 ), WISP_CONFLICT );
-    assert_int_equal( wisp_report_frozen_hair( world, bare, &report ), WISP_CONFLICT );
+    assert_int_equal( wisp_read_frozen_hair_stats( world, bare, &report ), WISP_CONFLICT );
 
     // nobody, and somebody who has left
     const wisp_entity null = { 0, 0 };
@@ -167,12 +167,12 @@ static void commands_to_nobody_are_refused( void** state )
     assert_int_equal( wisp_remove( world, bare ), WISP_OK );
     assert_int_equal( wisp_set_frozen_hair( world, bare, &def ), WISP_STALE_ID );
     assert_int_equal( wisp_command_frozen_hair( world, bare, cursor ), WISP_STALE_ID );
-    assert_int_equal( wisp_report_frozen_hair( world, bare, &report ), WISP_STALE_ID );
+    assert_int_equal( wisp_read_frozen_hair_stats( world, bare, &report ), WISP_STALE_ID );
     wisp_world_destroy( world );
 
     // a world that does not know the module
     wisp_world_def world_def = wisp_default_world_def();
-    static const wisp_module* const other[] = { &wisp_climate_module };
+    static const wisp_module* const other[] = { &wisp_environment_module };
     world_def.modules = other;
     world_def.module_count = 1;
     world_def.workers = 1;

@@ -14,22 +14,22 @@ static wisp_vec3 aside( int dimension )
 static void say( const char* what, hair_shadow shadow )
 {
     print_message( "           %s: %.2g m off, %.0f %% of the tolerance\n", what, shadow.offset,
-                   100.0 * shadow.share );
+                   100.0 * shadow.fraction );
 }
 
 static hair_shadow worse( hair_shadow a, hair_shadow b )
 {
     a.offset = fmax( a.offset, b.offset );
-    a.share = fmax( a.share, b.share );
+    a.fraction = fmax( a.fraction, b.fraction );
     return a;
 }
 
 // One number for each of up to 64 strands, evenly spread on a logarithmic scale and shuffled.
-static void spread( float* values, int count, double low, double high )
+static void spread( float* values, int count, double lower, double upper )
 {
     for ( int s = 0; s < count; ++s )
     {
-        values[s] = (float)( low * pow( high / low, (double)( s * 7 % count ) / ( count - 1 ) ) );
+        values[s] = (float)( lower * pow( upper / lower, (double)( s * 7 % count ) / ( count - 1 ) ) );
     }
 }
 

@@ -1,4 +1,4 @@
-// Frozen hair as a guest of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
+// Frozen hair as a participant of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
 #include "frozen_hair_engine_fixture.h"
 
 #include <math.h>
@@ -102,7 +102,7 @@ static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** sta
     hair_step( world );
     size_t before = wisp_world_memory( world );
     assert_int_equal( wisp_add_instance( world, source, &instance ), WISP_OK );
-    assert_int_equal( wisp_want( world, instance, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, instance, WISP_STRAND_POINTS ), WISP_OK );
     print_message( "           an instance of %d vertices takes %zu bytes\n", groom.vertex_count,
                    wisp_world_memory( world ) - before );
     wisp_vec3 *first = hair_run( NULL, &groom, &def ), *second = hair_run( NULL, &groom, &other );
@@ -142,8 +142,8 @@ static void empty_hair_is_no_work_and_no_failure( void** state )
             hair_command( world, entity, def.cursor );
             hair_step( world );
             hair_view( world, entity, 0 );
-            assert_int_equal( hair_report( world, entity ).neighbours, 0 );
-            assert_int_equal( hair_report( world, entity ).event, n );
+            assert_int_equal( hair_stats( world, entity ).neighbours, 0 );
+            assert_int_equal( hair_stats( world, entity ).event, n );
         }
         wisp_world_destroy( world );
         hair_groom_destroy( &groom );
@@ -182,7 +182,7 @@ static bool keeps( wisp_world* world, const char* pass )
     return strncmp( line, "  absent", 8 ) != 0;
 }
 
-static void a_stage_that_is_not_asked_for_does_not_exist( void** state )
+static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
 {
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
@@ -205,7 +205,7 @@ static void a_stage_that_is_not_asked_for_does_not_exist( void** state )
         assert_int_equal( keeps( world, "frozen_hair.freeze" ), def.freeze );
         assert_int_equal( keeps( world, "frozen_hair.align" ), def.align );
         assert_int_equal( keeps( world, "frozen_hair.clump " ), clumps );
-        assert_false( keeps( world, "climate.stiffness" ) );
+        assert_false( keeps( world, "environment.stiffness" ) );
         assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ) > 0, clumps );
 
         // switched off later, a stage goes away; the plan is made anew once
@@ -235,14 +235,14 @@ static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     assert_int_equal( wisp_world_plan_passes( world ), 6 );
-    assert_int_equal( wisp_unwant( world, entity, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_cancel_request( world, entity, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     hair_step( world );
     assert_int_equal( wisp_world_profile( world ).count, 0 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ), 0 );
 
     // asked again, the command that waited is answered
-    assert_int_equal( wisp_want( world, entity, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( world, entity, WISP_STRAND_POINTS ), WISP_OK );
     hair_step( world );
     wisp_vec3* alone = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( alone, hair_view( world, entity, 200 ), 200 ) );
@@ -256,14 +256,14 @@ static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
 typedef struct counting_memory
 {
     atomic_llong live;  // bytes
-    atomic_int asked;   // allocations so far
+    atomic_int queried; // allocations so far
     atomic_int refuses; // the allocations after so many fail; below 0: none does
 } counting_memory;
 
 static void* count_allocation( void* user, size_t size, size_t alignment )
 {
     counting_memory* memory = user;
-    int number = atomic_fetch_add( &memory->asked, 1 ), refuses = atomic_load( &memory->refuses );
+    int number = atomic_fetch_add( &memory->queried, 1 ), refuses = atomic_load( &memory->refuses );
     if ( refuses >= 0 && number >= refuses )
     {
         return NULL;
@@ -282,7 +282,7 @@ static void count_release( void* user, void* block, size_t size )
 static hair_host counted_host( counting_memory* memory, int workers )
 {
     atomic_init( &memory->live, 0 );
-    atomic_init( &memory->asked, 0 );
+    atomic_init( &memory->queried, 0 );
     atomic_init( &memory->refuses, -1 );
     return ( hair_host ){ .workers = workers, .allocator = { count_allocation, count_release, memory } };
 }
@@ -311,14 +311,14 @@ static void a_warm_step_allocates_nothing( void** state )
             replay( world, entity, 0 );
             replay( world, entity, 1 );
         }
-        int asked = atomic_load( &memory.asked );
+        int queried = atomic_load( &memory.queried );
         long long live = atomic_load( &memory.live );
         for ( int step = 0; step < 8; ++step )
         {
             replay( world, entity, step % 2 );
             hair_step( world );
         }
-        assert_int_equal( atomic_load( &memory.asked ), asked );
+        assert_int_equal( atomic_load( &memory.queried ), queried );
         assert_int_equal( atomic_load( &memory.live ), live );
         wisp_world_destroy( world );
         assert_int_equal( atomic_load( &memory.live ), 0 );
@@ -342,7 +342,7 @@ static void memory_is_counted_and_a_vertex_costs_little( void** state )
         hair_step( world );
         assert_int_equal( wisp_world_memory( world ), atomic_load( &memory.live ) );
         double bytes = (double)wisp_world_memory( world ) / groom.vertex_count;
-        double pairs = (double)hair_report( world, entity ).neighbours / groom.vertex_count;
+        double pairs = (double)hair_stats( world, entity ).neighbours / groom.vertex_count;
         print_message( "           %6d vertices %s: %.0f bytes a vertex, %.1f neighbours\n", groom.vertex_count,
                        def.clump ? "with clumps" : "no clumps  ", bytes, pairs );
 
@@ -370,7 +370,7 @@ static void short_memory_is_a_status_and_the_world_goes_on( void** state )
         const hair_host host = counted_host( &memory, 1 );
         wisp_world* world = hair_world_create( &host );
         wisp_entity entity = hair_add( world, &groom );
-        atomic_store( &memory.refuses, atomic_load( &memory.asked ) + allowed );
+        atomic_store( &memory.refuses, atomic_load( &memory.queried ) + allowed );
         wisp_status set = wisp_set_frozen_hair( world, entity, &def );
         wisp_status step = wisp_world_step( world, 0.01f );
         assert_true( set == WISP_OK || set == WISP_NO_MEMORY );
@@ -465,7 +465,7 @@ int main( void )
         cmocka_unit_test( fifty_small_grooms_are_what_each_is_alone_for_any_workers ),
         cmocka_unit_test( an_instance_shares_the_rest_shape_and_lives_its_own_life ),
         cmocka_unit_test( empty_hair_is_no_work_and_no_failure ),
-        cmocka_unit_test( a_stage_that_is_not_asked_for_does_not_exist ),
+        cmocka_unit_test( a_stage_that_is_not_queried_for_does_not_exist ),
         cmocka_unit_test( a_scene_that_asks_for_nothing_has_no_passes ),
         cmocka_unit_test( a_warm_step_allocates_nothing ),
         cmocka_unit_test( memory_is_counted_and_a_vertex_costs_little ),

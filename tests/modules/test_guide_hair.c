@@ -101,7 +101,7 @@ static guide_oracle oracle_of( const flock* f, const variant* c )
     wisp_error error = { 0 };
     if ( guide_oracle_create( &def, &o, &hair, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return hair;
 }
@@ -124,7 +124,7 @@ static double run_variant( const variant* c )
     flock f = guide_flock( NULL, 6, c->ghosts_a_target, c->ghost_nodes );
     guide_follow( &f, def_of_variant( c ) );
     guide_oracle hair = oracle_of( &f, c );
-    guide_oracle_rotation rotations[MOST_TARGETS * 2 * NODES];
+    guide_oracle_rotation rotations[MAX_TARGETS * 2 * NODES];
     double largest = 0.0;
     for ( int frame = 0; frame < 45; ++frame )
     {
@@ -210,13 +210,13 @@ static void permuting_the_ghosts_permutes_the_result( void** state )
 {
     (void)state;
     flock f = guide_flock( NULL, 4, 5, NODES );
-    double3 turned[MOST_GHOSTS * NODES];
+    double3 turned[MAX_GHOSTS * NODES];
     for ( int n = 0; n < 20 * NODES; ++n )
     {
         turned[n] = f.ghost[( 19 - n / NODES ) * NODES + n % NODES];
     }
     const wisp_entity other = guide_add( f.world, turned, 20, NODES );
-    guide_ok( f.world, wisp_want( f.world, other, WISP_STRAND_POINTS ) );
+    guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     guide_follow( &f, def );
     def.targets = f.targets;
@@ -275,7 +275,7 @@ static void at_rest_the_weights_change_no_bit( void** state )
     flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &with, wisp_default_ghosts_def() );
     guide_follow( &without, guide_without_weights() );
-    double3 still[MOST_TARGETS * NODES];
+    double3 still[MAX_TARGETS * NODES];
     for ( int n = 0; n < 3 * NODES; ++n )
     {
         still[n] = zero;
@@ -299,7 +299,7 @@ static void at_rest_the_weights_change_no_bit( void** state )
 // Sway of a ghost's node over tau |v|, of a target that moves with v and moved with v0.
 static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, int ghost, int node )
 {
-    double3 speed[MOST_TARGETS * NODES];
+    double3 speed[MAX_TARGETS * NODES];
     double3 place[2];
     for ( int weighted = 0; weighted < 2; ++weighted )
     {
@@ -426,9 +426,9 @@ static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void
                 rest[l] = f.ghost[( n / NODES * 4 + l ) * NODES + n % NODES];
                 now[l] = guide_ghost( &f, n / NODES * 4 + l, n % NODES );
             }
-            const double wanted = ( n % NODES == 0 ? 1.0 : (double)ratios[r] ) * guide_oracle_spread( rest, 4 );
+            const double requested = ( n % NODES == 0 ? 1.0 : (double)ratios[r] ) * guide_oracle_spread( rest, 4 );
             // V is twice as wrong as the offsets, which are 1e-2 m long and 1e-7 m exact
-            assert_close( guide_oracle_spread( now, 4 ) / wanted, 1.0, 1e-4 );
+            assert_close( guide_oracle_spread( now, 4 ) / requested, 1.0, 1e-4 );
             assert_at( guide_oracle_mean( now, 4 ), f.x[n], 2e-7 );
         }
         wisp_world_destroy( f.world );
@@ -481,7 +481,7 @@ static void strands_of_several_lengths_do_not_meet( void** state )
         const wisp_entity e = guide_add( world, ghosts, EACH, lengths[k] );
         guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
         guide_write( world, def.targets, WISP_STRAND_VELOCITY, targets ); // any velocity
-        guide_ok( world, wisp_want( world, e, WISP_STRAND_POINTS ) );
+        guide_ok( world, wisp_request( world, e, WISP_STRAND_POINTS ) );
         guide_ok( world, wisp_set_ghosts( world, e, &def ) );
         guide_step( world );
         memcpy( alone + first_ghost, guide_points( world, e ), (size_t)( EACH * lengths[k] ) * sizeof( wisp_vec3 ) );
@@ -492,7 +492,7 @@ static void strands_of_several_lengths_do_not_meet( void** state )
     const wisp_entity e = guide_add_mixed( world, all_ghosts, KINDS * EACH, ghost_counts );
     guide_ok( world, wisp_world_attach( world, def.targets, WISP_STRAND_VELOCITY ) );
     guide_write( world, def.targets, WISP_STRAND_VELOCITY, all_targets );
-    guide_ok( world, wisp_want( world, e, WISP_STRAND_POINTS ) );
+    guide_ok( world, wisp_request( world, e, WISP_STRAND_POINTS ) );
     guide_ok( world, wisp_set_ghosts( world, e, &def ) );
     guide_step( world );
     assert_memory_equal( guide_points( world, e ), alone, (size_t)ghost_total * sizeof( wisp_vec3 ) );

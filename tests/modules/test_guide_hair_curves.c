@@ -8,7 +8,7 @@ enum
 {
     STRANDS = 37,
     LONGEST = 13,
-    MOST_POINTS = 16 * LONGEST + 1,
+    MAX_POINTS = 16 * LONGEST + 1,
 };
 
 typedef struct tuft
@@ -49,7 +49,7 @@ static drawn draw( const tuft* t, wisp_curve_kind kind, int samples, const guide
     d.def.kind = kind;
     d.def.samples = samples;
     guide_ok( d.world, wisp_add_curves( d.world, &d.def, &d.curves ) );
-    guide_ok( d.world, wisp_want( d.world, d.curves, WISP_STRAND_POINTS ) );
+    guide_ok( d.world, wisp_request( d.world, d.curves, WISP_STRAND_POINTS ) );
     return d;
 }
 
@@ -74,11 +74,11 @@ static void check( const drawn* d, const tuft* t, const double3* nodes )
     int at = 0;
     for ( int s = 0; s < STRANDS; ++s )
     {
-        double3 truth[MOST_POINTS];
-        const int count = expected( nodes + t->first[s], t->counts[s], d->def.kind, d->def.samples, truth );
+        double3 reference[MAX_POINTS];
+        const int count = expected( nodes + t->first[s], t->counts[s], d->def.kind, d->def.samples, reference );
         for ( int k = 0; k < count; ++k, ++at )
         {
-            assert_at( widen( points[at] ), truth[k], tolerance );
+            assert_at( widen( points[at] ), reference[k], tolerance );
         }
     }
     wisp_view view;
@@ -156,14 +156,14 @@ static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the
         {
             // the box of a group of four, a face of its hull at a time
             const int group = k < 24 ? k / 8 : 2;
-            double low = HUGE_VAL, high = -HUGE_VAL;
+            double lower = HUGE_VAL, upper = -HUGE_VAL;
             for ( int n = 0; n < 4; ++n )
             {
-                low = fmin( low, t.nodes[s * 10 + 3 * group + n].y );
-                high = fmax( high, t.nodes[s * 10 + 3 * group + n].y );
+                lower = fmin( lower, t.nodes[s * 10 + 3 * group + n].y );
+                upper = fmax( upper, t.nodes[s * 10 + 3 * group + n].y );
             }
             const double y = (double)points[s * 25 + k].y;
-            assert_true( y >= low - tolerance && y <= high + tolerance );
+            assert_true( y >= lower - tolerance && y <= upper + tolerance );
         }
     }
     wisp_world_destroy( d.world );
@@ -213,7 +213,7 @@ static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** stat
         guide_step( d.world );
         const int count = 8 * ( lengths[n] - 1 ) + 1;
         const wisp_vec3* points = guide_points( d.world, d.curves );
-        double3 curve[MOST_POINTS];
+        double3 curve[MAX_POINTS];
         for ( int k = 0; k < count; ++k )
         {
             curve[k] = widen( points[k] );
@@ -237,7 +237,7 @@ static void curves_are_drawn_behind_the_appearance_of_their_source( void** state
         wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
         look.event = WISP_EVENT_FRAME;
         guide_ok( d.world, wisp_set_frozen_hair( d.world, d.source, &look ) );
-        guide_ok( d.world, wisp_want( d.world, d.source, WISP_STRAND_POINTS ) );
+        guide_ok( d.world, wisp_request( d.world, d.source, WISP_STRAND_POINTS ) );
         for ( int step = 0; step < 5; ++step )
         {
             guide_step( d.world );
@@ -302,7 +302,7 @@ static void curves_that_cannot_be_are_refused_by_name( void** state )
     refuse( d.world, def, WISP_CONFLICT, "holds curves" );
     def.source = ( wisp_entity ){ 0, 0 };
     refuse( d.world, def, WISP_CONFLICT, "does not exist" );
-    guide_ok( d.world, wisp_world_add_plain( d.world, &def.source ) );
+    guide_ok( d.world, wisp_world_add_empty( d.world, &def.source ) );
     refuse( d.world, def, WISP_CONFLICT, "no strands" );
     wisp_world_destroy( d.world );
 }

@@ -32,7 +32,7 @@ static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
     wisp_error error = { 0 };
     if ( guide_oracle_create( &strands, &o, &hair, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return hair;
 }

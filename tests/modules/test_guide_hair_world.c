@@ -3,7 +3,7 @@
 
 static double3 group_mean( const flock* f, int target, int ghosts, int node )
 {
-    double3 nodes[MOST_GHOSTS];
+    double3 nodes[MAX_GHOSTS];
     for ( int l = 0; l < ghosts; ++l )
     {
         nodes[l] = guide_ghost( f, target * ghosts + l, node );
@@ -51,7 +51,7 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
     curves.source = f.ghosts;
     wisp_entity drawn;
     guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
-    guide_ok( f.world, wisp_want( f.world, drawn, WISP_STRAND_POINTS ) );
+    guide_ok( f.world, wisp_request( f.world, drawn, WISP_STRAND_POINTS ) );
     for ( int frame = 0; frame < 10; ++frame )
     {
         guide_swing( &f );
@@ -128,15 +128,15 @@ static void a_warm_step_asks_for_no_memory( void** state )
         curves.source = f.ghosts;
         wisp_entity drawn;
         guide_ok( f.world, wisp_add_curves( f.world, &curves, &drawn ) );
-        guide_ok( f.world, wisp_want( f.world, drawn, WISP_STRAND_POINTS ) );
+        guide_ok( f.world, wisp_request( f.world, drawn, WISP_STRAND_POINTS ) );
         guide_swing( &f );
         guide_swing( &f );
-        const int64_t asked = atomic_load( &memory.asked );
+        const int64_t queried = atomic_load( &memory.queried );
         for ( int frame = 0; frame < 10; ++frame )
         {
             guide_swing( &f );
         }
-        assert_int_equal( atomic_load( &memory.asked ), asked );
+        assert_int_equal( atomic_load( &memory.queried ), queried );
         wisp_world_destroy( f.world );
         assert_int_equal( atomic_load( &memory.blocks ), 0 );
         assert_int_equal( atomic_load( &memory.faults ), 0 );
@@ -156,7 +156,7 @@ static bool refuse_request( int n )
     curves.source = f.ghosts;
     wisp_entity drawn;
     const uint64_t before = wisp_world_hash( f.world );
-    memory.refuse = atomic_load( &memory.asked ) + n;
+    memory.refuse = atomic_load( &memory.queried ) + n;
     const wisp_status followed = wisp_set_ghosts( f.world, f.ghosts, &def );
     if ( followed != WISP_OK )
     {
@@ -221,7 +221,7 @@ static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state 
     (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
     const wisp_entity other = guide_add( f.world, f.ghost, 12, NODES );
-    guide_ok( f.world, wisp_want( f.world, other, WISP_STRAND_POINTS ) );
+    guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
     guide_follow( &f, wisp_default_ghosts_def() );
     guide_follow( &alone, wisp_default_ghosts_def() );
     wisp_ghosts_def def = guide_without_weights();
@@ -257,8 +257,8 @@ static void the_report_counts_empty_targets_groups_and_nodes_that_coincide( void
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = f.targets;
     guide_ok( f.world, wisp_set_ghosts( f.world, entity, &def ) );
-    wisp_ghosts_report report;
-    guide_ok( f.world, wisp_read_ghosts_report( f.world, entity, &report ) );
+    wisp_ghosts_stats report;
+    guide_ok( f.world, wisp_read_ghosts_stats( f.world, entity, &report ) );
     assert_int_equal( report.ghost_count, 5 );
     assert_int_equal( report.target_count, 3 );
     assert_int_equal( report.empty_targets, 1 );
@@ -325,7 +325,7 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     refuse( &f, def, WISP_CONFLICT, "itself" );
     def.targets = guide_add( f.world, f.s.target, 0, NODES );
     refuse( &f, def, WISP_CONFLICT, "has no vertices" );
-    guide_ok( f.world, wisp_world_add_plain( f.world, &def.targets ) );
+    guide_ok( f.world, wisp_world_add_empty( f.world, &def.targets ) );
     refuse( &f, def, WISP_CONFLICT, "no strands" );
     def.targets = guide_add( f.world, f.s.target, 3, NODES );
     const wisp_entity gone = def.targets;
@@ -341,8 +341,8 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     assert_int_equal( wisp_set_ghosts( f.world, more, &def ), WISP_CONFLICT );
     assert_non_null( strstr( wisp_world_message( f.world ), "are ghosts themselves" ) );
     int32_t unused[12];
-    wisp_ghosts_report report;
-    assert_int_equal( wisp_read_ghosts_report( f.world, more, &report ), WISP_CONFLICT );
+    wisp_ghosts_stats report;
+    assert_int_equal( wisp_read_ghosts_stats( f.world, more, &report ), WISP_CONFLICT );
     assert_int_equal( wisp_read_ghost_targets( f.world, more, unused ), WISP_CONFLICT );
     wisp_world_destroy( f.world );
 }
@@ -380,7 +380,7 @@ static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
                     guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
                     break;
                 default:
-                    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+                    guide_ok( f.world, wisp_request( f.world, f.ghosts, WISP_STRAND_POSED ) );
                     break;
             }
         }
@@ -389,14 +389,14 @@ static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
         {
             guide_swing( &f );
             guide_swing( &plain );
-            double3 carried[36 * NODES];
+            double3 posed[36 * NODES];
             for ( int n = 0; n < 36 * NODES; ++n )
             {
-                carried[n] = guide_ghost( &plain, n / NODES, n % NODES );
+                posed[n] = guide_ghost( &plain, n / NODES, n % NODES );
             }
             wisp_world* still = guide_world( NULL );
-            const wisp_entity hair = guide_add( still, carried, 36, NODES );
-            guide_ok( still, wisp_want( still, hair, WISP_STRAND_POINTS ) );
+            const wisp_entity hair = guide_add( still, posed, 36, NODES );
+            guide_ok( still, wisp_request( still, hair, WISP_STRAND_POINTS ) );
             guide_ok( still, wisp_set_frozen_hair( still, hair, &look ) );
             guide_step( still );
             assert_memory_equal( guide_points( f.world, f.ghosts ), guide_points( still, hair ),
@@ -420,7 +420,7 @@ static void frozen_lengths_stay_those_at_rest( void** state )
     def.time = 0.1f; // stretches the ghosts
     guide_follow( &f, def );
     guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );
-    guide_ok( f.world, wisp_want( f.world, f.ghosts, WISP_STRAND_CARRIED ) );
+    guide_ok( f.world, wisp_request( f.world, f.ghosts, WISP_STRAND_POSED ) );
     for ( int frame = 0; frame < 20; ++frame )
     {
         guide_swing( &f );

@@ -184,7 +184,7 @@ static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block(
         scene s = make_scene( 2, size );
         guide_oracle_options options = options_without_weights();
         guide_oracle hair = make_hair( &s, &options );
-        double3 apart[MOST_GHOSTS * NODES];
+        double3 apart[MAX_GHOSTS * NODES];
         for ( int n = 0; n < s.ghost_count * NODES; ++n )
         {
             apart[n] = double3_sub( hair.y[n], s.target[n / NODES / size * NODES + n % NODES] );
@@ -248,8 +248,8 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
         {
             d[l] = random_vector( round, l );
         }
-        double v = guide_oracle_spread( d, 6 ), wanted = random_between( round, 90, 0.3, 3.0 ) * v, largest = 0.0;
-        guide_oracle_spread_gradient( 7.0, d, 6, wanted, gradient );
+        double v = guide_oracle_spread( d, 6 ), requested = random_between( round, 90, 0.3, 3.0 ) * v, largest = 0.0;
+        guide_oracle_spread_gradient( 7.0, d, 6, requested, gradient );
         for ( int l = 0; l < 6; ++l )
         {
             largest = fmax( largest, double3_length( gradient[l] ) );
@@ -261,9 +261,9 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
             double analytic = n % 3 == 0 ? gradient[n / 3].x : n % 3 == 1 ? gradient[n / 3].y : gradient[n / 3].z;
             double kept = *coordinate, h = 1e-5;
             *coordinate = kept + h;
-            double above = guide_oracle_spread_energy( 7.0, guide_oracle_spread( d, 6 ), wanted );
+            double above = guide_oracle_spread_energy( 7.0, guide_oracle_spread( d, 6 ), requested );
             *coordinate = kept - h;
-            double below = guide_oracle_spread_energy( 7.0, guide_oracle_spread( d, 6 ), wanted );
+            double below = guide_oracle_spread_energy( 7.0, guide_oracle_spread( d, 6 ), requested );
             *coordinate = kept;
             assert_close( ( above - below ) / ( 2.0 * h ) / largest, analytic / largest, 1e-6 );
         }
@@ -272,7 +272,7 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
 }
 
 // Eq. 2-3
-static void spread_projections_reach_the_wanted_spread_and_move_nothing_in_sum( void** state )
+static void spread_projections_reach_the_requested_spread_and_move_nothing_in_sum( void** state )
 {
     (void)state;
     const double ratio[3] = { 0.25, 1.0, 2.5 };
@@ -283,16 +283,16 @@ static void spread_projections_reach_the_wanted_spread_and_move_nothing_in_sum( 
         {
             start[l] = exact[l] = newton[l] = double3_add( random_vector( n, l ), double3_make( 3.0, 1.0, -2.0 ) );
         }
-        double v0 = guide_oracle_spread( start, 5 ), wanted = ratio[n] * v0;
-        assert_int_equal( guide_oracle_spread_project( exact, 5, wanted, true ), GUIDE_ORACLE_SPREAD_SOUND );
-        assert_close( guide_oracle_spread( exact, 5 ) / wanted, 1.0, 1e-12 );
+        double v0 = guide_oracle_spread( start, 5 ), requested = ratio[n] * v0;
+        assert_int_equal( guide_oracle_spread_project( exact, 5, requested, true ), GUIDE_ORACLE_SPREAD_SOUND );
+        assert_close( guide_oracle_spread( exact, 5 ) / requested, 1.0, 1e-12 );
 
         // Newton for the square root from above: the error of V' / Vbar - 1 is a quarter of the squared one or less
-        double error = guide_oracle_spread( newton, 5 ) / wanted - 1.0;
+        double error = guide_oracle_spread( newton, 5 ) / requested - 1.0;
         for ( int k = 0; k < 8; ++k )
         {
-            assert_int_equal( guide_oracle_spread_project( newton, 5, wanted, false ), GUIDE_ORACLE_SPREAD_SOUND );
-            double next = guide_oracle_spread( newton, 5 ) / wanted - 1.0;
+            assert_int_equal( guide_oracle_spread_project( newton, 5, requested, false ), GUIDE_ORACLE_SPREAD_SOUND );
+            double next = guide_oracle_spread( newton, 5 ) / requested - 1.0;
             // V' = (V + Vbar)^2 / (4 V), so V'/Vbar - 1 = e^2 / (4 (1 + e))
             assert_close( next, error * error / ( 4.0 * ( 1.0 + error ) ), 1e-13 );
             error = next;
@@ -424,7 +424,7 @@ static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bi
 }
 
 // A fast head
-static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_asked_for( void** state )
+static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_queried_for( void** state )
 {
     (void)state;
     scene s = make_scene( 1, 4 );
@@ -517,12 +517,12 @@ int main( void )
         cmocka_unit_test( without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block ),
         cmocka_unit_test( a_tracked_centre_does_not_drift_where_an_open_loop_does ),
         cmocka_unit_test( the_spread_gradient_is_the_difference_quotient_of_the_energy ),
-        cmocka_unit_test( spread_projections_reach_the_wanted_spread_and_move_nothing_in_sum ),
+        cmocka_unit_test( spread_projections_reach_the_requested_spread_and_move_nothing_in_sum ),
         cmocka_unit_test( spread_on_moving_hair_holds_every_node_but_the_root ),
         cmocka_unit_test( the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal ),
         cmocka_unit_test( a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not ),
         cmocka_unit_test( ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bit ),
-        cmocka_unit_test( a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_asked_for ),
+        cmocka_unit_test( a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_queried_for ),
         cmocka_unit_test( the_tip_weight_is_linear_from_nothing_at_the_root ),
         cmocka_unit_test( the_centre_weight_is_nothing_at_the_centre_and_whole_at_the_farthest_ghost ),
     };

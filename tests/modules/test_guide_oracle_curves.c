@@ -5,7 +5,7 @@
 enum
 {
     SAMPLES = 8,
-    MOST_POINTS = 32 * SAMPLES + 1,
+    MAX_POINTS = 32 * SAMPLES + 1,
 };
 
 static const double pi = 3.14159265358979323846;
@@ -50,7 +50,7 @@ static double off_line( double3 p, double3 a, double3 b )
 static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** state )
 {
     (void)state;
-    double most = 0.0, most_at = 0.0;
+    double most = 0.0, max_at = 0.0;
     for ( int n = 0; n <= 300; ++n )
     {
         double t = n / 300.0, w[4], p[4];
@@ -64,11 +64,11 @@ static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** st
         }
         double deficit = 1.0 - ( p[0] + p[1] + p[2] + p[3] );
         assert_close( deficit, ( 1.0 - t ) * ( 1.0 - t ) * t, 1e-15 );
-        most_at = deficit > most ? t : most_at;
+        max_at = deficit > most ? t : max_at;
         most = fmax( most, deficit );
     }
     assert_close( most, 4.0 / 27.0, 1e-15 );
-    assert_close( most_at, 1.0 / 3.0, 1e-15 );
+    assert_close( max_at, 1.0 / 3.0, 1e-15 );
 }
 
 // Eq. 6
@@ -114,7 +114,7 @@ static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** 
     for ( int count = 0; count < 12; ++count )
     {
         // more nodes than the strand has: none of them may show
-        double3 nodes[16], controls[4 * 12], points[MOST_POINTS];
+        double3 nodes[16], controls[4 * 12], points[MAX_POINTS];
         random_strand( count, 16, nodes );
         int m = guide_oracle_curve_count( count, GUIDE_ORACLE_CURVE_GROUPS );
         assert_int_equal( m, groups[count] );
@@ -152,7 +152,7 @@ static void straight_and_repeated_nodes_are_valid_curves( void** state )
     (void)state;
     for ( int count = 2; count <= 11; ++count )
     {
-        double3 nodes[11], points[MOST_POINTS];
+        double3 nodes[11], points[MAX_POINTS];
         double3 begin = { 0.3, 0.2, 0.1 }, way = { 0.6, -0.48, 0.64 };
         for ( int i = 0; i < count; ++i )
         {
@@ -190,7 +190,7 @@ static void drawn_curves_turn_less_sharply_than_their_strand_and_end_where_it_en
             double turn = 0.15 * n;
             for ( int curve = 0; curve < 2; ++curve )
             {
-                double3 nodes[10], points[MOST_POINTS];
+                double3 nodes[10], points[MAX_POINTS];
                 turned_strand( turn, true, count, nodes );
                 int drawn = draw( nodes, count, (guide_oracle_curve)curve, points );
                 assert_close( guide_oracle_largest_turn( nodes, count ), turn, 1e-13 );
@@ -236,7 +236,7 @@ static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none(
     // a strand that always turns the same way: only the smooth curve has no sharper joint than the strand
     for ( int count = 7; count <= 10; count += 3 )
     {
-        double3 nodes[10], points[MOST_POINTS];
+        double3 nodes[10], points[MAX_POINTS];
         turned_strand( 0.3, false, count, nodes );
         int drawn = draw( nodes, count, GUIDE_ORACLE_CURVE_GROUPS, points );
         assert_true( guide_oracle_largest_turn( points, drawn ) > 0.3 );

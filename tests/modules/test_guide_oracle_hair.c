@@ -239,9 +239,9 @@ static void assert_refused( const guide_oracle_def* def, const guide_oracle_opti
     guide_oracle hair;
     assert_int_equal( guide_oracle_create( def, options, &hair, &error ), WISP_BAD_INPUT );
     assert_int_equal( error.status, WISP_BAD_INPUT );
-    if ( strstr( error.sentence, words ) == NULL )
+    if ( strstr( error.message, words ) == NULL )
     {
-        fail_msg( "\"%s\" does not say \"%s\"", error.sentence, words );
+        fail_msg( "\"%s\" does not say \"%s\"", error.message, words );
     }
 }
 
@@ -326,7 +326,7 @@ static void a_step_with_a_target_that_is_not_finite_changes_nothing( void** stat
     wisp_error error = { 0 };
     guide_oracle_motion motion = { s.x, s.v, NULL };
     assert_int_equal( guide_oracle_step( &hair, &motion, &error ), WISP_BAD_INPUT );
-    assert_non_null( strstr( error.sentence, "node 3 of velocities of target 1" ) );
+    assert_non_null( strstr( error.message, "node 3 of velocities of target 1" ) );
     assert_memory_equal( hair.y, kept, sizeof( kept ) );
     assert_memory_equal( &hair.counters, &counters, sizeof( counters ) );
     guide_oracle_destroy( &hair );

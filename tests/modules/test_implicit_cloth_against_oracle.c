@@ -13,8 +13,8 @@ static const double MOST = 2e-6;
 enum
 {
     SUBSTEPS = 50,
-    SURE = 8,       // substeps in which no vertex may come to a threshold of friction that the two take differently
-    MOST_TURNS = 8, // substeps that may be forgiven because a link stood at a corner of its law
+    SURE = 8,      // substeps in which no vertex may come to a threshold of friction that the two take differently
+    MAX_TURNS = 8, // substeps that may be forgiven because a link stood at a corner of its law
 };
 
 static const float FAST = 1.0f / 240.0f, SLOW = 1.0f / 60.0f; // s
@@ -35,7 +35,7 @@ static int side_of( const triangle_oracle_link* l, double3 a, double3 b )
 }
 
 // Where forces are asked for: x^ of BDF2, whose substeps are all alike here.
-static double3 asked_at( const triangle_oracle* o, int vertex )
+static double3 queried_at( const triangle_oracle* o, int vertex )
 {
     const bool two = o->params.integrator == TRIANGLE_ORACLE_BDF2 && o->h_before > 0.0;
     const double3 ahead = double3_scale( 1.0 / 3.0, double3_sub( o->x[vertex], o->x_before[vertex] ) );
@@ -51,8 +51,8 @@ static bool is_at_a_corner( match* m, bool at_the_end )
     for ( int k = 0; k < o->link_count; ++k )
     {
         const triangle_oracle_link* l = o->link + k;
-        const double3 a = at_the_end ? o->x[l->i] : asked_at( o, l->i );
-        const double3 b = at_the_end ? o->x[l->j] : asked_at( o, l->j );
+        const double3 a = at_the_end ? o->x[l->i] : queried_at( o, l->i );
+        const double3 b = at_the_end ? o->x[l->j] : queried_at( o, l->j );
         const double3 way = double3_scale( 3e-7 + off / l->length, double3_sub( b, a ) );
         if ( side_of( l, a, double3_add( b, way ) ) != side_of( l, a, double3_sub( b, way ) ) )
         {
@@ -110,14 +110,14 @@ static double allowed_behind( int substeps )
 }
 
 // Figures of both count the same, and hold energies that differ by rounding of lengths alone.
-static void assert_figures( match* m )
+static void assert_stats( match* m )
 {
-    const wisp_implicit_cloth_figures f = figures_of( m->h.world, m->cloth );
+    const wisp_implicit_cloth_stats f = stats_of( m->h.world, m->cloth );
     const triangle_oracle* o = &m->oracle;
     assert_int_equal( f.stretch_links, o->stretch_count );
     assert_int_equal( f.bend_links, o->bend_count );
-    assert_int_equal( f.most_neighbours, o->most_neighbours );
-    assert_int_equal( f.repeats, o->params.newton_repeats );
+    assert_int_equal( f.max_neighbours, o->max_neighbours );
+    assert_int_equal( f.repeats, o->params.newton_iterations );
     assert_int_equal( f.sticking, o->sticking );
     assert_int_equal( f.sliding, o->sliding );
     assert_int_equal( f.landing, o->landing );
@@ -150,7 +150,7 @@ static int run_match( match* m, void ( *before )( match* m ), const double* fric
         if ( !( most <= allowed_behind( together ) ) )
         {
             turns += 1;
-            if ( corner == false || turns > MOST_TURNS )
+            if ( corner == false || turns > MAX_TURNS )
             {
                 fail_msg(
                     "%s: vertex %d is %.3g m from the oracle behind %d substeps, %d since they were one; %d turns",
@@ -161,7 +161,7 @@ static int run_match( match* m, void ( *before )( match* m ), const double* fric
         }
         else if ( corner == false )
         {
-            assert_figures( m );
+            assert_stats( m );
         }
     }
     return SUBSTEPS;
@@ -201,8 +201,8 @@ static void sheets_go_with_the_oracle( void** state )
 {
     (void)state;
     const duel duels[] = {
-        { "sheet", NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_SHEET },
-        { "sheet, effective", EFFECTIVE, .stiffness = WISP_IMPLICIT_STIFFNESS_SHEET },
+        { "sheet", NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
+        { "sheet, effective", EFFECTIVE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
     };
     run_duels( duels, WISP_COUNT( duels ) );
 }
@@ -248,7 +248,7 @@ typedef struct scene
 static struct
 {
     wisp_entity body;
-    wisp_rigid pose;
+    wisp_transform pose;
 } moving;
 
 static wisp_entity add_body( match* m, wisp_collider_kind kind, wisp_vec3 at, float friction )
@@ -266,7 +266,7 @@ static wisp_entity add_body( match* m, wisp_collider_kind kind, wisp_vec3 at, fl
     return e;
 }
 
-static int add_bodies( match* m, const scene* s, double friction[WISP_TOUCHES] )
+static int add_bodies( match* m, const scene* s, double friction[WISP_MAX_PARTICLE_CONTACTS] )
 {
     int count = 0;
     if ( s->plane )
@@ -281,7 +281,7 @@ static int add_bodies( match* m, const scene* s, double friction[WISP_TOUCHES] )
     }
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = 0.01f;
-    collision.recovery_speed = 1.0f;
+    collision.max_push_out_speed = 1.0f;
     assert_status( m->h.world, wisp_set_collision( m->h.world, m->cloth, &collision ), WISP_OK );
     return count;
 }
@@ -300,7 +300,7 @@ static void let_fall( match* m, float speed )
 static void move_body( match* m )
 {
     const float t = (float)( m->steps + 1 ) * m->rules->dt;
-    wisp_rigid pose = moving.pose;
+    wisp_transform pose = moving.pose;
     pose.translation.x += 0.2f * t;
     pose.translation.y += 0.1f * t;
     assert_status( m->h.world, wisp_move_collider( m->h.world, moving.body, pose ), WISP_OK );
@@ -311,7 +311,7 @@ static void run_scenes( const scene* scenes, int count )
     for ( int k = 0; k < count; ++k )
     {
         match* m = open_match( &scenes[k].rules );
-        double friction[WISP_TOUCHES];
+        double friction[WISP_MAX_PARTICLE_CONTACTS];
         const int bodies = add_bodies( m, scenes + k, friction );
         let_fall( m, scenes[k].fall );
         const int together = run_match( m, scenes[k].moves ? move_body : NULL, friction, bodies );

@@ -24,25 +24,25 @@ static hosted* new_solved( int substeps, int workers )
 }
 
 static wisp_entity add_solved( wisp_world* world, const test_mesh* mesh, const wisp_implicit_cloth_def* def,
-                               float recovery_speed )
+                               float max_push_out_speed )
 {
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = MARGIN;
-    collision.recovery_speed = recovery_speed;
+    collision.max_push_out_speed = max_push_out_speed;
     const wisp_entity e = add_colliding( world, mesh, &collision );
     if ( wisp_set_implicit_cloth( world, e, def ) != WISP_OK )
     {
         fail_msg( "no cloth: %s", wisp_world_message( world ) );
     }
-    assert_int_equal( wisp_want_implicit_cloth_figures( world, e, true ), WISP_OK );
+    assert_int_equal( wisp_request_implicit_cloth_stats( world, e, true ), WISP_OK );
     return e;
 }
 
-static wisp_implicit_cloth_figures figures_of( wisp_world* world, wisp_entity e )
+static wisp_implicit_cloth_stats stats_of( wisp_world* world, wisp_entity e )
 {
-    wisp_implicit_cloth_figures figures;
-    assert_int_equal( wisp_read_implicit_cloth_figures( world, e, &figures ), WISP_OK );
-    return figures;
+    wisp_implicit_cloth_stats stats;
+    assert_int_equal( wisp_read_implicit_cloth_stats( world, e, &stats ), WISP_OK );
+    return stats;
 }
 
 static test_mesh square( int n, float side, wisp_vec3 middle )
@@ -63,13 +63,13 @@ typedef struct incline
 
 static double along( const incline* i )
 {
-    const wisp_quality q = quality_of( i->h->world, i->surface );
+    const wisp_motion_stats q = motion_stats_of( i->h->world, i->surface );
     return q.centre[0] * cos( i->angle ) + q.centre[1] * sin( i->angle );
 }
 
 static double speed_along( const incline* i )
 {
-    const wisp_quality q = quality_of( i->h->world, i->surface );
+    const wisp_motion_stats q = motion_stats_of( i->h->world, i->surface );
     return ( q.momentum[0] * cos( i->angle ) + q.momentum[1] * sin( i->angle ) ) / q.mass;
 }
 
@@ -171,18 +171,18 @@ static void a_cloth_follows_a_floor_that_moves( void** state )
     const wisp_vec3 velocity = { 0.02f, 0.3f, -0.01f }; // m/s: up, and sideways within what friction holds
     for ( int step = 1; step <= 50; ++step )
     {
-        wisp_rigid pose = floor.pose;
+        wisp_transform pose = floor.pose;
         const float t = (float)step * DT;
         pose.translation = ( wisp_vec3 ){ t * velocity.x, t * velocity.y, t * velocity.z };
         assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
-        const wisp_quality q = quality_of( h->world, e );
+        const wisp_motion_stats q = motion_stats_of( h->world, e );
         // the pose is a float of up to 0.15 m: its difference over a step is wrong by 1e-8 m / 0.01 s
         assert_near( q.momentum[0] / q.mass, (double)velocity.x, 3e-6 );
         assert_near( q.momentum[1] / q.mass, (double)velocity.y, 3e-6 );
         assert_near( q.momentum[2] / q.mass, (double)velocity.z, 3e-6 );
     }
-    assert_int_equal( figures_of( h->world, e ).sticking, 36 );
+    assert_int_equal( stats_of( h->world, e ).sticking, 36 );
     free_colliding( h );
 }
 
@@ -198,14 +198,14 @@ static void a_floor_does_not_pull( void** state )
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
     run_for( h->world, DT, 5 );
-    wisp_rigid pose = floor.pose;
+    wisp_transform pose = floor.pose;
     pose.translation.y = -2.0f; // gone in one step
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
     run_for( h->world, DT, 1 ); // what was held is held once more, and found to be pulled
-    const double speed = quality_of( h->world, e ).momentum[1] / quality_of( h->world, e ).mass;
+    const double speed = motion_stats_of( h->world, e ).momentum[1] / motion_stats_of( h->world, e ).mass;
     run_for( h->world, DT, 1 );
-    assert_int_equal( figures_of( h->world, e ).sticking, 0 );
-    const double later = quality_of( h->world, e ).momentum[1] / quality_of( h->world, e ).mass;
+    assert_int_equal( stats_of( h->world, e ).sticking, 0 );
+    const double later = motion_stats_of( h->world, e ).momentum[1] / motion_stats_of( h->world, e ).mass;
     assert_near( later - speed, -9.8 * (double)DT, 1e-3 );
     free_colliding( h );
 }
@@ -233,7 +233,7 @@ static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
     // a vertex next to the corner hangs in the air; the far corner lies where it lay
     assert_true( (double)point_of( h->world, e, 1 ).y > 0.03 );
     assert_near( (double)point_of( h->world, e, 80 ).x, (double)mesh.points[80].x, 1e-3 );
-    assert_true( figures_of( h->world, e ).sticking + figures_of( h->world, e ).sliding > 40 );
+    assert_true( stats_of( h->world, e ).sticking + stats_of( h->world, e ).sliding > 40 );
     test_mesh_free( &mesh );
     free_colliding( h );
 }
@@ -257,7 +257,7 @@ static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** s
         assert_near( (double)point_of( h->world, e, v ).y, 0.0, 1e-7 ); // two roundings of 0.02 m
     }
     run_for( h->world, DT, 1 );
-    assert_near( quality_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing is thrown
+    assert_near( motion_stats_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing is thrown
     free_colliding( h );
 }
 
@@ -299,7 +299,7 @@ static void what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_o
         add_collider( h->world, &floor );
         test_mesh mesh = square( 6, 0.5f, ( wisp_vec3 ){ 0.0f, 0.33f, 0.0f } );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.look_ahead = ahead == 1;
+        def.speculative = ahead == 1;
         const wisp_entity e = add_solved( h->world, &mesh, &def, 10.0f );
         test_mesh_free( &mesh );
         assert_int_equal( wisp_set_velocity( h->world, e, ( wisp_vec3 ){ 0.0f, -10.0f, 0.0f }, ( wisp_vec3 ){ 0 } ),
@@ -313,7 +313,7 @@ static void what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_o
         }
         assert_true( ahead == 1 ? deepest == 0.0 : deepest < -0.01 );
         assert_true( lowest( h->world, e ) > -1e-6 );
-        assert_true( quality_of( h->world, e ).speed_max < 1e-3 );
+        assert_true( motion_stats_of( h->world, e ).speed_max < 1e-3 );
         free_colliding( h );
     }
 }
@@ -340,12 +340,12 @@ static drape drape_on( const wisp_collider_def* body, float height, float second
     for ( int step = 0; step < (int)( time / (double)seconds_a_step ); ++step )
     {
         run_for( h->world, seconds_a_step, 1 );
-        d.last = quality_of( h->world, e ).kinetic_energy;
+        d.last = motion_stats_of( h->world, e ).kinetic_energy;
         d.peak = fmax( d.peak, d.last );
         d.deepest = fmax( d.deepest, (double)collision_of( h->world, e ).penetration );
     }
     assert_false( wisp_is_halted( h->world, e ) );
-    assert_true( figures_of( h->world, e ).sticking > 0 );
+    assert_true( stats_of( h->world, e ).sticking > 0 );
     d.deepest = fmax( d.deepest, 0.0 );
     free_colliding( h );
     return d;
@@ -426,7 +426,7 @@ static void a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex( v
     double deepest = 0.0;
     for ( int step = 1; step <= 105; ++step )
     {
-        wisp_rigid pose = ball.pose;
+        wisp_transform pose = ball.pose;
         pose.translation.y = 0.5f - 0.008f * (float)step; // 0.8 m/s, to 0.5 m below the corners
         assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
@@ -456,12 +456,12 @@ static void a_groove_of_two_planes_holds_what_lies_in_it( void** state )
     give_gravity( h->world, e, GRAVITY );
     run_for( h->world, DT, 900 );
     assert_true( (double)collision_of( h->world, e ).penetration < 1e-3 );
-    assert_true( quality_of( h->world, e ).kinetic_energy < 1e-6 );
-    assert_near( quality_of( h->world, e ).centre[0], 0.0, 0.05 );
+    assert_true( motion_stats_of( h->world, e ).kinetic_energy < 1e-6 );
+    assert_near( motion_stats_of( h->world, e ).centre[0], 0.0, 0.05 );
     free_colliding( h );
 }
 
-static void collision_may_be_asked_for_before_or_after( void** state )
+static void collision_may_be_queried_for_before_or_after( void** state )
 {
     (void)state;
     uint64_t hash[2];
@@ -505,7 +505,7 @@ int main( void )
         cmocka_unit_test( steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end ),
         cmocka_unit_test( a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex ),
         cmocka_unit_test( a_groove_of_two_planes_holds_what_lies_in_it ),
-        cmocka_unit_test( collision_may_be_asked_for_before_or_after ),
+        cmocka_unit_test( collision_may_be_queried_for_before_or_after ),
     };
     return cmocka_run_group_tests_name( "implicit cloth: contact", tests, NULL, NULL );
 }

@@ -28,7 +28,7 @@ typedef struct golden_case
 static const golden_case cases[] = {
     { "hanging", SIDE, .repeats = 1 },
     { "pair-weights-carried", SIDE, .weights = WISP_IMPLICIT_WEIGHTS_PAIR, .repeats = 1, .carried = true },
-    { "sheet", SIDE, .weights = WISP_IMPLICIT_WEIGHTS_NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_SHEET,
+    { "sheet", SIDE, .weights = WISP_IMPLICIT_WEIGHTS_NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL,
       .repeats = 1 },
     { "axial-damping", SIDE, .damping = WISP_IMPLICIT_DAMPING_AXIAL, .repeats = 1, .crumpled = true },
     { "full-jacobian", SIDE, .jacobian = WISP_IMPLICIT_JACOBIAN_FULL, .repeats = 1, .crumpled = true },
@@ -74,7 +74,7 @@ static void add_case( running* r )
     def.damping_form = c->damping;
     def.jacobian = c->jacobian;
     def.integrator = c->integrator;
-    def.newton_repeats = c->repeats;
+    def.newton_iterations = c->repeats;
     r->cloth = add_sheet( r->h.world, &def, c->side, c->dropped == false );
     if ( c->crumpled )
     {
@@ -96,7 +96,7 @@ static void run_case_steps( determinism_run* base, int steps )
         const int32_t pin = 0;
         const wisp_vec3 target = { -0.25f * t, 0.5f * t, 0.0f };
         const float half = 0.5f * 0.03125f * (float)( r->c->side - 1 );
-        wisp_rigid pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { half + 0.5f * t, -0.15f + 0.5f * t, half } };
+        wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { half + 0.5f * t, -0.15f + 0.5f * t, half } };
         if ( r->c->carried )
         {
             assert_status( r->h.world, wisp_move_pins( r->h.world, r->cloth, &pin, &target, 1 ), WISP_OK );
@@ -138,7 +138,7 @@ static traces traces_of( determinism_run* base )
 static void check_case( determinism_run* base )
 {
     running* r = (running*)base;
-    const wisp_implicit_cloth_figures f = figures_of( r->h.world, r->cloth );
+    const wisp_implicit_cloth_stats f = stats_of( r->h.world, r->cloth );
     assert_true( f.iterations > 0 );
     assert_int_equal( f.sticking + f.sliding + f.landing > 0, r->c->dropped );
 }

@@ -1,4 +1,4 @@
-// What implicit cloth refuses, in one sentence that names it; that a refusal or a lack of memory changes nothing; that all memory
+// What implicit cloth refuses, in one message that names it; that a refusal or a lack of memory changes nothing; that all memory
 // comes back; several cloths in a world, and one that is changed on the fly.
 #include "implicit_cloth_fixture.h"
 
@@ -19,10 +19,10 @@ static wisp_entity add_plain( hosted* h )
     return e;
 }
 
-static void assert_sentence( hosted* h, wisp_status status, wisp_status expected, const char* word )
+static void assert_message( hosted* h, wisp_status status, wisp_status expected, const char* word )
 {
     assert_status( h->world, status, expected );
-    assert_one_sentence( wisp_world_message( h->world ) );
+    assert_one_message( wisp_world_message( h->world ) );
     if ( strstr( wisp_world_message( h->world ), word ) == NULL )
     {
         fail_msg( "'%s' does not name %s", wisp_world_message( h->world ), word );
@@ -34,11 +34,11 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
 {
     const uint64_t before = wisp_world_hash( h->world );
     const int passes = wisp_world_plan_passes( h->world );
-    assert_sentence( h, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
+    assert_message( h, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
     // the first call of a world makes room for its list of cloths, which stays; from the second on nothing does
     const size_t bytes = wisp_world_memory( h->world );
     const int64_t lent = atomic_load( &h->host.bytes );
-    assert_sentence( h, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
+    assert_message( h, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
     assert_int_equal( wisp_world_hash( h->world ), before );
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
     assert_int_equal( wisp_world_memory( h->world ), bytes );
@@ -53,15 +53,15 @@ static void every_number_has_its_range( void** state )
     wisp_entity e = add_plain( h );
     const wisp_implicit_cloth_def good = wisp_default_implicit_cloth_def();
     set_implicit( h->world, e, &good );
-#define FIELD( name, low, high )                                                                                     \
+#define FIELD( name, lower, upper )                                                                                  \
     {                                                                                                                \
-#name, offsetof( wisp_implicit_cloth_def, name ), low, high                                                  \
+#name, offsetof( wisp_implicit_cloth_def, name ), lower, upper                                               \
     }
     const struct
     {
         const char* name;
         size_t at;
-        float low, high; // just outside
+        float lower, upper; // just outside
     } fields[] = {
         FIELD( stretch_stiffness, -1e-9f, 1.1e9f ), FIELD( bend_stiffness, -1e-9f, 1.1e9f ),
         FIELD( bend_rigidity, -1e-9f, 1.1e9f ),     FIELD( compression_stiffness, -1e-9f, 1.1e9f ),
@@ -70,7 +70,7 @@ static void every_number_has_its_range( void** state )
 #undef FIELD
     for ( int i = 0; i < WISP_COUNT( fields ); ++i )
     {
-        const float bad[] = { fields[i].low, fields[i].high, NAN, INFINITY, -INFINITY };
+        const float bad[] = { fields[i].lower, fields[i].upper, NAN, INFINITY, -INFINITY };
         for ( int k = 0; k < WISP_COUNT( bad ); ++k )
         {
             wisp_implicit_cloth_def def = good;
@@ -97,8 +97,8 @@ static void every_count_and_choice_has_its_range( void** state )
         size_t at;
         int bad[3];
     } fields[] = {
-        FIELD( newton_repeats, 0, 65, INT32_MIN ),
-        FIELD( stiff_repeats, 0, 65, INT32_MIN ),
+        FIELD( newton_iterations, 0, 65, INT32_MIN ),
+        FIELD( max_newton_iterations, 0, 65, INT32_MIN ),
         FIELD( max_iterations, -1, 1000001, INT32_MAX ),
         FIELD( stiffness, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
         FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
@@ -116,7 +116,7 @@ static void every_count_and_choice_has_its_range( void** state )
             assert_refused( h, e, &def, WISP_BAD_INPUT, fields[i].name );
         }
     }
-    assert_false( wisp_world_has( h->world, e, WISP_PARTICLE_SOLVED ) );
+    assert_false( wisp_world_has( h->world, e, WISP_PARTICLE_EXTERNAL_SOLVER ) );
 }
 
 // ---- pairs ----
@@ -159,7 +159,7 @@ static void pairs_by_hand_have_no_area( void** state )
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_entity e = add_plain( h );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.stiffness = WISP_IMPLICIT_STIFFNESS_SHEET;
+    def.stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
     assert_refused( h, e, &def, WISP_BAD_INPUT, "area" );
@@ -200,9 +200,9 @@ static void two_solvers_do_not_move_one_surface( void** state )
     assert_refused( h, limited, &def, WISP_CONFLICT, "strain limits" );
     assert_status( h->world, wisp_set_strain_limit( h->world, limited, 0.0f, INFINITY ), WISP_OK );
     assert_status( h->world, wisp_set_implicit_cloth( h->world, limited, &def ), WISP_OK );
-    assert_sentence( h, wisp_set_strain_limit( h->world, limited, 0.9f, 1.1f ), WISP_CONFLICT, "strain limits" );
+    assert_message( h, wisp_set_strain_limit( h->world, limited, 0.9f, 1.1f ), WISP_CONFLICT, "strain limits" );
     wisp_entity foreign = add_plain( h );
-    assert_status( h->world, wisp_world_attach( h->world, foreign, WISP_PARTICLE_SOLVED ), WISP_OK );
+    assert_status( h->world, wisp_world_attach( h->world, foreign, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     assert_refused( h, foreign, &def, WISP_CONFLICT, "another solver" );
 }
 
@@ -211,7 +211,7 @@ static void an_implicit_cloth_becomes_no_other_cloth_and_no_balloon( void** stat
     hosted* h = *state;
     test_mesh mesh = test_ball( 1 );
     wisp_fabric_def fabric = test_fabric_def( &mesh );
-    fabric.cross_links = true;
+    fabric.bend_links = true;
     wisp_entity e = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
     wisp_entity blown = test_surface_of( h->world, &fabric, wisp_default_surface_def() );
     test_mesh_free( &mesh );
@@ -220,9 +220,9 @@ static void an_implicit_cloth_becomes_no_other_cloth_and_no_balloon( void** stat
     run_steps( h->world, 1, DT );
     const uint64_t before = wisp_world_hash( h->world );
     const wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_sentence( h, wisp_set_cloth( h->world, e, &cloth ), WISP_CONFLICT, "solve" );
+    assert_message( h, wisp_set_cloth( h->world, e, &cloth ), WISP_CONFLICT, "solve" );
     const wisp_balloon_def balloon = wisp_default_balloon_def();
-    assert_sentence( h, wisp_set_balloon( h->world, e, &balloon ), WISP_CONFLICT, "solve" );
+    assert_message( h, wisp_set_balloon( h->world, e, &balloon ), WISP_CONFLICT, "solve" );
     assert_int_equal( wisp_world_hash( h->world ), before );
     run_steps( h->world, 1, DT );
     assert_status( h->world, wisp_set_balloon( h->world, blown, &balloon ), WISP_OK );
@@ -237,32 +237,31 @@ static void what_is_no_living_surface_is_refused( void** state )
     assert_refused( h, hair, &def, WISP_CONFLICT, "not a surface" );
     assert_status( h->world, wisp_remove( h->world, gone ), WISP_OK );
     assert_refused( h, gone, &def, WISP_STALE_ID, "does not exist" );
-    wisp_implicit_cloth_figures figures;
-    assert_sentence( h, wisp_want_implicit_cloth_figures( h->world, bare, true ), WISP_CONFLICT,
-                     "not an implicit cloth" );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, bare, &figures ), WISP_CONFLICT,
-                     "not an implicit cloth" );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, gone, &figures ), WISP_STALE_ID,
-                     "does not exist" );
+    wisp_implicit_cloth_stats stats;
+    assert_message( h, wisp_request_implicit_cloth_stats( h->world, bare, true ), WISP_CONFLICT,
+                    "not an implicit cloth" );
+    assert_message( h, wisp_read_implicit_cloth_stats( h->world, bare, &stats ), WISP_CONFLICT,
+                    "not an implicit cloth" );
+    assert_message( h, wisp_read_implicit_cloth_stats( h->world, gone, &stats ), WISP_STALE_ID, "does not exist" );
 }
 
-static void figures_are_there_from_the_step_after_asking( void** state )
+static void stats_are_there_from_the_step_after_asking( void** state )
 {
     hosted* h = *state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    wisp_implicit_cloth_figures figures;
+    wisp_implicit_cloth_stats stats;
     wisp_entity e = add_plain( h );
     assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
     run_steps( h->world, 1, DT );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
-    assert_status( h->world, wisp_want_implicit_cloth_figures( h->world, e, true ), WISP_OK );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
+    assert_message( h, wisp_read_implicit_cloth_stats( h->world, e, &stats ), WISP_CONFLICT, "statistics" );
+    assert_status( h->world, wisp_request_implicit_cloth_stats( h->world, e, true ), WISP_OK );
+    assert_message( h, wisp_read_implicit_cloth_stats( h->world, e, &stats ), WISP_CONFLICT, "statistics" );
     run_steps( h->world, 1, DT );
-    assert_int_equal( figures_of( h->world, e ).repeats, 1 );
-    assert_status( h->world, wisp_want_implicit_cloth_figures( h->world, e, false ), WISP_OK );
+    assert_int_equal( stats_of( h->world, e ).repeats, 1 );
+    assert_status( h->world, wisp_request_implicit_cloth_stats( h->world, e, false ), WISP_OK );
     run_steps( h->world, 1, DT );
     assert_int_equal( count_passes_named( h->world, "implicit_cloth.figures" ), 0 );
-    assert_sentence( h, wisp_read_implicit_cloth_figures( h->world, e, &figures ), WISP_CONFLICT, "statistics" );
+    assert_message( h, wisp_read_implicit_cloth_stats( h->world, e, &stats ), WISP_CONFLICT, "statistics" );
 }
 
 static void a_world_without_the_module_says_so( void** state )
@@ -313,9 +312,9 @@ static int change_without_memory( int64_t n, bool rest, bool from_cloth )
     test_host_refuse( &h.host, 0, false );
     if ( refused )
     {
-        assert_sentence( &h, status, WISP_NO_MEMORY, "memory" );
+        assert_message( &h, status, WISP_NO_MEMORY, "memory" );
         assert_int_equal( wisp_world_hash( h.world ), before );
-        assert_int_equal( wisp_world_has( h.world, e, WISP_PARTICLE_SOLVED ), from_cloth );
+        assert_int_equal( wisp_world_has( h.world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), from_cloth );
         run_steps( h.world, 1, DT );
     }
     assert_status( h.world, wisp_set_implicit_cloth( h.world, e, &def ), WISP_OK );
@@ -343,7 +342,7 @@ static void a_step_without_memory_is_refused_and_made_later( void** state )
 {
     (void)state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    const uint64_t truth = alone( &def, 9, 2 );
+    const uint64_t reference = alone( &def, 9, 2 );
     int refusals = 0;
     bool refused = true;
     for ( int64_t n = 1; n < 100 && refused; ++n )
@@ -357,11 +356,11 @@ static void a_step_without_memory_is_refused_and_made_later( void** state )
         test_host_refuse( &h.host, 0, false );
         if ( status != WISP_OK )
         {
-            assert_sentence( &h, status, WISP_NO_MEMORY, "memory" );
+            assert_message( &h, status, WISP_NO_MEMORY, "memory" );
             refusals += 1;
         }
         run_steps( h.world, status == WISP_OK ? 1 : 2, DT );
-        assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), truth );
+        assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), reference );
         close_world( &h );
     }
     assert_false( refused );
@@ -376,13 +375,13 @@ static void a_warm_step_asks_for_no_memory( void** state )
         hosted h;
         open_implicit( &h, 2 );
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-        def.newton_repeats = 1 + variant % 2;
+        def.newton_iterations = 1 + variant % 2;
         def.integrator = variant < 2 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;
         add_sheet( h.world, &def, 12, true );
         run_steps( h.world, 2, DT );
-        const int64_t asked = atomic_load( &h.host.asked );
+        const int64_t queried = atomic_load( &h.host.queried );
         run_steps( h.world, 20, DT );
-        assert_int_equal( atomic_load( &h.host.asked ), asked );
+        assert_int_equal( atomic_load( &h.host.queried ), queried );
         close_world( &h );
     }
 }
@@ -425,7 +424,7 @@ static void cloths_of_one_world_do_not_know_of_each_other( void** state )
     run_steps( h->world, 5, DT );
     assert_int_equal( hash_of( h->world, b, WISP_SURFACE_POINTS ), alone( &stiff, 7, 10 ) );
     assert_int_equal( hash_of( h->world, c, WISP_SURFACE_POINTS ), alone( &stiff, 9, 10 ) );
-    assert_int_equal( figures_of( h->world, b ).stretch_links, 2 * 7 * 6 + 6 * 6 );
+    assert_int_equal( stats_of( h->world, b ).stretch_links, 2 * 7 * 6 + 6 * 6 );
 }
 
 // An instance has the mesh of its source, and is what it is made on its own.
@@ -466,7 +465,7 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
         // vertex 1 bears two and a half: the last one counts half; places are rounded by 1.5e-8 m
         const double stretch = 2.5 * 0.01 * 9.81 / (double)stiffness[i];
         assert_near( (double)point_of( h->world, e, 1 ).y, -(double)CHAIN_LINK - stretch, 1e-7 );
-        assert_int_equal( figures_of( h->world, e ).stretch_links, 3 ); // still wanted
+        assert_int_equal( stats_of( h->world, e ).stretch_links, 3 ); // still wanted
         bytes = i == 0 ? wisp_world_memory( h->world ) : bytes;
     }
     assert_int_equal( wisp_world_memory( h->world ), bytes );
@@ -513,7 +512,7 @@ int main( void )
         IMPLICIT_TEST( two_solvers_do_not_move_one_surface ),
         IMPLICIT_TEST( an_implicit_cloth_becomes_no_other_cloth_and_no_balloon ),
         IMPLICIT_TEST( what_is_no_living_surface_is_refused ),
-        IMPLICIT_TEST( figures_are_there_from_the_step_after_asking ),
+        IMPLICIT_TEST( stats_are_there_from_the_step_after_asking ),
         cmocka_unit_test( a_world_without_the_module_says_so ),
         cmocka_unit_test( without_memory_a_surface_stays_what_it_was ),
         cmocka_unit_test( a_step_without_memory_is_refused_and_made_later ),

@@ -1,5 +1,5 @@
 // Strands that move, on their double-precision oracle: pendulums, chains, what must not change, damping and air. The closed
-// forms are those of the table of truths.
+// forms are those of the table of references.
 #include "strand_oracle_fixture.h"
 
 #include <float.h>
@@ -18,25 +18,25 @@ static double measured_period( strand_oracle* strand, const strand_oracle_settin
         const double now = strand->position[vertex].x;
         if ( before > 0.0 && now <= 0.0 )
         {
-            const double crossing = time - settings->dt * now / ( now - before );
+            const double intersection = time - settings->dt * now / ( now - before );
             if ( first >= 0.0 )
             {
-                return crossing - first;
+                return intersection - first;
             }
-            first = crossing;
+            first = intersection;
         }
     }
     fail_msg( "vertex %d never swung", vertex );
     return 0.0;
 }
 
-static double pendulum_error( double degrees, double truth, double substeps_a_second )
+static double pendulum_error( double degrees, double reference, double substeps_a_second )
 {
     const double angle = degrees * pi / 180.0, length = 1.0;
     strand_oracle strand = new_chain( 2, length, double3_make( sin( angle ), -cos( angle ), 0.0 ), true );
     const strand_oracle_settings settings = strand_oracle_default_settings( 1.0 / substeps_a_second );
     const double period = measured_period( &strand, &settings, 1 );
-    return period / ( truth * 2.0 * pi * sqrt( length / fall ) ) - 1.0;
+    return period / ( reference * 2.0 * pi * sqrt( length / fall ) ) - 1.0;
 }
 
 static void a_pendulum_has_its_period_at_every_amplitude( void** state )
@@ -44,7 +44,7 @@ static void a_pendulum_has_its_period_at_every_amplitude( void** state )
     (void)state;
     static const struct
     {
-        double degrees, truth, substeps;
+        double degrees, reference, substeps;
     } row[] = {
         { 10.0, 1.00190719, 240.0 },
         { 30.0, 1.01740880, 1920.0 },
@@ -53,7 +53,7 @@ static void a_pendulum_has_its_period_at_every_amplitude( void** state )
     };
     for ( size_t k = 0; k < sizeof( row ) / sizeof( row[0] ); ++k )
     {
-        const double error = pendulum_error( row[k].degrees, row[k].truth, row[k].substeps );
+        const double error = pendulum_error( row[k].degrees, row[k].reference, row[k].substeps );
         print_message( "pendulum %g degrees, %g substeps a second: period %+.4f %%\n", row[k].degrees,
                        row[k].substeps, 100.0 * error );
         assert_close( error, 0.0, 1e-3 );
@@ -76,7 +76,7 @@ static strand_oracle new_swinging_chain( int n, double relative_period )
 {
     strand_oracle strand = new_chain( n + 1, 1.0, double3_make( 0.0, -1.0, 0.0 ), true );
     const double omega = 2.0 * pi / relative_period, link = 1.0 / n; // in units of sqrt( g / L )
-    double y[STRAND_ORACLE_MOST] = { 0.0, 1.0 }, largest = 1.0;
+    double y[MAX_STRAND_ORACLE] = { 0.0, 1.0 }, largest = 1.0;
     for ( int i = 1; i < n; ++i )
     {
         const double pull = ( n - i + 1 ) * ( y[i] - y[i - 1] ) - omega * omega * link * y[i];

@@ -15,12 +15,13 @@ static void a_root_that_turns_about_a_straight_rod_turns_its_tip( void** state )
     strand_oracle_settings settings = rod_settings( dt );
     settings.gravity = zero;
     steps( &strand, &settings, 30 );
-    const double3 across = { 1.0, 0.0, 0.0 };
+    const double3 foreign = { 1.0, 0.0, 0.0 };
     for ( int s = 0; s < 15; ++s )
     {
-        const double3 now = strand_oracle_turned( strand.frame[s], across );
-        const double3 truth = strand_oracle_turned( strand.turn, strand_oracle_turned( start.frame[s], across ) );
-        assert_close( double3_distance( now, truth ), 0.0, 1e-9 );
+        const double3 now = strand_oracle_turned( strand.frame[s], foreign );
+        const double3 reference =
+            strand_oracle_turned( strand.turn, strand_oracle_turned( start.frame[s], foreign ) );
+        assert_close( double3_distance( now, reference ), 0.0, 1e-9 );
         assert_close( strand_oracle_twist( &strand, s ), 0.0, 1e-9 );
     }
     assert_close( farthest( &strand, &start ), 0.0, 1e-12 );
@@ -115,7 +116,7 @@ static void what_was_measured_turns_with_the_segments( void** state )
 static void twist_comes_to_balance( void** state )
 {
     (void)state;
-    double residual[STRAND_ORACLE_MOST];
+    double residual[MAX_STRAND_ORACLE];
     strand_oracle strand = new_curl( 24, 2.0, true );
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, true, 0.0 );
     strand_oracle_rest_shape( &strand );
@@ -141,8 +142,8 @@ static void twist_comes_to_balance( void** state )
 // What is missing to balance of forces and of twist, of the strand's weight and of its moment.
 static double missing_to_balance( const strand_oracle* strand )
 {
-    double3 force[STRAND_ORACLE_MOST];
-    double twist[STRAND_ORACLE_MOST], worst = 0.0;
+    double3 force[MAX_STRAND_ORACLE];
+    double twist[MAX_STRAND_ORACLE], worst = 0.0;
     strand_oracle_rod_gradient( strand, force );
     strand_oracle_twist_balance( strand, twist );
     for ( int s = 0; s + 1 < strand->count; ++s )

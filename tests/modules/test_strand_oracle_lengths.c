@@ -62,10 +62,12 @@ static void a_strand_out_of_tolerance_is_laid_out_from_its_root( void** state )
     }
     strand_oracle start = strand;
     assert_true( strand_oracle_stretch( &strand, STRAND_ORACLE_SQUARE, 0, 1e-3, true, 0.01 ) );
-    const double3 truth[5] = { zero, { 0.0, -0.1, 0.0 }, { 0.0, -0.1, 0.1 }, { 0.0, -0.1, 0.2 }, { 0.1, -0.1, 0.2 } };
+    const double3 reference[5] = {
+        zero, { 0.0, -0.1, 0.0 }, { 0.0, -0.1, 0.1 }, { 0.0, -0.1, 0.2 }, { 0.1, -0.1, 0.2 }
+    };
     for ( int i = 0; i < 5; ++i )
     {
-        assert_close( double3_distance( strand.position[i], truth[i] ), 0.0, 1e-15 );
+        assert_close( double3_distance( strand.position[i], reference[i] ), 0.0, 1e-15 );
         assert_close( strand.tension[i], 0.0, 0.0 );
         // within the strand's length of where the substep began it keeps a velocity, no faster than was predicted
         assert_close( double3_distance( strand.previous[i], start.previous[i] ), 0.0, 0.0 );
@@ -90,7 +92,7 @@ static void a_sweep_of_links_is_a_row_of_projections( void** state )
     {
         const int stride = 1 + k % 2;
         const strand_oracle_link_rule rule = { 0.7, 2e-3, k < 2 ? 0.0 : 3600.0 };
-        strand_oracle strand = new_crooked( 10, 16, true ), truth = strand;
+        strand_oracle strand = new_crooked( 10, 16, true ), reference = strand;
         double rest[16], lambda[16] = { 0.0 }, other[16] = { 0.0 };
         constraint_oracle_skips skips = { { 0 } };
         for ( int i = 0; i < 16; ++i )
@@ -104,22 +106,23 @@ static void a_sweep_of_links_is_a_row_of_projections( void** state )
             {
                 const int pair[2] = { i, i + stride };
                 const constraint_oracle_term term =
-                    constraint_oracle_distance( truth.position[i], truth.position[i + stride], rest[i] );
+                    constraint_oracle_distance( reference.position[i], reference.position[i + stride], rest[i] );
                 if ( i != 5 && k < 2 )
                 {
-                    constraint_oracle_project( &term, pair, truth.weight, rule.stiffness, truth.position, &skips );
+                    constraint_oracle_project( &term, pair, reference.weight, rule.stiffness, reference.position,
+                                               &skips );
                 }
                 else if ( i != 5 )
                 {
-                    constraint_oracle_project_compliant( &term, pair, truth.weight,
+                    constraint_oracle_project_compliant( &term, pair, reference.weight,
                                                          rule.compliance * rule.inverse_dt2, &other[i],
-                                                         truth.position, &skips );
+                                                         reference.position, &skips );
                 }
             }
         }
         for ( int i = 0; i < 16; ++i )
         {
-            assert_close( double3_distance( strand.position[i], truth.position[i] ), 0.0, 1e-15 );
+            assert_close( double3_distance( strand.position[i], reference.position[i] ), 0.0, 1e-15 );
             assert_close( lambda[i], k < 2 ? lambda[i] : other[i], 1e-12 * fabs( other[i] ) );
         }
         assert_close( strand.position[0].x, 0.01 * random_vector( 10, 0 ).x, 1e-18 );
@@ -129,25 +132,25 @@ static void a_sweep_of_links_is_a_row_of_projections( void** state )
 static void followers_are_at_their_lengths_and_leaders_get_their_share( void** state )
 {
     (void)state;
-    const double dt = 1.0 / 60.0, share = 0.7;
+    const double dt = 1.0 / 60.0, fraction = 0.7;
     strand_oracle strand = new_crooked( 12, 16, true );
     kick( &strand, 13, 2.0 );
     strand_oracle_predict( &strand, NULL, double3_make( 0.0, -9.81, 0.0 ), dt );
     const strand_oracle predicted = strand;
-    strand_oracle_follow( &strand, share );
+    strand_oracle_follow( &strand, fraction );
     assert_true( strand_oracle_strain( &strand ) < 1e-14 );
     strand_oracle_velocity( &strand, dt );
     for ( int i = 1; i < strand.count; ++i )
     {
         // v_i = (p_i - x_i) / dt - s d_{i+1} / dt, d the correction of the follower (Mueller, Kim and Chentanez 2012, eq. 9)
         const double3 way = double3_sub( strand.position[i], predicted.previous[i] );
-        double3 truth = double3_scale( 1.0 / dt, way );
+        double3 reference = double3_scale( 1.0 / dt, way );
         if ( i + 1 < strand.count )
         {
             const double3 d = double3_sub( strand.position[i + 1], predicted.position[i + 1] );
-            truth = double3_sub( truth, double3_scale( share / dt, d ) );
+            reference = double3_sub( reference, double3_scale( fraction / dt, d ) );
         }
-        assert_close( double3_distance( strand.velocity[i], truth ), 0.0, 1e-13 );
+        assert_close( double3_distance( strand.velocity[i], reference ), 0.0, 1e-13 );
     }
     assert_close( double3_length( strand.velocity[0] ), 0.0, 0.0 );
 }
@@ -158,14 +161,14 @@ static void start_badly( strand_oracle* strand, int start )
 {
     for ( int i = 1; i < strand->count; ++i )
     {
-        const double3 wild = double3_scale( 0.5, random_vector( 14, i ) );
+        const double3 nonmanifold = double3_scale( 0.5, random_vector( 14, i ) );
         if ( start == 1 )
         {
             strand->position[i] = strand->position[0];
         }
         else if ( start == 2 )
         {
-            strand->position[i] = double3_add( strand->position[0], wild );
+            strand->position[i] = double3_add( strand->position[0], nonmanifold );
         }
         else if ( start == 3 )
         {
@@ -248,7 +251,7 @@ static void a_shape_without_length_gets_one( void** state )
     assert_true( strand_oracle_shape( &strand, points, 8 ) );
     assert_ratio( strand.length[0], 1e-4, 1e-12 );
     assert_false( strand_oracle_shape( &strand, points, 0 ) );
-    assert_false( strand_oracle_shape( &strand, points, STRAND_ORACLE_MOST + 1 ) );
+    assert_false( strand_oracle_shape( &strand, points, MAX_STRAND_ORACLE + 1 ) );
 }
 
 int main( void )

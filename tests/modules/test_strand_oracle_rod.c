@@ -1,5 +1,5 @@
 // Elastic strands on their double-precision oracle: bending, its linear system, energy and its gradient. The closed forms are
-// those of the table of truths.
+// those of the table of references.
 #include "strand_oracle_fixture.h"
 
 // ---- closed forms ----
@@ -51,7 +51,7 @@ static double cantilever_error( double substeps_a_second )
     strand_oracle_settings settings = rod_settings( dt );
     settings.gravity = zero;
     double first = -1.0, last = -1.0, time = 0.0;
-    int crossings = 0;
+    int intersections = 0;
     while ( time < 0.6 )
     {
         const double before = strand.position[63].y;
@@ -61,12 +61,12 @@ static double cantilever_error( double substeps_a_second )
         if ( before < 0.0 && now >= 0.0 )
         {
             last = time - dt * now / ( now - before );
-            first = crossings == 0 ? last : first;
-            crossings += 1;
+            first = intersections == 0 ? last : first;
+            intersections += 1;
         }
     }
-    assert_true( crossings > 2 );
-    return ( crossings - 1 ) / ( last - first ) / frequency - 1.0;
+    assert_true( intersections > 2 );
+    return ( intersections - 1 ) / ( last - first ) / frequency - 1.0;
 }
 
 static void a_cantilever_swings_with_its_first_frequency( void** state )
@@ -102,12 +102,12 @@ static void solve_dense( int n, double* a, double3* b )
         b[best] = right;
         for ( int r = i + 1; r < n; ++r )
         {
-            const double share = a[r * n + i] / a[i * n + i];
+            const double fraction = a[r * n + i] / a[i * n + i];
             for ( int c = i; c < n; ++c )
             {
-                a[r * n + c] -= share * a[i * n + c];
+                a[r * n + c] -= fraction * a[i * n + c];
             }
-            b[r] = double3_sub( b[r], double3_scale( share, b[i] ) );
+            b[r] = double3_sub( b[r], double3_scale( fraction, b[i] ) );
         }
     }
     for ( int i = n - 1; i >= 0; --i )
@@ -220,8 +220,8 @@ static void damping_of_bending_brakes_it_and_leaves_what_does_not_bend_alone( vo
     for ( int i = 0; i < 32; ++i )
     {
         const double3 way = double3_sub( strand.position[i], start.position[i] );
-        const double3 truth = { 0.01, 0.02 - 9.81 * dt * dt * 240.0 * 241.0 / 2.0, 0.03 };
-        assert_close( double3_distance( way, truth ), 0.0, 1e-12 );
+        const double3 reference = { 0.01, 0.02 - 9.81 * dt * dt * 240.0 * 241.0 / 2.0, 0.03 };
+        assert_close( double3_distance( way, reference ), 0.0, 1e-12 );
     }
 }
 
@@ -239,7 +239,7 @@ static double energy_at( const strand_oracle* strand, int vertex, int axis, doub
 // Largest difference between the rod's gradient and central differences, of the largest component.
 static double gradient_error( const strand_oracle* strand )
 {
-    double3 gradient[STRAND_ORACLE_MOST];
+    double3 gradient[MAX_STRAND_ORACLE];
     double worst = 0.0, most = 0.0;
     strand_oracle_rod_gradient( strand, gradient );
     for ( int i = 1; i < strand->count; ++i )
@@ -282,8 +282,8 @@ static void twist_changes_by_half_the_curvature_binormal( void** state )
             {
                 const int moved = vertex + side; // the far end of the segment before, or behind
                 const double length = double3_length( side < 0 ? a : b );
-                const double3 truth = double3_scale( side / ( 2.0 * length ), kb );
-                const double t[3] = { truth.x, truth.y, truth.z };
+                const double3 reference = double3_scale( side / ( 2.0 * length ), kb );
+                const double t[3] = { reference.x, reference.y, reference.z };
                 for ( int axis = 0; axis < 3; ++axis )
                 {
                     double twist[2];
@@ -296,7 +296,7 @@ static void twist_changes_by_half_the_curvature_binormal( void** state )
                         carry_frames( &other );
                         twist[k] = strand_oracle_twist( &other, vertex );
                     }
-                    assert_close( ( twist[0] - twist[1] ) / 2e-7, t[axis], 1e-6 * double3_length( truth ) );
+                    assert_close( ( twist[0] - twist[1] ) / 2e-7, t[axis], 1e-6 * double3_length( reference ) );
                 }
             }
         }

@@ -3,7 +3,7 @@
 #include "strands_fixture.h"
 
 static const float FRAME = 1.0f / 60.0f;
-static const wisp_rigid NOWHERE = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
+static const wisp_transform NOWHERE = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
 static wisp_strand_dynamics_def default_def( void )
 {
@@ -19,11 +19,11 @@ static void a_strand_hangs_and_stays_at_rest_length( void** state )
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 17, 20, straight_down, 0.1f, &def );
-    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
     strand_steps( s.world, 60, FRAME );
     // a hanging strand is in balance; rounding of the positions, 1e-8 m, is what remains
     assert_true( drift_from( s.world, e, 17, 20, straight_down, 0.1f ) < 1e-6 );
-    assert_true( quality_of( s.world, e ).strain_max < 1e-5 );
+    assert_true( motion_stats_of( s.world, e ).strain_max < 1e-5 );
     close_strands( &s );
 }
 
@@ -37,15 +37,15 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
     def.bend = WISP_STRAND_BEND_NONE;
     const wisp_entity e = add_strands( s.world, counts, WISP_COUNT( counts ), straight_out, 0.1f );
     assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
-    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
     for ( int i = 0; i < 60; ++i )
     {
         strand_steps( s.world, 1, FRAME );
         // the definition's tolerance; strands beyond it are laid out exactly
-        assert_true( quality_of( s.world, e ).strain_max < 1.1e-3 );
+        assert_true( motion_stats_of( s.world, e ).strain_max < 1.1e-3 );
     }
     // half a metre per second at least: they do fall
-    assert_true( quality_of( s.world, e ).speed_max > 0.5 );
+    assert_true( motion_stats_of( s.world, e ).speed_max > 0.5 );
     close_strands( &s );
 }
 
@@ -178,7 +178,7 @@ static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trou
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 12, doubled_out, 0.1f, &def );
-    const wisp_rigid pose = { NOWHERE.rotation, { 0.0f, 0.05f, 0.0f } };
+    const wisp_transform pose = { NOWHERE.rotation, { 0.0f, 0.05f, 0.0f } };
     assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
     strand_steps( s.world, 60, FRAME );
     assert_false( wisp_is_halted( s.world, e ) );
@@ -238,14 +238,14 @@ static void strands_of_no_and_of_one_vertex_step( void** state )
     {
         assert_int_equal( wisp_set_strand_dynamics( s.world, e[k], &def ), WISP_OK );
         assert_int_equal( wisp_set_strand_grid( s.world, e[k], &grid ), WISP_OK );
-        assert_int_equal( wisp_want( s.world, e[k], WISP_STRAND_POINTS ), WISP_OK );
-        assert_int_equal( wisp_want( s.world, e[k], WISP_QUALITY ), WISP_OK );
+        assert_int_equal( wisp_request( s.world, e[k], WISP_STRAND_POINTS ), WISP_OK );
+        assert_int_equal( wisp_request( s.world, e[k], WISP_MOTION_STATS ), WISP_OK );
     }
-    const wisp_rigid pose = { NOWHERE.rotation, { 1.0f, 2.0f, 3.0f } };
+    const wisp_transform pose = { NOWHERE.rotation, { 1.0f, 2.0f, 3.0f } };
     assert_int_equal( wisp_move_strand_head( s.world, e[0], pose ), WISP_OK );
     strand_steps( s.world, 2, FRAME );
     assert_true( strand_points( s.world, e[0] )[1].y == 2.0f );
-    assert_true( quality_of( s.world, e[1] ).mass == 0.0 );
+    assert_true( motion_stats_of( s.world, e[1] ).mass == 0.0 );
     close_strands( &s );
 }
 
@@ -261,14 +261,15 @@ static void a_head_carries_its_roots_and_pins( void** state )
     def.pins = pins;
     def.pin_count = WISP_COUNT( pins );
     const wisp_entity e = add_moving( s.world, 3, 20, straight_out, 0.1f, &def );
-    const wisp_rigid pose = head_at( 0.5f, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.02f, 0.1f, 0.0f } );
+    const wisp_transform pose =
+        head_at( 0.5f, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.02f, 0.1f, 0.0f } );
     assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
     strand_steps( s.world, 1, FRAME );
     const wisp_vec3* p = strand_points( s.world, e );
     const int held[] = { 0, 5, 20, 26, 40 };
     for ( int k = 0; k < WISP_COUNT( held ); ++k )
     {
-        const wisp_vec3 at = wisp_rigid_to_world( pose, straight_out( held[k] / 20, held[k] % 20, 20, 0.1f ) );
+        const wisp_vec3 at = wisp_transform_to_world( pose, straight_out( held[k] / 20, held[k] % 20, 20, 0.1f ) );
         // a few roundings of numbers of 0.1 m
         assert_true( vec_distance( p[held[k]], at ) < 1e-7 );
     }
@@ -282,18 +283,18 @@ static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void**
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 5, 20, curl_down, 0.1f, &def );
-    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
-    const wisp_rigid pose = head_at( 1.0f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, ( wisp_vec3 ){ 3.0f, 0.0f, 0.0f } );
+    assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
+    const wisp_transform pose = head_at( 1.0f, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, ( wisp_vec3 ){ 3.0f, 0.0f, 0.0f } );
     assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
     strand_steps( s.world, 1, FRAME );
     const wisp_vec3* p = strand_points( s.world, e );
     for ( int v = 0; v < 100; ++v )
     {
-        const wisp_vec3 at = wisp_rigid_to_world( pose, curl_down( v / 20, v % 20, 20, 0.1f ) );
+        const wisp_vec3 at = wisp_transform_to_world( pose, curl_down( v / 20, v % 20, 20, 0.1f ) );
         // turned about gravity, the shape is in balance still; rounding at 3 m is 3e-7 m
         assert_true( vec_distance( p[v], at ) < 1e-4 );
     }
-    assert_true( quality_of( s.world, e ).speed_max < 0.05 );
+    assert_true( motion_stats_of( s.world, e ).speed_max < 0.05 );
     close_strands( &s );
 }
 
@@ -309,7 +310,7 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 10, straight_down, 0.1f, &def );
     assert_int_equal( wisp_root_strands( s.world, e, surface ), WISP_OK );
-    assert_int_equal( wisp_want( s.world, surface, WISP_SURFACE_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( s.world, surface, WISP_SURFACE_POINTS ), WISP_OK );
     assert_int_equal( wisp_set_gravity( s.world, surface, ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } ), WISP_OK );
     strand_steps( s.world, 10, FRAME );
     const float height = ( (const wisp_vec3*)view_of( s.world, surface, WISP_SURFACE_POINTS ).data )[0].y;
@@ -341,11 +342,11 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
         def.bend = WISP_STRAND_BEND_NONE;
         def.stretch_tolerance = k == 0 ? 1e-2f : 1e-6f;
         const wisp_entity e = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
-        assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+        assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
         for ( int i = 0; i < 20; ++i )
         {
             strand_steps( s.world, 1, FRAME );
-            worst[k] = fmax( worst[k], quality_of( s.world, e ).strain_max );
+            worst[k] = fmax( worst[k], motion_stats_of( s.world, e ).strain_max );
         }
         close_strands( &s );
     }
@@ -365,11 +366,11 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
     grid.friction = 1.0f;
     grid.cell = 1.0f;
     assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
-    assert_int_equal( wisp_want( s.world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
     float* velocity = wisp_world_column( s.world, e, WISP_STRAND_VELOCITY, 0 );
     velocity[3 * WISP_LANES] = 0.01f; // the tip of the first strand, along x
     strand_steps( s.world, 1, 1e-4f );
-    const wisp_quality q = quality_of( s.world, e );
+    const wisp_motion_stats q = motion_stats_of( s.world, e );
     const double mass = 0.5 * 0.1 * 6.5e-6;
     // both tips share the corners of one cell. 1 - (1 - 1)^(60 dt) is 1, so both go with the mean of the momentum
     assert_true( fabs( q.momentum[0] / ( mass * 0.01 ) - 1.0 ) < 1e-3 );
@@ -405,7 +406,7 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
             fail_msg( "%s is not in the item loop", LOOP[i] );
         }
     }
-    assert_true( plan_says( s.world, "strands.guard", "after" ) );
+    assert_true( plan_says( s.world, "strands.state_check", "after" ) );
     assert_true( plan_says( s.world, "strands.factor", "before" ) );
     close_strands( &s );
 }
@@ -417,7 +418,7 @@ static void strands_without_dynamics_have_no_pass_that_moves_them( void** state 
     open_strands( &s, 2, 1, 1 );
     const int count = 5;
     const wisp_entity e = add_strands( s.world, &count, 1, straight_out, 0.1f );
-    assert_int_equal( wisp_want( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( s.world ), 1 );
     close_strands( &s );
 }
@@ -434,7 +435,7 @@ static wisp_entity add_busy( wisp_world* world )
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
     grid.repulsion = 1.0f;
     assert_int_equal( wisp_set_strand_grid( world, e, &grid ), WISP_OK );
-    assert_int_equal( wisp_want( world, e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     return e;
 }
 
@@ -551,7 +552,7 @@ static void wrong_definitions_are_refused_and_change_nothing( void** state )
     assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_BAD_INPUT );
     assert_int_equal( wisp_set_strand_wind( s.world, e, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } ), WISP_CONFLICT );
     assert_int_equal( wisp_root_strands( s.world, e, e ), WISP_CONFLICT );
-    assert_int_equal( wisp_move_strand_head( s.world, e, ( wisp_rigid ){ { 0, 0, 0, 1 }, { NAN, 0, 0 } } ),
+    assert_int_equal( wisp_move_strand_head( s.world, e, ( wisp_transform ){ { 0, 0, 0, 1 }, { NAN, 0, 0 } } ),
                       WISP_BAD_INPUT );
     assert_true( wisp_world_hash( s.world ) == hash );
     const int count = 3;

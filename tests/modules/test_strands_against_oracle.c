@@ -134,10 +134,10 @@ static void curled_rods_go_with_the_oracle( void** state )
         { "shape, hinged", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .hinged = true },
         { "shape, lowered", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 1e-7f },
         { "shape, pinned", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .pinned = true },
-        { "balanced", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 2e-9f },
-        { "balanced, carried, damped", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 2e-9f, .carried = true,
+        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
+        { "balanced, carried, damped", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f, .carried = true,
           .damping = 20.0f },
-        { "balanced, bend damping", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 1e-9f,
+        { "balanced, bend damping", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 1e-9f,
           .bend_damping = 5e-4f },
         { "shape, follow", WISP_STRAND_STRETCH_FOLLOW, .bend = WISP_STRAND_BEND_ROD, .dt = FAST, .rigidity = 2e-9f,
           .rest = WISP_STRAND_REST_SHAPE },
@@ -172,8 +172,8 @@ static drift drift_in_a_step( const duel* rules )
 static void a_step_from_balance_leaves_both_where_they_are( void** state )
 {
     (void)state;
-    const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 2e-9f };
-    const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 8e-10f };
+    const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f };
+    const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 8e-10f };
     const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f };
     const duel* const both[] = { &balanced, &hair };
     for ( int k = 0; k < WISP_COUNT( both ); ++k )
@@ -200,7 +200,7 @@ static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
         { "follow", WISP_STRAND_STRETCH_FOLLOW, CHAIN },
         { "straight", STRAIGHT },
         { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
-        { "balanced", CURLED, .rest = WISP_STRAND_REST_BALANCED, .rigidity = 2e-9f },
+        { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f },
     };
     for ( int k = 0; k < WISP_COUNT( duels ); ++k )
     {

@@ -49,7 +49,7 @@ static double look( wisp_world* world, wisp_entity e, course* c )
     const wisp_strand_topology* t = wisp_world_strands( world, e );
     const float* x = wisp_world_column( world, e, WISP_STRAND_POSITION, 0 );
     const float* v = wisp_world_column( world, e, WISP_STRAND_VELOCITY, 0 );
-    const float* w = wisp_world_column( world, e, WISP_STRAND_WEIGHT, 0 );
+    const float* w = wisp_world_column( world, e, WISP_STRAND_INVERSE_MASS, 0 );
     double energy = 0.0, mass = 0.0;
     for ( int lane = 0; lane < t->group_count * WISP_LANES; ++lane )
     {
@@ -70,7 +70,7 @@ static double look( wisp_world* world, wisp_entity e, course* c )
 }
 
 // There and back by a fifth of a radian and 2 cm, in 0.3 s.
-static wisp_rigid nod( int frame )
+static wisp_transform nod( int frame )
 {
     const float there = fminf( (float)frame / 6.0f, 1.0f ), back = fmaxf( 0.0f, (float)( frame - 12 ) / 6.0f );
     const float t = 0.2f * ( there - back );
@@ -96,7 +96,7 @@ static course run( int vertices, int substeps, const wisp_strand_dynamics_def* d
         c.energy = fmax( c.energy, look( s.world, e, &c ) - start );
     }
     c.drift = drift_from( s.world, e, STRANDS, vertices, curls, HEIGHT );
-    c.lightened = wisp_world_counter( s.world, WISP_COUNT_LIGHTENED );
+    c.lightened = wisp_world_counter( s.world, WISP_COUNT_GRAVITY_SCALED );
     close_strands( &s );
     return c;
 }

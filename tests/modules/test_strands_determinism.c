@@ -66,7 +66,7 @@ static wisp_vec3 beside_the_fringe( int strand, int i, int count, float length )
 static const golden_case cases[] = {
     { "direct-bend-links", DIRECT, BEND_LINKS, .iterations = 1, .curve = fringe },
     { "straight-rod", ROD, .rest = WISP_STRAND_REST_STRAIGHT, .iterations = 1, .curve = straight_out },
-    { "balanced-curls", ROD, .rest = WISP_STRAND_REST_BALANCED, .iterations = 1, .carried = true,
+    { "balanced-curls", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true,
       .curve = helix_down },
     { "shape-curls", ROD, .rest = WISP_STRAND_REST_SHAPE, .iterations = 1, .curve = helix_down },
     { "links-xpbd-iterated", .stretch = WISP_STRAND_STRETCH_LINKS, BEND_LINKS, .solver = WISP_SOLVER_XPBD,
@@ -75,9 +75,9 @@ static const golden_case cases[] = {
       .carried = true, .curve = fringe },
     { "grid-air-damping", ROD, .rest = WISP_STRAND_REST_STRAIGHT, .iterations = 1, .blown = true, .mixed = true,
       .curve = fringe },
-    { "carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_BALANCED, .iterations = 1, .carried = true, .ball = true,
+    { "carried-over-a-ball", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ball = true,
       .curve = fringe },
-    { "ghosts-curves", ROD, .rest = WISP_STRAND_REST_BALANCED, .iterations = 1, .carried = true, .ghosts = true,
+    { "ghosts-curves", ROD, .rest = WISP_STRAND_REST_SAG_FREE, .iterations = 1, .carried = true, .ghosts = true,
       .curve = fringe },
 };
 
@@ -115,7 +115,7 @@ static void add_ball( running* r )
     wisp_entity e;
     assert_status( r->s.world, wisp_add_collider( r->s.world, &ball, &e ), WISP_OK );
     assert_status( r->s.world, wisp_set_collision( r->s.world, r->strands, &collision ), WISP_OK );
-    assert_status( r->s.world, wisp_want_collision_figures( r->s.world, r->strands, true ), WISP_OK );
+    assert_status( r->s.world, wisp_request_collision_stats( r->s.world, r->strands, true ), WISP_OK );
 }
 
 static void add_ghosts( running* r )
@@ -134,8 +134,8 @@ static void add_ghosts( running* r )
     curves.source = r->ghosts;
     curves.samples = 3;
     assert_status( r->s.world, wisp_add_curves( r->s.world, &curves, &r->curves ), WISP_OK );
-    assert_status( r->s.world, wisp_want( r->s.world, r->ghosts, WISP_STRAND_POINTS ), WISP_OK );
-    assert_status( r->s.world, wisp_want( r->s.world, r->curves, WISP_STRAND_POINTS ), WISP_OK );
+    assert_status( r->s.world, wisp_request( r->s.world, r->ghosts, WISP_STRAND_POINTS ), WISP_OK );
+    assert_status( r->s.world, wisp_request( r->s.world, r->curves, WISP_STRAND_POINTS ), WISP_OK );
 }
 
 static void add_case( running* r )
@@ -165,8 +165,8 @@ static void run_case_steps( determinism_run* base, int steps )
     {
         r->base.steps += 1;
         const float t = r->c->carried ? SECONDS * (float)r->base.steps : 0.0f;
-        const wisp_rigid pose =
-            wisp_rigid_make( ( wisp_quat ){ 0.0f, t, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.1f * t, -0.3f * t, 0.0f } );
+        const wisp_transform pose =
+            wisp_transform_make( ( wisp_quat ){ 0.0f, t, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.1f * t, -0.3f * t, 0.0f } );
         assert_status( r->s.world, wisp_move_strand_head( r->s.world, r->strands, pose ), WISP_OK );
         strand_steps( r->s.world, 1, SECONDS );
     }
@@ -212,8 +212,8 @@ static traces traces_of( determinism_run* base )
 static void check_case( determinism_run* base )
 {
     running* r = (running*)base;
-    wisp_collision_figures touch = { .contacts = 1 };
-    assert_true( r->c->ball == false || wisp_read_collision_figures( r->s.world, r->strands, &touch ) == WISP_OK );
+    wisp_collision_stats touch = { .contacts = 1 };
+    assert_true( r->c->ball == false || wisp_read_collision_stats( r->s.world, r->strands, &touch ) == WISP_OK );
     assert_true( touch.contacts > 0 );
 }
 

@@ -29,7 +29,7 @@ typedef struct way
 
 static const way WAYS[] = {
     { "straight rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, WISP_STRAND_REST_STRAIGHT, straight_out },
-    { "balanced curl", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, WISP_STRAND_REST_BALANCED, curl_down },
+    { "balanced curl", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, WISP_STRAND_REST_SAG_FREE, curl_down },
     { "direct, bend links", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_LINKS, WISP_STRAND_REST_SHAPE, curl_down },
     { "links", WISP_STRAND_STRETCH_LINKS, WISP_STRAND_BEND_LINKS, WISP_STRAND_REST_SHAPE, curl_down },
     { "follow", WISP_STRAND_STRETCH_FOLLOW, WISP_STRAND_BEND_NONE, WISP_STRAND_REST_SHAPE, curl_down },
@@ -40,7 +40,7 @@ static const int SUBSTEPS[] = { 1, 4, 10 };
 // ---- hard cases ----
 
 /// The pose of the head at the end of a frame; `size` is the length of the strands, m.
-typedef wisp_rigid head_motion( int frame, float size );
+typedef wisp_transform head_motion( int frame, float size );
 
 /// How much heavier a vertex is than the first one.
 typedef double mass_profile( int i, int count );
@@ -62,39 +62,39 @@ typedef struct hard_case
     bool outweighs_links; // one sweep of links a substep does not hold what hangs on far lighter vertices: no lengths
 } hard_case;
 
-static wisp_rigid nod( int frame, float size )
+static wisp_transform nod( int frame, float size )
 {
     const float t = fminf( (float)frame / 6.0f, 1.0f );
     return head_at( t, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0.5f * size * t, 0.2f * size * t, 0.0f } );
 }
 
-static wisp_rigid hundred_metres( int frame, float size )
+static wisp_transform hundred_metres( int frame, float size )
 {
     (void)size;
     return head_at( 0.5f, UP, ( wisp_vec3 ){ frame > 0 ? 100.0f : 0.0f, 0.0f, 0.0f } );
 }
 
-static wisp_rigid there_and_back( int frame, float size )
+static wisp_transform there_and_back( int frame, float size )
 {
     (void)size;
     return head_at( 0.0f, UP, ( wisp_vec3 ){ frame % 2 == 1 ? 100.0f : 0.0f, 0.0f, 0.0f } );
 }
 
-static wisp_rigid spin( int frame, float size )
+static wisp_transform spin( int frame, float size )
 {
     (void)size;
     return head_at( 100.0f / 60.0f * (float)frame, UP, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 }
 
-static wisp_rigid shake( int frame, float size )
+static wisp_transform shake( int frame, float size )
 {
     const wisp_vec3 axis = { test_random_float( frame, 0, -1.0f, 1.0f ), test_random_float( frame, 1, -1.0f, 1.0f ),
                              test_random_float( frame, 2, -1.0f, 1.0f ) };
     const wisp_vec3 place = { test_random_float( frame, 3, -1.7f, 1.7f ) * size,
                               test_random_float( frame, 4, -1.7f, 1.7f ) * size,
                               test_random_float( frame, 5, -1.7f, 1.7f ) * size };
-    return wisp_rigid_make( ( wisp_quat ){ axis.x, axis.y, axis.z, test_random_float( frame, 6, -1.0f, 1.0f ) },
-                            place );
+    return wisp_transform_make( ( wisp_quat ){ axis.x, axis.y, axis.z, test_random_float( frame, 6, -1.0f, 1.0f ) },
+                                place );
 }
 
 static double falling_masses( int i, int count )
@@ -231,8 +231,8 @@ static void open_cell( cell* c )
     assert_int_equal( wisp_add_strands( c->s.world, &strands, &c->e ), WISP_OK );
     c->def = def_of( c );
     assert_int_equal( wisp_set_strand_dynamics( c->s.world, c->e, &c->def ), WISP_OK );
-    assert_int_equal( wisp_want( c->s.world, c->e, WISP_STRAND_POINTS ), WISP_OK );
-    assert_int_equal( wisp_want( c->s.world, c->e, WISP_QUALITY ), WISP_OK );
+    assert_int_equal( wisp_request( c->s.world, c->e, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( c->s.world, c->e, WISP_MOTION_STATS ), WISP_OK );
 }
 
 static void blame( cell* c, int frame, const char* what, double measured, double bound )
@@ -287,7 +287,7 @@ static double tolerated_strain( const cell* c )
 
 // Energy of an elastic rod that is straight at rest, from the clamp on: EI / (2 L_i) |t_i - t_{i-1}|^2. EI is lowered
 // as the module's README says.
-static double straight_energy( const cell* c, const wisp_vec3* points, wisp_rigid head )
+static double straight_energy( const cell* c, const wisp_vec3* points, wisp_transform head )
 {
     const int count = c->hard->vertices;
     const double l = c->size / fmax( count - 1, 1 ), dt = c->seconds / c->substeps;
@@ -296,7 +296,7 @@ static double straight_energy( const cell* c, const wisp_vec3* points, wisp_rigi
     double sum = 0.0;
     for ( int i = 0; i < STRANDS; ++i )
     {
-        wisp_vec3 before = wisp_quat_turn( head.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+        wisp_vec3 before = wisp_quat_rotate( head.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
         for ( int v = 0; v + 1 < count; ++v )
         {
             const wisp_vec3 p = points[i * count + v], q = points[i * count + v + 1];
@@ -343,38 +343,38 @@ static double tolerated_rise( const cell* c, double mass )
 {
     const double weight = mass * GRAVITY * c->size, dt = c->seconds / c->substeps;
     // a follower that hangs still keeps a velocity of g dt / (1 - share), which moves nothing: wrong momentum
-    const double v = GRAVITY * dt / ( 1.0 - (double)c->def.follow_share );
+    const double v = GRAVITY * dt / ( 1.0 - (double)c->def.leader_correction );
     const double follower = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? 0.5 * mass * v * v : 0.0;
-    const double curl = c->way->rest == WISP_STRAND_REST_BALANCED ? curl_energy( c ) : 0.0;
+    const double curl = c->way->rest == WISP_STRAND_REST_SAG_FREE ? curl_energy( c ) : 0.0;
     return weight * ( 0.2 + GRAVITY * dt * dt / c->size ) + follower + curl;
 }
 
 static double tolerated_speed( const cell* c )
 {
     const double dt = c->seconds / c->substeps;
-    const double share = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? (double)c->def.follow_share : 0.0;
+    const double fraction = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? (double)c->def.leader_correction : 0.0;
     // a follower keeps a velocity of g dt / (1 - share), and links what a substep of falling gives them, as one sweep
     // leaves some
-    const double kept = c->way->stretch == WISP_STRAND_STRETCH_DIRECT ? 0.0 : GRAVITY * dt / ( 1.0 - share );
+    const double kept = c->way->stretch == WISP_STRAND_STRETCH_DIRECT ? 0.0 : GRAVITY * dt / ( 1.0 - fraction );
     const double whip = c->hard->whip > 0.0f ? (double)c->hard->whip : 1.0;
     // twice the head's, and twice that of a fall over two lengths
     return whip * ( 2.0 * c->head_speed + 4.0 * sqrt( GRAVITY * c->size ) + kept );
 }
 
-static wisp_rigid move_cell( cell* c, int frame )
+static wisp_transform move_cell( cell* c, int frame )
 {
     const int last = c->hard->motion_frames;
-    const wisp_rigid pose = c->hard->motion( frame < last ? frame : last, (float)c->size );
-    const wisp_rigid before = frame > 1
-                                  ? c->hard->motion( frame - 1 < last ? frame - 1 : last, (float)c->size )
-                                  : wisp_rigid_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0 } );
+    const wisp_transform pose = c->hard->motion( frame < last ? frame : last, (float)c->size );
+    const wisp_transform before =
+        frame > 1 ? c->hard->motion( frame - 1 < last ? frame - 1 : last, (float)c->size )
+                  : wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 0.0f, 1.0f }, ( wisp_vec3 ){ 0 } );
     assert_int_equal( wisp_move_strand_head( c->s.world, c->e, pose ), WISP_OK );
     strand_steps( c->s.world, 1, (float)c->seconds );
     const bool jumps = vec_distance( pose.translation, before.translation ) > (double)c->def.teleport * c->size;
     for ( int v = 0; v < c->hard->vertices && jumps == false; ++v )
     {
-        const wisp_vec3 from = wisp_rigid_to_world( before, c->rest[v] ),
-                        to = wisp_rigid_to_world( pose, c->rest[v] );
+        const wisp_vec3 from = wisp_transform_to_world( before, c->rest[v] ),
+                        to = wisp_transform_to_world( pose, c->rest[v] );
         c->head_speed = fmax( c->head_speed, vec_distance( from, to ) / c->seconds );
     }
     return pose;
@@ -382,7 +382,7 @@ static wisp_rigid move_cell( cell* c, int frame )
 
 static void look_at_cell( cell* c, int frame )
 {
-    const wisp_rigid pose = move_cell( c, frame );
+    const wisp_transform pose = move_cell( c, frame );
     if ( wisp_is_halted( c->s.world, c->e ) )
     {
         blame( c, frame, "halted", 1.0, 0.0 );
@@ -395,7 +395,7 @@ static void look_at_cell( cell* c, int frame )
         const double strain = strain_of( c, points, i );
         c->strain = strain <= c->strain || isnan( c->strain ) ? c->strain : strain;
     }
-    const wisp_quality q = quality_of( c->s.world, c->e );
+    const wisp_motion_stats q = motion_stats_of( c->s.world, c->e );
     c->energy = q.kinetic_energy + q.potential_energy;
     if ( c->way->rest == WISP_STRAND_REST_STRAIGHT && c->hard->collapsed == 0 )
     {
@@ -415,13 +415,13 @@ static void look_at_cell( cell* c, int frame )
 
 static void look_at_the_end( cell* c, int frame, double rise )
 {
-    const wisp_quality q = quality_of( c->s.world, c->e );
+    const wisp_motion_stats q = motion_stats_of( c->s.world, c->e );
     const bool is_links = c->way->stretch == WISP_STRAND_STRETCH_LINKS;
     if ( !( is_links && c->hard->outweighs_links ) && !( c->strain <= tolerated_strain( c ) ) )
     {
         blame( c, frame, "strain", c->strain, tolerated_strain( c ) );
     }
-    const bool is_curl = c->way->rest == WISP_STRAND_REST_BALANCED && c->way->bend == WISP_STRAND_BEND_ROD;
+    const bool is_curl = c->way->rest == WISP_STRAND_REST_SAG_FREE && c->way->bend == WISP_STRAND_BEND_ROD;
     const bool is_direct = c->way->stretch == WISP_STRAND_STRETCH_DIRECT;
     if ( ( is_curl && is_softened( c ) ) || ( is_direct && c->hard->pumps_direct ) )
     {
@@ -515,9 +515,9 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
         for ( int frame = 1; frame <= POSES + REST && c.why[0] == '\0'; ++frame )
         {
             look_at_cell( &c, frame );
-            fast = frame == POSES ? quality_of( c.s.world, c.e ).speed_max : fast;
+            fast = frame == POSES ? motion_stats_of( c.s.world, c.e ).speed_max : fast;
         }
-        const double slow = quality_of( c.s.world, c.e ).speed_max;
+        const double slow = motion_stats_of( c.s.world, c.e ).speed_max;
         if ( !( c.strain <= tolerated_strain( &c ) ) )
         {
             blame( &c, POSES + REST, "strain", c.strain, tolerated_strain( &c ) );

@@ -81,7 +81,8 @@ typedef struct run
 static void open_with_stranger( run* r, const shape_case* c, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
-                                                  &wisp_strand_look_module, &wisp_strands_module, &stranger_module };
+                                                  &wisp_strand_appearance_module, &wisp_strands_module,
+                                                  &stranger_module };
     *r = ( run ){ 0 };
     prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
     r->s.def.workers = workers;
@@ -128,19 +129,19 @@ static void add_case( run* r, const shape_case* c, bool apart )
     {
         fail_msg( "%s: %s", c->name, wisp_world_message( r->s.world ) );
     }
-    assert_int_equal( wisp_want( r->s.world, r->strands, WISP_STRAND_POINTS ), WISP_OK );
+    assert_int_equal( wisp_request( r->s.world, r->strands, WISP_STRAND_POINTS ), WISP_OK );
     if ( c->on_surface )
     {
         r->mesh = test_plane( 5, 0.05f );
         const wisp_fabric_def fabric = test_fabric_def( &r->mesh );
         r->surface = test_surface_of( r->s.world, &fabric, wisp_default_surface_def() );
         assert_int_equal( wisp_root_strands( r->s.world, r->strands, r->surface ), WISP_OK );
-        assert_int_equal( wisp_want( r->s.world, r->surface, WISP_SURFACE_POINTS ), WISP_OK );
+        assert_int_equal( wisp_request( r->s.world, r->surface, WISP_SURFACE_POINTS ), WISP_OK );
         assert_int_equal( wisp_set_gravity( r->s.world, r->surface, ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } ), WISP_OK );
     }
     if ( apart )
     {
-        assert_int_equal( wisp_want( r->s.world, r->strands, stranger_mark ), WISP_OK );
+        assert_int_equal( wisp_request( r->s.world, r->strands, stranger_mark ), WISP_OK );
     }
 }
 
@@ -210,8 +211,8 @@ static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
                 assert_int_equal( wisp_read_strand_tension( apart.s.world, apart.strands, other ), WISP_OK );
                 assert_memory_equal( own, other, (size_t)together.vertex_count * sizeof( float ) );
             }
-            const uint64_t counted = wisp_world_counter( together.s.world, WISP_COUNT_LAID );
-            assert_true( counted == wisp_world_counter( apart.s.world, WISP_COUNT_LAID ) );
+            const uint64_t counted = wisp_world_counter( together.s.world, WISP_COUNT_STRAND_RESET );
+            assert_true( counted == wisp_world_counter( apart.s.world, WISP_COUNT_STRAND_RESET ) );
             assert_int_equal( wisp_world_counter( together.s.world, WISP_COUNT_HALTED ), 0 );
             laid += counted;
             close_run( &together );

@@ -11,9 +11,9 @@ static void assert_links( const triangle_oracle* cloth, const int* stretch, int 
     assert_int_equal( cloth->bend_count, bend_count );
     for ( int k = 0; k < stretch_count + bend_count; ++k )
     {
-        const int* wanted = k < stretch_count ? stretch + 2 * k : bend + 2 * ( k - stretch_count );
-        assert_int_equal( cloth->link[k].i, wanted[0] );
-        assert_int_equal( cloth->link[k].j, wanted[1] );
+        const int* requested = k < stretch_count ? stretch + 2 * k : bend + 2 * ( k - stretch_count );
+        assert_int_equal( cloth->link[k].i, requested[0] );
+        assert_int_equal( cloth->link[k].j, requested[1] );
         assert_int_equal( cloth->link[k].bends, k >= stretch_count );
     }
 }
@@ -119,7 +119,7 @@ static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
     triangle_oracle_destroy( &cloth );
 }
 
-static void wrong_data_is_refused_in_a_sentence( void** state )
+static void wrong_data_is_refused_in_a_message( void** state )
 {
     (void)state;
     const double3 points[4] = { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 1.0, 0.0, 0.0 } };
@@ -134,7 +134,7 @@ static void wrong_data_is_refused_in_a_sentence( void** state )
         triangle_oracle_def def;
         bool sheet;
         double damping;
-        const char* sentence;
+        const char* message;
     } bad[] = {
         { good, false, -1.0, "damping is -1, must be in [0, 1e+12]" },
         { { .count = 4, .points = nowhere, .masses = masses }, false, 0.0, "vertex 0 is not finite" },
@@ -166,9 +166,9 @@ static void wrong_data_is_refused_in_a_sentence( void** state )
         wisp_error error = { 0 };
         triangle_oracle_params params = triangle_oracle_default_params();
         params.damping = bad[n].damping;
-        params.stiffness = bad[n].sheet ? TRIANGLE_ORACLE_STIFFNESS_SHEET : TRIANGLE_ORACLE_STIFFNESS_LINK;
+        params.stiffness = bad[n].sheet ? TRIANGLE_ORACLE_STIFFNESS_MATERIAL : TRIANGLE_ORACLE_STIFFNESS_LINK;
         assert_int_equal( triangle_oracle_create( &bad[n].def, &params, &cloth, &error ), WISP_BAD_INPUT );
-        assert_string_equal( error.sentence, bad[n].sentence );
+        assert_string_equal( error.message, bad[n].message );
         assert_null( cloth.x );
     }
 }
@@ -180,7 +180,7 @@ static void the_weights_of_a_vertex_sum_to_the_most_neighbours( void** state )
     (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle cloth = make_sheet( &params );
-    int least = cloth.most_neighbours;
+    int least = cloth.max_neighbours;
     for ( int i = 0; i < cloth.count; ++i )
     {
         // w_i once for each other vertex that a link leads to
@@ -195,10 +195,10 @@ static void the_weights_of_a_vertex_sum_to_the_most_neighbours( void** state )
             }
             sum += linked ? cloth.weight[i] : 0.0;
         }
-        assert_close( sum, cloth.most_neighbours, 1e-12 );
+        assert_close( sum, cloth.max_neighbours, 1e-12 );
         least = (int)fmin( least, cloth.neighbours[i] );
     }
-    assert_true( least < cloth.most_neighbours / 2 ); // the mesh is irregular, as in Fig. 5
+    assert_true( least < cloth.max_neighbours / 2 ); // the mesh is irregular, as in Fig. 5
     triangle_oracle_destroy( &cloth );
 }
 
@@ -500,15 +500,15 @@ static void the_ramped_energy_is_the_integral_of_the_load( void** state )
     for ( int k = 0; k < RAMPS; ++k )
     {
         // Simpson over pieces so small that the kinks cost below 1e-8 of the slopes there
-        const int pieces = 20000;
+        const int primitives = 20000;
         double sum = 0.0, y = 1.0, largest = triangle_oracle_ramped_energy( 0.0, ramps[k] ) + 1e-300;
-        for ( int n = 0; n < pieces; ++n )
+        for ( int n = 0; n < primitives; ++n )
         {
-            const double next = 1.0 - ( n + 1.0 ) / pieces, middle = 0.5 * ( y + next );
+            const double next = 1.0 - ( n + 1.0 ) / primitives, middle = 0.5 * ( y + next );
             sum -=
                 ( triangle_oracle_ramped_load( y, ramps[k] ) + 4.0 * triangle_oracle_ramped_load( middle, ramps[k] ) +
                   triangle_oracle_ramped_load( next, ramps[k] ) ) /
-                ( 6.0 * pieces );
+                ( 6.0 * primitives );
             y = next;
             const double e = n % 100 == 99 ? triangle_oracle_ramped_energy( y, ramps[k] ) : sum;
             assert_true( e >= 0.0 );
@@ -611,7 +611,7 @@ static void a_sheet_has_the_stiffness_it_was_given_whatever_its_mesh( void** sta
     for ( int n = 0; n < 2; ++n )
     {
         triangle_oracle_params params = still_params();
-        params.stiffness = TRIANGLE_ORACLE_STIFFNESS_SHEET;
+        params.stiffness = TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
         triangle_oracle cloth = make_equilateral( &params, sides[n] );
         double3 x[49];
         for ( int i = 0; i < 49; ++i )
@@ -630,7 +630,7 @@ static void a_sheet_on_a_cylinder_has_the_energy_of_its_rigidity( void** state )
     (void)state;
     const double side = 0.02, radius = 2.0;
     triangle_oracle_params params = still_params();
-    params.stiffness = TRIANGLE_ORACLE_STIFFNESS_SHEET;
+    params.stiffness = TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
     params.compression_stiffness = 1e12; // the ramp of (12) ends at once
     for ( int n = 0; n < 4; ++n )
     {
@@ -639,8 +639,8 @@ static void a_sheet_on_a_cylinder_has_the_energy_of_its_rigidity( void** state )
         for ( int i = 0; i < 49; ++i )
         {
             const double turn = 0.3 * n, c = cos( turn ), s = sin( turn );
-            const double along = c * cloth.x[i].x + s * cloth.x[i].z, across = -s * cloth.x[i].x + c * cloth.x[i].z;
-            x[i] = double3_make( radius * sin( along / radius ), radius * cos( along / radius ), across );
+            const double along = c * cloth.x[i].x + s * cloth.x[i].z, foreign = -s * cloth.x[i].x + c * cloth.x[i].z;
+            x[i] = double3_make( radius * sin( along / radius ), radius * cos( along / radius ), foreign );
         }
         // second order in side / radius
         assert_ratio( density_in_the_middle( &cloth, x, side ), 0.5 * 5e-6 / ( radius * radius ), 1e-3 );
@@ -658,7 +658,7 @@ int main( void )
         cmocka_unit_test( a_vertex_seen_across_two_edges_is_one_diagonal ),
         cmocka_unit_test( three_triangles_at_an_edge_have_three_diagonals ),
         cmocka_unit_test( pairs_by_hand_take_the_place_of_the_mesh ),
-        cmocka_unit_test( wrong_data_is_refused_in_a_sentence ),
+        cmocka_unit_test( wrong_data_is_refused_in_a_message ),
         cmocka_unit_test( the_weights_of_a_vertex_sum_to_the_most_neighbours ),
         cmocka_unit_test( the_rewrite_is_equation_3_as_printed ),
         cmocka_unit_test( a_pair_weighs_as_its_ends_do_on_the_mean ),

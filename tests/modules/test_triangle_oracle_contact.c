@@ -370,7 +370,7 @@ static void without_looking_ahead_contact_begins_within_the_margin( void** state
 {
     (void)state;
     triangle_oracle_params params = dust_params();
-    params.look_ahead = false;
+    params.speculative = false;
     const double3 place = { 0.0, 0.015, 0.0 };
     triangle_oracle dust = make_dust( &params, &place, 1 );
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
@@ -514,7 +514,7 @@ static void drape( triangle_oracle_integrator integrator, int repeats )
     triangle_oracle_params params = triangle_oracle_default_params();
     params.tolerance = 1e-6;
     params.integrator = integrator;
-    params.newton_repeats = repeats;
+    params.newton_iterations = repeats;
     triangle_oracle cloth = make_sheet( &params );
     const triangle_oracle_body ball = triangle_oracle_sphere( double3_make( 0.075, -0.08, 0.075 ), 0.06 );
     double most = 0.0, least = 1.0;

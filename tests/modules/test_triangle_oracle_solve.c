@@ -79,11 +79,12 @@ static triangle_oracle make_constrained( const triangle_oracle_params* params, d
         const triangle_oracle_matrix locked = { { { 0.0 } } };
         cloth.freedom[i] = i % 5 == 1 ? slides : i % 5 == 2 ? along : i % 5 == 3 ? locked : cloth.freedom[i];
         b[i] = double3_scale( 1e-3, random_vector( 13, i ) );
-        const double3 wanted = random_vector( 14, i );
+        const double3 requested = random_vector( 14, i );
         const triangle_oracle_matrix* s = cloth.freedom + i;
-        z[i] = double3_make( wanted.x - ( s->m[0][0] * wanted.x + s->m[0][1] * wanted.y + s->m[0][2] * wanted.z ),
-                             wanted.y - ( s->m[1][0] * wanted.x + s->m[1][1] * wanted.y + s->m[1][2] * wanted.z ),
-                             wanted.z - ( s->m[2][0] * wanted.x + s->m[2][1] * wanted.y + s->m[2][2] * wanted.z ) );
+        z[i] = double3_make(
+            requested.x - ( s->m[0][0] * requested.x + s->m[0][1] * requested.y + s->m[0][2] * requested.z ),
+            requested.y - ( s->m[1][0] * requested.x + s->m[1][1] * requested.y + s->m[1][2] * requested.z ),
+            requested.z - ( s->m[2][0] * requested.x + s->m[2][1] * requested.y + s->m[2][2] * requested.z ) );
     }
     return cloth;
 }
@@ -224,7 +225,7 @@ static void a_step_by_elimination_is_the_step( void** state )
 {
     (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
-    params.newton_repeats = 3;
+    params.newton_iterations = 3;
     triangle_oracle a = make_sheet( &params );
     params.dense = true;
     triangle_oracle b = make_sheet( &params );
@@ -432,7 +433,7 @@ static void repeats_make_the_residual_quadratically_smaller( void** state )
     for ( int repeats = 1; repeats <= 5; ++repeats )
     {
         triangle_oracle_params params = still_params();
-        params.newton_repeats = repeats;
+        params.newton_iterations = repeats;
         params.dense = true;
         triangle_oracle pair = make_pair_of( &params, false, 1.0, 0.5 );
         triangle_oracle_pin( &pair, 0 );
@@ -456,7 +457,7 @@ static double residual_after( triangle_oracle_integrator integrator, int repeats
     triangle_oracle_params params = triangle_oracle_default_params();
     params.integrator = integrator;
     params.jacobian = TRIANGLE_ORACLE_JACOBIAN_FULL;
-    params.newton_repeats = repeats;
+    params.newton_iterations = repeats;
     triangle_oracle cloth = make_sheet( &params );
     triangle_oracle_pin( &cloth, 0 );
     steps( &cloth, 0.005, 20, NULL );
@@ -486,7 +487,7 @@ static double3 swung( triangle_oracle_integrator integrator, int count, bool une
     triangle_oracle_params params = triangle_oracle_default_params();
     params.integrator = integrator;
     params.damping = 0.0;
-    params.newton_repeats = 4;
+    params.newton_iterations = 4;
     params.dense = true;
     triangle_oracle pair = make_pair_of( &params, false, 1.0, 2.0 );
     triangle_oracle_pin( &pair, 0 );
@@ -504,13 +505,13 @@ static double3 swung( triangle_oracle_integrator integrator, int count, bool une
 static void halving_the_substep_halves_eulers_error_and_quarters_that_of_bdf2( void** state )
 {
     (void)state;
-    const double3 truth = swung( TRIANGLE_ORACLE_BDF2, 12800, false );
+    const double3 reference = swung( TRIANGLE_ORACLE_BDF2, 12800, false );
     double ratio[3];
     for ( int form = 0; form < 3; ++form )
     {
         const triangle_oracle_integrator integrator = form == 0 ? TRIANGLE_ORACLE_EULER : TRIANGLE_ORACLE_BDF2;
-        const double coarse = double3_distance( swung( integrator, 400, form == 2 ), truth );
-        const double fine = double3_distance( swung( integrator, 800, form == 2 ), truth );
+        const double coarse = double3_distance( swung( integrator, 400, form == 2 ), reference );
+        const double fine = double3_distance( swung( integrator, 800, form == 2 ), reference );
         ratio[form] = coarse / fine;
         print_message( "error %.3g, with half the substep %.3g: ratio %.3f\n", coarse, fine, ratio[form] );
     }

@@ -32,9 +32,10 @@ static inline void assert_ratio( double a, double b, double tolerance )
     assert_close( a / b, 1.0, tolerance );
 }
 
-static inline double random_between( int n, int m, double low, double high )
+static inline double random_between( int n, int m, double lower, double upper )
 {
-    return low + ( high - low ) * wisp_random_unit( wisp_random_make_key( 53, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
+    return lower +
+           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 53, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
 }
 
 static inline double3 random_vector( int n, int m )
@@ -61,7 +62,7 @@ static inline triangle_oracle make_cloth( const triangle_oracle_def* def, const 
     wisp_error error = { 0 };
     if ( triangle_oracle_create( def, params, &cloth, &error ) != WISP_OK )
     {
-        fail_msg( "%s", error.sentence );
+        fail_msg( "%s", error.message );
     }
     return cloth;
 }

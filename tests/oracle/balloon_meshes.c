@@ -210,19 +210,19 @@ int balloon_mesh_farthest( const balloon_mesh* mesh, double3 direction )
 
 typedef struct half_edge
 {
-    int low, high, triangle, corner;
+    int lower, upper, triangle, corner;
 } half_edge;
 
 static int compare_half_edges( const void* left, const void* right )
 {
     const half_edge *a = left, *b = right;
-    if ( a->low != b->low )
+    if ( a->lower != b->lower )
     {
-        return a->low < b->low ? -1 : 1;
+        return a->lower < b->lower ? -1 : 1;
     }
-    if ( a->high != b->high )
+    if ( a->upper != b->upper )
     {
-        return a->high < b->high ? -1 : 1;
+        return a->upper < b->upper ? -1 : 1;
     }
     return a->triangle != b->triangle ? ( a->triangle < b->triangle ? -1 : 1 ) : a->corner - b->corner;
 }
@@ -242,7 +242,7 @@ static void add_use( const balloon_mesh* mesh, half_edge half, balloon_mesh_edge
         edge->opposite[edge->uses] = mesh->triangles[3 * half.triangle + ( half.corner + 2 ) % 3];
     }
     edge->uses += 1;
-    edge->ascending += mesh->triangles[3 * half.triangle + half.corner] == half.low ? 1 : 0;
+    edge->ascending += mesh->triangles[3 * half.triangle + half.corner] == half.lower ? 1 : 0;
 }
 
 static void count_faults( balloon_mesh_topology* topology )
@@ -259,10 +259,10 @@ static void count_faults( balloon_mesh_topology* topology )
 // Shells by repeated sweeps: a triangle takes the lowest number that it sees across an edge, until nothing changes.
 static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topology )
 {
-    int* shell = topology->triangle_shell;
+    int* component = topology->triangle_shell;
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
-        shell[t] = t;
+        component[t] = t;
     }
     for ( bool changed = true; changed; )
     {
@@ -270,9 +270,9 @@ static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topo
         for ( int e = 0; e < topology->edge_count; ++e )
         {
             int s = topology->edges[e].triangle[0], t = topology->edges[e].triangle[1];
-            if ( t >= 0 && shell[s] != shell[t] )
+            if ( t >= 0 && component[s] != component[t] )
             {
-                shell[s] = shell[t] = shell[s] < shell[t] ? shell[s] : shell[t];
+                component[s] = component[t] = component[s] < component[t] ? component[s] : component[t];
                 changed = true;
             }
         }
@@ -280,7 +280,7 @@ static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topo
     // the lowest triangle of a shell has named it and comes first, so its name can be replaced by a running number
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
-        shell[t] = shell[t] == t ? topology->shell_count++ : shell[shell[t]];
+        component[t] = component[t] == t ? topology->component_count++ : component[component[t]];
     }
 }
 
@@ -305,10 +305,10 @@ bool balloon_mesh_build_topology( const balloon_mesh* mesh, balloon_mesh_topolog
     for ( size_t n = 0; n < count; ++n )
     {
         half_edge half = halves[n];
-        if ( n == 0 || half.low != halves[n - 1].low || half.high != halves[n - 1].high )
+        if ( n == 0 || half.lower != halves[n - 1].lower || half.upper != halves[n - 1].upper )
         {
             made.edges[made.edge_count++] = ( balloon_mesh_edge ){
-                .a = half.low, .b = half.high, .triangle = { -1, -1 }, .opposite = { -1, -1 }
+                .a = half.lower, .b = half.upper, .triangle = { -1, -1 }, .opposite = { -1, -1 }
             };
         }
         add_use( mesh, half, made.edges + made.edge_count - 1 );
@@ -388,12 +388,12 @@ static bool turns_agree( const balloon_mesh_topology* topology, const int* turn 
     return true;
 }
 
-static bool shell_is_closed( const balloon_mesh_topology* topology, int shell )
+static bool shell_is_closed( const balloon_mesh_topology* topology, int component )
 {
     for ( int e = 0; e < topology->edge_count; ++e )
     {
         const balloon_mesh_edge* edge = topology->edges + e;
-        if ( edge->uses == 1 && topology->triangle_shell[edge->triangle[0]] == shell )
+        if ( edge->uses == 1 && topology->triangle_shell[edge->triangle[0]] == component )
         {
             return false;
         }
@@ -402,17 +402,17 @@ static bool shell_is_closed( const balloon_mesh_topology* topology, int shell )
 }
 
 // Turn a shell inside out when its volume, with the turns found so far, is negative.
-static void face_outwards( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int shell, int* turn )
+static void face_outwards( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int component, int* turn )
 {
     double sum = 0.0;
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
-        bool here = topology->triangle_shell[t] == shell;
+        bool here = topology->triangle_shell[t] == component;
         sum += here ? turn[t] * constraint_oracle_volume_sum( mesh->positions, mesh->triangles + 3 * t, 1 ) : 0.0;
     }
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
-        turn[t] = topology->triangle_shell[t] == shell && sum < 0.0 ? -turn[t] : turn[t];
+        turn[t] = topology->triangle_shell[t] == component && sum < 0.0 ? -turn[t] : turn[t];
     }
 }
 
@@ -432,11 +432,11 @@ bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped )
         }
     }
     bool sound = turn != NULL && turns_agree( &topology, turn );
-    for ( int shell = 0; sound && shell < topology.shell_count; ++shell )
+    for ( int component = 0; sound && component < topology.component_count; ++component )
     {
-        if ( shell_is_closed( &topology, shell ) )
+        if ( shell_is_closed( &topology, component ) )
         {
-            face_outwards( mesh, &topology, shell, turn );
+            face_outwards( mesh, &topology, component, turn );
         }
     }
     *flipped = 0;

@@ -57,7 +57,7 @@ typedef struct balloon_mesh_topology
     balloon_mesh_edge* edges;
     int* triangle_edge;  ///< [3 * triangle_count], the edge from corner k to k + 1
     int* triangle_shell; ///< [triangle_count], which connected piece
-    int shell_count;     ///< pieces connected through edges
+    int component_count; ///< pieces connected through edges
     int border_count;    ///< edges with one triangle: the mesh is open
     int crossed_count;   ///< interior edges that both triangles run along in the same direction
     int crowded_count;   ///< edges with more than two triangles

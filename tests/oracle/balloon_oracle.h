@@ -271,9 +271,9 @@ typedef struct balloon_oracle_options
     double bend_stiffness;                             ///< N/m, k_edge of bend pairs, default 20
     double velocity_decay;                             ///< 1/s, v *= exp( -decay h ) after (2), default 0
     double close_at, open_at;                          ///< shares of P_atm, defaults 1e-4 and 5e-4
-    double least_volume; ///< V_min / V_rest, default 1: the guard V_0 >= V_rest. Less lets the end shape crumple
-    double inflow;       ///< Q, m^3/s at atmospheric pressure, default 0
-    bool outlet_open;    ///< the user's valve, default shut
+    double min_volume; ///< V_min / V_rest, default 1: the guard V_0 >= V_rest. Less lets the end shape crumple
+    double inflow;     ///< Q, m^3/s at atmospheric pressure, default 0
+    bool outlet_open;  ///< the user's valve, default shut
 } balloon_oracle_options;
 
 balloon_oracle_options balloon_oracle_default_options( void );
@@ -345,7 +345,7 @@ typedef struct balloon_oracle
 } balloon_oracle;
 
 /// Refuse what the method cannot take, else make a body at rest with V_0 = V_rest.
-/// @param error receives one sentence that names the vertex, edge or triangle; may be null
+/// @param error receives one message that names the vertex, edge or triangle; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,
                                    balloon_oracle* out, wisp_error* error );

@@ -34,12 +34,12 @@ balloon_oracle_options balloon_oracle_default_options( void )
         .bend_stiffness = 20.0,
         .close_at = 1e-4,
         .open_at = 5e-4,
-        .least_volume = 1.0,
+        .min_volume = 1.0,
     };
     return options;
 }
 
-// What the method cannot take. The oracle links nothing of the engine, so it writes its own sentences.
+// What the method cannot take. The oracle links nothing of the engine, so it writes its own messages.
 
 static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
@@ -51,15 +51,15 @@ static wisp_status refuse( wisp_error* error, wisp_status status, const char* fo
         va_list arguments;
         va_start( arguments, format );
         error->status = status;
-        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        vsnprintf( error->message, sizeof( error->message ), format, arguments );
         va_end( arguments );
     }
     return status;
 }
 
-static bool is_within( double value, double low, double high )
+static bool is_within( double value, double lower, double upper )
 {
-    return value >= low && value <= high; // false for a NaN
+    return value >= lower && value <= upper; // false for a NaN
 }
 
 static bool is_coordinate( double3 p )
@@ -72,7 +72,7 @@ static wisp_status check_options( const balloon_oracle_options* o, wisp_error* e
     const struct
     {
         const char* name;
-        double value, low, high;
+        double value, lower, upper;
     } limits[] = {
         { "dt", o->dt, 1e-9, 1e3 },
         { "substeps", o->substeps, 1.0, 1e6 },
@@ -89,15 +89,15 @@ static wisp_status check_options( const balloon_oracle_options* o, wisp_error* e
         { "bend stiffness", o->bend_stiffness, 1e-12, 1e12 },
         { "velocity decay", o->velocity_decay, 0.0, 1e12 },
         { "close_at", o->close_at, 0.0, o->open_at },
-        { "least volume", o->least_volume, 1e-3, 1.0 },
+        { "least volume", o->min_volume, 1e-3, 1.0 },
         { "inflow", o->inflow, -1e6, 1e6 },
     };
     for ( int n = 0; n < WISP_COUNT( limits ); ++n )
     {
-        if ( !is_within( limits[n].value, limits[n].low, limits[n].high ) )
+        if ( !is_within( limits[n].value, limits[n].lower, limits[n].upper ) )
         {
             return refuse( error, WISP_BAD_INPUT, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value,
-                           limits[n].low, limits[n].high );
+                           limits[n].lower, limits[n].upper );
         }
     }
     return WISP_OK;
@@ -181,9 +181,10 @@ static wisp_status check_shell( const balloon_oracle_def* def, wisp_error* error
     {
         status = check_edge( topology.edges + e, def->allow_open, error );
     }
-    if ( status == WISP_OK && topology.shell_count != 1 )
+    if ( status == WISP_OK && topology.component_count != 1 )
     {
-        status = refuse( error, WISP_BAD_INPUT, "the mesh has %d shells, this body takes one", topology.shell_count );
+        status =
+            refuse( error, WISP_BAD_INPUT, "the mesh has %d shells, this body takes one", topology.component_count );
     }
     balloon_mesh_destroy_topology( &topology );
     return status;
@@ -499,14 +500,14 @@ static void let_gas_out( balloon_oracle* b, double h )
         return;
     }
     double density = balloon_oracle_density( o->atmosphere, BALLOON_ORACLE_HELIUM, o->temperature );
-    double wanted = balloon_oracle_mass_flow( density, o->outlet_area, b->outlet_speed );
-    double most = density * fmax( 0.0, b->gas_volume - o->least_volume * b->rest_volume ) / h;
-    b->mass_flow = fmin( wanted, most );
+    double requested = balloon_oracle_mass_flow( density, o->outlet_area, b->outlet_speed );
+    double most = density * fmax( 0.0, b->gas_volume - o->min_volume * b->rest_volume ) / h;
+    b->mass_flow = fmin( requested, most );
     b->gas_volume -= b->mass_flow / density * h;
     b->gas_lost += b->mass_flow * h;
 }
 
-static double3 share( const balloon_oracle* b, int i, double3 force )
+static double3 fraction( const balloon_oracle* b, int i, double3 force )
 {
     return double3_scale( b->mass[i] / b->total_mass, force );
 }
@@ -528,7 +529,8 @@ static void gather_forces( balloon_oracle* b, double h )
         double3 drag =
             o->use_drag ? balloon_oracle_drag_force( o->drag, c, b->v[i], b->normal[i], limit_rate ) : zero;
         f.drag = double3_add( f.drag, drag );
-        b->force[i] = double3_add( share( b, i, double3_add( f.gravity, double3_add( f.buoyancy, f.jet ) ) ), drag );
+        b->force[i] =
+            double3_add( fraction( b, i, double3_add( f.gravity, double3_add( f.buoyancy, f.jet ) ) ), drag );
     }
     b->forces = f;
     b->jet_impulse = double3_add( b->jet_impulse, double3_scale( h, f.jet ) );
@@ -665,7 +667,7 @@ void balloon_oracle_step( balloon_oracle* b )
     for ( int n = 0; n < o->substeps; ++n )
     {
         measure( b );
-        b->gas_volume = fmax( b->gas_volume + o->inflow * h, o->least_volume * b->rest_volume );
+        b->gas_volume = fmax( b->gas_volume + o->inflow * h, o->min_volume * b->rest_volume );
         if ( n == 0 || !o->update_per_frame )
         {
             read_pressure( b );

@@ -32,8 +32,8 @@ bool boundary_oracle_may_stay( int count, double length, double d, boundary_orac
                                double hysteresis )
 {
     // the ratios from which on and up to which the count is 0
-    const double low[] = { 0.0, -0.5, -1.0 };
-    const double ratio = length / d, from = count + low[rounding];
+    const double lower[] = { 0.0, -0.5, -1.0 };
+    const double ratio = length / d, from = count + lower[rounding];
     return ratio > from - hysteresis && ratio < from + 1.0 + hysteresis;
 }
 
@@ -51,7 +51,7 @@ int boundary_oracle_points( int n, double length, double d, boundary_oracle_poli
     return points;
 }
 
-double boundary_oracle_share( int i, int n, double length, double d, boundary_oracle_policy policy )
+double boundary_oracle_fraction( int i, int n, double length, double d, boundary_oracle_policy policy )
 {
     return policy == BOUNDARY_ORACLE_EVEN ? (double)i / n : i * d / length;
 }
@@ -211,23 +211,23 @@ double boundary_oracle_spacing_by_screen( double3 eye, double3 middle, double pi
 double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, double d, double3 p0, double3 p1,
                                       double3 n0, double3 n1, double rest )
 {
-    double asked = INFINITY;
+    double queried = INFINITY;
     if ( criteria->curvature_gain != 0.0 )
     {
-        asked = fmin( asked, boundary_oracle_spacing_by_curvature( d, criteria->curvature_gain, n0, n1 ) );
+        queried = fmin( queried, boundary_oracle_spacing_by_curvature( d, criteria->curvature_gain, n0, n1 ) );
     }
     if ( criteria->strain_gain != 0.0 )
     {
-        asked = fmin(
-            asked, boundary_oracle_spacing_by_strain( d, criteria->strain_gain, double3_distance( p0, p1 ), rest ) );
+        queried = fmin( queried, boundary_oracle_spacing_by_strain( d, criteria->strain_gain,
+                                                                    double3_distance( p0, p1 ), rest ) );
     }
     if ( criteria->by_screen )
     {
-        asked = fmin( asked, boundary_oracle_spacing_by_screen( criteria->eye, blend( p0, p1, 0.5 ),
-                                                                criteria->pixel_angle, criteria->pixels ) );
+        queried = fmin( queried, boundary_oracle_spacing_by_screen( criteria->eye, blend( p0, p1, 0.5 ),
+                                                                    criteria->pixel_angle, criteria->pixels ) );
     }
-    asked = isinf( asked ) ? d : asked;
-    return fmin( fmax( asked, criteria->least ), criteria->most );
+    queried = isinf( queried ) ? d : queried;
+    return fmin( fmax( queried, criteria->least ), criteria->most );
 }
 
 double boundary_oracle_triangle_spacing( const double edge_spacing[3] )

@@ -51,7 +51,7 @@ bool boundary_oracle_may_stay( int count, double length, double d, boundary_orac
 int boundary_oracle_points( int n, double length, double d, boundary_oracle_policy policy );
 
 /// Where point i stands, as a share of the length: i / n, or i d / length.
-double boundary_oracle_share( int i, int n, double length, double d, boundary_oracle_policy policy );
+double boundary_oracle_fraction( int i, int n, double length, double d, boundary_oracle_policy policy );
 
 /// The count and the line above in one.
 int boundary_oracle_points_of_length( double length, double d, boundary_oracle_policy policy,
@@ -201,10 +201,10 @@ typedef struct boundary_oracle_layer
     int skipped_elements; ///< with a corner that is not finite
     int fallback_normals; ///< cancelled, and replaced
     bool refused;         ///< the cap was met: points are those of the counts before
-    double wanted;        ///< the estimate
+    double requested;     ///< the estimate
 } boundary_oracle_layer;
 
-/// @return WISP_BAD_INPUT a value is out of range (the sentence names it); WISP_NO_MEMORY; then there is nothing to destroy
+/// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY; then there is nothing to destroy
 wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_oracle_options* options,
                                     boundary_oracle_layer* out, wisp_error* error );
 void boundary_oracle_destroy( boundary_oracle_layer* layer );

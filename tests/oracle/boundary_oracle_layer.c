@@ -17,7 +17,7 @@ static wisp_status refuse( wisp_error* error, wisp_status status, const char* wh
     if ( error != NULL )
     {
         error->status = status;
-        snprintf( error->sentence, sizeof( error->sentence ), what, value );
+        snprintf( error->message, sizeof( error->message ), what, value );
     }
     return status;
 }
@@ -191,9 +191,9 @@ static bool count_edge( const boundary_oracle_options* o, const element* e, cons
     return true;
 }
 
-static double share_of_line( const boundary_oracle_options* o, const element* e, int k, int lines )
+static double fraction_of_line( const boundary_oracle_options* o, const element* e, int k, int lines )
 {
-    return boundary_oracle_share( k, lines, e->axis.height, e->d, o->policy );
+    return boundary_oracle_fraction( k, lines, e->axis.height, e->d, o->policy );
 }
 
 // Hysteresis. Lines only get shorter, so behind the first one without points none has any. That one may get shorter still, and with
@@ -216,7 +216,7 @@ static bool counts_stay( const boundary_oracle_options* o, const element* e, con
     const int lines = boundary_oracle_points( before->line_count, e->axis.height, e->d, o->policy );
     for ( int k = 1, points = 1; k <= lines && stay && points > 0; ++k )
     {
-        const double q = share_of_line( o, e, k, before->line_count );
+        const double q = fraction_of_line( o, e, k, before->line_count );
         const double length = boundary_oracle_line_length( e->axis.base, q );
         stay = line_stays( o, e, before->counts[k - 1], length );
         points = boundary_oracle_points( before->counts[k - 1], length, e->d, o->policy );
@@ -238,7 +238,8 @@ static bool count_triangle( const boundary_oracle_options* o, const element* e, 
     const int lines = boundary_oracle_points( now->line_count, e->axis.height, e->d, o->policy );
     for ( int k = 1; k <= lines; ++k )
     {
-        const double length = boundary_oracle_line_length( e->axis.base, share_of_line( o, e, k, now->line_count ) );
+        const double length =
+            boundary_oracle_line_length( e->axis.base, fraction_of_line( o, e, k, now->line_count ) );
         now->counts[k - 1] = stay ? before->counts[k - 1] : boundary_oracle_count( length, e->d, o->rounding );
         now->points[k - 1] = boundary_oracle_points( now->counts[k - 1], length, e->d, o->policy );
     }
@@ -285,15 +286,16 @@ static void weigh( const boundary_oracle_options* o, const element* e, const bou
     memcpy( point->parent, e->vertex, sizeof( point->parent ) );
     if ( e->is_edge )
     {
-        const double tau = boundary_oracle_share( point->step, memory->counts[0], e->length, e->d, o->policy );
+        const double tau = boundary_oracle_fraction( point->step, memory->counts[0], e->length, e->d, o->policy );
         point->weight[0] = 1.0 - tau;
         point->weight[1] = tau;
         point->weight[2] = 0.0;
         return;
     }
-    const double q = share_of_line( o, e, point->line, memory->line_count );
+    const double q = fraction_of_line( o, e, point->line, memory->line_count );
     const double length = boundary_oracle_line_length( e->axis.base, q );
-    const double r = boundary_oracle_share( point->step, memory->counts[point->line - 1], length, e->d, o->policy );
+    const double r =
+        boundary_oracle_fraction( point->step, memory->counts[point->line - 1], length, e->d, o->policy );
     boundary_oracle_weights( &e->axis, q, r, point->weight );
 }
 
@@ -431,8 +433,8 @@ static void take_points( boundary_oracle_layer* layer, const double3* x, boundar
 bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x )
 {
     average_normals( layer, x );
-    layer->wanted = estimate( layer, x );
-    layer->refused = layer->wanted > layer->options.cap;
+    layer->requested = estimate( layer, x );
+    layer->refused = layer->requested > layer->options.cap;
     boundary_oracle_memory* now = calloc( (size_t)layer->element_count + 1, sizeof( boundary_oracle_memory ) );
     bool complete = now != NULL;
     size_t points = 1;

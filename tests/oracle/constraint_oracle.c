@@ -54,11 +54,11 @@ void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double 
     *dp2 = double3_scale( +w2 / ( w1 + w2 ) * ( length - rest_length ), u );
 }
 
-constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double low,
-                                                       double high )
+constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double lower,
+                                                       double upper )
 {
     double length = double3_distance( p1, p2 );
-    double nearest_allowed = fmin( fmax( length, low * rest_length ), high * rest_length );
+    double nearest_allowed = fmin( fmax( length, lower * rest_length ), upper * rest_length );
     return constraint_oracle_distance( p1, p2, nearest_allowed );
 }
 
@@ -267,8 +267,8 @@ void constraint_oracle_project_compliant_above( const constraint_oracle_term* te
     {
         return;
     }
-    double wanted = *lambda - ( term->value + alpha * *lambda ) / ( sum + alpha );
-    double next = fmin( 0.0, wanted );
+    double requested = *lambda - ( term->value + alpha * *lambda ) / ( sum + alpha );
+    double next = fmin( 0.0, requested );
     move( term, vertices, w, next - *lambda, p );
     *lambda = next;
 }
@@ -337,8 +337,8 @@ void constraint_oracle_volume_gradient( const double3* p, int vertex_count, cons
         for ( int k = 0; k < 3; ++k )
         {
             double3 a = p[corner[k]], b = p[corner[( k + 1 ) % 3]], c = p[corner[( k + 2 ) % 3]];
-            double3 share = double3_cross( double3_sub( b, a ), double3_sub( c, a ) );
-            gradient[corner[k]] = add_scaled( gradient[corner[k]], 1.0 / 6.0, share );
+            double3 fraction = double3_cross( double3_sub( b, a ), double3_sub( c, a ) );
+            gradient[corner[k]] = add_scaled( gradient[corner[k]], 1.0 / 6.0, fraction );
         }
     }
 }

@@ -56,8 +56,8 @@ void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double 
 
 /// Strain limit: C = l - clamp( l, low d, high d ), 0 while the length is within its limits.
 /// @param low, high shares of the rest length, low <= 1 <= high
-constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double low,
-                                                       double high );
+constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double lower,
+                                                       double upper );
 
 // Constraints of two triangles that share the edge p0 p1: triangle 0 is (p0, p1, p2), triangle 1 is (p1, p0, p3).
 

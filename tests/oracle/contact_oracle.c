@@ -180,10 +180,10 @@ double3 contact_oracle_rub( contact_oracle_contact* contact, const double* w, co
     const double3 way = double3_sub( between( contact, x ), between( contact, before ) );
     const double3 across = add_scaled( way, -double3_dot( contact->normal, way ), contact->normal );
     double3 next = add_scaled( contact->rubbed, -1.0 / mobility, across );
-    const double wanted = double3_length( next ), allowed = contact->friction * contact->lambda;
-    if ( wanted > allowed )
+    const double requested = double3_length( next ), allowed = contact->friction * contact->lambda;
+    if ( requested > allowed )
     {
-        next = double3_scale( allowed / wanted, next );
+        next = double3_scale( allowed / requested, next );
     }
     const double3 change = double3_sub( next, contact->rubbed );
     contact->rubbed = next;

@@ -17,12 +17,12 @@ frozen_oracle_options frozen_oracle_default_options( void )
         .clump_radius = 0.01,
         .clump_iterations = 4,
         .clump_step = 0.1 * 0.01,
-        .guard_distance = 0.02 * 0.01,
+        .min_distance = 0.02 * 0.01,
         .lambda_min = 0.0,
         .length_floor = 0.05,
         .epsilon = 0.0,
         .dimension = 3,
-        .guard = true,
+        .min_distance_clamp = true,
         .deform = true,
         .align = true,
         .clump = true,
@@ -30,7 +30,7 @@ frozen_oracle_options frozen_oracle_default_options( void )
     return options;
 }
 
-// What the method cannot take. The oracle links nothing of the engine, so it writes its own sentences.
+// What the method cannot take. The oracle links nothing of the engine, so it writes its own messages.
 
 static wisp_status refuse( wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 
@@ -41,15 +41,15 @@ static wisp_status refuse( wisp_error* error, const char* format, ... )
         va_list arguments;
         va_start( arguments, format );
         error->status = WISP_BAD_INPUT;
-        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        vsnprintf( error->message, sizeof( error->message ), format, arguments );
         va_end( arguments );
     }
     return WISP_BAD_INPUT;
 }
 
-static bool is_within( double value, double low, double high )
+static bool is_within( double value, double lower, double upper )
 {
-    return value >= low && value <= high; // false for a NaN
+    return value >= lower && value <= upper; // false for a NaN
 }
 
 static bool is_coordinate( double3 p )
@@ -62,20 +62,20 @@ static wisp_status check_options( const frozen_oracle_options* o, wisp_error* er
     const struct
     {
         const char* name;
-        double value, low, high;
+        double value, lower, upper;
     } limits[] = {
         { "theta_max", o->theta_max, 0.0, pi },    { "cursor radius", o->cursor_radius, 0.0, 1e6 },
-        { "clump step", o->clump_step, 0.0, 1e6 }, { "guard distance", o->guard_distance, 0.0, 1e6 },
+        { "clump step", o->clump_step, 0.0, 1e6 }, { "guard distance", o->min_distance, 0.0, 1e6 },
         { "lambda_min", o->lambda_min, 0.0, 1.0 }, { "length floor", o->length_floor, 0.0, 1.0 },
         { "epsilon", o->epsilon, 0.0, 1.0 },       { "clump iterations", o->clump_iterations, 0.0, 1000.0 },
         { "dimension", o->dimension, 2.0, 3.0 },
     };
     for ( int n = 0; n < WISP_COUNT( limits ); ++n )
     {
-        if ( !is_within( limits[n].value, limits[n].low, limits[n].high ) )
+        if ( !is_within( limits[n].value, limits[n].lower, limits[n].upper ) )
         {
-            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].low,
-                           limits[n].high );
+            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].lower,
+                           limits[n].upper );
         }
     }
     if ( o->clump_iterations > 0 && !( o->clump_radius > 0.0 && o->clump_radius <= 1e6 ) )
@@ -175,9 +175,9 @@ double frozen_oracle_softness( double stiffness, double epsilon )
     return 1.0 / ( stiffness + epsilon );
 }
 
-double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_share )
+double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_fraction )
 {
-    return fmax( rest_length * ( 1.0 + alpha * eta ), floor_share * rest_length );
+    return fmax( rest_length * ( 1.0 + alpha * eta ), floor_fraction * rest_length );
 }
 
 double frozen_oracle_bend_angle( double theta_max, double alpha, double xi )
@@ -381,8 +381,8 @@ double3 frozen_oracle_tentative_step( const frozen_oracle_options* options, froz
 {
     double3 step = double3_scale( options->clump_step, adhesion.force );
     double length = double3_length( step );
-    double limit = fmax( 0.0, ( adhesion.nearest - options->guard_distance ) / 2.0 );
-    if ( options->guard && length > limit )
+    double limit = fmax( 0.0, ( adhesion.nearest - options->min_distance ) / 2.0 );
+    if ( options->min_distance_clamp && length > limit )
     {
         step = double3_scale( limit / length, step );
     }
@@ -398,13 +398,13 @@ double frozen_oracle_pair_delta( frozen_oracle_gap gap, double r0, double r1, do
 {
     switch ( gap )
     {
-        case FROZEN_ORACLE_GAP_PRINTED:
+        case FROZEN_ORACLE_GAP_SIGNED:
             return clamp_unit( ( r1 - r0 ) / radius );
-        case FROZEN_ORACLE_GAP_CLOSING:
+        case FROZEN_ORACLE_GAP_REVERSED:
             return clamp_unit( ( r0 - r1 ) / radius );
-        case FROZEN_ORACLE_GAP_PROSE:
+        case FROZEN_ORACLE_GAP_ABSOLUTE:
             return clamp_unit( fabs( r1 - r0 ) / radius );
-        case FROZEN_ORACLE_GAP_WET:
+        case FROZEN_ORACLE_GAP_NONE:
             break;
     }
     return 0.0;
@@ -434,11 +434,11 @@ double frozen_oracle_vertex_delta( const frozen_oracle_hair* hair, const frozen_
 
 double frozen_oracle_lambda( frozen_oracle_gap gap, double delta, double zeta, double lambda_min )
 {
-    if ( gap == FROZEN_ORACLE_GAP_WET )
+    if ( gap == FROZEN_ORACLE_GAP_NONE )
     {
         return 1.0;
     }
-    double at_full_change = gap == FROZEN_ORACLE_GAP_PROSE ? lambda_min : 1.0;
+    double at_full_change = gap == FROZEN_ORACLE_GAP_ABSOLUTE ? lambda_min : 1.0;
     return ( 1.0 - delta ) * zeta + delta * at_full_change;
 }
 

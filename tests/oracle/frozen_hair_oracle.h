@@ -26,10 +26,10 @@ typedef enum frozen_oracle_direction
 /// How a change of distance brakes a clumping step.
 typedef enum frozen_oracle_gap
 {
-    FROZEN_ORACLE_GAP_PROSE,   ///< the more a distance has changed, the smaller the step (default)
-    FROZEN_ORACLE_GAP_PRINTED, ///< Eq. 17-18 literally: growing distances count
-    FROZEN_ORACLE_GAP_CLOSING, ///< Eq. 18 with shrinking distances
-    FROZEN_ORACLE_GAP_WET,     ///< no brake: lambda = 1
+    FROZEN_ORACLE_GAP_ABSOLUTE, ///< the more a distance has changed, the smaller the step (default)
+    FROZEN_ORACLE_GAP_SIGNED,   ///< Eq. 17-18 literally: growing distances count
+    FROZEN_ORACLE_GAP_REVERSED, ///< Eq. 18 with shrinking distances
+    FROZEN_ORACLE_GAP_NONE,     ///< no brake: lambda = 1
 } frozen_oracle_gap;
 
 /// Where the distance r0 of Eq. 17 is measured.
@@ -68,24 +68,24 @@ typedef struct frozen_oracle_hair
 /// Everything else. Start from frozen_oracle_default_options().
 typedef struct frozen_oracle_options
 {
-    double theta_max;      ///< rad, largest bend at alpha_b = 1, default pi / 4
-    double3 cursor;        ///< m, c of Eq. 9
-    double cursor_radius;  ///< m, r of Eq. 10, default 0.15
-    double clump_radius;   ///< m, h of Eq. 14, default 0.01
-    int clump_iterations;  ///< K, default 4
-    double clump_step;     ///< m, sigma = dt^2/m times a unit force, default 0.1 h
-    double guard_distance; ///< m, r_min of the guard, default 0.02 h
-    double lambda_min;     ///< lambda at delta = 1 with gap = prose, default 0
-    double length_floor;   ///< shortest l* as a share of l0, default 0.05
-    double epsilon;        ///< of the printed divisions, default 0: the resolved forms
-    int dimension;         ///< 2 or 3; decides the fallback axes only
+    double theta_max;     ///< rad, largest bend at alpha_b = 1, default pi / 4
+    double3 cursor;       ///< m, c of Eq. 9
+    double cursor_radius; ///< m, r of Eq. 10, default 0.15
+    double clump_radius;  ///< m, h of Eq. 14, default 0.01
+    int clump_iterations; ///< K, default 4
+    double clump_step;    ///< m, sigma = dt^2/m times a unit force, default 0.1 h
+    double min_distance;  ///< m, r_min of the guard, default 0.02 h
+    double lambda_min;    ///< lambda at delta = 1 with gap = prose, default 0
+    double length_floor;  ///< shortest l* as a share of l0, default 0.05
+    double epsilon;       ///< of the printed divisions, default 0: the resolved forms
+    int dimension;        ///< 2 or 3; decides the fallback axes only
     frozen_oracle_blend blend;
     frozen_oracle_direction direction;
     frozen_oracle_gap gap;
     frozen_oracle_gap_reference gap_reference;
     frozen_oracle_reach reach;
     frozen_oracle_base base;
-    bool guard;                ///< no two vertices come closer than r_min, default on
+    bool min_distance_clamp;   ///< no two vertices come closer than r_min, default on
     bool deform, align, clump; ///< the three stages, default on
     uint64_t seed;
     uint64_t event; ///< number of the user's command; the number of the frame gives the flicker of the printed text
@@ -95,7 +95,7 @@ typedef struct frozen_oracle_options
 frozen_oracle_options frozen_oracle_default_options( void );
 
 /// Refuse what the method cannot take.
-/// @param error receives one sentence that names the strand, the vertex or the parameter; may be null
+/// @param error receives one message that names the strand, the vertex or the parameter; may be null
 /// @return WISP_OK or WISP_BAD_INPUT
 wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                  wisp_error* error );
@@ -117,7 +117,7 @@ double3 frozen_oracle_tangent( double3 segment, double3 previous_tangent );
 double frozen_oracle_softness( double stiffness, double epsilon );
 
 /// Eq. 3 with a floor: l* = max( l0 (1 + alpha eta), floor l0 ).
-double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_share );
+double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_fraction );
 
 /// Eq. 4, first half: theta = theta_max alpha xi.
 double frozen_oracle_bend_angle( double theta_max, double alpha, double xi );

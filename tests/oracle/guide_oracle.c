@@ -119,23 +119,23 @@ double guide_oracle_spread( const double3* points, int count )
     return sum;
 }
 
-double guide_oracle_spread_energy( double stiffness, double spread, double wanted )
+double guide_oracle_spread_energy( double stiffness, double spread, double requested )
 {
-    return stiffness * ( spread - wanted ) * ( spread - wanted );
+    return stiffness * ( spread - requested ) * ( spread - requested );
 }
 
-void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double wanted,
+void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double requested,
                                    double3* gradient )
 {
     double3 c = guide_oracle_mean( points, count );
-    double factor = 4.0 * stiffness * ( guide_oracle_spread( points, count ) - wanted );
+    double factor = 4.0 * stiffness * ( guide_oracle_spread( points, count ) - requested );
     for ( int n = 0; n < count; ++n )
     {
         gradient[n] = double3_scale( factor, double3_sub( points[n], c ) );
     }
 }
 
-guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double wanted, bool exact )
+guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double requested, bool exact )
 {
     if ( count < 2 )
     {
@@ -146,12 +146,12 @@ guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int coun
     {
         return GUIDE_ORACLE_SPREAD_COINCIDENT;
     }
-    if ( !( wanted > 0.0 ) )
+    if ( !( requested > 0.0 ) )
     {
         return GUIDE_ORACLE_SPREAD_BAD_TARGET;
     }
     double3 c = guide_oracle_mean( points, count );
-    double growth = exact ? sqrt( wanted / v ) - 1.0 : -( v - wanted ) / ( 2.0 * v );
+    double growth = exact ? sqrt( requested / v ) - 1.0 : -( v - requested ) / ( 2.0 * v );
     for ( int n = 0; n < count; ++n )
     {
         points[n] = add_scaled( points[n], growth, double3_sub( points[n], c ) );
@@ -268,7 +268,7 @@ guide_oracle_rotation guide_oracle_turn_about( double3 axis, double angle )
 }
 
 // The coordinate axis along which a vector is shortest: the one that is surely not parallel to it.
-static double3 least_axis( double3 v )
+static double3 min_axis( double3 v )
 {
     double x = fabs( v.x ), y = fabs( v.y ), z = fabs( v.z );
     if ( x <= y && x <= z )
@@ -292,7 +292,7 @@ guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, 
     if ( double3_length( axis ) < 1e-12 && double3_dot( a, b ) < 0.0 )
     {
         *reversed = true;
-        double3 least = least_axis( a );
+        double3 least = min_axis( a );
         return guide_oracle_turn_about( add_scaled( least, -double3_dot( least, a ), a ), acos( -1.0 ) );
     }
     return guide_oracle_turn_about( axis, double3_angle( a, b ) );

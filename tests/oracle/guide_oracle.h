@@ -71,16 +71,16 @@ double3 guide_oracle_mean( const double3* points, int count );
 double guide_oracle_spread( const double3* points, int count );
 
 /// Eq. 2: P = k_v (V - Vbar)^2.
-double guide_oracle_spread_energy( double stiffness, double spread, double wanted );
+double guide_oracle_spread_energy( double stiffness, double spread, double requested );
 
 /// The derivative of (2): dP/dd_l = 4 k_v (V - Vbar)(d_l - c).
-void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double wanted,
+void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double requested,
                                    double3* gradient );
 
 /// Move a group to the wanted spread without moving its mean.
 /// @param exact true: scale the offsets by sqrt(Vbar/V). false: the step of (3) as a position based constraint,
 ///        Dd_l = -((V - Vbar)/(2V))(d_l - c), which is one Newton step of the former
-guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double wanted, bool exact );
+guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double requested, bool exact );
 
 // ---- Eq. 4-5: weights and displacement ----
 
@@ -325,7 +325,7 @@ typedef struct guide_oracle_motion
 } guide_oracle_motion;
 
 /// Refuse what the method cannot take, else make ghosts at their base positions about the rest targets.
-/// @param error receives one sentence that names the ghost, the node or the parameter; may be null
+/// @param error receives one message that names the ghost, the node or the parameter; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,
                                  wisp_error* error );

@@ -20,7 +20,7 @@ static wisp_status refuse( wisp_error* error, wisp_status status, const char* fo
         error->status = status;
         va_list arguments;
         va_start( arguments, format );
-        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        vsnprintf( error->message, sizeof( error->message ), format, arguments );
         va_end( arguments );
     }
     return status;
@@ -48,7 +48,7 @@ static wisp_status check_options( const guide_oracle_options* o, wisp_error* err
     const struct
     {
         const char* name;
-        double value, low, high;
+        double value, lower, upper;
     } limits[] = {
         { "dt", o->dt, 1e-9, 1e3 },
         { "tau", o->tau, 0.0, 1e3 },
@@ -59,10 +59,10 @@ static wisp_status check_options( const guide_oracle_options* o, wisp_error* err
     };
     for ( size_t n = 0; n < sizeof( limits ) / sizeof( limits[0] ); ++n )
     {
-        if ( !( limits[n].value >= limits[n].low && limits[n].value <= limits[n].high ) )
+        if ( !( limits[n].value >= limits[n].lower && limits[n].value <= limits[n].upper ) )
         {
             return refuse( error, WISP_BAD_INPUT, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value,
-                           limits[n].low, limits[n].high );
+                           limits[n].lower, limits[n].upper );
         }
     }
     if ( o->feedback && ( o->frame != GUIDE_ORACLE_FRAME_OFF || o->link_count != 1 ) )
@@ -335,9 +335,9 @@ static void measure_group( guide_oracle* hair, const guide_oracle_def* def, int 
     // a group without ghosts has no node to be nearest to: its target is looked for where it would be by count
     if ( count == 0 )
     {
-        double share = hair->node_count > 1 ? (double)i / ( hair->node_count - 1 ) : 0.0;
+        double fraction = hair->node_count > 1 ? (double)i / ( hair->node_count - 1 ) : 0.0;
         const double3* target = def->targets + at( a, hair->target_nodes, 0 );
-        guide_oracle_stencil point = guide_oracle_spline_stencil( target, hair->target_nodes, share );
+        guide_oracle_stencil point = guide_oracle_spline_stencil( target, hair->target_nodes, fraction );
         hair->centre[n] = guide_oracle_gather( &point, target );
     }
     pair_node( hair, def, a, i, arc );
@@ -538,9 +538,9 @@ static void step_group_node( guide_oracle* hair, int a, int i )
     if ( o->use_spread && i > 0 )
     {
         int count = collect( hair, hair->y, a, i );
-        double wanted = o->spread * hair->rest_spread[at( a, hair->node_count, i )];
+        double requested = o->spread * hair->rest_spread[at( a, hair->node_count, i )];
         guide_oracle_spread_fault fault =
-            guide_oracle_spread_project( hair->scratch, count, wanted, o->spread_exact );
+            guide_oracle_spread_project( hair->scratch, count, requested, o->spread_exact );
         bool lost = fault == GUIDE_ORACLE_SPREAD_COINCIDENT || fault == GUIDE_ORACLE_SPREAD_BAD_TARGET;
         hair->counters.coincident_spreads += lost ? 1 : 0;
         hand_back( hair, hair->y, a, i );

@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 // Shorter than this, m, a segment has no direction.
-static const double least_length = 1e-15;
+static const double min_length = 1e-15;
 
 static double3 add_scaled( double3 a, double s, double3 b )
 {
@@ -34,7 +34,7 @@ static void measure_lengths( strand_oracle* strand )
 
 bool strand_oracle_shape( strand_oracle* strand, const double3* points, int count )
 {
-    if ( count < 1 || count > STRAND_ORACLE_MOST )
+    if ( count < 1 || count > MAX_STRAND_ORACLE )
     {
         return false;
     }
@@ -42,11 +42,11 @@ bool strand_oracle_shape( strand_oracle* strand, const double3* points, int coun
     for ( int i = 0; i < count; ++i )
     {
         strand->position[i] = strand->previous[i] = points[i];
-        strand->most_tension[i] = INFINITY;
+        strand->max_tension[i] = INFINITY;
     }
     measure_lengths( strand );
 
-    double3 direction[STRAND_ORACLE_MOST];
+    double3 direction[MAX_STRAND_ORACLE];
     strand_oracle_directions( strand, direction );
     const double3 up = double3_make( 0.0, 0.0, 1.0 ), down = double3_make( 0.0, -1.0, 0.0 );
     strand->clamp = strand_oracle_smallest( up, count > 1 ? direction[0] : down );
@@ -63,8 +63,8 @@ void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held 
     {
         double before = i > 0 ? strand->length[i - 1] : 0.0;
         double behind = i + 1 < strand->count ? strand->length[i] : 0.0;
-        double share = strand->count > 1 ? 0.5 * ( before + behind ) : 1e-3;
-        strand->mass[i] = line_density * share;
+        double fraction = strand->count > 1 ? 0.5 * ( before + behind ) : 1e-3;
+        strand->mass[i] = line_density * fraction;
         strand->weight[i] = held && i == 0 ? 0.0 : 1.0 / strand->mass[i];
     }
 }
@@ -144,7 +144,7 @@ void strand_oracle_air( strand_oracle* strand, double3 wind, double drag, double
         const double3 along = double3_sub( to, from ), against = double3_sub( wind, strand->velocity[i] );
         const double squared = double3_dot( along, along );
         double3 across = against;
-        if ( squared > least_length * least_length )
+        if ( squared > min_length * min_length )
         {
             across = add_scaled( against, -double3_dot( against, along ) / squared, along );
         }
@@ -164,7 +164,7 @@ void strand_oracle_directions( const strand_oracle* strand, double3* direction )
     {
         const double3 e = segment_of( strand, s );
         const double length = double3_length( e );
-        if ( length >= least_length && isfinite( length ) )
+        if ( length >= min_length && isfinite( length ) )
         {
             good = double3_scale( 1.0 / length, e );
         }
@@ -187,7 +187,7 @@ double strand_oracle_strain( const strand_oracle* strand )
 static void measure_constraints( const strand_oracle* strand, strand_oracle_measure measure, double3* gradient,
                                  double* c )
 {
-    double3 direction[STRAND_ORACLE_MOST];
+    double3 direction[MAX_STRAND_ORACLE];
     strand_oracle_directions( strand, direction );
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
@@ -202,7 +202,7 @@ static void measure_constraints( const strand_oracle* strand, strand_oracle_meas
 // J W J^T dlambda = -C by elimination from the root and substitution from the tip.
 static void solve_chain( const strand_oracle* strand, const double3* gradient, const double* c, double* lambda )
 {
-    double coupling[STRAND_ORACLE_MOST];
+    double coupling[MAX_STRAND_ORACLE];
     const int segments = strand->count - 1;
     for ( int s = 0; s < segments; ++s )
     {
@@ -231,8 +231,8 @@ static void solve_chain( const strand_oracle* strand, const double3* gradient, c
 
 static void newton_pass( strand_oracle* strand, strand_oracle_measure measure, double dt )
 {
-    double3 gradient[STRAND_ORACLE_MOST];
-    double c[STRAND_ORACLE_MOST], lambda[STRAND_ORACLE_MOST];
+    double3 gradient[MAX_STRAND_ORACLE];
+    double c[MAX_STRAND_ORACLE], lambda[MAX_STRAND_ORACLE];
     measure_constraints( strand, measure, gradient, c );
     solve_chain( strand, gradient, c, lambda );
     for ( int s = 0; s + 1 < strand->count; ++s )
@@ -256,7 +256,7 @@ static bool is_held_beyond_its_root( const strand_oracle* strand )
 
 static void lay_out( strand_oracle* strand, double dt )
 {
-    double3 direction[STRAND_ORACLE_MOST];
+    double3 direction[MAX_STRAND_ORACLE];
     double reach = 0.0;
     strand_oracle_directions( strand, direction );
     for ( int s = 0; s + 1 < strand->count; ++s )
@@ -305,7 +305,7 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
         const int b = a + stride;
         const double3 along = double3_sub( strand->position[b], strand->position[a] );
         const double length = double3_length( along ), weight = strand->weight[a] + strand->weight[b];
-        if ( length < least_length || rest[a] < 0.0 || weight <= 0.0 )
+        if ( length < min_length || rest[a] < 0.0 || weight <= 0.0 )
         {
             continue;
         }
@@ -325,13 +325,13 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
     }
 }
 
-void strand_oracle_follow( strand_oracle* strand, double share )
+void strand_oracle_follow( strand_oracle* strand, double fraction )
 {
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         const double3 e = segment_of( strand, s ), p = strand->position[s + 1];
         const double length = double3_length( e );
-        if ( strand->weight[s + 1] <= 0.0 || length < least_length )
+        if ( strand->weight[s + 1] <= 0.0 || length < min_length )
         {
             continue;
         }
@@ -339,7 +339,7 @@ void strand_oracle_follow( strand_oracle* strand, double share )
         if ( strand->weight[s] > 0.0 )
         {
             const double3 correction = double3_sub( strand->position[s + 1], p );
-            strand->previous[s] = add_scaled( strand->previous[s], share, correction );
+            strand->previous[s] = add_scaled( strand->previous[s], fraction, correction );
         }
     }
 }
@@ -355,7 +355,7 @@ strand_oracle_settings strand_oracle_default_settings( double dt )
         .iterations = 1,
         .along = { .stiffness = 1.0 },
         .bend = { .stiffness = 0.2 },
-        .share = 0.9,
+        .fraction = 0.9,
         .bending = STRAND_ORACLE_BENDING_NONE,
         .gravity = { 0.0, -9.81, 0.0 },
         .dt = dt,
@@ -364,7 +364,7 @@ strand_oracle_settings strand_oracle_default_settings( double dt )
 
 static void sweep_links( strand_oracle* strand, const strand_oracle_settings* settings )
 {
-    double two[STRAND_ORACLE_MOST];
+    double two[MAX_STRAND_ORACLE];
     const bool bends = settings->bending == STRAND_ORACLE_BENDING_LINKS;
     const bool stretches = settings->lengths == STRAND_ORACLE_LENGTHS_LINKS;
     for ( int i = 0; i < strand->count; ++i )
@@ -405,7 +405,7 @@ bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings*
     }
     else if ( settings->lengths == STRAND_ORACLE_LENGTHS_FOLLOW )
     {
-        strand_oracle_follow( strand, settings->share );
+        strand_oracle_follow( strand, settings->fraction );
     }
     strand_oracle_velocity( strand, dt );
     return laid;

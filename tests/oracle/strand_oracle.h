@@ -13,7 +13,7 @@
 
 enum
 {
-    STRAND_ORACLE_MOST = 128, ///< vertices of a strand; strand_oracle_shape() refuses more
+    MAX_STRAND_ORACLE = 128, ///< vertices of a strand; strand_oracle_shape() refuses more
 };
 
 // ---- rotations ----
@@ -39,30 +39,30 @@ strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, 
 typedef struct strand_oracle
 {
     int count; ///< vertices
-    double3 position[STRAND_ORACLE_MOST], previous[STRAND_ORACLE_MOST], velocity[STRAND_ORACLE_MOST];
-    double weight[STRAND_ORACLE_MOST]; ///< 1/kg
-    double mass[STRAND_ORACLE_MOST];   ///< kg, of held vertices too
-    double length[STRAND_ORACLE_MOST]; ///< m, of segment s at rest, > 0
-    double tension[STRAND_ORACLE_MOST];
-    double most_tension[STRAND_ORACLE_MOST]; ///< N, that a rod begins with: no end from strand_oracle_shape()
-    double stretch_lambda[STRAND_ORACLE_MOST], bend_lambda[STRAND_ORACLE_MOST]; ///< N s^2, of links in a substep
+    double3 position[MAX_STRAND_ORACLE], previous[MAX_STRAND_ORACLE], velocity[MAX_STRAND_ORACLE];
+    double weight[MAX_STRAND_ORACLE]; ///< 1/kg
+    double mass[MAX_STRAND_ORACLE];   ///< kg, of held vertices too
+    double length[MAX_STRAND_ORACLE]; ///< m, of segment s at rest, > 0
+    double tension[MAX_STRAND_ORACLE];
+    double max_tension[MAX_STRAND_ORACLE]; ///< N, that a rod begins with: no end from strand_oracle_shape()
+    double stretch_lambda[MAX_STRAND_ORACLE], bend_lambda[MAX_STRAND_ORACLE]; ///< N s^2, of links in a substep
 
-    double stiffness[STRAND_ORACLE_MOST];       ///< N m, EI / L_i
-    double twist_stiffness[STRAND_ORACLE_MOST]; ///< N m, GJ / L_i
-    strand_oracle_quaternion turn;              ///< of the root from rest
-    strand_oracle_quaternion clamp;             ///< frame q_{-1} at rest; its z axis is the direction of growth
-    strand_oracle_quaternion frame[STRAND_ORACLE_MOST]; ///< q_s
-    double3 rest[STRAND_ORACLE_MOST];                   ///< k_i in the middle frame of vertex i
-    double rest_twist[STRAND_ORACLE_MOST];              ///< rad
-    bool framed;                                        ///< false: straight at rest, frames do nothing
-    double factor[STRAND_ORACLE_MOST][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
+    double stiffness[MAX_STRAND_ORACLE];       ///< N m, EI / L_i
+    double twist_stiffness[MAX_STRAND_ORACLE]; ///< N m, GJ / L_i
+    strand_oracle_quaternion turn;             ///< of the root from rest
+    strand_oracle_quaternion clamp;            ///< frame q_{-1} at rest; its z axis is the direction of growth
+    strand_oracle_quaternion frame[MAX_STRAND_ORACLE]; ///< q_s
+    double3 rest[MAX_STRAND_ORACLE];                   ///< k_i in the middle frame of vertex i
+    double rest_twist[MAX_STRAND_ORACLE];              ///< rad
+    bool framed;                                       ///< false: straight at rest, frames do nothing
+    double factor[MAX_STRAND_ORACLE][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
 } strand_oracle;
 
 /// A strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
 /// direction of the first segment (of a segment without length: as strand_oracle_directions()). A segment has at
 /// least a thousandth of the mean length, and at least 1e-6 m, so that t_s = e_s / l_s is defined. Neither masses nor
 /// stiffness yet.
-/// @return false when count is below 1 or above STRAND_ORACLE_MOST
+/// @return false when count is below 1 or above MAX_STRAND_ORACLE
 bool strand_oracle_shape( strand_oracle* strand, const double3* points, int count );
 /// Half the mass of each of its segments for a vertex; the root is held where `held` says so. A strand of one vertex
 /// weighs as much as a millimetre.
@@ -133,7 +133,7 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
 
 /// Each vertex is put at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. Where a
 /// leader came from moves along by `share` of the correction of its follower.
-void strand_oracle_follow( strand_oracle* strand, double share );
+void strand_oracle_follow( strand_oracle* strand, double fraction );
 
 /// Largest |l/l_0 - 1| of the segments.
 double strand_oracle_strain( const strand_oracle* strand );
@@ -201,7 +201,7 @@ typedef struct strand_oracle_settings
     double tolerance;                    ///< of |l/l_0 - 1|
     int iterations;                      ///< of links, each a sweep of bends, then one of distances
     strand_oracle_link_rule along, bend; ///< inverse_dt2 above 0 says xpbd
-    double share;                        ///< follow
+    double fraction;                     ///< follow
     strand_oracle_bending bending;
     double bend_damping; ///< s
     bool looks_back;     ///< the rod looks at p* - dt^2 gravity

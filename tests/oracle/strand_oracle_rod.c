@@ -62,10 +62,10 @@ strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to )
     {
         return normalised( ( strand_oracle_quaternion ){ axis.x, axis.y, axis.z, 1.0 + cosine }, none );
     }
-    const bool x_is_least = fabs( from.x ) <= fabs( from.y ) && fabs( from.x ) <= fabs( from.z );
-    const bool y_is_least = fabs( from.y ) <= fabs( from.z );
-    const double3 across = double3_make( x_is_least ? 1.0 : 0.0, !x_is_least && y_is_least ? 1.0 : 0.0,
-                                         !x_is_least && !y_is_least ? 1.0 : 0.0 );
+    const bool min_x_is = fabs( from.x ) <= fabs( from.y ) && fabs( from.x ) <= fabs( from.z );
+    const bool min_y_is = fabs( from.y ) <= fabs( from.z );
+    const double3 across =
+        double3_make( min_x_is ? 1.0 : 0.0, !min_x_is && min_y_is ? 1.0 : 0.0, !min_x_is && !min_y_is ? 1.0 : 0.0 );
     const double3 turn = add_scaled( across, -double3_dot( across, from ), from );
     return normalised( ( strand_oracle_quaternion ){ turn.x, turn.y, turn.z, 0.0 }, none );
 }
@@ -147,7 +147,7 @@ void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double
 void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt )
 {
     const int n = strand->count;
-    double matrix[STRAND_ORACLE_MOST * STRAND_ORACLE_MOST], pivot[STRAND_ORACLE_MOST];
+    double matrix[MAX_STRAND_ORACLE * MAX_STRAND_ORACLE], pivot[MAX_STRAND_ORACLE];
     strand_oracle_rod_matrix( strand, dt * dt + damping * dt, matrix );
     for ( int i = 0; i < n; ++i )
     {
@@ -281,7 +281,7 @@ static void gradient_of( const strand_oracle* strand, const vertex_state* v, dou
 
 void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient )
 {
-    vertex_state v[STRAND_ORACLE_MOST];
+    vertex_state v[MAX_STRAND_ORACLE];
     measure_vertices( strand, strand->position, v );
     gradient_of( strand, v, gradient );
 }
@@ -295,7 +295,7 @@ static double out_of_balance( const vertex_state* v, int s )
 
 void strand_oracle_twist_balance( const strand_oracle* strand, double* residual )
 {
-    vertex_state v[STRAND_ORACLE_MOST];
+    vertex_state v[MAX_STRAND_ORACLE];
     measure_vertices( strand, strand->position, v );
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
@@ -306,7 +306,7 @@ void strand_oracle_twist_balance( const strand_oracle* strand, double* residual 
 // One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the tip.
 static void solve_turns( const strand_oracle* strand, const vertex_state* v, double* turn )
 {
-    double inverse[STRAND_ORACLE_MOST], off[STRAND_ORACLE_MOST];
+    double inverse[MAX_STRAND_ORACLE], off[MAX_STRAND_ORACLE];
     const int segments = strand->count - 1;
     for ( int s = 0; s < segments; ++s )
     {
@@ -330,7 +330,7 @@ static void solve_turns( const strand_oracle* strand, const vertex_state* v, dou
 
 static void balance_twist( strand_oracle* strand, vertex_state* v )
 {
-    double turn[STRAND_ORACLE_MOST];
+    double turn[MAX_STRAND_ORACLE];
     solve_turns( strand, v, turn );
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
@@ -350,7 +350,7 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
 {
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
-        strand->tension[s] = fmax( -strand->most_tension[s], fmin( strand->most_tension[s], strand->tension[s] ) );
+        strand->tension[s] = fmax( -strand->max_tension[s], fmin( strand->max_tension[s], strand->tension[s] ) );
     }
     for ( int i = 0; i < strand->count; ++i )
     {
@@ -370,7 +370,7 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
 // K (p* - p): what the bending at each vertex has changed since the start of the substep. The clamp counts as still.
 static void rate_gradient( const strand_oracle* strand, double3* gradient )
 {
-    double3 way[STRAND_ORACLE_MOST];
+    double3 way[MAX_STRAND_ORACLE];
     for ( int i = 0; i < strand->count; ++i )
     {
         way[i] = double3_sub( strand->position[i], strand->previous[i] );
@@ -427,8 +427,8 @@ static void measure_rod( strand_oracle* strand, const double3* place, vertex_sta
 
 void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration )
 {
-    vertex_state v[STRAND_ORACLE_MOST];
-    double3 place[STRAND_ORACLE_MOST], right[STRAND_ORACLE_MOST], rate[STRAND_ORACLE_MOST];
+    vertex_state v[MAX_STRAND_ORACLE];
+    double3 place[MAX_STRAND_ORACLE], right[MAX_STRAND_ORACLE], rate[MAX_STRAND_ORACLE];
     if ( strand->count < 2 )
     {
         return;

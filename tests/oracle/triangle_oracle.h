@@ -22,8 +22,8 @@ typedef enum triangle_oracle_weights
 
 typedef enum triangle_oracle_stiffness
 {
-    TRIANGLE_ORACLE_STIFFNESS_LINK,  ///< every link alike (default)
-    TRIANGLE_ORACLE_STIFFNESS_SHEET, ///< a link has the share of its length and area; only with the mesh's own links
+    TRIANGLE_ORACLE_STIFFNESS_LINK,     ///< every link alike (default)
+    TRIANGLE_ORACLE_STIFFNESS_MATERIAL, ///< a link has the share of its length and area; only with the mesh's own links
 } triangle_oracle_stiffness;
 
 typedef enum triangle_oracle_damping
@@ -60,12 +60,12 @@ typedef struct triangle_oracle_params
     double drag;                  ///< 1/s, against the world at rest: v <- v / (1 + drag h) before gravity; default 0
     double3 gravity;              ///< m/s^2, default -9.81 along y
 
-    int newton_repeats;        ///< linear solves a substep, default 1
+    int newton_iterations;     ///< linear solves a substep, default 1
     double tolerance;          ///< of conjugate gradients, default 1e-12
     int max_iterations;        ///< default 0: three a vertex, at least 100
     bool warm_start;           ///< default true
     bool dense;                ///< elimination in place of conjugate gradients, default false
-    bool look_ahead;           ///< contact: what would pass into a body lands; default true
+    bool speculative;          ///< contact: what would pass into a body lands; default true
     double release_hysteresis; ///< times m |g| h: a smaller pull does not let go; default 1e-4
 } triangle_oracle_params;
 
@@ -209,7 +209,7 @@ typedef struct triangle_oracle
 
     int link_count, stretch_count, bend_count;
     triangle_oracle_link* link; ///< stretching ones first; the mesh's own in ascending order of (i, j)
-    int most_neighbours;        ///< max |N|
+    int max_neighbours;         ///< max |N|
     int* neighbours;            ///< |N_i|
     double* weight;             ///< w_i of (1); 1 for a vertex without neighbours
     double* true_mass;          ///< kg
@@ -243,7 +243,7 @@ typedef struct triangle_oracle
 /// A third of its triangles each, and at least a millionth of the mean. @param density kg/m^2
 void triangle_oracle_lump( const triangle_oracle_def* def, double density, double* masses );
 
-/// @return WISP_BAD_INPUT a count, index, mass, length or parameter is out of range: the sentence names the first
+/// @return WISP_BAD_INPUT a count, index, mass, length or parameter is out of range: the message names the first
 wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triangle_oracle_params* params,
                                     triangle_oracle* out, wisp_error* error );
 void triangle_oracle_destroy( triangle_oracle* cloth );

@@ -111,26 +111,26 @@ static frame frame_of( const triangle_oracle_touch* touch, int count )
 }
 
 // The vector in the span of the normals whose products with them are given, as its shares of the normals.
-static void shares_of( const frame* f, const double* products, double* shares )
+static void fractions_of( const frame* f, const double* products, double* fractions )
 {
     const double both = f->count == 2 ? double3_dot( f->n[0], f->n[1] ) : 0.0;
     const double determinant = 1.0 - both * both;
-    shares[0] = shares[1] = 0.0;
+    fractions[0] = fractions[1] = 0.0;
     for ( int k = 0; k < f->count; ++k )
     {
         const double other = f->count == 2 ? products[1 - k] : 0.0;
-        shares[k] = ( products[k] - both * other ) / determinant;
+        fractions[k] = ( products[k] - both * other ) / determinant;
     }
 }
 
 static double3 spanned( const frame* f, const double* products )
 {
-    double shares[TRIANGLE_ORACLE_TOUCHES];
+    double fractions[TRIANGLE_ORACLE_TOUCHES];
     double3 sum = zero;
-    shares_of( f, products, shares );
+    fractions_of( f, products, fractions );
     for ( int k = 0; k < f->count; ++k )
     {
-        sum = add_scaled( sum, shares[k], f->n[k] );
+        sum = add_scaled( sum, fractions[k], f->n[k] );
     }
     return sum;
 }
@@ -177,17 +177,17 @@ typedef struct grip
 static grip grip_of( const triangle_oracle_touch* touch, int count, double3 impulse )
 {
     const frame f = frame_of( touch, count );
-    double products[TRIANGLE_ORACLE_TOUCHES] = { 0.0, 0.0 }, shares[TRIANGLE_ORACLE_TOUCHES];
+    double products[TRIANGLE_ORACLE_TOUCHES] = { 0.0, 0.0 }, fractions[TRIANGLE_ORACLE_TOUCHES];
     for ( int k = 0; k < f.count; ++k )
     {
         products[k] = double3_dot( impulse, f.n[k] );
     }
-    shares_of( &f, products, shares );
+    fractions_of( &f, products, fractions );
     grip g = { .across = double3_length( across_normals( &f, impulse ) ) };
     for ( int k = 0; k < f.count; ++k )
     {
-        g.still += touch[f.index[k]].still * fmax( shares[k], 0.0 );
-        g.slip += touch[f.index[k]].slip * fmax( shares[k], 0.0 );
+        g.still += touch[f.index[k]].still * fmax( fractions[k], 0.0 );
+        g.slip += touch[f.index[k]].slip * fmax( fractions[k], 0.0 );
     }
     return g;
 }
@@ -263,7 +263,7 @@ static hold hold_of( const triangle_oracle* cloth, int vertex, const moment* now
         return HOLD_NEW;
     }
     const bool lands = touch->gap >= 0.5 * touch->margin && gap_ahead( now, touch ) < 0.0;
-    return cloth->params.look_ahead && lands ? HOLD_LANDS : HOLD_NOT;
+    return cloth->params.speculative && lands ? HOLD_LANDS : HOLD_NOT;
 }
 
 // Rules 1 to 4: the contacts of this substep, and whether the vertex sticks. @param g what the last solve says
@@ -398,7 +398,7 @@ static void split( const triangle_oracle* cloth, int vertex, triangle_oracle_con
     }
     if ( f.count == contact->count )
     {
-        shares_of( &f, products, contact->normal_impulse );
+        fractions_of( &f, products, contact->normal_impulse );
         return;
     }
     for ( int k = 0; k < contact->count; ++k )

@@ -16,7 +16,7 @@ static wisp_status refuse( wisp_error* error, const char* format, ... )
         error->status = WISP_BAD_INPUT;
         va_list arguments;
         va_start( arguments, format );
-        vsnprintf( error->sentence, sizeof( error->sentence ), format, arguments );
+        vsnprintf( error->message, sizeof( error->message ), format, arguments );
         va_end( arguments );
     }
     return WISP_BAD_INPUT;
@@ -30,10 +30,10 @@ triangle_oracle_params triangle_oracle_default_params( void )
         .bend_rigidity = 5e-6,
         .damping = 0.02,
         .gravity = { 0.0, -9.81, 0.0 },
-        .newton_repeats = 1,
+        .newton_iterations = 1,
         .tolerance = 1e-12,
         .warm_start = true,
-        .look_ahead = true,
+        .speculative = true,
         .release_hysteresis = 1e-4,
     };
 }
@@ -43,7 +43,7 @@ static wisp_status check_params( const triangle_oracle_def* def, const triangle_
     const struct
     {
         const char* name;
-        double value, low, high;
+        double value, lower, upper;
     } limits[] = {
         { "stretch_stiffness", p->stretch_stiffness, 0.0, 1e12 },
         { "bend_stiffness", p->bend_stiffness, 0.0, 1e12 },
@@ -51,20 +51,20 @@ static wisp_status check_params( const triangle_oracle_def* def, const triangle_
         { "compression_stiffness", p->compression_stiffness, 0.0, 1e12 },
         { "damping", p->damping, 0.0, 1e12 },
         { "drag", p->drag, 0.0, 1e12 },
-        { "newton_repeats", p->newton_repeats, 1.0, 1e6 },
+        { "newton_iterations", p->newton_iterations, 1.0, 1e6 },
         { "tolerance", p->tolerance, 0.0, 1.0 },
         { "max_iterations", p->max_iterations, 0.0, 1e9 },
         { "release_hysteresis", p->release_hysteresis, 0.0, 1e12 },
     };
     for ( size_t n = 0; n < sizeof( limits ) / sizeof( limits[0] ); ++n )
     {
-        if ( !( limits[n].value >= limits[n].low && limits[n].value <= limits[n].high ) )
+        if ( !( limits[n].value >= limits[n].lower && limits[n].value <= limits[n].upper ) )
         {
-            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].low,
-                           limits[n].high );
+            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].lower,
+                           limits[n].upper );
         }
     }
-    if ( p->stiffness == TRIANGLE_ORACLE_STIFFNESS_SHEET &&
+    if ( p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL &&
          ( def->stretch_pairs != NULL || def->bend_pairs != NULL ) )
     {
         return refuse( error, "a sheet's stiffness needs the mesh's own links, pairs by hand have no area" );
@@ -263,8 +263,8 @@ static pair* pairs_by_hand( const int* vertices, int count )
 
 static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of, bool bends, double length )
 {
-    const bool sheet = p->stiffness == TRIANGLE_ORACLE_STIFFNESS_SHEET;
-    const double share = sheet ? of.area / ( length * length ) : 1.0;
+    const bool sheet = p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
+    const double fraction = sheet ? of.area / ( length * length ) : 1.0;
     const double compression = p->compression_stiffness > 0.0 ? p->compression_stiffness : p->stretch_stiffness;
     const double bend = sheet ? 8.0 / 9.0 * p->bend_rigidity * of.area / length : p->bend_stiffness;
     return ( triangle_oracle_link ){
@@ -272,10 +272,10 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
         .j = of.j,
         .bends = bends,
         .length = length,
-        .stretch = bends ? 0.0 : share * p->stretch_stiffness,
+        .stretch = bends ? 0.0 : fraction * p->stretch_stiffness,
         .bend = bends ? bend : 0.0,
-        .ramp = bends ? share * compression : 0.0,
-        .damping = share * p->damping,
+        .ramp = bends ? fraction * compression : 0.0,
+        .damping = fraction * p->damping,
         .scale = 1.0,
     };
 }
@@ -348,12 +348,12 @@ static void weigh( triangle_oracle* cloth, const double* masses )
 {
     for ( int i = 0; i < cloth->count; ++i )
     {
-        cloth->most_neighbours = (int)fmax( cloth->most_neighbours, cloth->neighbours[i] );
+        cloth->max_neighbours = (int)fmax( cloth->max_neighbours, cloth->neighbours[i] );
     }
     for ( int i = 0; i < cloth->count; ++i )
     {
         const int n = cloth->neighbours[i];
-        cloth->weight[i] = n > 0 ? (double)cloth->most_neighbours / n : 1.0;
+        cloth->weight[i] = n > 0 ? (double)cloth->max_neighbours / n : 1.0;
         cloth->true_mass[i] = masses[i];
         const bool effective = cloth->params.weights == TRIANGLE_ORACLE_WEIGHTS_EFFECTIVE;
         cloth->mass[i] = effective ? masses[i] / cloth->weight[i] : masses[i];

@@ -501,7 +501,7 @@ void triangle_oracle_step( triangle_oracle* cloth, double h, const triangle_orac
     cloth->iterations = 0;
     cloth->negative = cloth->limited = false;
     copy_vectors( cloth, v, v_hat );
-    for ( int repeat = 0; repeat < cloth->params.newton_repeats; ++repeat )
+    for ( int repeat = 0; repeat < cloth->params.newton_iterations; ++repeat )
     {
         solve_once( cloth, repeat, s, x_hat, v_hat, v );
     }

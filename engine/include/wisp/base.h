@@ -28,12 +28,12 @@
 
 WISP_BEGIN_C
 
-/// Data can be wrong: that is a status, and a sentence beside it that names the element.
+/// Data can be wrong: that is a status, and a message beside it that names the element.
 typedef enum wisp_status
 {
     WISP_OK = 0,
     WISP_NO_MEMORY, ///< the host's allocator said no; the call changed nothing
-    WISP_BAD_INPUT, ///< a value, file or scene is wrong; the sentence names file, line or element
+    WISP_BAD_INPUT, ///< a value, file or scene is wrong; the message names file, line or element
     WISP_STALE_ID,  ///< the entity was removed, or never existed
     WISP_CONFLICT,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
     WISP_IO_ERROR,  ///< the operating system refused to open, read or write a file
@@ -43,11 +43,11 @@ typedef enum wisp_status
 /// @return a static string, never null
 WISP_API const char* wisp_status_name( wisp_status status );
 
-/// A status with its sentence. Zero-initialised means no error yet.
+/// A status with its message. Zero-initialised means no error yet.
 typedef struct wisp_error
 {
     wisp_status status;
-    char sentence[500]; ///< one sentence, zero-terminated, without a newline; cut at the end if longer
+    char message[500]; ///< one message, zero-terminated, without a newline; cut at the end if longer
 } wisp_error;
 
 /// Fill an error and hand its status back, so that a failing function ends in one line.
@@ -80,8 +80,8 @@ typedef enum wisp_log_level
     WISP_LOG_ERROR,
 } wisp_log_level;
 
-/// Receives one sentence without a newline. Called on the thread that called the engine.
-typedef void wisp_log_fn( void* user, wisp_log_level level, const char* sentence );
+/// Receives one message without a newline. Called on the thread that called the engine.
+typedef void wisp_log_fn( void* user, wisp_log_level level, const char* message );
 
 /// Code can be wrong: that is an assert. The handler returns true to abort, false to go on.
 typedef bool wisp_assert_fn( const char* condition, const char* file, int line );

@@ -20,13 +20,13 @@ WISP_BEGIN_C
 #define WISP_FABRIC_PARENTS 4
 
 /// In which order constraints of a tile are projected.
-typedef enum wisp_sweep
+typedef enum wisp_solve_order
 {
-    WISP_SWEEP_COLOUR, ///< colour by colour: stable at any stiffness
-    WISP_SWEEP_LIST,   ///< along the mesh from the attachments: carries error further a pass, can pump energy when
-                       ///< constraints are stiff (see the stability table)
-    WISP_SWEEP_COUNT,
-} wisp_sweep;
+    WISP_SOLVE_ORDER_COLOUR, ///< colour by colour: stable at any stiffness
+    WISP_SOLVE_ORDER_LIST, ///< along the mesh from the attachments: carries error further a pass, can pump energy when
+                           ///< constraints are stiff (see the stability table)
+    WISP_SOLVE_ORDER_COUNT,
+} wisp_solve_order;
 
 /// What to cook. Fill from wisp_default_fabric_def(). May die after the call.
 typedef struct wisp_fabric_def
@@ -37,16 +37,16 @@ typedef struct wisp_fabric_def
     const int32_t* attachments; ///< [attachment_count] vertices where the fabric hangs: the order begins there, and
                                 ///< tethers reach to them; may be empty
     int attachment_count;
-    bool cross_links; ///< default true: a link between the opposite vertices of every interior edge, behind the edges
+    bool bend_links;  ///< default true: a link between the opposite vertices of every interior edge, behind the edges
     bool hinges;      ///< default false: the four vertices of every interior edge, for bending by angle
     bool tethers;     ///< default false: distances along the mesh to the nearest attachments
     int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
     int finest_level; ///< vertices of the finest coarse level are about 2^finest_level edges apart, 1 ..
                       ///< WISP_FABRIC_MAX_LEVELS; default 1. A 2 leaves out nearly half of what levels cost, for a
                       ///< tenth more stretch
-    wisp_sweep sweep; ///< default WISP_SWEEP_COLOUR
+    wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_fabric_def;
 
 WISP_API wisp_fabric_def wisp_default_fabric_def( void );
@@ -67,18 +67,18 @@ typedef struct wisp_schedule
 typedef struct wisp_fabric_level
 {
     int vertex_count;
-    const int32_t* vertex4; ///< [padded to 8] slots times 4; the first dummy pads
-    wisp_schedule schedule; ///< of links; a level of few links is one tile
-    const int32_t *a4, *b4; ///< [schedule.slot_count]
-    const float* rest;      ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
+    const int32_t* vertex_x4;   ///< [padded to 8] slots times 4; the first dummy pads
+    wisp_schedule schedule;     ///< of links; a level of few links is one tile
+    const int32_t *a_x4, *b_x4; ///< [schedule.slot_count]
+    const float* rest;          ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
     int link_count;
 
     /// How the vertices of the next finer level (for level 0 of the list: all vertices) that are not in this one follow:
     /// slices of eight children.
     int child_count;
-    const int32_t* child4;  ///< [slice][8] slots times 4; the first dummy pads
-    const int32_t* parent4; ///< [slice][WISP_FABRIC_PARENTS][8] slots times 4 of vertices of this level
-    const float* weight;    ///< [slice][WISP_FABRIC_PARENTS][8] sum to 1 in a lane, 0 pads
+    const int32_t* child_x4;  ///< [slice][8] slots times 4; the first dummy pads
+    const int32_t* parent_x4; ///< [slice][WISP_FABRIC_PARENTS][8] slots times 4 of vertices of this level
+    const float* weight;      ///< [slice][WISP_FABRIC_PARENTS][8] sum to 1 in a lane, 0 pads
 } wisp_fabric_level;
 
 typedef struct wisp_fabric
@@ -98,16 +98,16 @@ typedef struct wisp_fabric
     int hinge_count;       ///< interior edges with two triangles
     const int32_t* hinges; ///< [hinge_count][4] slots: the edge's ends i, j, and the opposite vertices k, l of the
                            ///< triangle (i, j, k) and of the triangle (j, i, l); k is l when they lie back to back
-    int border_edge_count; ///< edges of one triangle; 0 for a closed mesh
-    int wild_edge_count;   ///< edges of more than two triangles, or used twice in one direction; they have no hinge
+    int open_edge_count;   ///< edges of one triangle; 0 for a closed mesh
+    int nonmanifold_edge_count; ///< edges of more than two triangles, or used twice in one direction; they have no hinge
 
-    int link_count;                   ///< edges, then cross links (k, l) of the hinges if asked for
-    wisp_schedule link_order;         ///< constraint numbers below edge_count are edges
-    const int32_t *link_a4, *link_b4; ///< [link_order.slot_count]
-    const float* link_rest;           ///< [link_order.slot_count] m, 0 pads
+    int link_count;                       ///< edges, then bend links (k, l) of the hinges if asked for
+    wisp_schedule link_order;             ///< constraint numbers below edge_count are edges
+    const int32_t *link_a_x4, *link_b_x4; ///< [link_order.slot_count]
+    const float* link_rest;               ///< [link_order.slot_count] m, 0 pads
 
-    wisp_schedule hinge_order;  ///< empty unless asked for
-    const int32_t* hinge_slot4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
+    wisp_schedule hinge_order;    ///< empty unless asked for
+    const int32_t* hinge_slot_x4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
 
     /// Triangles around each vertex as fans, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e].
     /// A lane lists neighbours of its vertex v; two entries a, b in a row are the triangle (v, a, b), unless one of them
@@ -116,12 +116,12 @@ typedef struct wisp_fabric
     /// triangles. Order: open fans, then closed ones, each kind in the user's order of the triangles they begin with; an
     /// open fan begins at its border, a closed one with the user's first triangle that no fan has yet. Where more than
     /// one triangle goes on from a neighbour, the user's first is taken.
-    int ring_slice_count;        ///< slot_count / 8
-    const int32_t* ring_begin;   ///< [ring_slice_count + 1]
-    const int32_t ( *ring4 )[8]; ///< [entry]
+    int ring_slice_count;          ///< slot_count / 8
+    const int32_t* ring_begin;     ///< [ring_slice_count + 1]
+    const int32_t ( *ring_x4 )[8]; ///< [entry]
 
     int tether_count;         ///< tethers a vertex, 0 .. WISP_FABRIC_MAX_TETHERS
-    const int32_t* tether4;   ///< [tether_count][slot_count] the attachment's slot times 4; the own slot pads
+    const int32_t* tether_x4; ///< [tether_count][slot_count] the attachment's slot times 4; the own slot pads
     const float* tether_rest; ///< [tether_count][slot_count] m along the rest mesh, never below the straight distance
 
     int attachment_count;
@@ -129,15 +129,15 @@ typedef struct wisp_fabric
 
     int level_count;
     const wisp_fabric_level* levels; ///< [level_count] from fine to coarse
-    wisp_sweep sweep;
+    wisp_solve_order solve_order;
     uint64_t hash; ///< of everything above: the same fabric has the same hash on every machine
 } wisp_fabric;
 
-/// Cook a mesh. Takes loose vertices and wild edges as they are; triangles without area keep their edges and add no
+/// Cook a mesh. Takes unreferenced vertices and nonmanifold edges as they are; triangles without area keep their edges and add no
 /// area.
 /// @param allocator null: the C library. It must outlive the fabric
 /// @param out receives the fabric with one reference, null on failure
-/// @return WISP_BAD_INPUT an index is out of range, a triangle names a vertex twice, a point is not finite (the sentence
+/// @return WISP_BAD_INPUT an index is out of range, a triangle names a vertex twice, a point is not finite (the message
 ///         names triangle or vertex), more than 2^26 vertices or 2^25 triangles; WISP_NO_MEMORY
 WISP_API wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
                                        wisp_error* error );
@@ -152,7 +152,7 @@ WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
 /// @param out [wisp_fabric_saved_size()]
 WISP_API void wisp_fabric_save( const wisp_fabric* fabric, void* out );
 /// Read a saved fabric back. The bytes are untrusted: every index is checked.
-/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the sentence says what is wrong); WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message says what is wrong); WISP_NO_MEMORY
 WISP_API wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator,
                                        wisp_fabric** out, wisp_error* error );
 /// Bytes in memory.

@@ -30,7 +30,7 @@ typedef struct wisp_samples
 {
     int count, edge_count; ///< points, and how many of them are on edges: those come first
     const int32_t* begin;  ///< [elements + 1] first point of an edge, or of edge_count of the mesh + a triangle
-    const float* quads;    ///< [count][4] m; the fourth is the element as int bits: an edge, or edge_count of the
+    const float* xyzw;     ///< [count][4] m; the fourth is the element as int bits: an edge, or edge_count of the
                            ///< mesh + a triangle. Padded by 8 rows
     const float* normals;  ///< [count][4] unit, the fourth 0; null without
     const int32_t (
@@ -39,7 +39,7 @@ typedef struct wisp_samples
     int changed_elements;        ///< sampled anew in the last call (case B)
     int skipped_elements;        ///< not sampled: a corner is not finite
     bool refused;                ///< the limit was met: points are those of the counts before
-    double wanted;               ///< points that the counts came to, or were estimated to come to
+    double requested;            ///< points that the counts came to, or were estimated to come to
     wisp_buffer buffers[8];
 } wisp_samples;
 

@@ -18,18 +18,18 @@ typedef struct wisp_quat
 } wisp_quat;
 
 /// A pose of a rigid body: a point p of the body stands at rotation p + translation in the world.
-typedef struct wisp_rigid
+typedef struct wisp_transform
 {
-    wisp_quat rotation;    ///< unit length; wisp_rigid_make() sees to it
+    wisp_quat rotation;    ///< unit length; wisp_transform_make() sees to it
     wisp_vec3 translation; ///< m
-} wisp_rigid;
+} wisp_transform;
 
 /// A pose whose rotation has unit length. A quaternion without a direction (zero, or not finite) means no rotation.
-static inline wisp_rigid wisp_rigid_make( wisp_quat rotation, wisp_vec3 translation )
+static inline wisp_transform wisp_transform_make( wisp_quat rotation, wisp_vec3 translation )
 {
     double x = (double)rotation.x, y = (double)rotation.y, z = (double)rotation.z, w = (double)rotation.w;
     double squared = x * x + y * y + z * z + w * w;
-    wisp_rigid pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, translation };
+    wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, translation };
     if ( squared > 0.0 && squared < (double)INFINITY )
     {
         double scale = 1.0 / sqrt( squared );
@@ -42,7 +42,7 @@ static inline wisp_rigid wisp_rigid_make( wisp_quat rotation, wisp_vec3 translat
 }
 
 /// v turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
-static inline wisp_vec3 wisp_quat_turn( wisp_quat q, wisp_vec3 v )
+static inline wisp_vec3 wisp_quat_rotate( wisp_quat q, wisp_vec3 v )
 {
     float tx = 2.0f * ( q.y * v.z - q.z * v.y );
     float ty = 2.0f * ( q.z * v.x - q.x * v.z );
@@ -52,16 +52,16 @@ static inline wisp_vec3 wisp_quat_turn( wisp_quat q, wisp_vec3 v )
     return turned;
 }
 
-static inline wisp_vec3 wisp_quat_turn_back( wisp_quat q, wisp_vec3 v )
+static inline wisp_vec3 wisp_quat_inverse_rotate( wisp_quat q, wisp_vec3 v )
 {
     wisp_quat inverse = { -q.x, -q.y, -q.z, q.w };
-    return wisp_quat_turn( inverse, v );
+    return wisp_quat_rotate( inverse, v );
 }
 
-/// Where a point of the body stands in the world. Directions take wisp_quat_turn( pose.rotation, v ) instead.
-static inline wisp_vec3 wisp_rigid_to_world( wisp_rigid pose, wisp_vec3 body_point )
+/// Where a point of the body stands in the world. Directions take wisp_quat_rotate( pose.rotation, v ) instead.
+static inline wisp_vec3 wisp_transform_to_world( wisp_transform pose, wisp_vec3 body_point )
 {
-    wisp_vec3 p = wisp_quat_turn( pose.rotation, body_point );
+    wisp_vec3 p = wisp_quat_rotate( pose.rotation, body_point );
     p.x += pose.translation.x;
     p.y += pose.translation.y;
     p.z += pose.translation.z;
@@ -69,17 +69,17 @@ static inline wisp_vec3 wisp_rigid_to_world( wisp_rigid pose, wisp_vec3 body_poi
 }
 
 /// The point of the body that stands at a point of the world.
-static inline wisp_vec3 wisp_rigid_to_body( wisp_rigid pose, wisp_vec3 world_point )
+static inline wisp_vec3 wisp_transform_to_local( wisp_transform pose, wisp_vec3 world_point )
 {
     wisp_vec3 p = { world_point.x - pose.translation.x, world_point.y - pose.translation.y,
                     world_point.z - pose.translation.z };
-    return wisp_quat_turn_back( pose.rotation, p );
+    return wisp_quat_inverse_rotate( pose.rotation, p );
 }
 
 /// A pose between two, the shorter way round; time 0 and below gives `from` itself, 1 and above `to`. The axis is the
 /// true one. The angle is that of the straight line between the quaternions: no more than 0.02 degrees from uniform
 /// when the poses are 20 degrees apart, and 2 degrees at 90.
-static inline wisp_rigid wisp_rigid_between( wisp_rigid from, wisp_rigid to, float time )
+static inline wisp_transform wisp_transform_interpolate( wisp_transform from, wisp_transform to, float time )
 {
     if ( !( time > 0.0f ) )
     {
@@ -96,15 +96,16 @@ static inline wisp_rigid wisp_rigid_between( wisp_rigid from, wisp_rigid to, flo
     wisp_vec3 p = { old * from.translation.x + time * to.translation.x,
                     old * from.translation.y + time * to.translation.y,
                     old * from.translation.z + time * to.translation.z };
-    return wisp_rigid_make( q, p );
+    return wisp_transform_make( q, p );
 }
 
 /// Mean velocity of a point of the body while it goes from one pose to another, m/s: what its displacement is worth in
 /// a position-based step.
 /// @param dt s; 0 gives no velocity
-static inline wisp_vec3 wisp_rigid_velocity( wisp_rigid from, wisp_rigid to, float dt, wisp_vec3 body_point )
+static inline wisp_vec3 wisp_transform_velocity( wisp_transform from, wisp_transform to, float dt,
+                                                 wisp_vec3 body_point )
 {
-    wisp_vec3 a = wisp_rigid_to_world( from, body_point ), b = wisp_rigid_to_world( to, body_point );
+    wisp_vec3 a = wisp_transform_to_world( from, body_point ), b = wisp_transform_to_world( to, body_point );
     float scale = dt > 0.0f ? 1.0f / dt : 0.0f;
     wisp_vec3 velocity = { scale * ( b.x - a.x ), scale * ( b.y - a.y ), scale * ( b.z - a.z ) };
     return velocity;
@@ -131,7 +132,7 @@ typedef struct wisp_shape
 } wisp_shape;
 
 /// Are the sizes that the kind reads finite and not negative, and is there such a kind?
-/// @return WISP_BAD_INPUT with a sentence that names the size
+/// @return WISP_BAD_INPUT with a message that names the size
 WISP_API wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error );
 
 /// The surface as seen from a point.
@@ -163,6 +164,6 @@ typedef struct wisp_shape_hit
 /// @param from, to m, in the shape's frame. For a moving body `from` is taken into the frame by the old pose and `to` by
 ///        the new one.
 /// @return false if there is no such time, or if anything is not finite or a size negative
-WISP_API bool wisp_shape_sweep( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit );
+WISP_API bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wisp_shape_hit* hit );
 
 WISP_END_C

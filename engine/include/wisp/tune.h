@@ -1,7 +1,7 @@
 /// Tuning: the cheapest setting whose error is small enough, or the most accurate one within a time, found by running
 /// settings on the machine at hand.
 ///
-/// A setting is a choice of one value for each *knob*. wisp_tune() searches them for any host that can run a choice and
+/// A setting is a choice of one value for each *parameter*. wisp_tune() searches them for any host that can run a choice and
 /// tell what it took and how wrong it was; wisp_tune_worlds() does the running and the comparing for hosts that can
 /// build a world of a choice. Nothing else may load the machine meanwhile, or times mean little.
 #pragma once
@@ -11,20 +11,20 @@
 
 WISP_BEGIN_C
 
-#define WISP_TUNE_MAX_KNOBS 8
-#define WISP_TUNE_MAX_VALUES 16     ///< of one knob
-#define WISP_TUNE_MAX_SETTINGS 4096 ///< choices that the knobs make together
+#define WISP_TUNE_MAX_PARAMETERS 8
+#define WISP_TUNE_MAX_VALUES 16     ///< of one parameter
+#define WISP_TUNE_MAX_SETTINGS 4096 ///< choices that the parameters make together
 #define WISP_TUNE_MAX_REPEATS 99    ///< measurements of one choice
 
 /// Something that may be set. The search concludes from the order of the values: it takes a finer one for dearer, and not
 /// less accurate, as long as no run tells otherwise.
-typedef struct wisp_tune_knob
+typedef struct wisp_tune_parameter
 {
     const char* name;
     const double* values; ///< [value_count] from cheap and rough to dear and fine
     int value_count;      ///< 1 .. WISP_TUNE_MAX_VALUES
     bool is_unordered;    ///< nothing is concluded from one value about another; takes more runs. Default false
-} wisp_tune_knob;
+} wisp_tune_parameter;
 
 /// What a run of a choice has shown.
 typedef struct wisp_tune_sample
@@ -36,18 +36,19 @@ typedef struct wisp_tune_sample
 } wisp_tune_sample;
 
 /// Run one choice. A choice that may win is run again to measure it again: only ms may then differ.
-/// @param choice [knob_count] index of a value for each knob
-/// @return anything but WISP_OK ends the search, which hands it on with its sentence
-typedef wisp_status wisp_tune_run_fn( void* user, const int* choice, wisp_tune_sample* out, wisp_error* error );
+/// @param choice [parameter_count] index of a value for each parameter
+/// @return anything but WISP_OK ends the search, which hands it on with its message
+typedef wisp_status wisp_tune_run_fn( void* user, const int* configuration, wisp_tune_sample* out,
+                                      wisp_error* error );
 
 /// Called after every run. @return false to end the search: the best so far is the result
 typedef bool wisp_tune_progress_fn( void* user, int run_count, int max_runs );
 
-/// What is asked for, and how long it may take. Fill from wisp_default_tune_job(); may die after the call.
-typedef struct wisp_tune_job
+/// What is asked for, and how long it may take. Fill from wisp_default_tune_def(); may die after the call.
+typedef struct wisp_tune_def
 {
-    const wisp_tune_knob* knobs; ///< [knob_count]
-    int knob_count;              ///< 1 .. WISP_TUNE_MAX_KNOBS
+    const wisp_tune_parameter* parameters; ///< [parameter_count]
+    int parameter_count;                   ///< 1 .. WISP_TUNE_MAX_PARAMETERS
     double error;          ///< > 0: the cheapest choice with at most this error. Exactly one of the two is above 0
     double budget_ms;      ///< > 0: the most accurate choice with at most these milliseconds a step
     wisp_tune_run_fn* run; ///< not of wisp_tune_worlds(), which has its own
@@ -58,31 +59,31 @@ typedef struct wisp_tune_job
     wisp_tune_progress_fn* progress; ///< default null
     void* progress_user;
     wisp_allocator allocator; ///< default: the C library
-    uint32_t made_by_default; ///< set by wisp_default_tune_job(), asserted on use
-} wisp_tune_job;
+    uint32_t cookie;          ///< set by wisp_default_tune_def(), asserted on use
+} wisp_tune_def;
 
-WISP_API wisp_tune_job wisp_default_tune_job( void );
+WISP_API wisp_tune_def wisp_default_tune_def( void );
 
 /// A choice that was run.
-typedef struct wisp_tune_visit
+typedef struct wisp_tune_trial
 {
-    int choice[WISP_TUNE_MAX_KNOBS];
+    int configuration[WISP_TUNE_MAX_PARAMETERS];
     wisp_tune_sample sample; ///< its ms is the median of all its runs, its error the largest
     int run_count;           ///< how often it was run
     bool
-        is_front; ///< none that was run, and did not halt, is better in one of time and error, and as good in the other
-} wisp_tune_visit;
+        is_pareto; ///< none that was run, and did not halt, is better in one of time and error, and as good in the other
+} wisp_tune_trial;
 
 /// What was found. To be released with wisp_tune_release().
 typedef struct wisp_tune_result
 {
-    bool is_met; ///< the choice meets what was asked for; else it is what comes nearest of all that was run
-    bool is_cut; ///< a limit or the progress callback ended the search early: there may be better
-    int choice[WISP_TUNE_MAX_KNOBS];
-    double values[WISP_TUNE_MAX_KNOBS]; ///< of the choice
-    wisp_tune_sample achieved;          ///< of the choice; halted only if every run was
-    wisp_tune_visit* visits;            ///< [visit_count] in the order of their first run
-    int visit_count;
+    bool meets_target;  ///< the choice meets what was asked for; else it is what comes nearest of all that was run
+    bool stopped_early; ///< a limit or the progress callback ended the search early: there may be better
+    int configuration[WISP_TUNE_MAX_PARAMETERS];
+    double values[WISP_TUNE_MAX_PARAMETERS]; ///< of the choice
+    wisp_tune_sample achieved;               ///< of the choice; halted only if every run was
+    wisp_tune_trial* trials;                 ///< [visit_count] in the order of their first run
+    int trial_count;
     int run_count;
     double seconds; ///< of wall time that the search took
     wisp_allocator allocator;
@@ -93,9 +94,9 @@ typedef struct wisp_tune_result
 /// by the noise of their times are measured again, in turns. No choice whose error misses is ever told as one that meets.
 /// The same samples lead to the same result.
 /// @param out receives the result; all zero on failure
-/// @return WISP_BAD_INPUT the job is wrong or a sample is not a number (the sentence names it); WISP_NO_MEMORY; or what
+/// @return WISP_BAD_INPUT the job is wrong or a sample is not a number (the message names it); WISP_NO_MEMORY; or what
 ///         `run` returned
-WISP_API wisp_status wisp_tune( const wisp_tune_job* job, wisp_tune_result* out, wisp_error* error );
+WISP_API wisp_status wisp_tune( const wisp_tune_def* args, wisp_tune_result* out, wisp_error* error );
 
 /// Null and a zero result are allowed.
 WISP_API void wisp_tune_release( wisp_tune_result* result );
@@ -121,28 +122,28 @@ typedef struct wisp_tune_world
 /// How worlds are made and run. Fill from wisp_default_tune_worlds_def().
 typedef struct wisp_tune_worlds_def
 {
-    /// Build the world of a choice, with its substeps multiplied by a factor: 1, or truth_factor for the truth.
+    /// Build the world of a choice, with its substeps multiplied by a factor: 1, or reference_factor for the reference.
     /// @param out zero; on failure nothing may be left in it
-    wisp_status ( *build )( void* user, const int* choice, int substep_factor, wisp_tune_world* out,
+    wisp_status ( *build )( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
                             wisp_error* error );
-    /// One step; null: wisp_world_step() of step_seconds. For hosts that carry pins or heads.
+    /// One step; null: wisp_world_step() of dt. For hosts that carry pins or heads.
     wisp_status ( *step )( void* user, wisp_tune_world* world, int step, wisp_error* error );
     void ( *let_go )( void* user, wisp_tune_world* world ); ///< null: wisp_world_destroy()
     void* user;
-    float step_seconds; ///< s, > 0, default 1/60
-    int step_count;     ///< >= 1, default 120
-    int look_count; ///< 1 .. step_count, how often points are compared, the last time after the last step; default 12
-    int truth_factor; ///< >= 2, default 16
-    uint32_t made_by_default;
+    float dt;         ///< s, > 0, default 1/60
+    int step_count;   ///< >= 1, default 120
+    int sample_count; ///< 1 .. step_count, how often points are compared, the last time after the last step; default 12
+    int reference_factor; ///< >= 2, default 16
+    uint32_t cookie;
 } wisp_tune_worlds_def;
 
 WISP_API wisp_tune_worlds_def wisp_default_tune_worlds_def( void );
 
-/// wisp_tune() for worlds. The truth is the world of the last value of every knob with truth_factor times the substeps, run
+/// wisp_tune() for worlds. The reference is the world of the last value of every parameter with reference_factor times the substeps, run
 /// once. The error of a choice is the root mean square, over all looks and all points, of the distance in m from where the
-/// truth has the point; `largest` is the largest distance. Times are of the steps alone.
-/// @return also WISP_CONFLICT: the truth halts, or two worlds do not have the same points
-WISP_API wisp_status wisp_tune_worlds( const wisp_tune_job* job, const wisp_tune_worlds_def* def,
+/// reference has the point; `largest` is the largest distance. Times are of the steps alone.
+/// @return also WISP_CONFLICT: the reference halts, or two worlds do not have the same points
+WISP_API wisp_status wisp_tune_worlds( const wisp_tune_def* args, const wisp_tune_worlds_def* def,
                                        wisp_tune_result* out, wisp_error* error );
 
 WISP_END_C

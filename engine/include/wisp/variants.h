@@ -18,10 +18,10 @@ typedef enum wisp_pair_search
 /// How the brake reads a change of distance (Kim 2026, eq. 17-18, and other readings of it).
 typedef enum wisp_gap
 {
-    WISP_GAP_PROSE,   ///< |r1 - r0|, a large change brakes
-    WISP_GAP_PRINTED, ///< r1 - r0, equations as printed
-    WISP_GAP_CLOSING, ///< r0 - r1 in the printed law
-    WISP_GAP_WET,     ///< no brake
+    WISP_GAP_ABSOLUTE, ///< |r1 - r0|, a large change brakes
+    WISP_GAP_SIGNED,   ///< r1 - r0, equations as printed
+    WISP_GAP_REVERSED, ///< r0 - r1 in the printed law
+    WISP_GAP_NONE,     ///< no brake
 } wisp_gap;
 
 WISP_END_C

@@ -22,10 +22,10 @@ enum
     WISP_STRAND_STIFFNESS,
     WISP_STRAND_VELOCITY,
     WISP_STRAND_PREVIOUS,
-    WISP_STRAND_WEIGHT,
+    WISP_STRAND_INVERSE_MASS,
     WISP_STRAND_LENGTH,
     WISP_STRAND_ROOT,
-    WISP_STRAND_CARRIED,
+    WISP_STRAND_POSED,
     WISP_STRAND_POINTS, ///< vertices in the user's order: what a renderer wants
     WISP_POINT_WIDTH,
     WISP_POINT_COLOUR,
@@ -33,12 +33,12 @@ enum
     WISP_PARTICLE_VELOCITY,
     WISP_PARTICLE_PREVIOUS,
     WISP_PARTICLE_TARGET,
-    WISP_PARTICLE_GOOD,
+    WISP_PARTICLE_LAST_VALID,
     WISP_PARTICLE_MASS,
     WISP_PARTICLE_GRAVITY,
     WISP_PARTICLE_DAMPING,
-    WISP_PARTICLE_SOLVED,
-    WISP_PARTICLE_TOUCH,
+    WISP_PARTICLE_EXTERNAL_SOLVER,
+    WISP_PARTICLE_CONTACTS,
     WISP_LINK_STIFFNESS,
     WISP_LINK_COMPLIANCE,
     WISP_LINK_LIMIT,
@@ -52,7 +52,7 @@ enum
     WISP_SURFACE_NORMALS, ///< unit normals in the user's order
     WISP_POINT_STRAIN,    ///< largest strain of the edges at a vertex, for colouring
     WISP_POINT_SPEED,     ///< m/s, for colouring
-    WISP_QUALITY,         ///< read with wisp_world_quality()
+    WISP_MOTION_STATS,    ///< read with wisp_read_motion_stats()
     WISP_SHARED_COMPONENT_COUNT,
 };
 
@@ -71,19 +71,19 @@ typedef struct wisp_world_def
                      ///< environment, else the best the processor has
     int substeps;    ///< >= 1, default 1
     int iterations;  ///< >= 1, default 1
-    uint32_t made_by_default; ///< set by wisp_default_world_def(), asserted on use
+    uint32_t cookie; ///< set by wisp_default_world_def(), asserted on use
 } wisp_world_def;
 
 WISP_API wisp_world_def wisp_default_world_def( void );
 
 /// @param out receives the world, null on failure
 /// @return WISP_BAD_INPUT a worker count, isa or module is not usable; WISP_NO_MEMORY.
-///         There is no world to ask yet, so the sentence goes to `error` (may be null)
+///         There is no world to ask yet, so the message goes to `error` (may be null)
 WISP_API wisp_status wisp_world_create( const wisp_world_def* def, wisp_world** out, wisp_error* error );
 /// Null is allowed.
 WISP_API void wisp_world_destroy( wisp_world* world );
 
-/// The sentence of the last call on this world that failed; empty if none did. Owned by the world.
+/// The message of the last call on this world that failed; empty if none did. Owned by the world.
 WISP_API const char* wisp_world_message( const wisp_world* world );
 
 /// Strands, cooked once from a set of polylines. Fill from wisp_default_strands_def(). Copied; may die after the call.
@@ -93,13 +93,13 @@ typedef struct wisp_strands_def
     const int32_t* offsets;  ///< [strand_count + 1] first vertex of each strand, rising from 0; a strand may be empty
     int strand_count;        ///< >= 0
     int dimension;           ///< 2 (every z must be 0) or 3; default 3
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_strands_def;
 
 WISP_API wisp_strands_def wisp_default_strands_def( void );
 
 /// Add strands. @param out receives the entity, null on failure
-/// @return WISP_BAD_INPUT offsets fall, or a coordinate is not finite (the sentence names strand and vertex);
+/// @return WISP_BAD_INPUT offsets fall, or a coordinate is not finite (the message names strand and vertex);
 ///         WISP_NO_MEMORY
 WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def* def, wisp_entity* out );
 
@@ -120,7 +120,7 @@ typedef struct wisp_surface_def
     float vertex_mass;       ///< kg; above 0 every vertex weighs so much, whatever its area; default 0
     const int32_t* pins;     ///< [pin_count] vertices that move only as they are told, the user's order
     int pin_count;
-    uint32_t made_by_default;
+    uint32_t cookie;
 } wisp_surface_def;
 
 WISP_API wisp_surface_def wisp_default_surface_def( void );
@@ -128,7 +128,7 @@ WISP_API wisp_surface_def wisp_default_surface_def( void );
 /// Add the particles of a mesh. Effects give them a material; without one they only fly.
 /// @param out receives the entity, null on failure
 /// @return WISP_BAD_INPUT a coordinate is not finite or beyond 1e6 m, a mass is not above 0, a pin is out of range (the
-///         sentence names the vertex); WISP_NO_MEMORY
+///         message names the vertex); WISP_NO_MEMORY
 /// @note A vertex without triangles has no area: unless vertex_mass is given it is pinned, and a log line says so
 WISP_API wisp_status wisp_add_surface( wisp_world* world, const wisp_surface_def* def, wisp_entity* out );
 
@@ -154,7 +154,7 @@ WISP_API wisp_status wisp_set_strain_limit( wisp_world* world, wisp_entity surfa
 WISP_API wisp_status wisp_set_velocity( wisp_world* world, wisp_entity surface, wisp_vec3 linear, wisp_vec3 angular );
 
 /// Figures of a surface, or of strands that move, at the end of a step. Sums are in double and in a fixed order.
-typedef struct wisp_quality
+typedef struct wisp_motion_stats
 {
     double mass;                ///< kg, of the vertices that are not pinned
     double centre[3];           ///< m, of that mass
@@ -166,10 +166,10 @@ typedef struct wisp_quality
     double strain_max;  ///< largest |l/l0 - 1| of the edges or segments
     double strain_mean; ///< mean |l/l0 - 1| of the edges or segments
     double speed_max;   ///< m/s
-} wisp_quality;
+} wisp_motion_stats;
 
-/// @return WISP_CONFLICT unless WISP_QUALITY is wanted and a step was made since
-WISP_API wisp_status wisp_world_quality( wisp_world* world, wisp_entity entity, wisp_quality* out );
+/// @return WISP_CONFLICT unless WISP_MOTION_STATS is wanted and a step was made since
+WISP_API wisp_status wisp_read_motion_stats( wisp_world* world, wisp_entity entity, wisp_motion_stats* out );
 
 /// An entity whose state stopped being finite, or left its bounds, was put back to its last good state and takes no part
 /// in steps any more.
@@ -184,12 +184,12 @@ WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
 WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
 
 /// Ask for a component of an entity: asking creates the passes that answer it, from the next step on.
-WISP_API wisp_status wisp_want( wisp_world* world, wisp_entity entity, wisp_component component );
-WISP_API wisp_status wisp_unwant( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_component component );
+WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component );
 
-/// One step. The plan is recompiled first if components or wishes changed.
+/// One step. The plan is recompiled first if components or requests changed.
 /// @param seconds > 0
-/// @return WISP_CONFLICT a pass reads what nobody supplies (the sentence names both); WISP_NO_MEMORY
+/// @return WISP_CONFLICT a pass reads what nobody supplies (the message names both); WISP_NO_MEMORY
 WISP_API wisp_status wisp_world_step( wisp_world* world, float seconds );
 
 /// A column of an entity in the user's order. Valid until the next call that changes the world.
@@ -226,19 +226,19 @@ WISP_API wisp_profile wisp_world_profile( const wisp_world* world );
 typedef enum wisp_counter
 {
     WISP_COUNT_STEPS,
-    WISP_COUNT_PLANS,        ///< how often the plan was compiled
-    WISP_COUNT_NEIGHBOURS,   ///< neighbours found within the radius, at the last search of each command
-    WISP_COUNT_CAPPED,       ///< queries that ran into the neighbour limit
-    WISP_COUNT_COARSE_GRIDS, ///< grids whose cells were widened because the scene is too sparse for its radius
-    WISP_COUNT_SEARCHES,     ///< neighbour searches
-    WISP_COUNT_HALTED,       ///< entities put back to their last good state and halted
-    WISP_COUNT_LAID,         ///< strands too far from their rest lengths to be solved for, laid out from the root
-    WISP_COUNT_UNSOLVED,     ///< linear solves that ended at their limit of iterations
-    WISP_COUNT_INDEFINITE,   ///< linear solves that met negative curvature
-    WISP_COUNT_UNDIRECTED,   ///< links between coincident vertices, which pull nowhere, each time they were met
-    WISP_COUNT_LOWERED,      ///< substeps whose links were too stiff for floats to solve for, and were lowered
-    WISP_COUNT_FIRST_ORDER,  ///< substeps that BDF2 left to implicit Euler
-    WISP_COUNT_LIGHTENED, ///< strands that feel a share of their weight only: a substep holds no more in their curls
+    WISP_COUNT_PLANS,           ///< how often the plan was compiled
+    WISP_COUNT_NEIGHBOURS,      ///< neighbours found within the radius, at the last search of each command
+    WISP_COUNT_CAPPED,          ///< queries that ran into the neighbour limit
+    WISP_COUNT_COARSE_GRIDS,    ///< grids whose cells were widened because the scene is too sparse for its radius
+    WISP_COUNT_SEARCHES,        ///< neighbour searches
+    WISP_COUNT_HALTED,          ///< entities put back to their last good state and halted
+    WISP_COUNT_STRAND_RESET,    ///< strands too far from their rest lengths to be solved for, laid out from the root
+    WISP_COUNT_NOT_CONVERGED,   ///< linear solves that ended at their limit of iterations
+    WISP_COUNT_INDEFINITE,      ///< linear solves that met negative curvature
+    WISP_COUNT_DEGENERATE_LINK, ///< links between coincident vertices, which pull nowhere, each time they were met
+    WISP_COUNT_STIFFNESS_CLAMPED, ///< substeps whose links were too stiff for floats to solve for, and were lowered
+    WISP_COUNT_FIRST_ORDER,       ///< substeps that BDF2 left to implicit Euler
+    WISP_COUNT_GRAVITY_SCALED, ///< strands that feel a share of their weight only: a substep holds no more in their curls
     WISP_COUNTER_COUNT,
 } wisp_counter;
 

@@ -3,8 +3,8 @@
 
 #include "wisp/wisp.h"
 
-/// So many bodies a particle can touch at once in particle.touch.
-#define WISP_TOUCHES 2
+/// So many bodies a particle can touch at once in particle.contacts.
+#define WISP_MAX_PARTICLE_CONTACTS 2
 
 /// One line a component: X( enumerator, "name", table, column list )
 #define WISP_SHARED_COMPONENTS( X )                                                                                  \
@@ -13,10 +13,10 @@
     X( STRAND_STIFFNESS, "strand.stiffness", WISP_TABLE_STRAND_GROUP )                                               \
     X( STRAND_VELOCITY, "strand.velocity", WISP_TABLE_STRAND_ROW )                                                   \
     X( STRAND_PREVIOUS, "strand.previous", WISP_TABLE_STRAND_ROW )                                                   \
-    X( STRAND_WEIGHT, "strand.weight", WISP_TABLE_STRAND_ROW )                                                       \
+    X( STRAND_INVERSE_MASS, "strand.inverse_mass", WISP_TABLE_STRAND_ROW )                                           \
     X( STRAND_LENGTH, "strand.length", WISP_TABLE_STRAND_ROW )                                                       \
     X( STRAND_ROOT, "strand.root", WISP_TABLE_STRAND_GROUP )                                                         \
-    X( STRAND_CARRIED, "strand.carried", WISP_TABLE_STRAND_ROW )                                                     \
+    X( STRAND_POSED, "strand.posed", WISP_TABLE_STRAND_ROW )                                                         \
     X( STRAND_POINTS, "strand.points", WISP_TABLE_POINT )                                                            \
     X( POINT_WIDTH, "point.width", WISP_TABLE_POINT )                                                                \
     X( POINT_COLOUR, "point.colour", WISP_TABLE_POINT )                                                              \
@@ -24,12 +24,12 @@
     X( PARTICLE_VELOCITY, "particle.velocity", WISP_TABLE_PARTICLE )                                                 \
     X( PARTICLE_PREVIOUS, "particle.previous", WISP_TABLE_PARTICLE )                                                 \
     X( PARTICLE_TARGET, "particle.target", WISP_TABLE_PARTICLE )                                                     \
-    X( PARTICLE_GOOD, "particle.good", WISP_TABLE_PARTICLE )                                                         \
+    X( PARTICLE_LAST_VALID, "particle.last_valid", WISP_TABLE_PARTICLE )                                             \
     X( PARTICLE_MASS, "particle.mass", WISP_TABLE_ENTITY )                                                           \
     X( PARTICLE_GRAVITY, "particle.gravity", WISP_TABLE_ENTITY )                                                     \
     X( PARTICLE_DAMPING, "particle.damping", WISP_TABLE_ENTITY )                                                     \
-    X( PARTICLE_SOLVED, "particle.solved", WISP_TABLE_ENTITY )                                                       \
-    X( PARTICLE_TOUCH, "particle.touch", WISP_TABLE_PARTICLE )                                                       \
+    X( PARTICLE_EXTERNAL_SOLVER, "particle.external_solver", WISP_TABLE_ENTITY )                                     \
+    X( PARTICLE_CONTACTS, "particle.contacts", WISP_TABLE_PARTICLE )                                                 \
     X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
     X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
@@ -43,7 +43,7 @@
     X( SURFACE_NORMALS, "surface.normals", WISP_TABLE_POINT )                                                        \
     X( POINT_STRAIN, "point.strain", WISP_TABLE_POINT )                                                              \
     X( POINT_SPEED, "point.speed", WISP_TABLE_POINT )                                                                \
-    X( QUALITY, "entity.quality", WISP_TABLE_ENTITY )
+    X( MOTION_STATS, "entity.motion_stats", WISP_TABLE_ENTITY )
 
 #define WISP_STRAND_REST_COLUMNS( X ) X( float, rest, 48 )         /* m, [3][16] a row, as the user gave it */
 #define WISP_STRAND_POSITION_COLUMNS( X ) X( float, position, 48 ) /* m, [3][16] a row */
@@ -52,15 +52,14 @@
     X( float, bend, 16 )    /* k_b, no unit: 1/k is the share of the largest angle allowed */
 #define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
 /// Means nothing between steps: neither snapshots nor hashes hold it.
-#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
-#define WISP_STRAND_WEIGHT_COLUMNS( X ) X( float, weight, 16 )     /* 1/kg; 0: pinned, or not a vertex */
+#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 )   /* m, position at the start of the substep */
+#define WISP_STRAND_INVERSE_MASS_COLUMNS( X ) X( float, weight, 16 ) /* 1/kg; 0: pinned, or not a vertex */
 #define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */
 #define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \
     X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
     X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */
-#define WISP_STRAND_CARRIED_COLUMNS( X )                                                                             \
-    X( float, carried,                                                                                               \
-       48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
+#define WISP_STRAND_POSED_COLUMNS( X )                                                                               \
+    X( float, posed, 48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */
 #define WISP_POINT_WIDTH_COLUMNS( X ) X( float, width, 1 )        /* m, diameter */
 #define WISP_POINT_COLOUR_COLUMNS( X ) X( wisp_vec3, colour, 1 )  /* linear red, green, blue in [0, 1] */
@@ -72,7 +71,7 @@
 #define WISP_PARTICLE_PREVIOUS_COLUMNS( X ) X( float, previous, 4 ) /* m, position at the start of the substep; any */
 #define WISP_PARTICLE_TARGET_COLUMNS( X )                                                                            \
     X( float, target, 4 ) /* m, of a pinned particle; 1 where it counts, else 0 */
-#define WISP_PARTICLE_GOOD_COLUMNS( X )                                                                              \
+#define WISP_PARTICLE_LAST_VALID_COLUMNS( X )                                                                        \
     X( float, position, 4 ) /* at the end of the last step that was finite and within bounds */                      \
     X( float, velocity, 4 )
 #define WISP_PARTICLE_MASS_COLUMNS( X )                                                                              \
@@ -80,15 +79,17 @@
     X( float, vertex_mass, 1 )                                        /* kg, above 0 it counts instead */
 #define WISP_PARTICLE_GRAVITY_COLUMNS( X ) X( wisp_vec3, gravity, 1 ) /* m/s^2 */
 #define WISP_PARTICLE_DAMPING_COLUMNS( X ) X( float, rate, 1 )        /* 1/s: v <- v / (1 + rate dt) */
-#define WISP_PARTICLE_SOLVED_COLUMNS( X )                                                                            \
+#define WISP_PARTICLE_EXTERNAL_SOLVER_COLUMNS( X )                                                                   \
     X( int32_t, solved,                                                                                              \
        1 ) /* 1: a module moves the particles: gravity, targets, damping and velocities are its business */
 // Bodies that a solver of velocities must know of: the nearest, whoever they are, for one substep.
-#define WISP_PARTICLE_TOUCH_COLUMNS( X )                                                                             \
-    X( int32_t, body, WISP_TOUCHES )       /* a name that stays from step to step, 0: none from here on */           \
-    X( float, plane, 4 * WISP_TOUCHES )    /* unit normal out of the body; m, gap when the substep begins */         \
-    X( float, motion, 4 * WISP_TOUCHES )   /* m/s, of the body's surface there; m, margin in which it touches */     \
-    X( float, friction, 3 * WISP_TOUCHES ) /* static, kinetic; m/s, how fast depth is undone at most */
+#define WISP_PARTICLE_CONTACTS_COLUMNS( X )                                                                          \
+    X( int32_t, body, WISP_MAX_PARTICLE_CONTACTS ) /* a name that stays from step to step, 0: none from here on */   \
+    X( float, plane,                                                                                                 \
+       4 * WISP_MAX_PARTICLE_CONTACTS ) /* unit normal out of the body; m, gap when the substep begins */            \
+    X( float, motion,                                                                                                \
+       4 * WISP_MAX_PARTICLE_CONTACTS ) /* m/s, of the body's surface there; m, margin in which it touches */        \
+    X( float, friction, 3 * WISP_MAX_PARTICLE_CONTACTS ) /* static, kinetic; m/s, how fast depth is undone at most */
 #define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, share of the error, in [0, 1] */
 #define WISP_LINK_COMPLIANCE_COLUMNS( X )                                                                            \
     X( float, compliance, 1 ) /* xpbd, m/N */                                                                        \
@@ -110,4 +111,4 @@
 #define WISP_SURFACE_NORMALS_COLUMNS( X ) X( wisp_vec3, normals, 1 ) /* unit, area weighted; 0 where they cancel */
 #define WISP_POINT_STRAIN_COLUMNS( X ) X( float, strain, 1 ) /* largest |l/l0 - 1| of the edges at the vertex */
 #define WISP_POINT_SPEED_COLUMNS( X ) X( float, speed, 1 )   /* m/s */
-#define WISP_QUALITY_COLUMNS( X ) X( wisp_quality, quality, 1 )
+#define WISP_MOTION_STATS_COLUMNS( X ) X( wisp_motion_stats, motion_stats, 1 )

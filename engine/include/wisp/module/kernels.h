@@ -2,10 +2,10 @@
 /// instruction set, reached through a table; every table gives the same bits.
 #pragma once
 
-#include "wisp/module/pieces.h"
+#include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
 #include "wisp/module/springs.h"
-#include "wisp/module/swarm.h"
+#include "wisp/module/particle_batch.h"
 #include "wisp/shapes.h"
 #include "wisp/variants.h"
 
@@ -17,7 +17,7 @@ WISP_BEGIN_C
 #define WISP_SLICE 8
 
 /// Jitter of segment lengths and directions along strands (Kim 2026, eq. 2-7). In place, from root to tip.
-typedef struct wisp_strand_jitter_job
+typedef struct wisp_strand_jitter_args
 {
     const int32_t* group_row;   ///< [group_count + 1] first row of a group
     const int32_t* lane_strand; ///< [group_count][16] the strand's number, keys the random numbers
@@ -29,10 +29,10 @@ typedef struct wisp_strand_jitter_job
     float angle_max; ///< rad, the largest angle at stiffness 1
     float epsilon;   ///< added to denominators as printed; 0 is the resolved form
     int dimension;   ///< 2: bends about the z axis where a strand is straight; 3: about a random perpendicular
-} wisp_strand_jitter_job;
+} wisp_strand_jitter_args;
 
 /// Rotation of whole strands about their roots towards a target (Kim 2026, eq. 8-13). In place.
-typedef struct wisp_strand_align_job
+typedef struct wisp_strand_align_args
 {
     const int32_t* group_row;  ///< [group_count + 1]
     const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
@@ -44,10 +44,10 @@ typedef struct wisp_strand_align_job
     bool from_root;            ///< direction tip - root instead of tip - mean
     bool nearest;              ///< inside if any vertex is within radius, not only the tip
     int dimension;             ///< 2: an antiparallel strand turns about the z axis
-} wisp_strand_align_job;
+} wisp_strand_align_args;
 
 /// Copy strands out of their lanes into the user's order, or items for a grid.
-typedef struct wisp_strand_unpack_job
+typedef struct wisp_strand_unpack_args
 {
     const int32_t* group_row;
     const int32_t* lane_strand;
@@ -55,10 +55,10 @@ typedef struct wisp_strand_unpack_job
     const int32_t* offsets; ///< [strand_count + 1] the user's order
     const float* position;  ///< [row][3][16]
     float* points;          ///< [vertex_count][3] m
-} wisp_strand_unpack_job;
+} wisp_strand_unpack_args;
 
 /// All items within a radius of eight queries, through the rows of a uniform grid.
-typedef struct wisp_range_search_job
+typedef struct wisp_range_search_args
 {
     const float *x, *y, *z;    ///< [slot] items sorted by cell, padded by 16
     const int32_t* owner;      ///< [slot] items of the query's own owner are left out
@@ -68,11 +68,11 @@ typedef struct wisp_range_search_job
     int dims[3], axis[3];      ///< as in wisp_grid
     int reach[3];              ///< cells to look at to each side, along axis[0], axis[1], axis[2]
     float near_radius;         ///< m, below it a neighbour is near
-    float shell_radius;        ///< m, from the near radius to here it is in the shell; 0: no shell
+    float skin_radius;         ///< m, from the near radius to here it is in the shell; 0: no shell
     int limit;                 ///< at most so many near ones and so many in the shell, the first in order
-    const float* quads;        ///< [query][4] x y z, owner as int bits
+    const float* xyzw;         ///< [query][4] x y z, owner as int bits
     bool planar;               ///< every z is the same
-} wisp_range_search_job;
+} wisp_range_search_args;
 
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.
 #define WISP_SEARCH_SLACK 16
@@ -81,7 +81,7 @@ typedef struct wisp_range_search_job
 typedef struct wisp_range_search_result
 {
     int32_t* lists; ///< [8][2 limit + slack] 4 times the numbers: the near ones, and the shell behind them
-    int32_t* shell; ///< [8][limit + slack] for the search alone
+    int32_t* skin;  ///< [8][limit + slack] for the search alone
     int near_count[WISP_SLICE]; ///< of a lane's list
     int count[WISP_SLICE];      ///< with the shell
     int near_length, length;    ///< the longest of the eight
@@ -89,24 +89,24 @@ typedef struct wisp_range_search_result
 } wisp_range_search_result;
 
 /// Boxes as streams, sorted so that those which are asked together lie together.
-typedef struct wisp_box_stream
+typedef struct wisp_aabb_stream
 {
-    const float *low[3], *high[3]; ///< [slot] m, padded by 8 that overlap nothing
-    const int32_t* item;           ///< [slot] the box's number, padded by 8
-} wisp_box_stream;
+    const float *lower[3], *upper[3]; ///< [slot] m, padded by 8 that overlap nothing
+    const int32_t* item;              ///< [slot] the box's number, padded by 8
+} wisp_aabb_stream;
 
 /// Boxes that ask for those which overlap them, and what they found.
-typedef struct wisp_box_group
+typedef struct wisp_aabb_group
 {
-    int count;                  ///< of askers
+    int count;                  ///< of queries
     float box[WISP_SLICE][6];   ///< low x, y, z, high x, y, z
     int32_t above[WISP_SLICE];  ///< only items of a higher number
     int32_t* found[WISP_SLICE]; ///< lists; the first is the caller's, each other lies 8 entries behind the one before
     int found_count[WISP_SLICE];
-} wisp_box_group;
+} wisp_aabb_group;
 
-/// So many slots are compared with several askers at most.
-#define WISP_BOX_SHARED_MOST 1024
+/// So many slots are compared with several queries at most.
+#define WISP_MAX_SHARED_AABBS 1024
 
 /// Lists of slices: entry k of slice s is entries[8 (begin[s] + k) ..], one query a lane.
 typedef struct wisp_neighbour_list
@@ -126,7 +126,7 @@ typedef struct wisp_reference_pairs
 
 /// Pairwise adhesion with a gap-keeping brake (Kim 2026, eq. 14-19), one Jacobi iteration in two sweeps.
 /// Sums run over a slice's entries in their order, lane by lane, so they do not depend on the lane width.
-typedef struct wisp_adhesion_job
+typedef struct wisp_adhesion_args
 {
     const float* current;              ///< [slot][4] p(k)
     float* tentative;                  ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
@@ -141,8 +141,8 @@ typedef struct wisp_adhesion_job
     int reference_count;
     wisp_reference_pairs* measured; ///< of reference[0]; null: the second sweep measures at `current`
     bool measuring;                 ///< the first sweep, over reference[0] alone, fills `measured`
-    float leash;                    ///< m, further than this from where it was searched a vertex has strayed
-    uint8_t* strayed; ///< [slice] a bit a lane, of the sweep that moves: the second, the first without brake
+    float search_margin;            ///< m, further than this from where it was searched a vertex has strayed
+    uint8_t* needs_search; ///< [slice] a bit a lane, of the sweep that moves: the second, the first without brake
     wisp_random_key key;
     uint32_t iteration;
     float radius;       ///< h, m
@@ -150,30 +150,30 @@ typedef struct wisp_adhesion_job
     float epsilon;      ///< m, added to r in the direction as printed; 0 is the resolved form
     float distance_min; ///< r_min, m; the guard keeps pairs at least so far apart
     float lambda_min;   ///< the brake's floor where the distance changes by h
-    bool guard;
+    bool min_distance_clamp;
     bool planar; ///< every z is 0
     int gap;     ///< wisp_gap
-} wisp_adhesion_job;
+} wisp_adhesion_args;
 
 /// Distances between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and Chentanez 2016, eq.
 /// 17-18). Groups of eight slots share no particle. Links of length 0 and links between two pinned ends do nothing.
-typedef struct wisp_link_job
+typedef struct wisp_link_args
 {
-    float* position;         ///< [slot][4] x, y, z in m, inverse mass in 1/kg
-    const int32_t *a4, *b4;  ///< [link] slots times 4
-    const float* rest;       ///< [link] m
-    const float* stiffness;  ///< [link] pbd: share of the error taken away, in [0, 1]
-    const float* compliance; ///< [link] xpbd: m/N
-    float* lambda;           ///< [link] xpbd: N s^2, of this substep; null: one iteration, so it starts at 0
-    float inverse_dt2;       ///< xpbd: 1/s^2
-    float minimum, maximum;  ///< strain limit: shortest and longest length allowed, times the rest length
-} wisp_link_job;
+    float* position;            ///< [slot][4] x, y, z in m, inverse mass in 1/kg
+    const int32_t *a_x4, *b_x4; ///< [link] slots times 4
+    const float* rest;          ///< [link] m
+    const float* stiffness;     ///< [link] pbd: share of the error taken away, in [0, 1]
+    const float* compliance;    ///< [link] xpbd: m/N
+    float* lambda;              ///< [link] xpbd: N s^2, of this substep; null: one iteration, so it starts at 0
+    float inverse_dt2;          ///< xpbd: 1/s^2
+    float minimum, maximum;     ///< strain limit: shortest and longest length allowed, times the rest length
+} wisp_link_args;
 
 /// Bending over an interior edge: ends i, j and opposite vertices k, l.
-typedef struct wisp_hinge_job
+typedef struct wisp_hinge_args
 {
-    float* position;      ///< [slot][4]
-    const int32_t* slot4; ///< [group][4][8] i, j, k, l, slots times 4
+    float* position;        ///< [slot][4]
+    const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
     const float* rest; ///< dihedral: [hinge] rad, rest angle between the normals, 0 is flat. Isometric: [group][4][8]
                        ///< the vector c of Q = c c^T / A, so that Q x = c (c . x) / A (Bergou et al. 2006)
     const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles
@@ -181,34 +181,34 @@ typedef struct wisp_hinge_job
     const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
     float* lambda;           ///< [hinge], null: one iteration
     float inverse_dt2;
-} wisp_hinge_job;
+} wisp_hinge_args;
 
 /// Area vectors and volume around vertices (docs/methods.md, volume and its gradient), vertex by vertex over ordered one-rings.
-typedef struct wisp_ring_job
+typedef struct wisp_ring_args
 {
-    const float* position;       ///< [slot][4]; slice s holds the slots from 8 s
-    const int32_t* ring_begin;   ///< [slice + 1]
-    const int32_t ( *ring4 )[8]; ///< [entry] fans of neighbours
-    wisp_vec3 origin;            ///< m, volumes are summed about it; near the body keeps digits
+    const float* position;         ///< [slot][4]; slice s holds the slots from 8 s
+    const int32_t* ring_begin;     ///< [slice + 1]
+    const int32_t ( *ring_x4 )[8]; ///< [entry] fans of neighbours
+    wisp_vec3 origin;              ///< m, volumes are summed about it; near the body keeps digits
     float* gradient; ///< [slice - first_slice][3][8] m^2, dV/dp = a sixth of the sum of (a - p) x (b - p);
                      ///< ring_normal: unit normals
     float* area;     ///< [slice - first_slice][8] m^2, a third of the triangles' areas; may be null
     int first_slice; ///< where gradient and area begin
-} wisp_ring_job;
+} wisp_ring_args;
 
 /// Drag and lift of air on the triangles around vertices, implicit in how fast it takes them along.
-typedef struct wisp_ring_air_job
+typedef struct wisp_ring_air_args
 {
-    const float* position;       ///< [slot][4] m, inverse mass; what has none keeps its velocity
-    const float* old_velocity;   ///< [slot][4] m/s, of before: neighbours must not see what was changed
-    float* velocity;             ///< [slot][4] receives; the fourth is that of before
-    const int32_t* ring_begin;   ///< [slice + 1]
-    const int32_t ( *ring4 )[8]; ///< [entry] fans of neighbours
-    wisp_vec3 wind;              ///< m/s
-    float density;               ///< kg/m^3
-    float drag, lift;            ///< C_d, C_l
-    float dt;                    ///< s
-} wisp_ring_air_job;
+    const float* position;         ///< [slot][4] m, inverse mass; what has none keeps its velocity
+    const float* old_velocity;     ///< [slot][4] m/s, of before: neighbours must not see what was changed
+    float* velocity;               ///< [slot][4] receives; the fourth is that of before
+    const int32_t* ring_begin;     ///< [slice + 1]
+    const int32_t ( *ring_x4 )[8]; ///< [entry] fans of neighbours
+    wisp_vec3 wind;                ///< m/s
+    float density;                 ///< kg/m^3
+    float drag, lift;              ///< C_d, C_l
+    float dt;                      ///< s
+} wisp_ring_air_args;
 
 /// Sums over a range of slices, each in double from eight ordered lanes of floats.
 typedef struct wisp_ring_sums
@@ -218,43 +218,43 @@ typedef struct wisp_ring_sums
 } wisp_ring_sums;
 
 /// Points that stand between three parents, or two, by weights: y = sum of w x, and the unit normal along the sum of w n.
-typedef struct wisp_blend_job
+typedef struct wisp_blend_args
 {
     const float* position;              ///< [slot][4] m
     const float* normal;                ///< [slot][4] unit, the fourth 0; null: points get none
     const int32_t ( *parents )[4];      ///< [point] slots times 4; padded to a multiple of 8, as are all of points
     const float ( *weights )[4];        ///< [point]
     const float ( *normal_weights )[4]; ///< [point] of normals; null: `weights`
-    float* quads;                       ///< [point][4] m; the fourth stays as it is
-    float* normals; ///< [point][4] the fourth is 0; where the sum is shorter than WISP_BLEND_LEAST
+    float* xyzw;                        ///< [point][4] m; the fourth stays as it is
+    float* normals; ///< [point][4] the fourth is 0; where the sum is shorter than WISP_MIN_BLEND_LENGTH
                     ///< the normal stays as it is, and its fourth becomes 1
-} wisp_blend_job;
+} wisp_blend_args;
 
 /// Unit normals are true to about 1e-7 a number, so a shorter sum of opposite ones is a direction of rounding alone.
-#define WISP_BLEND_LEAST 1e-6f
+#define WISP_MIN_BLEND_LENGTH 1e-6f
 
 /// Which edges and triangles still have the extents, over the spacing, that their counts of points stand for? Only a sure
 /// yes is a yes: rounding is in the bounds.
-typedef struct wisp_hold_job
+typedef struct wisp_hold_args
 {
     const float* position;                 ///< [slot][4] m
-    const int32_t ( *pair4 )[2][8];        ///< edges: [slice] slots times 4 of the ends
-    const int32_t ( *corner4 )[3][8];      ///< triangles: [slice] a, b, c, slots times 4; a to b is the shortest side
+    const int32_t ( *pair_x4 )[2][8];      ///< edges: [slice] slots times 4 of the ends
+    const int32_t ( *corner_x4 )[3][8];    ///< triangles: [slice] a, b, c, slots times 4; a to b is the shortest side
     float spacing;                         ///< m
     const float* each;                     ///< [element] m; null: `spacing` for all
-    const float *low, *high;               ///< [element] of length over spacing, of a triangle's base over spacing
+    const float *lower, *upper;            ///< [element] of length over spacing, of a triangle's base over spacing
     const float *low_height, *high_height; ///< [triangle] of height over spacing
     uint8_t* held;                         ///< [slice] out: a bit an element
-} wisp_hold_job;
+} wisp_hold_args;
 
 /// Closest points of pairs, eight pairs at a time: a point and a triangle, or two segments. Triangles may be flat and
 /// segments without length. A pair with a number that is not finite, or one wider than 1e18 m, has a distance that is not
 /// finite; its weights and its normal are then of no use.
-typedef struct wisp_closest_job
+typedef struct wisp_closest_args
 {
-    const float* quads; ///< [point][4] m; the fourth number is not looked at; 16-byte aligned
+    const float* xyzw; ///< [point][4] m; the fourth number is not looked at; 16-byte aligned
     const int32_t*
-        point4[4];   ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
+        point_x4[4]; ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
     float* distance; ///< [pair] out, m; 0 below 1e-19 m
     /// [group] out, barycentric, those of the second side negative; null: not wanted. The weights of a side sum to 1
     /// without rounding, so that they mean the same anywhere.
@@ -262,78 +262,78 @@ typedef struct wisp_closest_job
     /// [group] out, unit, from the second side to the first; 0 where the distance is 0; null with weight. The plane
     /// across it parts the sides as far as they are from each other.
     float ( *normal )[3][8];
-} wisp_closest_job;
+} wisp_closest_args;
 
 /// Move particles along a gradient: p += w factor gradient.
-typedef struct wisp_push_job
+typedef struct wisp_push_args
 {
     float* position;       ///< [slot][4]
     const float* gradient; ///< [slice][3][8]
     float factor;
-} wisp_push_job;
+} wisp_push_args;
 
 /// Keep particles within a distance of their attachments. Only the particle moves, and only if the attachment is pinned, so
 /// that each particle may go through all layers before the next one.
-typedef struct wisp_tether_job
+typedef struct wisp_tether_args
 {
-    float* position;        ///< [slot][4]
-    const int32_t* anchor4; ///< [layer][slot_count] the fabric's tethers
-    const float* rest;      ///< [layer][slot_count] m
+    float* position;          ///< [slot][4]
+    const int32_t* anchor_x4; ///< [layer][slot_count] the fabric's tethers
+    const float* rest;        ///< [layer][slot_count] m
     int layer_count, slot_count;
     float slack; ///< times the rest length, >= 1
-} wisp_tether_job;
+} wisp_tether_args;
 
 /// Carry the displacement of a coarse level to its children: p += sum of weights times the displacements of the parents.
-typedef struct wisp_prolong_job
+typedef struct wisp_prolong_args
 {
     float* position; ///< [slot][4]
     const float*
         moved; ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
-    const int32_t* child4;  ///< [slice][8]
-    const int32_t* parent4; ///< [slice][4][8]
-    const float* weight;    ///< [slice][4][8]
-} wisp_prolong_job;
+    const int32_t* child_x4;  ///< [slice][8]
+    const int32_t* parent_x4; ///< [slice][4][8]
+    const float* weight;      ///< [slice][4][8]
+} wisp_prolong_args;
 
 /// Half spaces that particles must stay in, one of each, with Coulomb friction: half_space.c tells the law. A row of 16
 /// floats is: a point of the surface, its unit normal away from the body, its motion in the substep, the gap to be kept
 /// (m); what was pushed along the normal and rubbed across it so far (m), in and out; static and kinetic friction.
-typedef struct wisp_half_space_job
+typedef struct wisp_half_space_args
 {
-    float* position;          ///< quads, in and out
-    const float* previous;    ///< quads, at the start of the substep
-    float* rows;              ///< [..][16], aligned to 16 bytes
-    const int32_t* particle4; ///< four times the particle. Twice among eight only with the same row, as padding
-    const int32_t* row16;     ///< 16 times its row
-} wisp_half_space_job;
+    float* position;            ///< quads, in and out
+    const float* previous;      ///< quads, at the start of the substep
+    float* rows;                ///< [..][16], aligned to 16 bytes
+    const int32_t* particle_x4; ///< four times the particle. Twice among eight only with the same row, as padding
+    const int32_t* row16;       ///< 16 times its row
+} wisp_half_space_args;
 
 /// Time integration of particles (Mueller et al. 2007, algorithm 1). Pinned particles have no velocity of their own and keep their place.
-typedef struct wisp_particle_job
+typedef struct wisp_particle_args
 {
     float* position;        ///< [slot][4]
     float* previous;        ///< [slot][4] position at the start of the substep
     float* velocity;        ///< [slot][4] m/s, the fourth is 0
     wisp_vec3 acceleration; ///< m/s^2, of every particle that is not pinned
     float dt;               ///< s
-} wisp_particle_job;
+} wisp_particle_args;
 
 /// Are particles where and as fast as particles can be?
-typedef struct wisp_bound_job
+typedef struct wisp_bound_args
 {
     const float* position; ///< [slot][4] m
     const float* velocity; ///< [slot][4] m/s
     float bound;           ///< of the magnitude of each of their first three numbers
-} wisp_bound_job;
+} wisp_bound_args;
 
 /// Are vertices where and as fast as vertices can be?
-typedef struct wisp_strand_bound_job
+typedef struct wisp_strand_bound_args
 {
     const float* position; ///< [row][3][16] m
     const float* velocity; ///< [row][3][16] m/s
     float bound;           ///< of the magnitude of each number, lanes without a strand included
-} wisp_strand_bound_job;
+} wisp_strand_bound_args;
 
 /// Strands in time, lane = strand. Pinned vertices (weight 0) have a velocity that tells how they are carried.
-typedef struct wisp_strand_motion_job
+typedef struct wisp_strand_motion_args
 {
     const int32_t* group_row;
     float* position;     ///< [row][3][16] m
@@ -342,12 +342,12 @@ typedef struct wisp_strand_motion_job
     const float* weight; ///< [row][16] inverse mass in 1/kg; 0: pinned, behind the tip, or no strand
     const float* root;   ///< [group][3][16] m, where pinned vertices of row 0 go; null: they stay
     wisp_vec3 acceleration;
-    const float* share; ///< [group][16] of the acceleration that a strand feels; null: all of it
-    float dt;           ///< s
-} wisp_strand_motion_job;
+    const float* fraction; ///< [group][16] of the acceleration that a strand feels; null: all of it
+    float dt;              ///< s
+} wisp_strand_motion_args;
 
 /// Damping of what moves against a rigid motion: v <- u + keep (v - u) with u = linear + angular x (p - centre).
-typedef struct wisp_strand_damp_job
+typedef struct wisp_strand_damp_args
 {
     const int32_t* group_row;
     const float* position; ///< [row][3][16]
@@ -355,10 +355,10 @@ typedef struct wisp_strand_damp_job
     const float* weight;   ///< [row][16]
     float keep;            ///< in [0, 1]
     wisp_vec3 linear, angular, centre;
-} wisp_strand_damp_job;
+} wisp_strand_damp_args;
 
 /// Drag of air across a strand: what moves along it feels nothing. Implicit in the speed, so it never turns it round.
-typedef struct wisp_strand_air_job
+typedef struct wisp_strand_air_args
 {
     const int32_t* group_row;
     const float* position; ///< [row][3][16]
@@ -368,7 +368,7 @@ typedef struct wisp_strand_air_job
     wisp_vec3 wind;        ///< m/s
     float drag;            ///< kg/m^2: 1/2 density C_d diameter
     float dt;
-} wisp_strand_air_job;
+} wisp_strand_air_args;
 
 /// Segments of rest length by one direct solve of the chain, Newton pass by Newton pass: with C_s = (|e_s|^2 - l_s^2) / 2 the
 /// system J W J^T dlambda = -C is tridiagonal, and costs one quotient a segment and no root. Passes end early when all
@@ -376,7 +376,7 @@ typedef struct wisp_strand_air_job
 /// `tolerance` after the last pass is laid out from the root, each segment in its direction (or, without one, in that of the
 /// segment before it); if that carries a vertex farther than the strand is long, the vertex loses its velocity. Strands with
 /// further pins are not laid out.
-typedef struct wisp_strand_stretch_job
+typedef struct wisp_strand_stretch_args
 {
     const int32_t* group_row;
     float* position;       ///< [row][3][16]
@@ -390,13 +390,13 @@ typedef struct wisp_strand_stretch_job
     const float* velocity; ///< [row][3][16] m/s, predicted: what is laid out gets no faster; null: it may
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
-} wisp_strand_stretch_job;
+} wisp_strand_stretch_args;
 
 /// Floats a row that a strand kernel may use.
 #define WISP_STRAND_SCRATCH ( 15 * WISP_LANES )
 
-/// Distances along strands in one sweep from the root, between rows `stride` apart (pbd, xpbd: as wisp_link_job).
-typedef struct wisp_strand_link_job
+/// Distances along strands in one sweep from the root, between rows `stride` apart (pbd, xpbd: as wisp_link_args).
+typedef struct wisp_strand_link_args
 {
     const int32_t* group_row;
     float* position;
@@ -407,19 +407,19 @@ typedef struct wisp_strand_link_job
     float stiffness;   ///< pbd: share of the error taken away, in [0, 1]
     float compliance;  ///< xpbd: m/N
     float inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
-} wisp_strand_link_job;
+} wisp_strand_link_args;
 
 /// Follow the leader: each vertex is put at rest length from the one before it, which does not move for it (Mueller, Kim
 /// and Chentanez 2012). Moving `previous` along gives the leader its share of the momentum back when velocities are read.
-typedef struct wisp_strand_follow_job
+typedef struct wisp_strand_follow_args
 {
     const int32_t* group_row;
     float* position;
     float* previous;
     const float* weight;
     const float* length;
-    float share; ///< s of the paper, in [0, 1]
-} wisp_strand_follow_job;
+    float fraction; ///< s of the paper, in [0, 1]
+} wisp_strand_follow_args;
 
 /// Bending and twist of elastic rods, implicit in the positions. Vertex i bends with the energy
 ///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i,
@@ -427,7 +427,7 @@ typedef struct wisp_strand_follow_job
 /// pentadiagonal system for x, y and z alike, whose factors are kept. Frames are carried along without twist, to where the
 /// strand goes by itself (p less dt^2 acceleration); then the twist takes its balance, a tridiagonal system. Segment -1 is
 /// the clamp at the root.
-typedef struct wisp_strand_rod_job
+typedef struct wisp_strand_rod_args
 {
     const int32_t* group_row;
     float* position;             ///< [row][3][16] m, predicted; in and out
@@ -435,25 +435,25 @@ typedef struct wisp_strand_rod_job
     const float* weight;         ///< [row][16]
     const float* inverse_length; ///< [row][16] 1/m of the segment to the next row; 0 where there is none
     const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
-    const float* factor;       ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
-    float* tension;            ///< [row][16] N, of the substep before: it pulls along, so that at rest nothing moves
-    const float* most_tension; ///< [row][16] N: no more than that pulls, and tension is cut to it
-    const float* root;         ///< [group][4][16] quaternion x y z w: how the root is turned from rest
-    const float* clamp;        ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
-    float* frame;              ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
-    const float* rest;         ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
-    const float* rest_twist;   ///< [row][2][16] cosine and sine of half the rest twist; with frames only
+    const float* factor;      ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
+    float* tension;           ///< [row][16] N, of the substep before: it pulls along, so that at rest nothing moves
+    const float* max_tension; ///< [row][16] N: no more than that pulls, and tension is cut to it
+    const float* root;        ///< [group][4][16] quaternion x y z w: how the root is turned from rest
+    const float* clamp;       ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
+    float* frame;             ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
+    const float* rest;        ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
+    const float* rest_twist;  ///< [row][2][16] cosine and sine of half the rest twist; with frames only
     const float* twist_stiffness; ///< [row][16] N m, GJ / L_i; with frames only
     float damping;                ///< s, of the bending's rate
     wisp_vec3 acceleration;       ///< m/s^2, of the prediction
-    const float* share;           ///< [group][16] of it that a strand feels; null: all of it
+    const float* fraction;        ///< [group][16] of it that a strand feels; null: all of it
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
-} wisp_strand_rod_job;
+} wisp_strand_rod_args;
 
 /// Strands kept out of one body in closed form, with Coulomb friction. Vertices nearer to it than the thickness, where it is
 /// at the end of the substep, are pushed out along its normal there; pinned ones stay. strand_contact.c tells the law.
-typedef struct wisp_strand_contact_job
+typedef struct wisp_strand_contact_args
 {
     const int32_t* group_row;
     float* position;     ///< [row][3][16] m, in and out
@@ -463,17 +463,17 @@ typedef struct wisp_strand_contact_job
     float* pushed;       ///< [row][16] m, grows by what the body pushed: stands for the normal impulse
     float* left;         ///< [row][16] m, grows to how much nearer than the thickness a vertex was let be
     wisp_shape shape;
-    wisp_rigid before, after; ///< the body at the start and at the end of the substep
-    float thickness;          ///< m
+    wisp_transform before, after; ///< the body at the start and at the end of the substep
+    float thickness;              ///< m
     float static_friction, kinetic_friction;
     float recovery; ///< m, how far what may be deep is moved out in this call
-} wisp_strand_contact_job;
+} wisp_strand_contact_args;
 
 /// Where the vertices of a group that move are, and were when the substep began. Empty (low above high) if none moves.
 typedef struct wisp_strand_reach
 {
-    wisp_vec3 low, high; ///< m
-    float path;          ///< m, the longest from then to now
+    wisp_vec3 lower, upper; ///< m
+    float path;             ///< m, the longest from then to now
 } wisp_strand_reach;
 
 /// How a change of velocity weighs, from the velocity v now and v0 a step before.
@@ -491,7 +491,7 @@ typedef enum wisp_elastic
 ///   x, y, z, w          stride 12 and 16: quaternion, how its frame is turned from rest
 ///   x, y, z, 0          stride 16: the velocity before
 /// Blended, the weight lacks the elastic one, the velocity is not times the time, and the limit is the cap in m.
-typedef struct wisp_strand_target_job
+typedef struct wisp_strand_target_args
 {
     const int32_t* group_row;
     const int32_t* lane_count; ///< [group][16] nodes, 0 in an empty lane
@@ -509,30 +509,30 @@ typedef struct wisp_strand_target_job
     wisp_elastic elastic;
     float time; ///< s
     float tip_gain;
-} wisp_strand_target_job;
+} wisp_strand_target_args;
 
-#define WISP_MOST_LINKS 4
+#define WISP_MAX_GHOST_TARGETS 4
 
 /// Places of ghosts: y = x + R o + sway (weight + scale |o|), the weight within the limit.
-typedef struct wisp_strand_ghost_job
+typedef struct wisp_strand_ghost_args
 {
     const int32_t* group_row;
     const int32_t* lane_count;
-    const int32_t* lane_node;  ///< [group][link][16] float of the table where the target's root begins
-    const float* lane_share;   ///< blend: [group][link][16] weight of the target, sum 1
-    const float* centre_scale; ///< [group][16] 1/m
-    const float* offset;       ///< [row][link][3][16] m, at rest
+    const int32_t* lane_node;   ///< [group][link][16] float of the table where the target's root begins
+    const float* lane_fraction; ///< blend: [group][link][16] weight of the target, sum 1
+    const float* centre_scale;  ///< [group][16] 1/m
+    const float* offset;        ///< [row][link][3][16] m, at rest
     const float* table;
     int stride;           ///< 8 or 12; blend: 16
-    int link_count;       ///< blend: targets a ghost, 1 .. WISP_MOST_LINKS; else 1
+    int link_count;       ///< blend: targets a ghost, 1 .. WISP_MAX_GHOST_TARGETS; else 1
     bool turns;           ///< blend: offsets turn with the frames
     wisp_elastic elastic; ///< blend
     float time;           ///< blend: s
     float* to;            ///< [row][3][16] m
-} wisp_strand_ghost_job;
+} wisp_strand_ghost_args;
 
 /// Curves through the vertices of strands: a row for the first vertex, then `samples` rows a segment.
-typedef struct wisp_strand_curve_job
+typedef struct wisp_strand_curve_args
 {
     const int32_t* group_row;     ///< of the curves
     const int32_t* lane_row;      ///< [group][16] float of `from` where the strand's first vertex is
@@ -542,16 +542,16 @@ typedef struct wisp_strand_curve_job
     const float* weight;          ///< [samples][4] of the four points that a segment blends, at t = (k + 1) / samples
     int samples;
     bool shares_ends; ///< a segment spans four vertices and blends them; else two, and it blends their neighbours too
-} wisp_strand_curve_job;
+} wisp_strand_curve_args;
 
 typedef struct wisp_kernels
 {
     const char* isa; ///< "baseline", "avx2", "avx512"; tests know two more
-    void ( *strand_jitter )( const wisp_strand_jitter_job* job, int group_begin, int group_end );
-    void ( *strand_align )( const wisp_strand_align_job* job, int group_begin, int group_end );
-    void ( *strand_unpack )( const wisp_strand_unpack_job* job, int group_begin, int group_end );
+    void ( *strand_jitter )( const wisp_strand_jitter_args* args, int group_begin, int group_end );
+    void ( *strand_align )( const wisp_strand_align_args* args, int group_begin, int group_end );
+    void ( *strand_unpack )( const wisp_strand_unpack_args* args, int group_begin, int group_end );
     /// Neighbours of queries [8 slice, 8 slice + count), count <= 8.
-    void ( *range_search )( const wisp_range_search_job* job, int slice, int count,
+    void ( *range_search )( const wisp_range_search_args* args, int slice, int count,
                             wisp_range_search_result* result );
     /// Lay eight lists side by side, a query's own number behind the shorter ones.
     /// @param lists [8][stride] as range_search wrote them; renamed in place
@@ -559,123 +559,124 @@ typedef struct wisp_kernels
     /// @param packed [longest][8], longest that of counts
     void ( *interleave )( int32_t* lists, int stride, const int* counts, int slice, const int32_t* rename,
                           int32_t* packed );
-    /// Find the boxes of some runs of slots that overlap the askers, touching included, in the order of slots. A lone asker
+    /// Find the boxes of some runs of slots that overlap the queries, touching included, in the order of slots. A lone query
     /// adds to its list. Lists have room for all that is compared and 8 more.
     /// @param runs [run_count][2] first slot, and the one behind the last. Slots are compared in whole eights, so that the
     ///             next run must not begin before the eights of this one end
-    void ( *box_overlap )( const wisp_box_stream* stream, const int32_t* runs, int run_count, wisp_box_group* group );
+    void ( *box_overlap )( const wisp_aabb_stream* stream, const int32_t* runs, int run_count,
+                           wisp_aabb_group* group );
     /// Put different numbers, none negative, in rising order. Takes time with the square of the count.
     /// @param items [count] padded by 8, which may be overwritten @param out another array, padded likewise
     void ( *rank_order )( int32_t* items, int count, int32_t* out );
     /// @return how far a vertex is at most from where it was searched, m; 0 of a first sweep that a brake follows
-    float ( *adhesion_attract )( const wisp_adhesion_job* job, int slice_first, int slice_last );
-    float ( *adhesion_brake )( const wisp_adhesion_job* job, int slice_first, int slice_last );
+    float ( *adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last );
+    float ( *adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last );
 
     // links [begin, end), multiples of 8
-    void ( *link_pbd )( const wisp_link_job* job, int begin, int end );
-    void ( *link_xpbd )( const wisp_link_job* job, int begin, int end );
-    void ( *link_unilateral )( const wisp_link_job* job, int begin,
-                               int end );                                 ///< resists stretching only, stiffness 1
-    void ( *link_limit )( const wisp_link_job* job, int begin, int end ); ///< into [minimum, maximum] times rest
+    void ( *link_pbd )( const wisp_link_args* args, int begin, int end );
+    void ( *link_xpbd )( const wisp_link_args* args, int begin, int end );
+    void ( *link_unilateral )( const wisp_link_args* args, int begin,
+                               int end );                                   ///< resists stretching only, stiffness 1
+    void ( *link_limit )( const wisp_link_args* args, int begin, int end ); ///< into [minimum, maximum] times rest
     // hinges [begin, end), multiples of 8
-    void ( *hinge_dihedral )( const wisp_hinge_job* job, int begin, int end );
-    void ( *hinge_isometric )( const wisp_hinge_job* job, int begin, int end );
+    void ( *hinge_dihedral )( const wisp_hinge_args* args, int begin, int end );
+    void ( *hinge_isometric )( const wisp_hinge_args* args, int begin, int end );
     // slices of eight slots
-    void ( *ring_gradient )( const wisp_ring_job* job, int begin, int end, wisp_ring_sums* sums );
-    void ( *ring_normal )( const wisp_ring_job* job, int begin,
+    void ( *ring_gradient )( const wisp_ring_args* args, int begin, int end, wisp_ring_sums* sums );
+    void ( *ring_normal )( const wisp_ring_args* args, int begin,
                            int end ); ///< area-weighted unit normals, 0 if they cancel
     /// Mean of the unit normals of the triangles around a vertex, normalised, whatever their areas; 0 if they cancel.
     /// Triangles without area, and those with a corner that is not finite, add nothing. quads [slot][4], the fourth is 0
-    void ( *ring_mean_normal )( const wisp_ring_job* job, int begin, int end, float* quads );
+    void ( *ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );
     /// Triangles without area, and those with a corner that is not finite, feel nothing.
-    void ( *ring_air )( const wisp_ring_air_job* job, int begin, int end );
-    void ( *push )( const wisp_push_job* job, int begin, int end );
+    void ( *ring_air )( const wisp_ring_air_args* args, int begin, int end );
+    void ( *push )( const wisp_push_args* args, int begin, int end );
     // points, multiples of 8
     /// @return points without a normal, padding included
-    int ( *blend_two )( const wisp_blend_job* job, int begin, int end ); ///< reads the first two parents alone
-    int ( *blend_three )( const wisp_blend_job* job, int begin, int end );
+    int ( *blend_two )( const wisp_blend_args* args, int begin, int end ); ///< reads the first two parents alone
+    int ( *blend_three )( const wisp_blend_args* args, int begin, int end );
     // slices of eight elements
-    void ( *hold_edges )( const wisp_hold_job* job, int begin, int end );
-    void ( *hold_triangles )( const wisp_hold_job* job, int begin, int end );
+    void ( *hold_edges )( const wisp_hold_args* args, int begin, int end );
+    void ( *hold_triangles )( const wisp_hold_args* args, int begin, int end );
     // groups of eight pairs
-    void ( *closest_triangle )( const wisp_closest_job* job, int begin, int end );
-    void ( *closest_segments )( const wisp_closest_job* job, int begin, int end );
-    /// Where the pieces of rows [begin, end) are. @param points that a piece has: 1, 2 or 3
-    void ( *piece_place )( const float* quads, wisp_piece_row* rows, int points, int begin, int end );
+    void ( *closest_triangle )( const wisp_closest_args* args, int begin, int end );
+    void ( *closest_segments )( const wisp_closest_args* args, int begin, int end );
+    /// Where the primitives of rows [begin, end) are. @param points that a primitive has: 1, 2 or 3
+    void ( *primitive_place )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
     /// Edges that share no point with others and are apart from them by no more than what is asked, as far as a plane across
     /// the line through their middles tells. No pair that is within is missing but for rounding; a pair with a number
-    /// that is not finite is one. @param count of jobs, WISP_PIECE_JOBS at most @param to out @return how many
-    int ( *edges_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
+    /// that is not finite is one. @param count of jobs, WISP_PRIMITIVE_BATCH at most @param to out @return how many
+    int ( *edges_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
     /// The same of points that ask triangles.
-    int ( *points_near )( const wisp_piece_near_job* jobs, int count, const wisp_piece_pairs* to );
+    int ( *points_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
     // points, begin a multiple of 8
     /// m, out; up to a thousand are added as floats. What is longer than 1e6 m along an axis, or no number, adds nothing along
     /// it. @return whether a point has no inverse mass
-    bool ( *sum_ways )( const wisp_way_job* job, int begin, int end, double sum[3] );
+    bool ( *sum_displacements )( const wisp_displacement_args* args, int begin, int end, double sum[3] );
     /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
-    void ( *take_ways )( const wisp_way_job* job, int begin, int end );
+    void ( *measure_displacements )( const wisp_displacement_args* args, int begin, int end );
     /// Does a point go farther from where its way leads than the fourth of it? What is no number does not.
-    bool ( *leave_ways )( const wisp_way_job* job, int begin, int end );
+    bool ( *exceeds_displacement )( const wisp_displacement_args* args, int begin, int end );
     // pairs [begin, end), multiples of 8
-    void ( *closing )( const wisp_closing_job* job, int begin, int end );
+    void ( *closing )( const wisp_approach_args* args, int begin, int end );
     /// Pairs [begin, end), where only begin is a multiple of 8. What is no number is due. @return how many are
-    int ( *slack_due )( const wisp_slack_job* job, int begin, int end );
+    int ( *separation_due )( const wisp_separation_args* args, int begin, int end );
     /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
     ///         that are no number are nowhere
-    float ( *apart )( const wisp_apart_job* job );
+    float ( *apart )( const wisp_separating_axis_args* args );
     /// The least and the largest of each number of some quads, less those of others if there are any. What is no number
     /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
-    void ( *quad_range )( const float* quads, const float* less, const int32_t* point4, int count, float low[4],
-                          float high[4] );
+    void ( *quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
+                          float upper[4] );
     // groups of eight particles
-    void ( *half_space )( const wisp_half_space_job* job, int begin, int end );
+    void ( *half_space )( const wisp_half_space_args* args, int begin, int end );
     // slots, multiples of 8
-    void ( *tether )( const wisp_tether_job* job, int begin, int end );
-    void ( *accelerate )( const wisp_particle_job* job, int begin, int end ); ///< v += dt acceleration
-    void ( *predict )( const wisp_particle_job* job, int begin, int end );    ///< previous = p, p += dt v
-    void ( *velocity )( const wisp_particle_job* job, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
-    void ( *rigid_sums )( const wisp_rigid_job* job, int begin, int end, wisp_rigid_sums* sums ); ///< sums: out
-    void ( *rigid_approach )( const wisp_rigid_job* job, int begin, int end ); ///< v += share (drift + w x r - v)
+    void ( *tether )( const wisp_tether_args* args, int begin, int end );
+    void ( *accelerate )( const wisp_particle_args* args, int begin, int end ); ///< v += dt acceleration
+    void ( *predict )( const wisp_particle_args* args, int begin, int end );    ///< previous = p, p += dt v
+    void ( *velocity )( const wisp_particle_args* args, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
+    void ( *rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums ); ///< sums: out
+    void ( *rigid_approach )( const wisp_rigid_args* args, int begin, int end ); ///< v += share (drift + w x r - v)
     /// Take those that move and are finite: inverse mass above 0, places then and now within 1e9 m. @return how many
-    int ( *swarm_take )( const wisp_swarm_job* job, int begin, int end );
+    int ( *gather_particles )( const wisp_gather_args* args, int begin, int end );
     /// Where a body sees them. @param count that were taken @return how many may be within reach
-    int ( *swarm_see )( const wisp_swarm_sight* sight, int count );
+    int ( *cull_particles )( const wisp_cull_args* sight, int count );
     /// @param strays [end - begin] out: slots that are farther from a place than its fourth @return how many
-    int ( *swarm_stray )( const float* position, const float* place, int begin, int end, int32_t* strays );
+    int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays );
     /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
-    int ( *first_beyond )( const wisp_bound_job* job, int begin, int end );
+    int ( *first_beyond )( const wisp_bound_args* args, int begin, int end );
     // groups of sixteen strands
-    void ( *strand_predict )( const wisp_strand_motion_job* job, int begin, int end );
+    void ( *strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
     /// strand_velocity of the substep before and strand_predict in one
-    void ( *strand_advance )( const wisp_strand_motion_job* job, int begin, int end );
-    void ( *strand_velocity )( const wisp_strand_motion_job* job, int begin, int end );
+    void ( *strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
+    void ( *strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
     /// @return the first row of [begin, end) with a number that is NaN or beyond the bound, else end
-    int ( *strand_first_beyond )( const wisp_strand_bound_job* job, int begin, int end );
-    void ( *strand_damp )( const wisp_strand_damp_job* job, int begin, int end );
-    void ( *strand_air )( const wisp_strand_air_job* job, int begin, int end );
+    int ( *strand_first_beyond )( const wisp_strand_bound_args* args, int begin, int end );
+    void ( *strand_damp )( const wisp_strand_damp_args* args, int begin, int end );
+    void ( *strand_air )( const wisp_strand_air_args* args, int begin, int end );
     /// @return how many strands were laid out from the root
-    int ( *strand_stretch )( const wisp_strand_stretch_job* job, int begin, int end );
-    void ( *strand_link )( const wisp_strand_link_job* job, int begin, int end );
-    void ( *strand_follow )( const wisp_strand_follow_job* job, int begin, int end );
-    void ( *strand_rod )( const wisp_strand_rod_job* job, int begin, int end );
+    int ( *strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end );
+    void ( *strand_link )( const wisp_strand_link_args* args, int begin, int end );
+    void ( *strand_follow )( const wisp_strand_follow_args* args, int begin, int end );
+    void ( *strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
     /// What comes before the bodies of an iteration: depths from what was left, sums at 0, and the group's reach.
-    void ( *strand_contact_begin )( const wisp_strand_contact_job* job, int group, bool first_iteration,
+    void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                     wisp_strand_reach* reach );
-    void ( *strand_contact )( const wisp_strand_contact_job* job, int begin, int end );
-    void ( *strand_target )( const wisp_strand_target_job* job, int begin, int end );
-    void ( *strand_ghost )( const wisp_strand_ghost_job* job, int begin, int end );
-    void ( *strand_ghost_blend )( const wisp_strand_ghost_job* job, int begin, int end ); ///< of several targets
-    void ( *strand_curve )( const wisp_strand_curve_job* job, int begin, int end );
+    void ( *strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
+    void ( *strand_target )( const wisp_strand_target_args* args, int begin, int end );
+    void ( *strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
+    void ( *strand_ghost_blend )( const wisp_strand_ghost_args* args, int begin, int end ); ///< of several targets
+    void ( *strand_curve )( const wisp_strand_curve_args* args, int begin, int end );
     // slices of eight rows
     /// @return links without a direction, counted at either end
-    int ( *spring_assemble )( const wisp_spring_job* job, int begin, int end );
-    double ( *spring_product )( const wisp_conjugate_job* job, int begin, int end ); ///< q = A c; @return c . q
+    int ( *spring_assemble )( const wisp_spring_args* args, int begin, int end );
+    double ( *spring_product )( const wisp_conjugate_args* args, int begin, int end ); ///< q = A c; @return c . q
     /// r -= step q, s = S P S r; @return r . s
-    double ( *conjugate_advance )( const wisp_conjugate_job* job, float step, int begin, int end );
+    double ( *conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
     /// dv += step c, c = s + share c: what an advance by the step leaves to be done
-    void ( *conjugate_turn )( const wisp_conjugate_job* job, float step, float share, int begin, int end );
+    void ( *conjugate_turn )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
     // slices of eight children
-    void ( *prolong )( const wisp_prolong_job* job, int begin, int end );
+    void ( *prolong )( const wisp_prolong_args* args, int begin, int end );
 } wisp_kernels;
 
 WISP_END_C

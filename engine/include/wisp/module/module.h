@@ -94,13 +94,14 @@ typedef struct wisp_pass
     const char* name; ///< "module.verb", unique; a static string
     wisp_stage stage;
     wisp_domain domain;
-    wisp_component needs[WISP_MAX_USES];  ///< zero-terminated: the entity must have all, or the pass does not exist
-    wisp_component lacks[WISP_MAX_USES];  ///< zero-terminated: the entity must have none, or the pass does not exist
+    wisp_component required[WISP_MAX_USES]; ///< zero-terminated: the entity must have all, or the pass does not exist
+    wisp_component
+        excluded[WISP_MAX_USES];          ///< zero-terminated: the entity must have none, or the pass does not exist
     wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
     wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
     /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
     /// passes of those entities, and neither make passes exist nor supply anything.
-    wisp_component across[WISP_MAX_USES];
+    wisp_component foreign[WISP_MAX_USES];
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
@@ -116,22 +117,22 @@ WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass
 WISP_API wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passes, int count, void* user );
 
 /// Substeps [span->substep, substep_end) of a span of items.
-typedef void wisp_joined_fn( wisp_frame* frame, const wisp_span* span, int substep_end, void* user );
+typedef void wisp_fused_fn( wisp_frame* frame, const wisp_span* span, int substep_end, void* user );
 
 /// Passes of groups of strands that can run together, all substeps of some groups in one go: in less time, and bit for bit
 /// what the passes give one after another.
-typedef struct wisp_join
+typedef struct wisp_fusion
 {
-    const char* name;                  ///< "module.noun"; a static string
-    const char* needs[WISP_MAX_USES];  ///< names of passes, null-terminated: the entity must have all
-    const char* allows[WISP_MAX_USES]; ///< likewise: it may have them; with any other pass they run apart
-    wisp_joined_fn* run;
+    const char* name;                    ///< "module.noun"; a static string
+    const char* required[WISP_MAX_USES]; ///< names of passes, null-terminated: the entity must have all
+    const char* allows[WISP_MAX_USES];   ///< likewise: it may have them; with any other pass they run apart
+    wisp_fused_fn* run;
     void* user;
-} wisp_join;
+} wisp_fusion;
 
 /// Declare passes, declared before, that can run together. It is done in steps of one iteration a substep; one substep of some
 /// blocks runs pass by pass all the same, to tell their times.
-WISP_API wisp_status wisp_declare_join( wisp_registry* registry, const wisp_join* join );
+WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* join );
 
 /// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
 /// @return null without memory
@@ -185,14 +186,14 @@ WISP_API const wisp_fabric* wisp_frame_fabric( wisp_frame* frame, wisp_entity en
 /// The particles [begin, end) of a span of particle blocks.
 WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* span );
 /// Length of a substep, s.
-WISP_API float wisp_frame_seconds( const wisp_frame* frame );
+WISP_API float wisp_frame_dt( const wisp_frame* frame );
 /// Substeps of a step, and iterations of a substep. Which one runs is in the span.
 WISP_API int wisp_frame_substeps( const wisp_frame* frame );
 WISP_API int wisp_frame_iterations( const wisp_frame* frame );
 /// Is the entity left out of passes?
 WISP_API bool wisp_frame_is_halted( wisp_frame* frame, wisp_entity entity );
-/// Leave the entity out of every pass from the next step on; the world counts it and logs the sentence. Thread-safe.
-WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* sentence );
+/// Leave the entity out of every pass from the next step on; the world counts it and logs the message. Thread-safe.
+WISP_API void wisp_frame_halt( wisp_frame* frame, wisp_entity entity, const char* message );
 WISP_API const wisp_kernels* wisp_frame_kernels( wisp_frame* frame );
 /// All workers in an entity pass that runs alone; only the calling worker where many small entities share a wave.
 WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp_span* span );
@@ -209,14 +210,14 @@ WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_
 
 /// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
 /// attaches. @param out receives the entity, null on failure
-WISP_API wisp_status wisp_world_add_plain( wisp_world* world, wisp_entity* out );
+WISP_API wisp_status wisp_world_add_empty( wisp_world* world, wisp_entity* out );
 /// The host's memory, as the world counts it. Valid as long as the world.
 WISP_API const wisp_allocator* wisp_world_allocator( wisp_world* world );
 /// State of a module in this world. @return null when the module is not registered
 WISP_API void* wisp_world_module_state( wisp_world* world, const char* module );
 /// What a module's function on a surface checks first: the module is registered, the entity alive and a surface.
 /// @param state receives the module's state
-/// @return WISP_CONFLICT, WISP_STALE_ID, with a sentence
+/// @return WISP_CONFLICT, WISP_STALE_ID, with a message
 WISP_API wisp_status wisp_world_surface_state( wisp_world* world, const char* module, wisp_entity surface,
                                                void** state );
 /// Give an entity a component: rows are zeroed. Nothing happens if it has it already.
@@ -235,13 +236,13 @@ WISP_API bool wisp_world_reserve( wisp_world* world, void** array, int* capacity
 typedef struct wisp_number_range
 {
     const char* name;
-    float value, low, high;
+    float value, lower, upper;
 } wisp_number_range;
 
 /// Check numbers in their order. @return WISP_BAD_INPUT, "subject: name is value, it must be low to high"
 WISP_API wisp_status wisp_world_check_ranges( wisp_world* world, const char* subject, const wisp_number_range* ranges,
                                               int count );
-/// Keep a sentence for wisp_world_message(), log it, and hand the status back.
+/// Keep a message for wisp_world_message(), log it, and hand the status back.
 WISP_API wisp_status wisp_world_fail( wisp_world* world, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );
 

@@ -8,7 +8,7 @@
 WISP_BEGIN_C
 
 /// What to sample and how. The arrays stay the caller's.
-typedef struct wisp_samples_job
+typedef struct wisp_samples_args
 {
     const float* position; ///< [slot][4] m; 16-byte aligned
     const float* normal;   ///< [slot][4] unit vertex normals, 0 where there is none; null: points get no normals
@@ -34,7 +34,7 @@ typedef struct wisp_samples_job
     float* triangle_extent; ///< [triangle_count][2] base and height that counts were made from; 0 without hysteresis
     int32_t* triangle_axis; ///< [triangle_count] local edge that lines are parallel to
     int32_t* triangle_points; ///< [triangle_count]
-} wisp_samples_job;
+} wisp_samples_args;
 
 /// Count, scan, fill, place (boundary particle paper, sections 2 to 5). Lengths are measured in double precision. Lines of a triangle
 /// run from the first corner of its axis to the second; the lowest of equally short sides is the axis.
@@ -42,7 +42,7 @@ typedef struct wisp_samples_job
 ///        take their place. A change of anything else is met by sampling anew
 /// @return WISP_NO_MEMORY: points are those of the last call
 WISP_API wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel,
-                                          const wisp_kernels* kernels, const wisp_samples_job* job );
+                                          const wisp_kernels* kernels, const wisp_samples_args* args );
 WISP_API void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator );
 
 WISP_END_C

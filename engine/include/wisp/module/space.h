@@ -35,7 +35,7 @@ typedef struct wisp_grid
 /// @param fine > 0: cut cells along the fastest axis into so many, fewer if that makes more than 4 cells an item. Runs of
 ///             cells then fit a radius better; 1: cubes
 /// @return WISP_NO_MEMORY
-WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* quads, int count,
+WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* xyzw, int count,
                                       float cell, int fine );
 WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator );
 
@@ -55,10 +55,10 @@ typedef struct wisp_neighbours
 /// What to look for.
 typedef struct wisp_neighbour_query
 {
-    const float* quads; ///< [query_count][4] x, y, z, owner as int bits
+    const float* xyzw; ///< [query_count][4] x, y, z, owner as int bits
     int query_count;
     float near_radius;     ///< m
-    float shell_radius;    ///< m, above the near radius, or 0 for no shell
+    float skin_radius;     ///< m, above the near radius, or 0 for no shell
     int limit;             ///< at most so many near ones a query, and so many in the shell, the first in slot order
     const int32_t* rename; ///< [slot] number to report for a slot; null: the slot
 } wisp_neighbour_query;

@@ -14,18 +14,18 @@ typedef struct wisp_spring_links
 {
     const int32_t*
         begin; ///< [2 slice_count + 1] first entry of a slice's links that stretch, of those that bend, ...
-    const int32_t ( *other4 )[8]; ///< [entry] rows times 4; a lane's own row pads
-    const float ( *rest )[8];     ///< [entry] m, > 0; 0 pads
-    const float ( *load )[8];     ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
-    const float ( *ramp )[8];     ///< [entry] c of a link that bends, N/m
-    const float ( *damping )[8];  ///< [entry] k_d, N s/m
+    const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads
+    const float ( *rest )[8];       ///< [entry] m, > 0; 0 pads
+    const float ( *load )[8];    ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
+    const float ( *ramp )[8];    ///< [entry] c of a link that bends, N/m
+    const float ( *damping )[8]; ///< [entry] k_d, N s/m
 } wisp_spring_links;
 
 /// Forces and their derivatives at a state, and the linear system of an implicit step (Noh and Jung, eq. 5-17):
 ///
 ///   A dv = b,  A_ij = -( K2 I + e e' ),  A_ii = m I - sum A_ij
 ///   b = m ( v_start - v ) + s f + drag,  drag = s f_damping in a repeat, -( A - M ) v in the first solve
-typedef struct wisp_spring_job
+typedef struct wisp_spring_args
 {
     wisp_spring_links links;
     const float* position; ///< [row][4] m; mass, kg > 0
@@ -42,11 +42,11 @@ typedef struct wisp_spring_job
     float ( *axis )[4][8];    ///< [entry] e in sqrt(kg), K2 in kg
     float ( *rhs )[3][8];     ///< [slice] b, kg m/s
     float ( *inverse )[6][8]; ///< [slice] inverse of A_ii, 1/kg: xx, xy, xz, yy, yz, zz
-} wisp_spring_job;
+} wisp_spring_args;
 
 /// Vectors of conjugate gradients over the springs. Directions stand in quads because neighbours are reached through an
 /// index; everything else is streamed.
-typedef struct wisp_conjugate_job
+typedef struct wisp_conjugate_args
 {
     wisp_spring_links links;
     const float ( *axis )[4][8];
@@ -58,6 +58,6 @@ typedef struct wisp_conjugate_job
     float ( *residual )[3][8];      ///< [slice] r, never filtered
     float ( *solution )[3][8];      ///< [slice] dv
     float ( *search )[3][8];        ///< [slice] S P S r
-} wisp_conjugate_job;
+} wisp_conjugate_args;
 
 WISP_END_C

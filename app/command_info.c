@@ -1,0 +1,426 @@
+#include "commands.h"
+
+#include "file_kind.h"
+#include "info_results.h"
+#include "record.h"
+#include "scene_keys.h"
+#include "world_from_scene.h"
+
+static const char doc[] = "Describe a file, and report what is wrong with it.\n"
+                          "\v"
+                          "Known are grooms (.hair, .tfx), meshes (.obj, .ply), scenes (.yaml, .yml, .json),\n"
+                          "recordings (.wisp, .pc2) and results (.json).\n"
+                          "\n"
+                          "A mesh is checked for open and non-manifold edges, inconsistent winding, inverted\n"
+                          "components, degenerate triangles and more; each finding names the elements. Such\n"
+                          "findings are no failure (status 0). A file that cannot be read is (status 2).\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp info data/bunny.obj\n"
+                          "  wisp info data/scenes/flag.yaml\n"
+                          "\n" STATUS_HELP;
+
+typedef struct info_options
+{
+    const char* argument; // a file, or a block of keys
+    bool keys;
+} info_options;
+
+static const struct argp_option options[] = {
+    { "keys", 'k', NULL, 0, "print every key of a scene, or those of a BLOCK such as surfaces.cloth", 0 },
+    { 0 },
+};
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    info_options* given = state->input;
+    switch ( key )
+    {
+        case 'k':
+            given->keys = true;
+            return 0;
+        case ARGP_KEY_ARG:
+            if ( given->argument )
+            {
+                argp_error( state, "got a second file '%s', expected one", argument );
+            }
+            given->argument = argument;
+            return 0;
+        case ARGP_KEY_END:
+            if ( !given->argument && !given->keys )
+            {
+                argp_error( state, "expected a file" );
+            }
+            return 0;
+        default:
+            return ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- grooms ----
+
+static wisp_status info_groom( const char* path, wisp_error* error )
+{
+    wisp_groom groom;
+    wisp_status status = wisp_groom_read( path, &groom, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    // Describe first and refuse afterwards: the whole list of findings helps more than the first one.
+    status = wisp_groom_info( stdout, &groom, path );
+    if ( status == WISP_OK )
+    {
+        wisp_error cause = { 0 };
+        status = wisp_groom_check( &groom, &cause );
+        if ( status != WISP_OK )
+        {
+            wisp_fail( error, status, "%s: %s", path, cause.message );
+        }
+    }
+    else
+    {
+        wisp_fail( error, status, "%s: cannot be described: %s", path, wisp_status_name( status ) );
+    }
+    wisp_groom_release( &groom );
+    return status;
+}
+
+// ---- meshes ----
+
+static wisp_status info_mesh( const char* path, wisp_error* error )
+{
+    wisp_mesh mesh;
+    wisp_status status = wisp_mesh_read( path, &mesh, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_mesh_info( stdout, &mesh, path );
+    if ( status != WISP_OK )
+    {
+        wisp_fail( error, status, "%s: cannot be examined: %s", path, wisp_status_name( status ) );
+    }
+    wisp_mesh_release( &mesh );
+    return status;
+}
+
+// ---- recordings ----
+
+static wisp_status info_recording( const char* path, wisp_error* error )
+{
+    wisp_recording* recording = NULL;
+    wisp_status status = wisp_recording_open( path, &recording, error );
+    if ( status == WISP_OK )
+    {
+        status = wisp_recording_print( stdout, recording, path, error );
+    }
+    wisp_recording_close( recording );
+    return status;
+}
+
+static wisp_status info_cache( const char* path, wisp_error* error )
+{
+    wisp_pc2* cache = NULL;
+    wisp_status status = wisp_pc2_open( path, &cache, error );
+    if ( status == WISP_OK )
+    {
+        status = wisp_pc2_print( stdout, cache, path, error );
+    }
+    wisp_pc2_close( cache );
+    return status;
+}
+
+// ---- scenes ----
+
+// A line above what a list of the scene has; an empty list has none.
+static void print_count( const char* what, int count )
+{
+    if ( count > 0 )
+    {
+        printf( "%s: %d\n", what, count );
+    }
+}
+
+static const char* shape_name( wisp_groom_shape shape )
+{
+    return shape == WISP_GROOM_STRAIGHT ? "straight" : shape == WISP_GROOM_WAVY ? "wavy" : "curly";
+}
+
+static void print_stages( const wisp_frozen_hair_def* def )
+{
+    printf( "    frozen hair:%s%s%s\n", def->freeze ? " freeze" : "", def->align ? " align" : "",
+            def->clump ? " clump" : "" );
+}
+
+// A number that the scene leaves out comes from the mesh.
+static void print_layer( const wisp_boundary_def* layer )
+{
+    char spacing[40] = "half of the mean edge";
+    if ( layer->spacing > 0.0f )
+    {
+        snprintf( spacing, sizeof spacing, "%g m", (double)layer->spacing );
+    }
+    printf( "    boundary points: %s, spacing %s\n", layer->policy == WISP_SPACING_EVEN ? "even" : "exact", spacing );
+}
+
+static void print_contact( const wisp_contact_def* contact, const char* self )
+{
+    char thickness[48] = "a quarter of the mean edge";
+    if ( contact->thickness > 0.0f )
+    {
+        snprintf( thickness, sizeof thickness, "%g m", (double)contact->thickness );
+    }
+    printf( "    contact%s: thickness %s, friction %g%s\n", self, thickness, (double)contact->friction,
+            contact->enabled ? "" : ", disabled" );
+}
+
+static void print_motion( const wisp_scene* scene, const wisp_scene_strands* entry )
+{
+    static const char* const stretches[] = { "direct", "links", "follow" };
+    static const char* const bends[] = { "rod", "links", "none" };
+    if ( entry->has_dynamics )
+    {
+        printf( "    dynamics: stretch %s, bend %s%s\n", stretches[entry->dynamics.stretch],
+                bends[entry->dynamics.bend], entry->has_grid ? ", grid" : "" );
+    }
+    if ( entry->has_contact )
+    {
+        print_contact( &entry->contact, "" );
+    }
+    if ( entry->on_surface >= 0 )
+    {
+        printf( "    rooted on %s\n", scene->surfaces[entry->on_surface].name );
+    }
+    if ( entry->targets >= 0 )
+    {
+        printf( "    ghosts that follow %s\n", scene->strands[entry->targets].name );
+    }
+}
+
+static void print_strands( const wisp_scene* scene, const wisp_scene_strands* entry, const wisp_groom* groom )
+{
+    printf( "  %s (line %d): %d strands, %d vertices, %d dimensions, ", entry->name, entry->line, groom->strand_count,
+            groom->vertex_count, groom->dimension );
+    if ( entry->is_made )
+    {
+        printf( "generated: %s\n", shape_name( entry->generator.shape ) );
+    }
+    else if ( entry->is_scattered )
+    {
+        printf( "scattered around %s\n", scene->strands[entry->scatter.around].name );
+    }
+    else if ( entry->is_curves )
+    {
+        printf( "curves of %s\n", scene->strands[entry->curves_of].name );
+    }
+    else
+    {
+        printf( "read from %s\n", entry->file );
+    }
+    print_motion( scene, entry );
+    if ( entry->has_frozen_hair )
+    {
+        print_stages( &entry->frozen_hair );
+    }
+    if ( entry->has_environment )
+    {
+        printf( "    climate: %g degrees Celsius, wetness %g\n", (double)entry->environment.temperature,
+                (double)entry->environment.wetness );
+    }
+    if ( entry->has_appearance )
+    {
+        printf( "    appearance: width %g m at the root, %g m at the tip\n", (double)entry->appearance.root_width,
+                (double)entry->appearance.tip_width );
+    }
+    if ( entry->request_points || entry->request_width || entry->request_colour || entry->request_strain ||
+         entry->request_speed || entry->request_motion_stats )
+    {
+        printf( "    requests:%s%s%s%s%s%s\n", entry->request_points ? " points" : "",
+                entry->request_width ? " width" : "", entry->request_colour ? " colour" : "",
+                entry->request_strain ? " strain" : "", entry->request_speed ? " speed" : "",
+                entry->request_motion_stats ? " quality" : "" );
+    }
+}
+
+static const char* source_of( const wisp_scene_mesh* mesh )
+{
+    return mesh->is_made ? "generated" : mesh->file;
+}
+
+static void print_surface( const wisp_scene* scene, const wisp_scene_surface* entry, const wisp_mesh* mesh )
+{
+    printf( "  %s (line %d): %d vertices, %d triangles, ", entry->name, entry->line, mesh->vertex_count,
+            mesh->triangle_count );
+    if ( entry->instance_of >= 0 )
+    {
+        printf( "instance of %s\n", scene->surfaces[entry->instance_of].name );
+    }
+    else
+    {
+        printf( "%s\n", source_of( &entry->mesh ) );
+    }
+    if ( entry->has_cloth || entry->has_balloon )
+    {
+        printf( "    %s\n", entry->has_cloth ? "cloth" : "balloon" );
+    }
+    if ( entry->has_implicit )
+    {
+        printf( "    implicit cloth%s\n", entry->has_quad_links ? ", quad links" : "" );
+    }
+    if ( entry->has_contact )
+    {
+        print_contact( &entry->contact, entry->contact.self ? " and self contact" : "" );
+    }
+    if ( entry->has_boundary )
+    {
+        print_layer( &entry->boundary );
+    }
+}
+
+static wisp_status info_surfaces( const wisp_scene* scene, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    print_count( "surfaces", scene->surface_count );
+    for ( int i = 0; i < scene->surface_count && status == WISP_OK; ++i )
+    {
+        wisp_mesh mesh;
+        status = scene_surface_mesh( scene, i, &mesh, error );
+        if ( status == WISP_OK )
+        {
+            print_surface( scene, &scene->surfaces[i], &mesh );
+            wisp_mesh_release( &mesh );
+        }
+    }
+    return status;
+}
+
+static void print_colliders( const wisp_scene* scene )
+{
+    static const char* const kinds[] = {
+        [WISP_COLLIDER_PLANE] = "plane", [WISP_COLLIDER_SPHERE] = "sphere", [WISP_COLLIDER_CAPSULE] = "capsule",
+        [WISP_COLLIDER_BOX] = "box",     [WISP_COLLIDER_MESH] = "mesh, ",
+    };
+    print_count( "colliders", scene->collider_count );
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        const wisp_scene_collider* entry = &scene->colliders[i];
+        printf( "  %s (line %d): %s%s\n", entry->name, entry->line, kinds[entry->def.kind],
+                entry->def.kind == WISP_COLLIDER_MESH ? source_of( &entry->mesh ) : "" );
+    }
+}
+
+static void print_outputs( const wisp_scene* scene )
+{
+    print_count( "outputs", scene->output_count );
+    for ( int i = 0; i < scene->output_count; ++i )
+    {
+        const wisp_scene_output* output = &scene->outputs[i];
+        printf( "  %s of %s\n", output->file,
+                output->strands >= 0 ? scene->strands[output->strands].name : scene->surfaces[output->surface].name );
+    }
+}
+
+// Reads and checks the files of the scene as a whole: existence alone says little.
+static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    print_count( "strands", scene->strands_count );
+    for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
+    {
+        wisp_groom groom;
+        status = scene_groom( scene, i, &groom, error );
+        if ( status == WISP_OK )
+        {
+            print_strands( scene, &scene->strands[i], &groom );
+            wisp_groom_release( &groom );
+        }
+    }
+    return status;
+}
+
+static wisp_status info_scene( const char* path, wisp_error* error )
+{
+    wisp_scene scene;
+    wisp_status status = wisp_scene_read( path, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n", path,
+            scene.steps * (double)scene.dt, scene.steps, scene.steps == 1 ? "" : "s", 1e3 * (double)scene.dt,
+            scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations, scene.iterations == 1 ? "" : "s" );
+    status = info_strands( &scene, error );
+    if ( status == WISP_OK )
+    {
+        status = info_surfaces( &scene, error );
+    }
+    if ( status == WISP_OK )
+    {
+        print_colliders( &scene );
+        print_count( "hair events", scene.command_count );
+        print_count( "events", scene.event_count );
+        print_outputs( &scene );
+    }
+    wisp_scene_release( &scene );
+    return status;
+}
+
+// ---- any file ----
+
+static wisp_status info_file( const char* path, wisp_error* error )
+{
+    file_kind kind = FILE_UNKNOWN;
+    wisp_status status = file_kind_find( path, &kind, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    switch ( kind )
+    {
+        case FILE_GROOM:
+            return info_groom( path, error );
+        case FILE_MESH:
+            return info_mesh( path, error );
+        case FILE_SCENE:
+            return info_scene( path, error );
+        case FILE_RECORDING:
+            return info_recording( path, error );
+        case FILE_POINT_CACHE:
+            return info_cache( path, error );
+        case FILE_RESULTS:
+            return info_results( path, stdout, error );
+        case FILE_UNKNOWN:
+            break;
+    }
+    return wisp_fail(
+        error, WISP_BAD_INPUT,
+        "%s: unknown kind of file, expected a groom (.hair, .tfx), a mesh (.obj, .ply), a scene (.yaml, .yml, "
+        ".json), a recording (.wisp, .pc2) or results (.json)",
+        path );
+}
+
+static wisp_status info_keys( const char* block, wisp_error* error )
+{
+    return wisp_scene_write_keys( stdout, block ) > 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "--keys: got '%s', expected a block such as surfaces.cloth",
+                            block );
+}
+
+int command_info( int argc, char** argv )
+{
+    info_options given = { 0 };
+    const struct argp parser = {
+        .options = options, .parser = parse, .args_doc = "FILE\n--keys [BLOCK]", .doc = doc
+    };
+    argp_parse( &parser, argc, argv, 0, NULL, &given );
+
+    wisp_error error = { 0 };
+    wisp_status status = given.keys ? info_keys( given.argument, &error ) : info_file( given.argument, &error );
+    if ( ( fflush( stdout ) != 0 || ferror( stdout ) ) && status == WISP_OK )
+    {
+        status = wisp_fail( &error, WISP_IO_ERROR, "standard output: the description could not be written" );
+    }
+    return status == WISP_OK ? STATUS_GOOD : command_fail( &error );
+}

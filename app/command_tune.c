@@ -1,0 +1,248 @@
+#include "commands.h"
+
+#include "tune_report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define DEFAULT_LIMIT 300.0
+
+typedef struct tune_options
+{
+    const char* scene;
+    tune_scene_def search;
+    results_format format;
+    const char* output; ///< where the tuned scene goes, or null
+} tune_options;
+
+// ---- the command line ----
+
+enum
+{
+    KEY_ERROR = 'e',
+    KEY_BUDGET = 'b',
+    KEY_SECONDS = 's',
+    KEY_WORKERS = 'w',
+    KEY_FORMAT = 'f',
+    KEY_OUTPUT = 'o',
+    KEY_LIMIT = 256,
+};
+
+static const char doc[] = "Find the cheapest configuration of a scene within an error, or the most accurate\n"
+                          "one within a time.\n"
+                          "\v"
+                          "Tuned are, as far as the scene uses them: substeps and iterations; tethers and\n"
+                          "levels of cloth; tolerance and Newton iterations of implicit cloth; stretch passes\n"
+                          "of strands. Configurations are timed on this machine, which should be idle.\n"
+                          "\n"
+                          "The error is a root mean square distance in metres, over all points and 12 samples\n"
+                          "of time, from a reference: the same scene with 16 times the finest substeps,\n"
+                          "without tethers and levels. Chaotic scenes, such as crumpling cloth, cannot meet a\n"
+                          "small error.\n"
+                          "\n"
+                          "--output writes the scene with the changed keys, and everything else as it was, if\n"
+                          "the target is met.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp tune data/scenes/hanging_cloth.yaml --error 0.005\n"
+                          "  wisp tune data/scenes/hanging_cloth.yaml --budget 2 -o data/scenes/tuned.yaml\n"
+                          "\n" STATUS_HELP_UNMET( "no configuration meets the target" );
+
+static const struct argp_option option_list[] = {
+    { 0, 0, 0, 0, "Target, one of:", 1 },
+    { "error", KEY_ERROR, "METRES", 0, "Cheapest configuration with at most this error", 1 },
+    { "budget", KEY_BUDGET, "MS", 0, "Most accurate configuration within MS ms per step", 1 },
+    { 0, 0, 0, 0, "Search:", 2 },
+    { "seconds", KEY_SECONDS, "S", 0, "Simulate S seconds per run; default: the scene, at most 2", 2 },
+    { "limit", KEY_LIMIT, "SECONDS", 0, "Start no run after this time, default 300", 2 },
+    { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 2 },
+    { 0, 0, 0, 0, "Output:", 3 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 3 },
+    { "output", KEY_OUTPUT, "FILE", 0, "Write the tuned scene to FILE; default: not written", 3 },
+    { 0 },
+};
+
+static void check( struct argp_state* state, const tune_options* options )
+{
+    if ( ( options->search.error > 0.0 ) == ( options->search.budget_ms > 0.0 ) )
+    {
+        argp_error( state, "expected one of --error and --budget" );
+    }
+}
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    tune_options* options = state->input;
+    switch ( key )
+    {
+        case KEY_ERROR:
+            options->search.error = option_positive( state, "--error", argument, 1e6 );
+            return 0;
+        case KEY_BUDGET:
+            options->search.budget_ms = option_positive( state, "--budget", argument, 1e6 );
+            return 0;
+        case KEY_SECONDS:
+            options->search.seconds = option_positive( state, "--seconds", argument, 1e6 );
+            return 0;
+        case KEY_LIMIT:
+            options->search.limit = option_positive( state, "--limit", argument, 1e9 );
+            return 0;
+        case KEY_WORKERS:
+            options->search.world.workers = option_whole( state, "--workers", argument, 1, WISP_MAX_WORKERS );
+            return 0;
+        case KEY_FORMAT:
+            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
+                                                           RESULTS_FORMAT_COUNT );
+            return 0;
+        case KEY_OUTPUT:
+            options->output = argument;
+            return 0;
+        case ARGP_KEY_SUCCESS:
+            check( state, options );
+            return 0;
+        default:
+            return option_input( state, key, argument, "scene", &options->scene ) ? 0 : ARGP_ERR_UNKNOWN;
+    }
+}
+
+// ---- the scene's file ----
+
+static int folder_length( const char* path )
+{
+    const char* slash = strrchr( path, '/' );
+    return slash ? (int)( slash - path ) + 1 : 0;
+}
+
+static bool reads_files( const wisp_scene* scene )
+{
+    bool reads = false;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        reads |= scene->strands[i].file != NULL;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        reads |= scene->surfaces[i].mesh.file != NULL;
+    }
+    for ( int i = 0; i < scene->collider_count; ++i )
+    {
+        reads |= scene->colliders[i].mesh.file != NULL;
+    }
+    return reads;
+}
+
+static wisp_status edit_scene( const tune_options* options, const tune_parameters* parameters,
+                               const int* configuration, const wisp_scene* scene, const char* to, wisp_error* error )
+{
+    wisp_scene_edit* edits;
+    int count;
+    wisp_status status = tune_parameters_edits( parameters, configuration, scene, &edits, &count, error );
+    status = status == WISP_OK ? wisp_scene_edit_file( options->scene, edits, count, to, error ) : status;
+    free( edits );
+    return status;
+}
+
+// Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter is
+// in one of the configurations that are tried.
+static wisp_status check_output( const tune_options* options, const tune_parameters* parameters,
+                                 const wisp_scene* scene, wisp_error* error )
+{
+    const int length = folder_length( options->scene );
+    if ( reads_files( scene ) && ( length != folder_length( options->output ) ||
+                                   strncmp( options->scene, options->output, (size_t)length ) != 0 ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT,
+                          "%s: reads files of its folder, so the tuned scene %s must be in the same folder",
+                          options->scene, options->output );
+    }
+    wisp_status status = WISP_OK;
+    for ( int value = 0; value < WISP_TUNE_MAX_VALUES && status == WISP_OK; ++value )
+    {
+        int configuration[WISP_TUNE_MAX_PARAMETERS], longest = 0;
+        for ( int k = 0; k < parameters->count; ++k )
+        {
+            const int last = parameters->parameters[k].value_count - 1;
+            configuration[k] = value < last ? value : last;
+            longest = last > longest ? last : longest;
+        }
+        status = value <= longest ? edit_scene( options, parameters, configuration, scene, NULL, error ) : WISP_OK;
+    }
+    return status;
+}
+
+// Writes the scene and reads it again: the file must hold the chosen configuration.
+static wisp_status write_scene( const tune_options* options, const tune_parameters* parameters,
+                                const int* configuration, const wisp_scene* scene, wisp_error* error )
+{
+    wisp_status status = edit_scene( options, parameters, configuration, scene, options->output, error );
+    wisp_scene written;
+    status = status == WISP_OK ? wisp_scene_read( options->output, &written, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    if ( !tune_parameters_agree( parameters, configuration, &written ) )
+    {
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: the written scene differs from the chosen configuration",
+                            options->output );
+    }
+    wisp_scene_release( &written );
+    return status;
+}
+
+// ---- the command ----
+
+static wisp_status tune( tune_options* options, const wisp_scene* scene, const tune_parameters* parameters,
+                         results* out, bool* meets_target, wisp_error* error )
+{
+    wisp_tune_result found;
+    tune_scene_info info;
+    options->search.parameters = parameters;
+    wisp_status status = options->output ? check_output( options, parameters, scene, error ) : WISP_OK;
+    status = status == WISP_OK ? command_check_writable( options->output, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = tune_scene_search( &options->search, &found, &info, error );
+    if ( status == WISP_OK )
+    {
+        *meets_target = found.meets_target;
+        tune_report( out, &options->search, &info, &found );
+    }
+    if ( status == WISP_OK && options->output && found.meets_target )
+    {
+        status = write_scene( options, parameters, found.configuration, scene, error );
+        results_add_note( out, "written: %s", options->output );
+    }
+    else if ( status == WISP_OK && options->output )
+    {
+        results_add_note( out, "not written: %s", options->output );
+    }
+    wisp_tune_release( &found );
+    return status;
+}
+
+int command_tune( int argc, char** argv )
+{
+    tune_options options = { .search = { .limit = DEFAULT_LIMIT } };
+    const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &options );
+
+    // The scene is read twice: the fields of the second copy change from run to run.
+    wisp_error error = { 0 };
+    wisp_scene scene, varied = { 0 };
+    wisp_status status = wisp_scene_read( options.scene, &scene, &error );
+    status = status == WISP_OK ? wisp_scene_read( options.scene, &varied, &error ) : status;
+    options.search.scene = &varied;
+    tune_parameters parameters;
+    status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;
+    results out = { 0 };
+    bool meets_target = false;
+    status = status == WISP_OK ? tune( &options, &scene, &parameters, &out, &meets_target, &error ) : status;
+    status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
+    results_free( &out );
+    wisp_scene_release( &varied );
+    wisp_scene_release( &scene );
+    return status != WISP_OK ? command_fail( &error ) : meets_target ? STATUS_GOOD : STATUS_UNMET;
+}

@@ -1,0 +1,287 @@
+#include "tune_parameters.h"
+
+#include "tune_fields.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert( (int)FIELD_COUNT <= WISP_TUNE_MAX_PARAMETERS, "a scene may have all of them" );
+_Static_assert( (int)FIELD_COUNT <= 7 && 3 * 3 * 3 * 3 * 3 * 3 * 3 <= WISP_TUNE_MAX_SETTINGS,
+                "three values of each can be searched" );
+
+// ---- which parameters there are ----
+
+// Implicit cloth has its own loop: the scene's iterations change it only where something else is solved for with it.
+static bool uses_iterations( const wisp_scene* scene )
+{
+    bool uses = false;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        uses |= !scene->surfaces[i].has_implicit;
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        uses |= scene->strands[i].has_dynamics;
+    }
+    return uses;
+}
+
+static bool moves( const wisp_scene* scene )
+{
+    bool does = scene->surface_count > 0;
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        does |= scene->strands[i].has_dynamics;
+    }
+    return does;
+}
+
+// ---- values ----
+
+// Rising, but for what gets finer as it falls. Equal as floats is equal: the scene's own came from one.
+static void insert_value( tune_parameters* out, double value, bool is_falling )
+{
+    wisp_tune_parameter* parameter = &out->parameters[out->count];
+    double* values = out->values[out->count];
+    int place = parameter->value_count;
+    while ( place > 0 && ( is_falling ? values[place - 1] < value : values[place - 1] > value ) )
+    {
+        --place;
+    }
+    if ( place > 0 && (float)values[place - 1] == (float)value )
+    {
+        return;
+    }
+    // A float that is a hair below its decimal stands behind it.
+    if ( place < parameter->value_count && (float)values[place] == (float)value )
+    {
+        return;
+    }
+    memmove( values + place + 1, values + place, (size_t)( parameter->value_count - place ) * sizeof *values );
+    values[place] = value;
+    ++parameter->value_count;
+}
+
+static void add_parameter( tune_parameters* out, int which, double own )
+{
+    const tune_field* f = &tune_fields[which];
+    out->fields[out->count] = which;
+    out->parameters[out->count] = ( wisp_tune_parameter ){ .name = f->name,
+                                                           .values = out->values[out->count],
+                                                           .is_unordered = f->is_unordered };
+    for ( int i = 0; i < TUNE_CANDIDATES_MAX && f->candidates[i] > 0.0; ++i )
+    {
+        insert_value( out, f->candidates[i], f->is_falling );
+    }
+    if ( own > 0.0 )
+    {
+        insert_value( out, own, f->is_falling );
+    }
+    if ( f->is_unordered )
+    {
+        out->values[out->count][out->parameters[out->count].value_count++] = 0.0;
+    }
+    ++out->count;
+}
+
+// ---- a scene of everything ----
+
+static int setting_count( const tune_parameters* parameters )
+{
+    int count = 1;
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        count *= parameters->parameters[k].value_count;
+    }
+    return count;
+}
+
+// The roughest value between both ends that is not the scene's own goes.
+static void drop_value( const wisp_scene* scene, tune_parameters* parameters, int k )
+{
+    double own = 0.0;
+    tune_field_own( scene, parameters->fields[k], &own );
+    double* values = parameters->values[k];
+    const int place = (float)values[1] == (float)own ? 2 : 1;
+    const int behind = --parameters->parameters[k].value_count - place;
+    memmove( values + place, values + place + 1, (size_t)behind * sizeof *values );
+}
+
+// Few scenes have all parameters; theirs may make more settings than can be searched. The longest lose values until there are
+// few enough, as three of each are.
+static void thin_out( const wisp_scene* scene, tune_parameters* parameters )
+{
+    while ( setting_count( parameters ) > WISP_TUNE_MAX_SETTINGS )
+    {
+        int longest = 0;
+        for ( int k = 1; k < parameters->count; ++k )
+        {
+            longest =
+                parameters->parameters[k].value_count > parameters->parameters[longest].value_count ? k : longest;
+        }
+        drop_value( scene, parameters, longest );
+    }
+}
+
+wisp_status tune_parameters_find( const wisp_scene* scene, tune_parameters* out, wisp_error* error )
+{
+    *out = ( tune_parameters ){ .level_passes = tune_level_passes( scene ) };
+    if ( !moves( scene ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: nothing in the scene moves, so there is nothing to tune",
+                          scene->name );
+    }
+    for ( int which = 0; which < FIELD_COUNT; ++which )
+    {
+        double own;
+        if ( tune_field_own( scene, which, &own ) && ( which != FIELD_ITERATIONS || uses_iterations( scene ) ) )
+        {
+            add_parameter( out, which, own );
+        }
+    }
+    thin_out( scene, out );
+    return WISP_OK;
+}
+
+void tune_parameters_set( const tune_parameters* parameters, const int* configuration, wisp_scene* scene )
+{
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        const int which = parameters->fields[k];
+        for ( int i = 0; i < tune_field_entries( scene, which ); ++i )
+        {
+            if ( tune_field_is_in( scene, which, i ) )
+            {
+                tune_field_set( scene, which, i, parameters->values[k][configuration[k]], parameters->level_passes );
+            }
+        }
+    }
+}
+
+// ---- the file ----
+
+static void value_text( int which, double value, char* out, size_t size )
+{
+    if ( which == FIELD_TETHERS )
+    {
+        snprintf( out, size, "%s", value > 0.0 ? "true" : "false" );
+    }
+    else
+    {
+        snprintf( out, size, "%.7g", value );
+    }
+}
+
+void tune_parameters_text( const tune_parameters* parameters, int parameter, double value, char* out, size_t size )
+{
+    if ( parameters->fields[parameter] == FIELD_LEVELS )
+    {
+        snprintf( out, size, value > 0.0 ? "finest %.0f" : "off", value );
+    }
+    else
+    {
+        value_text( parameters->fields[parameter], value, out, size );
+    }
+}
+
+/// What must change.
+typedef struct edit_list
+{
+    wisp_scene_edit* edits; // room for EDITS_MAX an entry and parameter
+    int count;
+} edit_list;
+
+#define EDITS_MAX 3
+
+// @return the edit, which takes its key out as long as it has no value
+static wisp_scene_edit* add_edit( edit_list* list, int which, int entry )
+{
+    const tune_field* f = &tune_fields[which];
+    wisp_scene_edit* edit = &list->edits[list->count++];
+    *edit = ( wisp_scene_edit ){ .list = f->list, .index = entry, .block = f->block, .key = f->key };
+    return edit;
+}
+
+static void add_whole_edit( edit_list* list, int surface, const char* block, const char* key, int own, int requested )
+{
+    if ( own != requested )
+    {
+        wisp_scene_edit* edit = add_edit( list, FIELD_LEVELS, surface );
+        edit->block = block;
+        edit->key = key;
+        snprintf( edit->value, sizeof edit->value, "%d", requested );
+    }
+}
+
+// A file has levels, passes over them and where they begin, or it has no levels: then nothing may say where they begin,
+// whether it did so before or left it at its default. An instance has passes alone.
+static void add_level_edits( const tune_parameters* parameters, const wisp_scene* scene, int entry, double value,
+                             edit_list* list )
+{
+    const wisp_scene_surface* surface = &scene->surfaces[entry];
+    const bool is_on = value > 0.0, is_own = surface->instance_of < 0;
+    if ( !is_on && tune_field_value( scene, FIELD_LEVELS, entry ) == 0.0 )
+    {
+        return;
+    }
+    add_whole_edit( list, entry, "cloth", "level_passes", surface->cloth.level_passes,
+                    is_on ? parameters->level_passes : 0 );
+    if ( is_own && is_on )
+    {
+        add_whole_edit( list, entry, NULL, "levels", surface->levels,
+                        surface->levels == 0 ? TUNE_LEVELS : surface->levels );
+        add_whole_edit( list, entry, NULL, "finest_level", surface->finest_level, (int)value );
+    }
+    else if ( is_own )
+    {
+        add_whole_edit( list, entry, NULL, "levels", surface->levels, 0 );
+        add_edit( list, FIELD_LEVELS, entry );
+    }
+}
+
+static void add_edits( const tune_parameters* parameters, int parameter, double value, const wisp_scene* scene,
+                       edit_list* list )
+{
+    const int which = parameters->fields[parameter];
+    for ( int i = 0; i < tune_field_entries( scene, which ); ++i )
+    {
+        if ( tune_field_is_in( scene, which, i ) && which == FIELD_LEVELS )
+        {
+            add_level_edits( parameters, scene, i, value, list );
+        }
+        else if ( tune_field_is_in( scene, which, i ) && (float)tune_field_value( scene, which, i ) != (float)value )
+        {
+            wisp_scene_edit* edit = add_edit( list, which, i );
+            value_text( which, value, edit->value, sizeof edit->value );
+        }
+    }
+}
+
+wisp_status tune_parameters_edits( const tune_parameters* parameters, const int* configuration,
+                                   const wisp_scene* scene, wisp_scene_edit** out, int* count, wisp_error* error )
+{
+    const size_t entries = (size_t)scene->surface_count + (size_t)scene->strands_count + 1;
+    edit_list list = { .edits = malloc( EDITS_MAX * entries * (size_t)parameters->count * sizeof *list.edits + 1 ) };
+    *out = list.edits;
+    *count = 0;
+    if ( !list.edits )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the changes", scene->name );
+    }
+    for ( int k = 0; k < parameters->count; ++k )
+    {
+        add_edits( parameters, k, parameters->values[k][configuration[k]], scene, &list );
+    }
+    *count = list.count;
+    return WISP_OK;
+}
+
+bool tune_parameters_agree( const tune_parameters* parameters, const int* configuration, const wisp_scene* scene )
+{
+    wisp_scene_edit* edits;
+    int count;
+    const bool knows = tune_parameters_edits( parameters, configuration, scene, &edits, &count, NULL ) == WISP_OK;
+    free( edits );
+    return knows && count == 0;
+}

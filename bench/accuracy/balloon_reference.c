@@ -1,0 +1,81 @@
+#include "balloon_reference.h"
+
+#include "oracle/balloon_oracle.h"
+
+#include <math.h>
+
+// V of the rest shape, by the slots of the fabric.
+static double rest_volume( const wisp_fabric* f )
+{
+    double sum = 0.0;
+    for ( int t = 0; t < f->triangle_count; ++t )
+    {
+        const int32_t* c = f->triangles + 3 * (size_t)t;
+        const wisp_vec3 p = f->rest[c[0]], q = f->rest[c[1]], r = f->rest[c[2]];
+        const double qx = (double)q.x, qy = (double)q.y, qz = (double)q.z;
+        const double rx = (double)r.x, ry = (double)r.y, rz = (double)r.z;
+        sum += (double)p.x * ( qy * rz - qz * ry ) + (double)p.y * ( qz * rx - qx * rz ) +
+               (double)p.z * ( qx * ry - qy * rx );
+    }
+    return sum / 6.0;
+}
+
+typedef struct elastic_skin
+{
+    double sum, volume, atmosphere; // N m; m^3, at rest; Pa
+    bool is_linear;
+} elastic_skin;
+
+static elastic_skin skin_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+{
+    return ( elastic_skin ){ balloon_stiffness_sum( fabric, def ), rest_volume( fabric ),
+                             (double)def->atmospheric_pressure, is_linear };
+}
+
+// What the skin holds grows with s up to 2, and what the gas presses falls, so there is one s.
+static double find_scale( const elastic_skin* skin, double gas_ratio )
+{
+    double lower = 1.0, upper = cbrt( gas_ratio );
+    for ( int i = 0; i < 60; ++i )
+    {
+        const double s = 0.5 * ( lower + upper ), volume = s * s * s;
+        const double pressed = skin->atmosphere * ( gas_ratio - volume ) / ( skin->is_linear ? gas_ratio : volume );
+        const double held = balloon_oracle_true_scaled_pressure( skin->sum, skin->volume, s );
+        *( held < pressed ? &lower : &upper ) = s;
+    }
+    return lower;
+}
+
+balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear )
+{
+    const elastic_skin skin = skin_of( fabric, def, is_linear );
+    const double s = find_scale( &skin, (double)def->gas_ratio );
+    return ( balloon_equilibrium ){ s, balloon_oracle_true_scaled_pressure( skin.sum, skin.volume, s ), skin.volume };
+}
+
+double balloon_fill_after( const wisp_fabric* fabric, const wisp_balloon_def* def, double seconds )
+{
+    enum
+    {
+        PRIMITIVES = 200,
+    };
+    const elastic_skin skin = skin_of( fabric, def, true );
+    const double density =
+        balloon_oracle_density( skin.atmosphere, (double)def->gas_molar_mass, (double)def->temperature );
+    const double h = seconds / PRIMITIVES;
+    double gas_ratio = (double)def->gas_ratio;
+    for ( int i = 0; i < PRIMITIVES; ++i )
+    {
+        static const double at[] = { 0.0, 0.5, 0.5, 1.0 }, weight[] = { 1.0, 2.0, 2.0, 1.0 };
+        double rate = 0.0, sum = 0.0;
+        for ( int k = 0; k < 4; ++k )
+        {
+            const double there = fmax( 1.0, gas_ratio + at[k] * h * rate ), s = find_scale( &skin, there );
+            const double pressure = balloon_oracle_true_scaled_pressure( skin.sum, skin.volume, s );
+            rate = -(double)def->outlet_area * balloon_oracle_outlet_speed( pressure, density ) / skin.volume;
+            sum += weight[k] * rate / 6.0;
+        }
+        gas_ratio = fmax( 1.0, gas_ratio + h * sum );
+    }
+    return gas_ratio;
+}

@@ -1,0 +1,56 @@
+/// The reference file of a comparison: where every vertex of a converged run in double precision is at every look. Made by
+/// bench/reference, read by the benchmark.
+///
+///     bytes                    what, all of it little-endian
+///     8                        "WISPTRUT"
+///     u32 [4]                  version, scenario, vertices, looks
+///     u64                      hash of the mesh
+///     f64 [COMPARE_INFO]      what the cloth is made of, see compare_reference_info()
+///     f64 [4]                  steps a second in the window and on to rest, order of the integrator, worst residual
+///     looks of f64 [6]         time, hem, strain, energy, slack, doubt
+///         and f32 [vertices][3]
+///     u64                      FNV-1a of all bytes before
+#pragma once
+
+#include "compare_scene.h"
+
+#define COMPARE_INFO 12
+#define COMPARE_LOOKS_MAX 64
+#define COMPARE_VERTICES_MAX 65536
+
+typedef struct compare_reference_look
+{
+    double time;       ///< s
+    compare_look look; ///< of the run in double
+    double doubt;      ///< m, root mean square distance to the run of twice the step
+} compare_reference_look;
+
+typedef struct compare_reference
+{
+    int scenario, vertex_count;
+    int look_count; ///< those of the window, and one at rest
+    uint64_t mesh_hash;
+    double info[COMPARE_INFO];
+    double rate, rest_rate; ///< steps a second until the last look of the window, and after it
+    double order;           ///< 1 Euler, 2 BDF2
+    double residual;        ///< worst of Newton's method, over the impulse of the cloth's weight in a step
+    compare_reference_look looks[COMPARE_LOOKS_MAX];
+    float* points; ///< [look_count][vertex_count][3]
+} compare_reference;
+
+/// The numbers that a reference and a scene must agree in.
+void compare_reference_info( const compare_physics* physics, double info[COMPARE_INFO] );
+
+/// Read bytes that nobody vouches for.
+/// @param name what the message calls them
+/// @return WISP_BAD_INPUT too short, too long, not a reference, or broken; WISP_NO_MEMORY; out is then empty
+wisp_status compare_reference_parse( const void* bytes, size_t size, const char* name, compare_reference* out,
+                                     wisp_error* error );
+/// @return WISP_IO_ERROR the operating system refused, else as compare_reference_parse()
+wisp_status compare_reference_read( const char* path, compare_reference* out, wisp_error* error );
+/// Whether it is the reference of this scene. @return WISP_BAD_INPUT the message says what differs
+wisp_status compare_reference_check( const compare_reference* reference, const compare_scene* scene, const char* name,
+                                     wisp_error* error );
+/// @return WISP_IO_ERROR, WISP_NO_MEMORY
+wisp_status compare_reference_write( const compare_reference* reference, const char* path, wisp_error* error );
+void compare_reference_free( compare_reference* reference );

@@ -1,0 +1,20 @@
+/// One run of a comparison's scene in double precision, with its looks.
+#pragma once
+
+#include "compare_reference.h"
+
+typedef struct reference_plan
+{
+    triangle_oracle_integrator integrator;
+    double rate;      ///< steps a second in the window
+    double rest_rate; ///< and after it, until the scene is looked at once more
+    bool has_rest;    ///< else the last look is left at 0
+} reference_plan;
+
+/// @param points [look_count][vertex_count][3] in double; the last look is the one at rest. The caller frees it
+/// @return WISP_CONFLICT a step did not converge
+wisp_status reference_run( const compare_scene* scene, const reference_plan* plan, compare_reference* out,
+                           double** points, wisp_error* error );
+
+/// Root mean square distance of two looks, m.
+double reference_distance( const double* a, const double* b, int vertex_count );

@@ -1,0 +1,53 @@
+/// The race of the case `strands`: what is measured for each size, and its tables.
+#pragma once
+
+#include "strands_bench.h"
+
+#define STRANDS_SETTINGS_MAX 8
+
+enum
+{
+    STRANDS_PLAIN_SWEEP,
+    STRANDS_PLAIN_TRIDIAGONAL,
+    STRANDS_PLAIN_COUNT,
+};
+
+/// What one way to solve showed at one size.
+typedef struct strands_line
+{
+    stats_summary ms[STRANDS_WORKERS_MAX];
+    double stretch_max, stretch_mean; ///< averages over the looks
+    double error;                     ///< share of a strand's length, root mean square over vertices
+    uint64_t hash;                    ///< ours only
+    uint64_t laid;                    ///< strands laid out from the root so far
+    int halted_at;
+} strands_line;
+
+/// Medians of passes, for the table of kernels.
+typedef struct strands_kernel_times
+{
+    int pass_count;
+    struct
+    {
+        char name[64];
+        double seconds[STRANDS_WORKERS_MAX];
+    } passes[24];
+} strands_kernel_times;
+
+typedef struct strands_comparison_size
+{
+    int strands;
+    int setting_count;
+    int plain_count; ///< 0: too slow to wait for
+    strands_line plain[STRANDS_PLAIN_COUNT];
+    strands_line ours[STRANDS_SETTINGS_MAX];
+    strands_kernel_times kernels[STRANDS_SETTINGS_MAX];
+} strands_comparison_size;
+
+extern const strands_setting strands_comparison_settings[];
+extern const int strands_comparison_setting_count;
+extern const char* const strands_plain_names[STRANDS_PLAIN_COUNT];
+
+/// Tables, rows and claims of a race.
+void strands_comparison_write( const strands_plan* plan, const strands_comparison_size* sizes, int count,
+                               results* out );

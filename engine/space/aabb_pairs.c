@@ -1,0 +1,542 @@
+// Pairs of boxes, whatever searches: blocks of queries put their lists into a pool as they come, and the lists are then
+// joined in the order of the queries.
+#include "box_search.h"
+
+#include "alloc.h"
+
+#include <string.h>
+
+enum
+{
+    QUERIES_GRAIN = 128,
+    JOIN_GRAIN = 1024,
+    POOL_CHUNK = 1024,                                           // entries that a block takes at once
+    MAX_WAITING = 32,                                            // lists
+    ROOM_SHARED = WISP_MAX_SHARED_AABBS + 2 * BOX_FOUND_PADDING, // entries of a list where several ask at once
+    ROOM_WAITING = 128,                                          // entries of a list that waits, on the average
+    MAX_RANKED = 96, // longer lists are put in order faster by their digits
+    MAX_INSERTED = 24,
+    DIGIT = 8,
+    DIGITS = 1 << DIGIT,
+};
+
+enum
+{
+    BUFFER_BEGIN,
+    BUFFER_ITEM,
+    BUFFER_POOL,
+    BUFFER_PLACE,
+    BUFFER_GRID,                     // and the three behind it
+    BUFFER_COOKIE = BUFFER_GRID + 4, // the grid itself, for those who ask again
+};
+
+// Entries of lists. The place of a list depends on timing; its contents and the amount used do not.
+typedef struct pair_pool
+{
+    int32_t* entries;
+    size_t capacity;
+    _Atomic size_t used;
+} pair_pool;
+
+// What the blocks of a search share.
+typedef struct pair_search
+{
+    const wisp_aabb_args* args;
+    const wisp_parallel* parallel;
+    const wisp_aabb* queries;
+    int query_count;
+    wisp_pair_search search;
+    box_grid grid;
+    const struct wisp_aabb_tree* tree;
+    const int32_t* order; // of asking, null: as they come
+    int order_count;
+    pair_pool pool;
+    size_t* place;  // [query] of its list in the pool
+    int32_t* begin; // [query + 1] while searching: how many the query before has
+    int32_t* item;
+    _Atomic uint64_t tested, overlapping;
+    _Atomic bool starved;
+} pair_search;
+
+// ---- order ----
+
+static void order_by_insertion( const int32_t* items, int count, int32_t* out )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        int32_t item = items[i];
+        int at = i;
+        for ( ; at > 0 && out[at - 1] > item; --at )
+        {
+            out[at] = out[at - 1];
+        }
+        out[at] = item;
+    }
+}
+
+// By digits, lowest first. Items and scratch change places, and the last digit goes to `out`.
+static void order_by_digits( int32_t* items, int count, int32_t below, int32_t* scratch, int32_t* out )
+{
+    int32_t *from = items, *to = scratch;
+    for ( int shift = 0; shift < 32; shift += DIGIT )
+    {
+        bool is_last = shift + DIGIT >= 31 || below >> ( shift + DIGIT ) == 0;
+        int32_t* target = is_last ? out : to;
+        int32_t begin[DIGITS + 1] = { 0 };
+        for ( int i = 0; i < count; ++i )
+        {
+            ++begin[( from[i] >> shift & ( DIGITS - 1 ) ) + 1];
+        }
+        for ( int d = 0; d < DIGITS; ++d )
+        {
+            begin[d + 1] += begin[d];
+        }
+        for ( int i = 0; i < count; ++i )
+        {
+            target[begin[from[i] >> shift & ( DIGITS - 1 )]++] = from[i];
+        }
+        if ( is_last )
+        {
+            return;
+        }
+        to = from;
+        from = target;
+    }
+}
+
+static void put_in_order( const pair_search* s, int32_t* items, int count, int32_t* scratch, int32_t* out )
+{
+    const wisp_kernels* kernels = s->args->kernels;
+    if ( kernels != NULL && count <= MAX_RANKED )
+    {
+        kernels->rank_order( items, count, out );
+    }
+    else if ( count <= MAX_INSERTED )
+    {
+        order_by_insertion( items, count, out );
+    }
+    else
+    {
+        order_by_digits( items, count, s->args->box_count, scratch, out );
+    }
+}
+
+// ---- asking ----
+
+static void find_by_brute_force( const wisp_aabb_args* args, box_question* q )
+{
+    wisp_aabb_group* g = &q->group;
+    wisp_aabb query;
+    memcpy( &query, g->box[0], sizeof( query ) );
+    for ( int i = g->above[0] + 1; i < args->box_count; ++i )
+    {
+        bool is_hit = box_is_valid( args->boxes + i ) && wisp_aabb_overlaps( &query, args->boxes + i );
+        g->found[0][g->found_count[0]] = i;
+        g->found_count[0] += is_hit ? 1 : 0;
+        ++q->tested;
+    }
+}
+
+typedef struct pool_chunk
+{
+    size_t at, end;
+} pool_chunk;
+
+// Reserve a list, perhaps beyond the capacity of the pool.
+static size_t take_room( pair_pool* pool, pool_chunk* chunk, size_t count )
+{
+    if ( chunk->end - chunk->at < count + BOX_FOUND_PADDING )
+    {
+        size_t size = count + BOX_FOUND_PADDING > POOL_CHUNK ? count + BOX_FOUND_PADDING : POOL_CHUNK;
+        chunk->at = atomic_fetch_add_explicit( &pool->used, size, memory_order_relaxed );
+        chunk->end = chunk->at + size;
+    }
+    size_t at = chunk->at;
+    chunk->at += count;
+    return at;
+}
+
+// A list that waits to be put in order.
+typedef struct found_list
+{
+    int32_t* items;
+    int query, count;
+} found_list;
+
+// What a block of a search keeps. Lists are put in order some time after they were found: how long a list is decides what
+// is done with it, and a processor that guesses wrong should not have to wait for the answer as well.
+typedef struct search_block
+{
+    pair_search* search;
+    int32_t* area;    // of lists that wait
+    int32_t* next;    // where the next one goes
+    int32_t* full;    // no further lists from here on
+    int32_t* scratch; // to put a list in order
+    pool_chunk chunk;
+    box_question question;
+    uint64_t overlapping;
+    int waiting_count;
+    found_list waiting[MAX_WAITING + WISP_SLICE];
+} search_block;
+
+static void filter_list( search_block* b, found_list* list )
+{
+    const wisp_aabb_args* args = b->search->args;
+    b->overlapping += (uint64_t)list->count;
+    if ( args->filter != NULL && list->count > 0 )
+    {
+        list->count = args->filter( args->filter_context, list->query, list->items, list->count );
+    }
+}
+
+static void keep_lists( search_block* b )
+{
+    pair_search* s = b->search;
+    for ( int i = 0; i < b->waiting_count; ++i )
+    {
+        found_list* list = b->waiting + i;
+        filter_list( b, list );
+        size_t count = (size_t)list->count, at = take_room( &s->pool, &b->chunk, count );
+        if ( at + count + BOX_FOUND_PADDING <= s->pool.capacity )
+        {
+            put_in_order( s, list->items, list->count, b->scratch, s->pool.entries + at );
+        }
+        s->place[list->query] = at;
+        s->begin[list->query + 1] = list->count;
+    }
+    b->waiting_count = 0;
+    b->next = b->area;
+}
+
+// @return false if the grid needs them one by one
+static bool ask_together( search_block* b, const int32_t* queries, int count )
+{
+    const pair_search* s = b->search;
+    box_question* q = &b->question;
+    const bool is_self = s->args->queries == NULL;
+    q->group.count = count;
+    q->group.found[0] = b->next;
+    for ( int l = 0; l < count; ++l )
+    {
+        memcpy( q->group.box[l], s->queries + queries[l], sizeof( wisp_aabb ) );
+        q->group.above[l] = is_self ? queries[l] : -1;
+        q->group.found_count[l] = 0;
+    }
+    switch ( s->search )
+    {
+        case WISP_PAIR_SEARCH_TREE:
+            box_tree_find( s->tree, q );
+            break;
+        case WISP_PAIR_SEARCH_BRUTE:
+            find_by_brute_force( s->args, q );
+            break;
+        default:
+            if ( !box_grid_find( &s->grid, q ) )
+            {
+                return false;
+            }
+            break;
+    }
+    for ( int l = 0; l < count; ++l )
+    {
+        found_list list = { q->group.found[l], queries[l], q->group.found_count[l] };
+        b->next = list.items + list.count + BOX_FOUND_PADDING;
+        b->waiting[b->waiting_count++] = list;
+    }
+    return true;
+}
+
+static void ask_group( search_block* b, const int32_t* queries, int count )
+{
+    bool is_done = ask_together( b, queries, count );
+    for ( int l = 0; l < count && !is_done; ++l )
+    {
+        ask_together( b, queries + l, 1 );
+        if ( b->next >= b->full )
+        {
+            keep_lists( b );
+        }
+    }
+    if ( b->next >= b->full || b->waiting_count >= MAX_WAITING )
+    {
+        keep_lists( b );
+    }
+}
+
+static int find_group_end( const pair_search* s, int first, int end )
+{
+    int last = first + 1;
+    if ( s->order != NULL )
+    {
+        // boxes of one cell ask for the same cells
+        const int32_t* cell_of = s->grid.cell_of;
+        const int32_t cell = cell_of[s->order[first]];
+        end = end < first + WISP_SLICE ? end : first + WISP_SLICE;
+        while ( last < end && cell_of[s->order[last]] == cell )
+        {
+            ++last;
+        }
+    }
+    return last;
+}
+
+static void search_queries( void* context, int begin, int end, int worker )
+{
+    pair_search* s = context;
+    search_block b = { .search = s };
+    const size_t boxes = (size_t)s->args->box_count + 2 * BOX_FOUND_PADDING, shared = WISP_SLICE * ROOM_SHARED;
+    const size_t room = boxes > shared ? boxes : shared, area = room + MAX_WAITING * ROOM_WAITING;
+    b.area = b.next = wisp_parallel_scratch( s->parallel, worker, ( area + boxes ) * sizeof( int32_t ) );
+    if ( b.area == NULL )
+    {
+        atomic_store( &s->starved, true );
+        return;
+    }
+    b.full = b.area + ( area - room );
+    b.scratch = b.area + area;
+    for ( int i = begin, last; i < end; i = last )
+    {
+        last = find_group_end( s, i, end );
+        if ( s->order != NULL )
+        {
+            ask_group( &b, s->order + i, last - i );
+        }
+        else if ( box_is_valid( s->queries + i ) )
+        {
+            ask_group( &b, &( int32_t ){ i }, 1 );
+        }
+    }
+    keep_lists( &b );
+    atomic_fetch_add_explicit( &s->tested, b.question.tested, memory_order_relaxed );
+    atomic_fetch_add_explicit( &s->overlapping, b.overlapping, memory_order_relaxed );
+}
+
+// ---- joining ----
+
+static void join_lists( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const pair_search* s = context;
+    for ( int first = begin, last; first < end; first = last )
+    {
+        // lists that lie one behind the other are copied at once
+        size_t place = s->place[first];
+        size_t count = (size_t)( s->begin[first + 1] - s->begin[first] );
+        for ( last = first + 1; last < end && s->place[last] == place + count; ++last )
+        {
+            count += (size_t)( s->begin[last + 1] - s->begin[last] );
+        }
+        if ( count > 0 )
+        {
+            memcpy( s->item + s->begin[first], s->pool.entries + place, count * sizeof( int32_t ) );
+        }
+    }
+}
+
+static uint64_t count_pairs( const pair_search* s )
+{
+    uint64_t pairs = 0;
+    for ( int i = 0; i < s->query_count; ++i )
+    {
+        pairs += (uint64_t)s->begin[i + 1];
+    }
+    return pairs;
+}
+
+static wisp_status search_once( pair_search* s, wisp_buffer* pool )
+{
+    s->pool.entries = pool->data;
+    s->pool.capacity = pool->size / sizeof( int32_t );
+    atomic_store( &s->pool.used, 0 );
+    atomic_store( &s->tested, 0 );
+    atomic_store( &s->overlapping, 0 );
+    // boxes without a query have no list
+    memset( s->begin, 0, ( (size_t)s->query_count + 1 ) * sizeof( int32_t ) );
+    for ( int i = 0; i < s->query_count; ++i )
+    {
+        s->place[i] = 0;
+    }
+    wisp_parallel_for( s->parallel, s->order_count, QUERIES_GRAIN, search_queries, s );
+    return atomic_load( &s->starved ) ? WISP_NO_MEMORY : WISP_OK;
+}
+
+static wisp_status check_limit( const wisp_aabb_args* args, uint64_t pairs, wisp_error* error )
+{
+    uint64_t limit = args->limit > 0 && args->limit < INT32_MAX ? args->limit : INT32_MAX;
+    if ( pairs > limit )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "boxes: got %llu overlapping pairs, expected at most %llu",
+                          (unsigned long long)pairs, (unsigned long long)limit );
+    }
+    return WISP_OK;
+}
+
+static wisp_status fail_memory( const wisp_aabb_args* args, wisp_error* error )
+{
+    return wisp_fail( error, WISP_NO_MEMORY, "out of memory to find pairs among %d boxes", args->box_count );
+}
+
+// The first search measures, the second fills; warm buffers need one.
+static wisp_status search_until_it_fits( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
+{
+    const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
+    wisp_buffer* pool = pairs->buffers + BUFFER_POOL;
+    uint64_t count = 0;
+    for ( bool fits = false; !fits; )
+    {
+        if ( search_once( s, pool ) != WISP_OK )
+        {
+            return fail_memory( s->args, error );
+        }
+        count = count_pairs( s );
+        wisp_status status = check_limit( s->args, count, error );
+        if ( status != WISP_OK )
+        {
+            return status;
+        }
+        size_t used = atomic_load( &s->pool.used );
+        fits = used <= s->pool.capacity;
+        if ( !fits && !wisp_buffer_reserve( pool, allocator, used * sizeof( int32_t ) ) )
+        {
+            return fail_memory( s->args, error );
+        }
+    }
+    if ( !wisp_buffer_reserve( pairs->buffers + BUFFER_ITEM, allocator, (size_t)count * sizeof( int32_t ) ) )
+    {
+        return fail_memory( s->args, error );
+    }
+    s->item = pairs->buffers[BUFFER_ITEM].data;
+    for ( int i = 0; i < s->query_count; ++i )
+    {
+        s->begin[i + 1] += s->begin[i];
+    }
+    wisp_parallel_for( s->parallel, s->query_count, JOIN_GRAIN, join_lists, s );
+    pairs->pair_count = (size_t)count;
+    return WISP_OK;
+}
+
+// ---- the search as a whole ----
+
+wisp_pair_search wisp_aabb_pairs_choose( const wisp_aabb_args* args )
+{
+    if ( args->search != WISP_PAIR_SEARCH_AUTO && args->search != WISP_PAIR_SEARCH_TREE )
+    {
+        return args->search;
+    }
+    return args->search == WISP_PAIR_SEARCH_TREE && box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID;
+}
+
+static bool make_grid( pair_search* s, wisp_aabb_pairs* pairs, const wisp_allocator* allocator )
+{
+    wisp_buffer* made = pairs->buffers + BUFFER_COOKIE;
+    if ( s->args->again )
+    {
+        WISP_ASSERT( made->data != NULL && s->args->queries != NULL );
+        memcpy( &s->grid, made->data, sizeof( s->grid ) );
+        return true;
+    }
+    if ( wisp_buffer_reserve( made, allocator, sizeof( s->grid ) ) == false ||
+         box_grid_build( &s->grid, pairs->buffers + BUFFER_GRID, s->parallel, s->args ) != WISP_OK )
+    {
+        return false;
+    }
+    memcpy( made->data, &s->grid, sizeof( s->grid ) );
+    return true;
+}
+
+static wisp_status prepare( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
+{
+    const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
+    const size_t count = (size_t)s->query_count;
+    if ( !wisp_buffer_reserve( pairs->buffers + BUFFER_BEGIN, allocator, ( count + 1 ) * sizeof( int32_t ) ) ||
+         !wisp_buffer_reserve( pairs->buffers + BUFFER_PLACE, allocator, count * sizeof( size_t ) ) )
+    {
+        return fail_memory( s->args, error );
+    }
+    s->begin = pairs->buffers[BUFFER_BEGIN].data;
+    s->place = pairs->buffers[BUFFER_PLACE].data;
+    s->order_count = s->query_count;
+    if ( s->search == WISP_PAIR_SEARCH_TREE )
+    {
+        wisp_status status = s->args->again ? WISP_OK : box_tree_update( &pairs->tree, allocator, s->args, error );
+        s->tree = pairs->tree;
+        return status;
+    }
+    if ( s->search == WISP_PAIR_SEARCH_GRID && make_grid( s, pairs, allocator ) == false )
+    {
+        return fail_memory( s->args, error );
+    }
+    if ( s->search == WISP_PAIR_SEARCH_GRID && s->args->queries == NULL )
+    {
+        // boxes that ask each other do so in the order of slots, where neighbours have just been looked at
+        s->order = s->grid.stream.item;
+        s->order_count = s->grid.slot_count;
+    }
+    return WISP_OK;
+}
+
+static void forget( wisp_aabb_pairs* pairs )
+{
+    pairs->query_count = 0;
+    pairs->pair_count = 0;
+    pairs->begin = NULL;
+    pairs->item = NULL;
+    pairs->tested = 0;
+    pairs->build_seconds = pairs->query_seconds = 0.0;
+}
+
+wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* parallel, const wisp_aabb_args* args,
+                                  wisp_error* error )
+{
+    WISP_ASSERT( args->box_count >= 0 && ( args->queries == NULL || args->query_count >= 0 ) );
+    pair_search s = {
+        .args = args,
+        .parallel = parallel,
+        .queries = args->queries != NULL ? args->queries : args->boxes,
+        .query_count = args->queries != NULL ? args->query_count : args->box_count,
+        .search = wisp_aabb_pairs_choose( args ),
+    };
+    forget( pairs );
+    pairs->search = s.search;
+    double begin = wisp_clock_seconds();
+    wisp_status status = prepare( &s, pairs, error );
+    double middle = wisp_clock_seconds();
+    status = status == WISP_OK ? search_until_it_fits( &s, pairs, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    pairs->query_count = s.query_count;
+    pairs->begin = s.begin;
+    pairs->item = s.item;
+    pairs->tested = atomic_load( &s.tested );
+    if ( s.search == WISP_PAIR_SEARCH_TREE )
+    {
+        // decay of the tree is told by the boxes, whatever counts as a pair
+        box_tree_note( pairs->tree, pairs->tested, atomic_load( &s.overlapping ) + (uint64_t)s.query_count );
+    }
+    box_tree_counts( pairs->tree, &pairs->build_count, &pairs->refit_count );
+    pairs->build_seconds = middle - begin;
+    pairs->query_seconds = wisp_clock_seconds() - middle;
+    return WISP_OK;
+}
+
+void wisp_aabb_pairs_release( wisp_aabb_pairs* pairs, const wisp_allocator* allocator )
+{
+    for ( int i = 0; i < WISP_COUNT( pairs->buffers ); ++i )
+    {
+        wisp_buffer_release( pairs->buffers + i, allocator );
+    }
+    box_tree_release( pairs->tree, allocator );
+    *pairs = ( wisp_aabb_pairs ){ 0 };
+}
+
+size_t wisp_aabb_pairs_bytes( const wisp_aabb_pairs* pairs )
+{
+    size_t bytes = box_tree_bytes( pairs->tree );
+    for ( int i = 0; i < WISP_COUNT( pairs->buffers ); ++i )
+    {
+        bytes += pairs->buffers[i].size;
+    }
+    return bytes;
+}

@@ -1,0 +1,287 @@
+// Triangle meshes for queries: the surface, its search, and the answer.
+#include "collision_mesh_embree.h"
+#include "voxels.h"
+
+#include "alloc.h"
+
+#include <string.h>
+
+struct wisp_collision_mesh
+{
+    mesh_surface surface;
+    wisp_mesh_search search;
+    embree_tree* embree; ///< null when searched by voxels
+    voxels voxels;       ///< zero when searched by a tree
+    bool deforms;
+    float* spare; ///< [point_count][4] where points were, should an update fail; null for a rigid mesh
+    int open_edge_count, flat_triangle_count;
+};
+
+// ---- life ----
+
+static size_t spare_bytes( const wisp_collision_mesh* tree )
+{
+    return (size_t)tree->surface.point_count * 4 * sizeof( float );
+}
+
+static wisp_status check_search( const wisp_collision_mesh_def* def, wisp_error* error )
+{
+    if ( (unsigned)def->search >= (unsigned)WISP_MESH_SEARCH_COUNT )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got search %d, which does not exist",
+                          (int)def->search );
+    }
+    if ( !( def->voxel_size >= 0.0f && def->voxel_size <= WISP_COLLISION_MESH_REACH ) )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got voxels of %g m, expected 0 to %g m",
+                          (double)def->voxel_size, (double)WISP_COLLISION_MESH_REACH );
+    }
+    return WISP_OK;
+}
+
+static wisp_status make_search( wisp_collision_mesh* tree, const wisp_collision_mesh_def* def, wisp_error* error )
+{
+    if ( def->deforms )
+    {
+        tree->spare = base_allocate( &tree->surface.allocator, spare_bytes( tree ), BASE_BUFFER_ALIGNMENT );
+        if ( tree->spare == NULL )
+        {
+            return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
+        }
+    }
+    if ( def->search == WISP_MESH_SEARCH_TREE )
+    {
+        return embree_tree_create( &tree->surface, def, &tree->embree, error );
+    }
+    tree->voxels.size_queried = (double)def->voxel_size;
+    tree->voxels.max_bytes = def->memory_limit;
+    return voxels_build( &tree->voxels, &tree->surface, error );
+}
+
+wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
+                                        wisp_collision_mesh** out, wisp_error* error )
+{
+    *out = NULL;
+    mesh_surface surface = { 0 };
+    wisp_status status = check_search( def, error );
+    status = status == WISP_OK ? mesh_surface_build( &surface, def, allocator, error ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    wisp_collision_mesh* tree = base_allocate( &surface.allocator, sizeof( *tree ), BASE_BUFFER_ALIGNMENT );
+    if ( tree == NULL )
+    {
+        mesh_surface_release( &surface );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
+    }
+    *tree = ( wisp_collision_mesh ){ .surface = surface, .search = def->search, .deforms = def->deforms };
+    status = make_search( tree, def, error );
+    if ( status != WISP_OK )
+    {
+        wisp_collision_mesh_release( tree );
+        return status;
+    }
+    tree->open_edge_count = mesh_surface_count_open_edges( &tree->surface );
+    tree->flat_triangle_count = mesh_surface_count_flat_triangles( &tree->surface );
+    *out = tree;
+    return WISP_OK;
+}
+
+void wisp_collision_mesh_release( wisp_collision_mesh* tree )
+{
+    if ( tree == NULL )
+    {
+        return;
+    }
+    wisp_allocator allocator = tree->surface.allocator;
+    embree_tree_release( tree->embree );
+    voxels_release( &tree->voxels, &allocator );
+    base_release( &allocator, tree->spare, spare_bytes( tree ) );
+    mesh_surface_release( &tree->surface );
+    base_release( &allocator, tree, sizeof( *tree ) );
+}
+
+size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree )
+{
+    return sizeof( *tree ) + tree->surface.bytes + ( tree->spare != NULL ? spare_bytes( tree ) : 0 ) +
+           ( tree->embree != NULL ? embree_tree_bytes( tree->embree ) : voxels_bytes( &tree->voxels ) );
+}
+
+wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* tree )
+{
+    wisp_collision_mesh_stats info = { .open_edge_count = tree->open_edge_count,
+                                       .flat_triangle_count = tree->flat_triangle_count,
+                                       .search = tree->search };
+    if ( tree->embree != NULL )
+    {
+        embree_tree_counts( tree->embree, &info.build_count, &info.refit_count );
+        return info;
+    }
+    info.build_count = tree->voxels.build_count;
+    info.voxel_size = (float)tree->voxels.size;
+    info.voxel_count = tree->voxels.voxel_count;
+    info.coarse = tree->voxels.coarse;
+    return info;
+}
+
+// ---- updates ----
+
+wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_vec3* points, wisp_error* error )
+{
+    if ( !tree->deforms )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "mesh collider: is rigid, so its points cannot move" );
+    }
+    wisp_status status = mesh_surface_check_points( points, tree->surface.point_count, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    memcpy( tree->spare, tree->surface.xyzw, spare_bytes( tree ) );
+    mesh_surface_set_points( &tree->surface, points );
+    status = tree->embree != NULL ? embree_tree_update( tree->embree, error )
+                                  : voxels_build( &tree->voxels, &tree->surface, error );
+    if ( status == WISP_OK )
+    {
+        return WISP_OK;
+    }
+
+    // restore the old state; voxels had memory for it before
+    memcpy( tree->surface.xyzw, tree->spare, spare_bytes( tree ) );
+    mesh_surface_find_extent( &tree->surface );
+    if ( tree->embree != NULL )
+    {
+        embree_tree_return( tree->embree );
+        return status;
+    }
+    wisp_status back = voxels_build( &tree->voxels, &tree->surface, NULL );
+    WISP_ASSERT( back == WISP_OK );
+    (void)back;
+    return status;
+}
+
+// ---- queries ----
+
+static bool is_reachable( wisp_vec3 p )
+{
+    const float r = WISP_COLLISION_MESH_REACH; // false for NaN
+    return fabsf( p.x ) <= r && fabsf( p.y ) <= r && fabsf( p.z ) <= r;
+}
+
+static bool has_answers( const wisp_collision_mesh* tree )
+{
+    return tree->embree == NULL || embree_tree_answers( tree->embree );
+}
+
+static void add_work( wisp_collision_mesh_query_stats* sum, const wisp_collision_mesh_query_stats* work )
+{
+    if ( sum != NULL )
+    {
+        sum->queried += work->queried;
+        sum->answered += work->answered;
+        sum->refused += work->refused;
+        sum->tested += work->tested;
+    }
+}
+
+static bool find_closest( const wisp_collision_mesh* tree, const wisp_mesh_query* query, wisp_mesh_nearest* out,
+                          uint64_t* tested )
+{
+    mesh_closest search = mesh_closest_begin( &tree->surface, query );
+    if ( tree->embree != NULL )
+    {
+        embree_tree_find_closest( tree->embree, &search );
+    }
+    else
+    {
+        voxels_find_closest( &tree->voxels, &search );
+    }
+    *tested += search.tested;
+    if ( search.triangle >= 0 )
+    {
+        mesh_surface_describe( &tree->surface, search.triangle, &search.best, search.point, out );
+    }
+    return search.triangle >= 0;
+}
+
+void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_query* queries, int count,
+                                  wisp_mesh_nearest* nearest, wisp_collision_mesh_query_stats* sum )
+{
+    wisp_collision_mesh_query_stats work = { .queried = (uint64_t)( count > 0 ? count : 0 ) };
+    for ( int i = 0; i < count; ++i )
+    {
+        nearest[i] = ( wisp_mesh_nearest ){ .triangle = -1 };
+        if ( !is_reachable( queries[i].point ) || !( queries[i].radius >= 0.0f ) || !has_answers( tree ) )
+        {
+            ++work.refused;
+            continue;
+        }
+        work.answered += find_closest( tree, queries + i, nearest + i, &work.tested ) ? 1 : 0;
+    }
+    if ( tree->embree != NULL )
+    {
+        embree_tree_note( tree->embree, work.queried - work.refused, work.tested );
+    }
+    add_work( sum, &work );
+}
+
+static void describe_intersection( const mesh_cast* search, wisp_mesh_hit* hit )
+{
+    const triangle_intersection* c = &search->best;
+    triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, search->triangle );
+    double3 normal = double3_unit_or_zero( triangle_normal( &t ) );
+    double side = c->from_front ? 1.0 : -1.0;
+    *hit = ( wisp_mesh_hit ){
+        .triangle = search->triangle,
+        .time = (float)c->time,
+        .side = (float)side,
+        .point = double3_narrow( double3_mul_add( search->from, c->time, double3_sub( search->to, search->from ) ) ),
+        .normal = double3_narrow( double3_scale( normal, side ) ),
+        .weights = { (float)c->weights[0], (float)c->weights[1], (float)c->weights[2] },
+    };
+}
+
+static bool find_intersection( const wisp_collision_mesh* tree, const wisp_mesh_path* path, wisp_mesh_hit* hit,
+                               wisp_collision_mesh_query_stats* work )
+{
+    mesh_cast search = mesh_cast_begin( &tree->surface, path );
+    if ( tree->embree == NULL )
+    {
+        voxels_find_intersection( &tree->voxels, &search );
+    }
+    else if ( !embree_tree_find_intersection( tree->embree, &search ) )
+    {
+        ++work->refused;
+    }
+    work->tested += search.tested;
+    if ( search.triangle >= 0 )
+    {
+        describe_intersection( &search, hit );
+    }
+    return search.triangle >= 0;
+}
+
+static bool has_length( const wisp_mesh_path* path )
+{
+    return path->from.x != path->to.x || path->from.y != path->to.y || path->from.z != path->to.z;
+}
+
+void wisp_collision_mesh_cast( wisp_collision_mesh* tree, const wisp_mesh_path* paths, int count, wisp_mesh_hit* hits,
+                               wisp_collision_mesh_query_stats* sum )
+{
+    wisp_collision_mesh_query_stats work = { .queried = (uint64_t)( count > 0 ? count : 0 ) };
+    for ( int i = 0; i < count; ++i )
+    {
+        hits[i] = ( wisp_mesh_hit ){ .triangle = -1 };
+        if ( !is_reachable( paths[i].from ) || !is_reachable( paths[i].to ) || !has_answers( tree ) )
+        {
+            ++work.refused;
+        }
+        else if ( has_length( paths + i ) )
+        {
+            work.answered += find_intersection( tree, paths + i, hits + i, &work ) ? 1 : 0;
+        }
+    }
+    add_work( sum, &work );
+}

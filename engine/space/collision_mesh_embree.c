@@ -1,0 +1,367 @@
+// Search by Embree. It finds candidates in single precision; mesh_search.h decides which is closest or hit first. Rounding must
+// not lose a candidate, or answers would depend on how the tree was built. Embree's own triangles lose some, because their test
+// accepts more than the boxes in front of it. So this is a user geometry, whose boxes are widened by more than the rounding of a
+// ray and its traversal (about 1e-6 of the largest coordinate, because rays are clipped to the mesh first).
+#include "collision_mesh_embree.h"
+
+#include "embree_compat.h"
+
+#include "alloc.h"
+
+#if WISP_HAS_EMBREE
+
+#include <stdatomic.h>
+#include <string.h>
+
+static const double WIDENING = 4e-6; // of the mesh's largest coordinate
+
+enum
+{
+    DECAY_QUERIES = 64, // fewer than these do not tell how well a tree does
+};
+
+struct embree_tree
+{
+    const mesh_surface* surface;
+    RTCDevice device;
+    RTCScene scene;
+    RTCGeometry geometry;
+    bool deforms;
+    bool is_lost;               ///< an update failed and so did the way back: nothing is found until one succeeds
+    double tested_when_new;     ///< triangles a query, 0 while not known
+    atomic_int fault;           ///< first error of Embree since it was last looked at
+    _Atomic int64_t node_bytes; ///< Embree's own
+    int64_t max_node_bytes;     ///< 0: no limit
+    _Atomic uint64_t queried, tested; ///< closest points, since the last update
+    int build_count, refit_count;
+};
+
+// ---- boxes ----
+
+static float find_widening( const mesh_surface* s )
+{
+    return (float)( WIDENING * s->largest + MIN_SEARCH_SLACK );
+}
+
+static void find_box( const struct RTCBoundsFunctionArguments* arguments )
+{
+    const embree_tree* tree = arguments->geometryUserPtr;
+    const mesh_surface* s = tree->surface;
+    const int32_t* number = s->triangles + 3 * (size_t)arguments->primID;
+    const float *a = s->xyzw + 4 * (size_t)number[0], *b = s->xyzw + 4 * (size_t)number[1],
+                *c = s->xyzw + 4 * (size_t)number[2];
+    float lower[3], upper[3], widening = find_widening( s );
+    for ( int k = 0; k < 3; ++k )
+    {
+        lower[k] = fminf( a[k], fminf( b[k], c[k] ) ) - widening;
+        upper[k] = fmaxf( a[k], fmaxf( b[k], c[k] ) ) + widening;
+    }
+    struct RTCBounds* box = arguments->bounds_o;
+    box->lower_x = lower[0];
+    box->lower_y = lower[1];
+    box->lower_z = lower[2];
+    box->upper_x = upper[0];
+    box->upper_y = upper[1];
+    box->upper_z = upper[2];
+}
+
+// ---- life ----
+
+static void note_fault( void* user, enum RTCError code, const char* text )
+{
+    (void)text;
+    embree_tree* tree = user;
+    int none = 0;
+    atomic_compare_exchange_strong( &tree->fault, &none, (int)code );
+}
+
+static bool watch_memory( void* user, ssize_t bytes, bool is_taken )
+{
+    embree_tree* tree = user;
+    int64_t sum = atomic_fetch_add( &tree->node_bytes, (int64_t)bytes ) + (int64_t)bytes;
+    bool is_fine = bytes <= 0 || tree->max_node_bytes == 0 || sum <= tree->max_node_bytes;
+    if ( !is_fine && !is_taken )
+    {
+        atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // a block that is refused is never given back
+    }
+    return is_fine;
+}
+
+static wisp_status take_fault( embree_tree* tree, const char* what, wisp_error* error )
+{
+    int fault = atomic_exchange( &tree->fault, 0 );
+    if ( fault == (int)RTC_ERROR_NONE )
+    {
+        return WISP_OK;
+    }
+    if ( fault == (int)RTC_ERROR_OUT_OF_MEMORY )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "Embree: out of memory to %s a collider of %d triangles", what,
+                          tree->surface->triangle_count );
+    }
+    return wisp_fail( error, WISP_CONFLICT, "Embree: cannot %s a collider of %d triangles, error %d", what,
+                      tree->surface->triangle_count, fault );
+}
+
+static void collect_intersection( const struct RTCIntersectFunctionNArguments* arguments );
+
+static wisp_status open_device( embree_tree* tree, wisp_error* error )
+{
+    // One thread, the caller's: Embree's own would fight with the engine's workers.
+    tree->device = rtcNewDevice( "threads=1" );
+    if ( tree->device == NULL )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "Embree: cannot start, error %d", (int)rtcGetDeviceError( NULL ) );
+    }
+    rtcSetDeviceErrorFunction( tree->device, note_fault, tree );
+    rtcSetDeviceMemoryMonitorFunction( tree->device, watch_memory, tree );
+    if ( rtcGetDeviceProperty( tree->device, RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED ) == 0 )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "Embree: built without user geometry, which mesh colliders need" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status build_scene( embree_tree* tree, wisp_error* error )
+{
+    tree->scene = rtcNewScene( tree->device );
+    tree->geometry = rtcNewGeometry( tree->device, RTC_GEOMETRY_TYPE_USER );
+    if ( tree->scene != NULL && tree->geometry != NULL )
+    {
+        RTCGeometry g = tree->geometry;
+        rtcSetSceneFlags( tree->scene,
+                          tree->deforms ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC : RTC_SCENE_FLAG_ROBUST );
+        rtcSetSceneBuildQuality( tree->scene, tree->deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM );
+        rtcSetGeometryBuildQuality( g, tree->deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM );
+        rtcSetGeometryUserPrimitiveCount( g, (unsigned)tree->surface->triangle_count );
+        rtcSetGeometryMask( g, 0xffffffffu ); // version 4 has another default than version 3
+        rtcSetGeometryUserData( g, tree );
+        rtcSetGeometryBoundsFunction( g, find_box, NULL );
+        rtcSetGeometryIntersectFunction( g, collect_intersection );
+        rtcCommitGeometry( g );
+        rtcAttachGeometryByID( tree->scene, g, 0 );
+        rtcCommitScene( tree->scene );
+    }
+    tree->build_count = 1;
+    return take_fault( tree, "build", error );
+}
+
+wisp_status embree_tree_create( const mesh_surface* surface, const wisp_collision_mesh_def* def, embree_tree** out,
+                                wisp_error* error )
+{
+    *out = NULL;
+    embree_tree* tree = base_allocate( &surface->allocator, sizeof( *tree ), BASE_BUFFER_ALIGNMENT );
+    if ( tree == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a mesh collider" );
+    }
+    memset( tree, 0, sizeof( *tree ) );
+    tree->surface = surface;
+    tree->deforms = def->deforms;
+    tree->max_node_bytes = def->memory_limit < INT64_MAX ? (int64_t)def->memory_limit : INT64_MAX;
+    wisp_status status = open_device( tree, error );
+    status = status == WISP_OK ? build_scene( tree, error ) : status;
+    if ( status != WISP_OK )
+    {
+        embree_tree_release( tree );
+        return status;
+    }
+    *out = tree;
+    return WISP_OK;
+}
+
+void embree_tree_release( embree_tree* tree )
+{
+    if ( tree == NULL )
+    {
+        return;
+    }
+    if ( tree->geometry != NULL )
+    {
+        rtcReleaseGeometry( tree->geometry );
+    }
+    if ( tree->scene != NULL )
+    {
+        rtcReleaseScene( tree->scene );
+    }
+    if ( tree->device != NULL )
+    {
+        rtcReleaseDevice( tree->device );
+    }
+    base_release( &tree->surface->allocator, tree, sizeof( *tree ) );
+}
+
+size_t embree_tree_bytes( const embree_tree* tree )
+{
+    int64_t nodes = atomic_load( &tree->node_bytes );
+    return sizeof( *tree ) + ( nodes > 0 ? (size_t)nodes : 0 );
+}
+
+void embree_tree_counts( const embree_tree* tree, int* build_count, int* refit_count )
+{
+    *build_count = tree->build_count;
+    *refit_count = tree->refit_count;
+}
+
+// ---- updates ----
+
+static wisp_status commit( embree_tree* tree, bool rebuild, wisp_error* error )
+{
+    if ( rebuild )
+    {
+        // a newly attached geometry cannot be refitted
+        rtcDetachGeometry( tree->scene, 0 );
+        rtcAttachGeometryByID( tree->scene, tree->geometry, 0 );
+    }
+    rtcCommitGeometry( tree->geometry );
+    rtcCommitScene( tree->scene );
+    return take_fault( tree, rebuild ? "rebuild" : "refit", error );
+}
+
+// Triangles a query looked at, against those when the tree was new. The first update with enough queries behind it sets
+// the measure.
+static bool has_decayed( embree_tree* tree )
+{
+    uint64_t queried = atomic_exchange( &tree->queried, 0 ), tested = atomic_exchange( &tree->tested, 0 );
+    if ( queried < DECAY_QUERIES )
+    {
+        return false;
+    }
+    double mean = (double)tested / (double)queried;
+    if ( tree->tested_when_new == 0.0 )
+    {
+        tree->tested_when_new = mean;
+        return false;
+    }
+    return mean > 1.5 * tree->tested_when_new;
+}
+
+wisp_status embree_tree_update( embree_tree* tree, wisp_error* error )
+{
+    bool rebuild = has_decayed( tree ) || tree->is_lost;
+    wisp_status status = commit( tree, rebuild, error );
+    if ( status == WISP_OK )
+    {
+        tree->is_lost = false;
+        tree->tested_when_new = rebuild ? 0.0 : tree->tested_when_new;
+        tree->build_count += rebuild ? 1 : 0;
+        tree->refit_count += rebuild ? 0 : 1;
+    }
+    return status;
+}
+
+// Better nothing than something wrong.
+void embree_tree_return( embree_tree* tree )
+{
+    tree->is_lost = tree->is_lost || commit( tree, true, NULL ) != WISP_OK;
+}
+
+bool embree_tree_answers( const embree_tree* tree )
+{
+    return !tree->is_lost;
+}
+
+void embree_tree_note( embree_tree* tree, uint64_t queried, uint64_t tested )
+{
+    atomic_fetch_add_explicit( &tree->queried, queried, memory_order_relaxed );
+    atomic_fetch_add_explicit( &tree->tested, tested, memory_order_relaxed );
+}
+
+// ---- closest points ----
+
+static bool measure_triangle( struct RTCPointQueryFunctionArguments* arguments )
+{
+    mesh_closest* search = arguments->userPtr;
+    if ( !mesh_closest_propose( search, (int32_t)arguments->primID ) )
+    {
+        return false;
+    }
+    float radius = (float)mesh_closest_radius( search );
+    bool is_smaller = radius < arguments->query->radius;
+    arguments->query->radius = is_smaller ? radius : arguments->query->radius;
+    return is_smaller;
+}
+
+void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
+{
+    // the point came as floats
+    struct RTCPointQuery ball = { .x = (float)search->point.x,
+                                  .y = (float)search->point.y,
+                                  .z = (float)search->point.z,
+                                  .time = 0.0f,
+                                  .radius = (float)mesh_closest_radius( search ) };
+    struct RTCPointQueryContext context;
+    rtcInitPointQueryContext( &context );
+    rtcPointQuery( tree->scene, &ball, &context, measure_triangle, search );
+}
+
+// ---- paths ----
+
+typedef struct ray_search
+{
+    embree_context context; ///< first: Embree hands its address back
+    mesh_cast* sweep;
+    double begin; ///< m along the path, where the ray starts
+} ray_search;
+
+// The ray ends a little behind the intersection, so that all which are as early stay candidates.
+static void collect_intersection( const struct RTCIntersectFunctionNArguments* arguments )
+{
+    ray_search* search = (ray_search*)(void*)arguments->context;
+    mesh_cast* sweep = search->sweep;
+    if ( mesh_cast_propose( sweep, (int32_t)arguments->primID ) )
+    {
+        struct RTCRay* ray = &( (struct RTCRayHit*)(void*)arguments->rayhit )->ray;
+        float end = (float)fmax( sweep->best.time * sweep->length - search->begin + sweep->slack, 0.0 );
+        ray->tfar = fminf( ray->tfar, end );
+    }
+}
+
+// A ray of unit direction along the clipped path. It outlasts the path at its end; at its beginning the widened boxes
+// do the same.
+static struct RTCRay make_ray( const mesh_cast* sweep, double begin, double end )
+{
+    double3 step = double3_sub( sweep->to, sweep->from );
+    double3 origin = double3_mul_add( sweep->from, begin, step );
+    double3 direction = double3_scale( step, 1.0 / sweep->length );
+    return ( struct RTCRay ){ .org_x = (float)origin.x,
+                              .org_y = (float)origin.y,
+                              .org_z = (float)origin.z,
+                              .tnear = 0.0f,
+                              .dir_x = (float)direction.x,
+                              .dir_y = (float)direction.y,
+                              .dir_z = (float)direction.z,
+                              .tfar = (float)( ( end - begin ) * sweep->length + sweep->slack ),
+                              .mask = 0xffffffffu };
+}
+
+static bool clip( const mesh_cast* sweep, double* begin, double* end )
+{
+    double lower[3], upper[3];
+    for ( int k = 0; k < 3; ++k )
+    {
+        lower[k] = (double)sweep->surface->lower[k] - sweep->slack;
+        upper[k] = (double)sweep->surface->upper[k] + sweep->slack;
+    }
+    return mesh_cast_clip( sweep, lower, upper, begin, end );
+}
+
+bool embree_tree_find_intersection( const embree_tree* tree, mesh_cast* sweep )
+{
+    double begin, end;
+    if ( !clip( sweep, &begin, &end ) )
+    {
+        return true;
+    }
+    struct RTCRayHit ray = { .ray = make_ray( sweep, begin, end ), .hit = { .geomID = RTC_INVALID_GEOMETRY_ID } };
+    if ( !embree_is_ray_fine( &ray.ray ) )
+    {
+        return false;
+    }
+    ray_search search = { .sweep = sweep, .begin = begin * sweep->length };
+    embree_init_context( &search.context );
+    embree_intersect( tree->scene, &search.context, &ray );
+    return true;
+}
+
+#endif

@@ -1,0 +1,111 @@
+// Statistics of a balloon, on request: pressures, volumes, the four forces (balloon paper, fig. 4), spin and orientation.
+#include "balloon_internal.h"
+
+#include <math.h>
+#include <string.h>
+
+static void sum_drag( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double out[3] )
+{
+    const balloon_air* air = wisp_frame_column( frame, span->entity, state->air, 0 );
+    const float* vectors = wisp_frame_column( frame, span->entity, state->rings, 0 );
+    const float* areas = wisp_frame_column( frame, span->entity, state->rings, 1 );
+    const float* velocity = wisp_frame_column( frame, span->entity, WISP_PARTICLE_VELOCITY, 0 );
+    const float* position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
+    const int count = wisp_frame_fabric( frame, span->entity )->vertex_count;
+    memset( out, 0, 3 * sizeof( double ) );
+    for ( int slot = 0; slot < count && air != NULL && vectors != NULL; ++slot )
+    {
+        const float* v = velocity + (size_t)slot * 4;
+        const float* g = vectors + (size_t)( slot / 8 ) * 24 + slot % 8;
+        float dt_w = wisp_frame_dt( frame ) * position[(size_t)slot * 4 + 3];
+        wisp_vec3 f = balloon_drag_force( air, ( wisp_vec3 ){ v[0], v[1], v[2] }, ( wisp_vec3 ){ g[0], g[8], g[16] },
+                                          areas[slot], dt_w );
+        out[0] += (double)f.x;
+        out[1] += (double)f.y;
+        out[2] += (double)f.z;
+    }
+}
+
+static void take_weight( wisp_frame* frame, const wisp_span* span, const balloon_state* state, double volume,
+                         const balloon_body* body, wisp_balloon_stats* f )
+{
+    const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    const wisp_vec3* g = wisp_frame_column( frame, span->entity, WISP_PARTICLE_GRAVITY, 0 );
+    const double down[3] = { g != NULL ? (double)g->x : 0.0, g != NULL ? (double)g->y : 0.0,
+                             g != NULL ? (double)g->z : 0.0 };
+    bool floats = wisp_frame_has( frame, span->entity, state->buoyancy );
+    double lifted = floats ? volume * ( gas->air_density - gas->gas_density ) : 0.0;
+    for ( int k = 0; k < 3; ++k )
+    {
+        f->gravity[k] = body->mass * down[k];
+        f->buoyancy[k] = -lifted * down[k];
+    }
+}
+
+static void take_jet( const balloon_outlet* outlet, const balloon_body* body, wisp_balloon_stats* f )
+{
+    f->outlet_speed = outlet->speed;
+    f->mass_flow = outlet->mass_flow;
+    f->gas_lost = outlet->gas_lost;
+    f->jet_starts = outlet->jet_starts;
+    for ( int k = 0; k < 3; ++k )
+    {
+        f->jet[k] = -outlet->mass_flow * outlet->speed * outlet->normal[k];
+    }
+    balloon_torque_of( body, outlet, f->torque );
+}
+
+// Eq. 15: q + dt/2 (0, omega) q, normalised.
+static void turn( double q[4], const double w[3], double dt )
+{
+    double h = 0.5 * dt;
+    double next[4] = {
+        q[0] - h * ( w[0] * q[1] + w[1] * q[2] + w[2] * q[3] ),
+        q[1] + h * ( w[0] * q[0] + w[1] * q[3] - w[2] * q[2] ),
+        q[2] + h * ( w[1] * q[0] + w[2] * q[1] - w[0] * q[3] ),
+        q[3] + h * ( w[2] * q[0] + w[0] * q[2] - w[1] * q[1] ),
+    };
+    double length = sqrt( next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3] );
+    for ( int k = 0; k < 4 && isfinite( length ); ++k ) // the state check restores particles, but not this
+    {
+        q[k] = next[k] / length;
+    }
+}
+
+// Measure once a substep, so that the orientation follows. All values belong to the same substep.
+void balloon_take_stats( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const balloon_state* state = user;
+    const balloon_gas* gas = wisp_frame_column( frame, span->entity, state->gas, 0 );
+    const balloon_extent* extent = wisp_frame_column( frame, span->entity, state->extent, 0 );
+    const balloon_body* body = wisp_frame_column( frame, span->entity, state->body, 0 );
+    const balloon_gauge* gauge = wisp_frame_column( frame, span->entity, state->gauge, 0 );
+    const balloon_outlet* outlet = wisp_frame_column( frame, span->entity, state->outlet, 0 );
+    const balloon_turn* printed = wisp_frame_column( frame, span->entity, state->turn, 0 );
+    wisp_balloon_stats* f = wisp_frame_column( frame, span->entity, state->stats, 0 );
+    double q[4] = { f->orientation[0], f->orientation[1], f->orientation[2], f->orientation[3] };
+    q[0] = q[0] == 0.0 && q[1] == 0.0 && q[2] == 0.0 && q[3] == 0.0 ? 1.0 : q[0];
+    *f = ( wisp_balloon_stats ){
+        .rest_volume = gas->rest_volume,
+        .target_volume = gas->target_volume,
+        .volume = extent->volume,
+        .pressure = gauge->pressure,
+        .centre = { body->centre[0], body->centre[1], body->centre[2] },
+    };
+    take_weight( frame, span, state, extent->volume, body, f );
+    sum_drag( frame, span, state, f->drag );
+    if ( outlet != NULL )
+    {
+        take_jet( outlet, body, f );
+    }
+    if ( printed != NULL )
+    {
+        memcpy( f->angular_velocity, printed->omega, sizeof( f->angular_velocity ) );
+    }
+    else
+    {
+        balloon_spin_of( body, body->angular_momentum, f->angular_velocity );
+    }
+    turn( q, f->angular_velocity, (double)wisp_frame_dt( frame ) );
+    memcpy( f->orientation, q, sizeof( q ) );
+}

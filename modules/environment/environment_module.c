@@ -1,0 +1,201 @@
+#include "environment.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
+#include <math.h>
+
+static const uint32_t CLIMATE_DEF_COOKIE = 0x434c494d;
+
+#define ENVIRONMENT_SETTINGS_COLUMNS( X ) X( wisp_environment_def, settings, 1 )
+
+static const wisp_column_def SETTINGS_COLUMNS[] = { ENVIRONMENT_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
+
+typedef struct environment_state
+{
+    wisp_component settings;
+} environment_state;
+
+wisp_environment_def wisp_default_environment_def( void )
+{
+    return ( wisp_environment_def ){
+        .temperature = -10.0f,
+        .wetness = 1.0f,
+        .freezing = 0.0f,
+        .span = 10.0f,
+        .point_count = 2,
+        .ice = { 0.0f, 1.0f },
+        .stiffness = { 1.0f, 20.0f },
+        .cookie = CLIMATE_DEF_COOKIE,
+    };
+}
+
+// ---- the curve ----
+
+static float secant( const wisp_environment_def* d, int i )
+{
+    return ( d->stiffness[i + 1] - d->stiffness[i] ) / ( d->ice[i + 1] - d->ice[i] );
+}
+
+// Slope at a control point: the harmonic mean of its two secants, which keeps a cubic monotone (Fritsch and Butland
+// 1984, the form of Fritsch and Carlson's condition without a second sweep); the ends take their only secant.
+static float slope( const wisp_environment_def* d, int i )
+{
+    if ( i == 0 || i == d->point_count - 1 )
+    {
+        return secant( d, i == 0 ? 0 : i - 1 );
+    }
+    float a = secant( d, i - 1 ), b = secant( d, i );
+    return a * b > 0.0f ? 2.0f * a * b / ( a + b ) : 0.0f;
+}
+
+static float curve_at( const wisp_environment_def* d, float ice )
+{
+    int i = 0;
+    while ( i < d->point_count - 2 && ice > d->ice[i + 1] )
+    {
+        ++i;
+    }
+    float width = d->ice[i + 1] - d->ice[i];
+    float t = ( ice - d->ice[i] ) / width;
+    float k0 = d->stiffness[i], k1 = d->stiffness[i + 1];
+    float m0 = slope( d, i ) * width, m1 = slope( d, i + 1 ) * width;
+
+    // Hermite form from the left end; the clamp removes rounding beyond the ends
+    float k = k0 + t * ( m0 + t * ( 3.0f * ( k1 - k0 ) - 2.0f * m0 - m1 + t * ( 2.0f * ( k0 - k1 ) + m0 + m1 ) ) );
+    float lower = k0 < k1 ? k0 : k1, upper = k0 < k1 ? k1 : k0;
+    return k < lower ? lower : ( k > upper ? upper : k );
+}
+
+float wisp_environment_stiffness( const wisp_environment_def* def, float temperature, float wetness )
+{
+    float t = ( def->freezing - temperature ) / def->span;
+    t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
+    return curve_at( def, wetness * ( t * t * ( 3.0f - 2.0f * t ) ) );
+}
+
+// ---- the pass ----
+
+static void drive_stiffness( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const environment_state* state = user;
+    const wisp_environment_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    float* stretch = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 0 );
+    float* bend = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 1 );
+    float k = wisp_environment_stiffness( d, d->temperature, d->wetness );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    {
+        stretch[i] = bend[i] = k;
+    }
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    environment_state* state = wisp_declare_state( r, sizeof( environment_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    state->settings =
+        wisp_declare_component( r, &( wisp_component_def ){ "climate.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
+                                                            WISP_COUNT( SETTINGS_COLUMNS ) } );
+    return wisp_declare_pass( r, &( wisp_pass ){
+                                     .name = "environment.stiffness",
+                                     .stage = WISP_STAGE_INPUT,
+                                     .domain = WISP_DOMAIN_STRAND_GROUP,
+                                     .required = { state->settings },
+                                     .reads = { state->settings },
+                                     .writes = { WISP_STRAND_STIFFNESS },
+                                     .run = drive_stiffness,
+                                     .on_change = WISP_STRAND_STIFFNESS, // overrides any other writer
+                                     .user = state,
+                                 } );
+}
+
+const wisp_module wisp_environment_module = { .name = "environment", .declare = declare };
+
+// ---- parameters ----
+
+static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d )
+{
+    if ( d->point_count < 2 || d->point_count > WISP_ENVIRONMENT_MAX_POINTS )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "climate: curve: got %d points, expected 2 to %d",
+                                d->point_count, WISP_ENVIRONMENT_MAX_POINTS );
+    }
+    for ( int i = 0; i < d->point_count; ++i )
+    {
+        if ( !( d->stiffness[i] >= 1e-3f && d->stiffness[i] <= 1e12f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: stiffness of curve point %d: got %g, expected 0.001 to 1e12", i,
+                                    (double)d->stiffness[i] );
+        }
+        bool rises = i == 0 ? d->ice[0] == 0.0f : d->ice[i] > d->ice[i - 1];
+        if ( rises == false || ( i == d->point_count - 1 && d->ice[i] != 1.0f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: ice of curve point %d: got %g, expected ascending values from 0 to 1",
+                                    i, (double)d->ice[i] );
+        }
+    }
+    float direction = 0.0f; // of the first segment that is not level
+    for ( int i = 0; i + 1 < d->point_count; ++i )
+    {
+        float change = d->stiffness[i + 1] - d->stiffness[i];
+        direction = direction == 0.0f ? change : direction;
+        if ( ( change < 0.0f && direction > 0.0f ) || ( change > 0.0f && direction < 0.0f ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "climate: stiffness of curve point %d: expected a monotone curve", i + 1 );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_environment_def* d )
+{
+    const wisp_number_range ranges[] = {
+        { "temperature", d->temperature, -273.15f, 1000.0f },
+        { "wetness", d->wetness, 0.0f, 1.0f },
+        { "freezing", d->freezing, -273.15f, 1000.0f },
+        { "span", d->span, 1e-3f, 1000.0f },
+    };
+    const wisp_status status = wisp_world_check_ranges( world, "environment", ranges, WISP_COUNT( ranges ) );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    return check_curve( world, d );
+}
+
+wisp_status wisp_set_environment( wisp_world* world, wisp_entity strands, const wisp_environment_def* def )
+{
+    WISP_ASSERT( def->cookie == CLIMATE_DEF_COOKIE );
+    const environment_state* state = wisp_world_module_state( world, "environment" );
+    if ( state == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "module climate: not registered in this world" );
+    }
+    wisp_status status = check_def( world, def );
+    bool had = wisp_world_has( world, strands, state->settings );
+    status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_world_attach( world, strands, WISP_STRAND_STIFFNESS );
+    if ( status != WISP_OK )
+    {
+        if ( had == false )
+        {
+            wisp_world_detach( world, strands, state->settings );
+        }
+        return status;
+    }
+    wisp_environment_def* settings = wisp_world_column( world, strands, state->settings, 0 );
+    *settings = *def;
+    wisp_world_column( world, strands, WISP_STRAND_STIFFNESS,
+                       0 ); // marks the column as written, so that the pass runs
+    return WISP_OK;
+}

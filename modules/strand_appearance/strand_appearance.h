@@ -1,0 +1,27 @@
+/// Strand look: width and colour a vertex for stylised export (named as future work by Kim 2026). Width tapers from root to tip; colour runs
+/// from a root colour to a tip colour. Written only if somebody wants point.width or point.colour.
+#pragma once
+
+#include "wisp/wisp.h"
+
+WISP_BEGIN_C
+
+/// Parameters. Fill from wisp_default_strand_appearance_def(). Copied.
+typedef struct wisp_strand_appearance_def
+{
+    float root_width, tip_width;       ///< m, >= 0, defaults 80e-6 and 20e-6
+    wisp_vec3 root_colour, tip_colour; ///< linear, in [0, 1]; defaults dark brown and frost white
+    float colour_bias; ///< b in (0, 1): colour weight is t / ((1/b - 2)(1 - t) + 1) (Schlick 1994), t = 0 at the root
+                       ///< and 1 at the tip; default 0.5 is linear
+    uint32_t cookie;
+} wisp_strand_appearance_def;
+
+WISP_API wisp_strand_appearance_def wisp_default_strand_appearance_def( void );
+
+/// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
+WISP_API wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
+                                                 const wisp_strand_appearance_def* def );
+
+WISP_API extern const wisp_module wisp_strand_appearance_module;
+
+WISP_END_C

@@ -1,0 +1,145 @@
+#include "strand_appearance.h"
+
+#include "wisp/module/components.h"
+#include "wisp/module/module.h"
+
+static const uint32_t LOOK_DEF_COOKIE = 0x4c4f4f4b;
+
+#define LOOK_SETTINGS_COLUMNS( X ) X( wisp_strand_appearance_def, settings, 1 )
+
+static const wisp_column_def SETTINGS_COLUMNS[] = { LOOK_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
+
+typedef struct look_state
+{
+    wisp_component settings;
+} look_state;
+
+wisp_strand_appearance_def wisp_default_strand_appearance_def( void )
+{
+    return ( wisp_strand_appearance_def ){
+        .root_width = 80e-6f,
+        .tip_width = 20e-6f,
+        .root_colour = { 0.12f, 0.07f, 0.04f },
+        .tip_colour = { 0.85f, 0.92f, 1.0f },
+        .colour_bias = 0.5f,
+        .cookie = LOOK_DEF_COOKIE,
+    };
+}
+
+// t from root 0 to tip 1; a strand of one vertex is all root.
+static float along( int vertex, int count )
+{
+    return count > 1 ? (float)vertex / (float)( count - 1 ) : 0.0f;
+}
+
+static void paint_width( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const look_state* state = user;
+    const wisp_strand_appearance_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    float* width = wisp_frame_column( frame, span->entity, WISP_POINT_WIDTH, 0 );
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    {
+        for ( int v = 0; v < t->lane_count[i]; ++v )
+        {
+            float w = along( v, t->lane_count[i] );
+            width[t->offsets[t->lane_strand[i]] + v] = d->root_width + w * ( d->tip_width - d->root_width );
+        }
+    }
+}
+
+static void paint_colour( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    const look_state* state = user;
+    const wisp_strand_appearance_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
+    const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
+    wisp_vec3* colour = wisp_frame_column( frame, span->entity, WISP_POINT_COLOUR, 0 );
+    const wisp_vec3 a = d->root_colour, b = d->tip_colour;
+    for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
+    {
+        for ( int v = 0; v < t->lane_count[i]; ++v )
+        {
+            float x = along( v, t->lane_count[i] );
+            float w = x / ( ( 1.0f / d->colour_bias - 2.0f ) * ( 1.0f - x ) + 1.0f );
+            colour[t->offsets[t->lane_strand[i]] + v] =
+                ( wisp_vec3 ){ a.x + w * ( b.x - a.x ), a.y + w * ( b.y - a.y ), a.z + w * ( b.z - a.z ) };
+        }
+    }
+}
+
+static wisp_status declare( wisp_registry* r )
+{
+    look_state* state = wisp_declare_state( r, sizeof( look_state ) );
+    if ( state == NULL )
+    {
+        return WISP_NO_MEMORY;
+    }
+    state->settings =
+        wisp_declare_component( r, &( wisp_component_def ){ "strand_appearance.settings", WISP_TABLE_ENTITY,
+                                                            SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
+    wisp_pass pass = {
+        .name = "strand_appearance.width",
+        .stage = WISP_STAGE_OBSERVE,
+        .domain = WISP_DOMAIN_STRAND_GROUP,
+        .required = { state->settings },
+        .reads = { state->settings },
+        .writes = { WISP_POINT_WIDTH },
+        .run = paint_width,
+        .on_change = state->settings,
+        .user = state,
+    };
+    wisp_status status = wisp_declare_pass( r, &pass );
+    pass.name = "strand_appearance.colour";
+    pass.writes[0] = WISP_POINT_COLOUR;
+    pass.run = paint_colour;
+    return status == WISP_OK ? wisp_declare_pass( r, &pass ) : status;
+}
+
+const wisp_module wisp_strand_appearance_module = { .name = "strand_appearance", .declare = declare };
+
+// ---- parameters ----
+
+static wisp_status check_colour( wisp_world* world, const char* name, wisp_vec3 c )
+{
+    if ( !( c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: %s: got (%g, %g, %g), expected 0 to 1", name,
+                                (double)c.x, (double)c.y, (double)c.z );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_def( wisp_world* world, const wisp_strand_appearance_def* d )
+{
+    if ( !( d->root_width >= 0.0f && d->root_width <= 1.0f && d->tip_width >= 0.0f && d->tip_width <= 1.0f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: widths: got %g and %g m, expected 0 to 1",
+                                (double)d->root_width, (double)d->tip_width );
+    }
+    if ( !( d->colour_bias >= 1e-3f && d->colour_bias <= 0.999f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: colour_bias: got %g, expected 0.001 to 0.999",
+                                (double)d->colour_bias );
+    }
+    wisp_status status = check_colour( world, "root_colour", d->root_colour );
+    return status == WISP_OK ? check_colour( world, "tip_colour", d->tip_colour ) : status;
+}
+
+wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
+                                        const wisp_strand_appearance_def* def )
+{
+    WISP_ASSERT( def->cookie == LOOK_DEF_COOKIE );
+    const look_state* state = wisp_world_module_state( world, "strand_appearance" );
+    if ( state == NULL )
+    {
+        return wisp_world_fail( world, WISP_CONFLICT, "module strand_appearance: not registered in this world" );
+    }
+    wisp_status status = check_def( world, def );
+    status = status == WISP_OK ? wisp_world_attach( world, strands, state->settings ) : status;
+    if ( status == WISP_OK )
+    {
+        wisp_strand_appearance_def* settings = wisp_world_column( world, strands, state->settings, 0 );
+        *settings = *def;
+    }
+    return status;
+}

@@ -1,0 +1,353 @@
+// What may be tuned in a scene: which parameters it has, what they turn in memory, and what they change in the file.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <cmocka.h>
+
+#include "tune_parameters.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAKE "    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
+
+static const char cloths[] = "wisp: 1\n"
+                             "substeps: 12\n"
+                             "surfaces:\n"
+                             "  - name: hanging\n" MAKE "    pins: [0]\n"
+                             "    levels: 2\n"
+                             "    finest_level: 4 # coarse\n"
+                             "    cloth: { tethers: true, level_passes: 4 }\n"
+                             "  - name: falling\n" MAKE "    cloth: {}\n"
+                             "  - { name: copy, instance_of: hanging, pins: [0], cloth: {} }\n"
+                             "  - { name: loose, instance_of: hanging, cloth: {} }\n";
+
+static const char implicit[] = "wisp: 1\n"
+                               "surfaces:\n"
+                               "  - name: a\n" MAKE "    implicit: { tolerance: 0.003, newton_iterations: 3 }\n"
+                               "  - name: b\n" MAKE "    implicit: {}\n";
+
+static const char strands[] =
+    "wisp: 1\n"
+    "strands:\n"
+    "  - { name: still, generate: { strands: 2, vertices: 4 } }\n"
+    "  - { name: chain, generate: { strands: 2, vertices: 4 }, dynamics: { stretch: links } }\n"
+    "  - name: hair\n"
+    "    generate: { strands: 2, vertices: 4 }\n"
+    "    dynamics:\n"
+    "      stretch_passes: 5 # of mine\n"
+    "      damping: 1\n"
+    "  - { name: other, generate: { strands: 2, vertices: 4 }, dynamics: {} }\n";
+
+/// All parameters, none with a value of its own that would be tried anyway.
+static const char everything[] =
+    "wisp: 1\n"
+    "substeps: 3\n"
+    "iterations: 3\n"
+    "surfaces:\n"
+    "  - name: a\n" MAKE "    pins: [0]\n"
+    "    levels: 2\n"
+    "    finest_level: 4\n"
+    "    cloth: { tethers: true, level_passes: 1 }\n"
+    "  - name: b\n" MAKE "    implicit: { tolerance: 0.003, newton_iterations: 3 }\n"
+    "strands:\n"
+    "  - { name: hair, generate: { strands: 2, vertices: 4 }, dynamics: { stretch_passes: 5 } }\n";
+
+static wisp_scene parse( const char* text )
+{
+    wisp_scene scene;
+    wisp_error error = { 0 };
+    if ( wisp_scene_parse( text, strlen( text ), "scene.yaml", &scene, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.message );
+    }
+    return scene;
+}
+
+static void assert_parameter( const tune_parameters* parameters, int k, const char* name, const double* values,
+                              int count )
+{
+    assert_true( k < parameters->count );
+    assert_string_equal( parameters->parameters[k].name, name );
+    assert_int_equal( parameters->parameters[k].value_count, count );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_true( (float)parameters->parameters[k].values[i] == (float)values[i] );
+    }
+}
+
+static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( cloths );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( parameters.count, 4 );
+    assert_parameter( &parameters, 0, "substeps", ( const double[] ){ 1, 2, 4, 8, 12, 16 }, 6 );
+    assert_parameter( &parameters, 1, "iterations", ( const double[] ){ 1, 2, 4 }, 3 );
+    assert_parameter( &parameters, 2, "cloth.tethers", ( const double[] ){ 1, 0 }, 2 );
+    assert_parameter( &parameters, 3, "levels", ( const double[] ){ 4, 3, 2, 1, 0 }, 5 );
+    assert_true( parameters.parameters[2].is_unordered && parameters.parameters[3].is_unordered );
+    assert_false( parameters.parameters[0].is_unordered || parameters.parameters[1].is_unordered );
+    wisp_scene_release( &scene );
+}
+
+static void a_scene_of_implicit_cloth_has_other_parameters( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( implicit );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( parameters.count, 3 );
+    assert_parameter( &parameters, 1, "implicit.tolerance", ( const double[] ){ 0.1, 0.01, 0.003, 0.001, 0.0001 },
+                      5 );
+    assert_parameter( &parameters, 2, "implicit.newton_iterations", ( const double[] ){ 1, 2, 3, 4 }, 4 );
+    wisp_scene_release( &scene );
+}
+
+static void strands_with_the_direct_solve_have_their_passes( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( strands );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( parameters.count, 3 );
+    assert_parameter( &parameters, 2, "dynamics.stretch_passes", ( const double[] ){ 1, 2, 5, 8 }, 4 );
+    assert_false( parameters.parameters[2].is_unordered );
+    const int links = scene.strands[1].dynamics.stretch_passes;
+    tune_parameters_set( &parameters, ( const int[] ){ 0, 0, 1 }, &scene );
+    assert_int_equal( scene.strands[1].dynamics.stretch_passes, links );
+    assert_int_equal( scene.strands[2].dynamics.stretch_passes, 2 );
+    assert_int_equal( scene.strands[3].dynamics.stretch_passes, 2 );
+    wisp_scene_release( &scene );
+}
+
+static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( everything );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( parameters.count, 7 );
+    static const double expected[7][3] = { { 1, 3, 16 },           { 1, 3, 4 }, { 1, 1, 0 }, { 4, 4, 0 },
+                                           { 0.1, 0.003, 0.0001 }, { 1, 3, 4 }, { 1, 5, 8 } };
+    int settings = 1;
+    for ( int k = 0; k < 7; ++k )
+    {
+        const int last = parameters.parameters[k].value_count - 1;
+        settings *= last + 1;
+        assert_true( parameters.parameters[k].values[0] == expected[k][0] );
+        assert_true( parameters.parameters[k].values[last] == expected[k][2] );
+        bool has_own = false;
+        for ( int i = 0; i <= last; ++i )
+        {
+            has_own |= (float)parameters.parameters[k].values[i] == (float)expected[k][1];
+        }
+        assert_true( has_own );
+    }
+    assert_in_range( settings, WISP_TUNE_MAX_SETTINGS / 2, WISP_TUNE_MAX_SETTINGS );
+    wisp_scene_release( &scene );
+}
+
+static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( cloths );
+    tune_parameters parameters;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 1, 4 }, &scene );
+    assert_int_equal( scene.substeps, 4 );
+    assert_int_equal( scene.iterations, 2 );
+    for ( int i = 0; i < 4; ++i )
+    {
+        assert_false( scene.surfaces[i].cloth.tethers );
+        assert_int_equal( scene.surfaces[i].cloth.level_passes, 0 );
+    }
+    tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 0, 2 }, &scene );
+    for ( int i = 0; i < 4; ++i )
+    {
+        assert_int_equal( scene.surfaces[i].cloth.tethers, i % 2 == 0 ); // others hang by nothing
+        assert_int_equal( scene.surfaces[i].cloth.level_passes, 4 );
+    }
+    assert_int_equal( scene.surfaces[0].levels, 2 );
+    assert_int_equal( scene.surfaces[0].finest_level, 2 );
+    assert_int_equal( scene.surfaces[1].levels, 3 );
+    assert_int_equal( scene.surfaces[1].finest_level, 2 );
+    assert_int_equal( scene.surfaces[2].levels, 0 ); // its source has them
+    wisp_scene_release( &scene );
+
+    scene = parse( implicit );
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    tune_parameters_set( &parameters, ( const int[] ){ 0, 1, 3 }, &scene );
+    for ( int i = 0; i < 2; ++i )
+    {
+        assert_true( scene.surfaces[i].implicit.tolerance == 0.01f );
+        assert_int_equal( scene.surfaces[i].implicit.newton_iterations, 4 );
+    }
+    wisp_scene_release( &scene );
+}
+
+// ---- the file ----
+
+static void assert_edits( const char* text, const int* configuration, const wisp_scene_edit* expected,
+                          int expected_count )
+{
+    wisp_scene scene = parse( text );
+    tune_parameters parameters;
+    wisp_scene_edit* edits;
+    int count;
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    assert_int_equal( tune_parameters_edits( &parameters, configuration, &scene, &edits, &count, NULL ), WISP_OK );
+    assert_int_equal( count, expected_count );
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_string_equal( edits[i].key, expected[i].key );
+        assert_string_equal( edits[i].value, expected[i].value );
+        assert_int_equal( edits[i].index, expected[i].index );
+        assert_string_equal( edits[i].list ? edits[i].list : "", expected[i].list ? expected[i].list : "" );
+        assert_string_equal( edits[i].block ? edits[i].block : "", expected[i].block ? expected[i].block : "" );
+    }
+    free( edits );
+    assert_int_equal( tune_parameters_agree( &parameters, configuration, &scene ), count == 0 );
+    tune_parameters_set( &parameters, configuration, &scene );
+    assert_true( tune_parameters_agree( &parameters, configuration, &scene ) );
+    wisp_scene_release( &scene );
+}
+
+static void only_what_differs_is_edited( void** state )
+{
+    (void)state;
+    static const wisp_scene_edit of_cloths[] = {
+        { NULL, 0, NULL, "substeps", "1" },
+        { "surfaces", 0, "cloth", "tethers", "false" },
+        { "surfaces", 1, "cloth", "level_passes", "4" },
+        { "surfaces", 1, NULL, "levels", "3" },
+        { "surfaces", 1, NULL, "finest_level", "4" },
+        { "surfaces", 2, "cloth", "level_passes", "4" },
+        { "surfaces", 3, "cloth", "level_passes", "4" },
+    };
+    assert_edits( cloths, ( const int[] ){ 0, 0, 1, 0 }, of_cloths, WISP_COUNT( of_cloths ) );
+    static const wisp_scene_edit of_strands[] = { { "strands", 3, "dynamics", "stretch_passes", "5" } };
+    assert_edits( strands, ( const int[] ){ 0, 0, 2 }, of_strands, WISP_COUNT( of_strands ) );
+}
+
+static void levels_that_go_take_their_beginning_along( void** state )
+{
+    (void)state;
+    static const wisp_scene_edit expected[] = {
+        { NULL, 0, NULL, "substeps", "1" },
+        { "surfaces", 2, "cloth", "tethers", "true" },
+        { "surfaces", 0, "cloth", "level_passes", "0" },
+        { "surfaces", 0, NULL, "levels", "0" },
+        { "surfaces", 0, NULL, "finest_level", "" },
+    };
+    assert_edits( cloths, ( const int[] ){ 0, 0, 0, 4 }, expected, WISP_COUNT( expected ) );
+}
+
+/// Write a choice of one parameter, the others as they are first, and read it again. @param out receives the file
+static void write_choice( const char* text, int parameter, int value, char* out, size_t size )
+{
+    wisp_scene scene = parse( text ), written;
+    tune_parameters parameters;
+    wisp_scene_edit* edits;
+    int count, configuration[WISP_TUNE_MAX_PARAMETERS] = { 0 };
+    wisp_error error = { 0 };
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    configuration[parameter] = value;
+    assert_int_equal( tune_parameters_edits( &parameters, configuration, &scene, &edits, &count, NULL ), WISP_OK );
+    FILE* file = fopen( "tune_parameters_from.yaml", "w" );
+    assert_non_null( file );
+    assert_true( fputs( text, file ) >= 0 );
+    fclose( file );
+    if ( wisp_scene_edit_file( "tune_parameters_from.yaml", edits, count, "tune_parameters_to.yaml", &error ) !=
+             WISP_OK ||
+         wisp_scene_read( "tune_parameters_to.yaml", &written, &error ) != WISP_OK )
+    {
+        fail_msg( "%s", error.message );
+    }
+    assert_true( tune_parameters_agree( &parameters, configuration, &written ) );
+    file = fopen( "tune_parameters_to.yaml", "r" );
+    assert_non_null( file );
+    out[fread( out, 1, size - 1, file )] = '\0';
+    fclose( file );
+    remove( "tune_parameters_from.yaml" );
+    remove( "tune_parameters_to.yaml" );
+    free( edits );
+    wisp_scene_release( &written );
+    wisp_scene_release( &scene );
+}
+
+static void whatever_levels_are_chosen_the_file_can_say_it( void** state )
+{
+    (void)state;
+    char text[2000];
+    for ( int value = 0; value < 5; ++value )
+    {
+        write_choice( cloths, 3, value, text, sizeof text );
+        assert_non_null( strstr( text, value < 4 ? "    finest_level: " : "    levels: 0\n    # coarse\n" ) );
+    }
+    assert_null( strstr( text, "finest_level" ) );
+}
+
+static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** state )
+{
+    (void)state;
+    static const char head[] =
+        "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 2\n    cloth: { level_passes: 1 }\n";
+    char with[400], text[2000], expected[400];
+    snprintf( with, sizeof with, "%s    finest_level: 1\n", head );
+    snprintf( expected, sizeof expected,
+              "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 0\n    cloth: { level_passes: 0 }\n" );
+    write_choice( with, 2, 3, text, sizeof text );
+    assert_string_equal( text, expected );
+    write_choice( head, 2, 3, text, sizeof text );
+    assert_string_equal( text, expected );
+    write_choice( head, 2, 2, text, sizeof text );
+    assert_string_equal( text, head );
+}
+
+static void levels_are_told_as_off_or_by_the_finest( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( cloths );
+    tune_parameters parameters;
+    char text[32];
+    assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
+    tune_parameters_text( &parameters, 3, 0.0, text, sizeof text );
+    assert_string_equal( text, "off" );
+    tune_parameters_text( &parameters, 3, 2.0, text, sizeof text );
+    assert_string_equal( text, "finest 2" );
+    tune_parameters_text( &parameters, 2, 1.0, text, sizeof text );
+    assert_string_equal( text, "true" );
+    wisp_scene_release( &scene );
+}
+
+static void a_scene_where_nothing_moves_has_no_parameters( void** state )
+{
+    (void)state;
+    wisp_scene scene = parse( "wisp: 1\n" );
+    tune_parameters parameters;
+    wisp_error error = { 0 };
+    assert_int_equal( tune_parameters_find( &scene, &parameters, &error ), WISP_BAD_INPUT );
+    assert_non_null( strstr( error.message, "scene.yaml: nothing in the scene moves" ) );
+    wisp_scene_release( &scene );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them ),
+        cmocka_unit_test( a_scene_of_implicit_cloth_has_other_parameters ),
+        cmocka_unit_test( strands_with_the_direct_solve_have_their_passes ),
+        cmocka_unit_test( a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched ),
+        cmocka_unit_test( a_choice_is_set_on_every_surface_that_has_the_field ),
+        cmocka_unit_test( only_what_differs_is_edited ),
+        cmocka_unit_test( levels_that_go_take_their_beginning_along ),
+        cmocka_unit_test( whatever_levels_are_chosen_the_file_can_say_it ),
+        cmocka_unit_test( a_level_that_is_the_default_may_stand_in_the_file_or_not ),
+        cmocka_unit_test( levels_are_told_as_off_or_by_the_finest ),
+        cmocka_unit_test( a_scene_where_nothing_moves_has_no_parameters ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,592 @@
+// Meshes to collide with: every answer against brute force, whatever the tree went through; signs against solid
+// angles.
+#include "mesh_fixture.h"
+
+#include <float.h>
+#include <pthread.h>
+
+enum
+{
+    MESHES = 6,
+    QUERIES = 1500,
+};
+
+static test_mesh make_mesh( int which )
+{
+    switch ( which )
+    {
+        case 0:
+            return test_mesh_ball( 12, false );
+        case 1:
+            return test_mesh_bumpy( 14 );
+        case 2:
+            return test_mesh_sheet( 20, 0.3f );
+        case 3:
+            return test_mesh_ball( 3, true );
+        case 4:
+            return test_mesh_sheet( 8, 0.0f );
+        default:
+            return test_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj" );
+    }
+}
+
+// Points anywhere about the mesh, points close to it, and points exactly on corners and in the middle of edges.
+static wisp_vec3 query_point( const test_mesh* m, int i )
+{
+    float size;
+    wisp_vec3 middle = middle_of( m, &size );
+    const int32_t* t = m->triangles + 3 * (size_t)test_random( i, 50, m->triangle_count );
+    wisp_vec3 a = m->points[t[0]], b = m->points[t[1]];
+    switch ( i % 5 )
+    {
+        case 0:
+            return a;
+        case 1:
+            return ( wisp_vec3 ){ 0.5f * ( a.x + b.x ), 0.5f * ( a.y + b.y ), 0.5f * ( a.z + b.z ) };
+        case 2:
+            return test_sum( a, test_point( i, 7, 1e-3f * size ) );
+        case 3:
+            return test_sum( a, test_point( i, 7, 0.1f * size ) );
+        default:
+            return test_sum( middle, test_point( i, 7, 2.0f * size ) );
+    }
+}
+
+static float length_of( wisp_vec3 v )
+{
+    return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );
+}
+
+// ---- closest points ----
+
+static void assert_closest_is_naive( const test_mesh* m, const float* xyzw, wisp_collision_mesh* tree, wisp_vec3 p,
+                                     float radius )
+{
+    triangle_nearest naive = { 0 };
+    int32_t expected = naive_closest( m, xyzw, p, &naive );
+    wisp_mesh_nearest found = closest( tree, p, radius );
+    if ( naive.squared > (double)radius * (double)radius )
+    {
+        assert_int_equal( found.triangle, -1 );
+        return;
+    }
+    wisp_vec3 point = double3_narrow( naive.point );
+    assert_int_equal( found.triangle, expected );
+    assert_memory_equal( &found.point, &point, sizeof( point ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( found.weights[k] == (float)naive.weights[k] );
+    }
+    assert_true( fabsf( found.distance ) == (float)sqrt( naive.squared ) );
+    assert_float_equal( length_of( found.normal ), 1.0f, 4e-7f ); // three roundings
+}
+
+static void the_closest_point_is_that_of_brute_force_bit_for_bit( void** state )
+{
+    (void)state;
+    for ( int which = 0; which < MESHES; ++which )
+    {
+        test_mesh m = make_mesh( which );
+        float* xyzw = test_mesh_quads( &m );
+        for ( int deforms = 0; deforms < 2; ++deforms )
+        {
+            wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+            int queries = which == MESHES - 1 ? QUERIES / 5 : QUERIES;
+            for ( int i = 0; i < queries; ++i )
+            {
+                const float radii[] = { INFINITY, 0.1f, 1e-4f, 0.0f };
+                assert_closest_is_naive( &m, xyzw, tree, query_point( &m, i ), radii[i % 4] );
+            }
+            wisp_collision_mesh_release( tree );
+        }
+        free( xyzw );
+        test_mesh_free( &m );
+    }
+}
+
+static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_bumpy( 10 );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    int outer = 0;
+    for ( int v = 0; v < m.point_count; ++v )
+    {
+        int32_t lowest = -1;
+        for ( int32_t k = 3 * m.triangle_count - 1; k >= 0; --k )
+        {
+            lowest = m.triangles[k] == v ? k / 3 : lowest;
+        }
+        wisp_mesh_nearest on = closest( tree, m.points[v], 1.0f );
+        assert_int_equal( on.triangle, lowest );
+        assert_memory_equal( &on.point, m.points + v, sizeof( wisp_vec3 ) );
+
+        // above a corner that sticks out it stays the corner, seen from all its triangles alike
+        wisp_mesh_nearest above = closest( tree, test_along( m.points[v], 0.003f, on.normal ), 1.0f );
+        bool is_corner = memcmp( &above.point, m.points + v, sizeof( wisp_vec3 ) ) == 0;
+        assert_true( !is_corner || above.triangle == lowest );
+        outer += is_corner ? 1 : 0;
+    }
+    assert_true( outer > m.point_count / 10 );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+static void a_range_of_queries_is_answered_like_each_alone( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_bumpy( 10 );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    wisp_mesh_query queries[100];
+    wisp_mesh_nearest nearest[100];
+    wisp_collision_mesh_query_stats work = { 0 };
+    int near = 0;
+    for ( int i = 0; i < 100; ++i )
+    {
+        queries[i] = ( wisp_mesh_query ){ query_point( &m, i ), 0.2f };
+    }
+    wisp_collision_mesh_closest( tree, queries, 100, nearest, &work );
+    for ( int i = 0; i < 100; ++i )
+    {
+        wisp_mesh_nearest alone = closest( tree, queries[i].point, 0.2f );
+        assert_memory_equal( nearest + i, &alone, sizeof( alone ) );
+        near += alone.triangle >= 0 ? 1 : 0;
+    }
+    assert_true( near > 50 && near < 100 );
+    assert_int_equal( work.queried, 100 );
+    assert_int_equal( work.answered, near );
+    assert_int_equal( work.refused, 0 );
+    assert_true( work.tested >= (uint64_t)near );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+// ---- signs ----
+
+static void the_sign_tells_inside_from_outside( void** state )
+{
+    (void)state;
+    const int closed[] = { 0, 1, 3 };
+    for ( int c = 0; c < WISP_COUNT( closed ); ++c )
+    {
+        test_mesh m = make_mesh( closed[c] );
+        float* xyzw = test_mesh_quads( &m );
+        wisp_collision_mesh *rigid = test_collision_mesh( &m, false ), *soft = test_collision_mesh( &m, true );
+        assert_int_equal( wisp_collision_mesh_get_stats( rigid ).open_edge_count, 0 );
+        int inside = 0;
+        for ( int i = 0; i < QUERIES; ++i )
+        {
+            wisp_vec3 p = query_point( &m, i );
+            wisp_mesh_nearest a = closest( rigid, p, INFINITY ), b = closest( soft, p, INFINITY );
+            assert_memory_equal( &a, &b, sizeof( a ) );
+            if ( fabsf( a.distance ) > 1e-6f )
+            {
+                bool is_inside = winding_number( &m, xyzw, p ) > 0.5;
+                assert_true( is_inside == ( a.distance < 0.0f ) );
+                inside += is_inside ? 1 : 0;
+            }
+        }
+        assert_true( inside > QUERIES / 20 );
+        wisp_collision_mesh_release( rigid );
+        wisp_collision_mesh_release( soft );
+        free( xyzw );
+        test_mesh_free( &m );
+    }
+}
+
+// A slender spike: next to its edges and its tip the nearest face alone would tell inside for outside.
+static void signs_hold_next_to_sharp_edges_and_tips( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_reserve( 4, 4 );
+    const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.05f, 0, 0 }, { 0.02f, 0, 0.03f }, { 0.3f, 2.0f, 0.1f } };
+    memcpy( m.points, points, sizeof( points ) );
+    m.point_count = 4;
+    test_mesh_add_triangle( &m, 0, 1, 2 );
+    test_mesh_add_triangle( &m, 1, 0, 3 );
+    test_mesh_add_triangle( &m, 2, 1, 3 );
+    test_mesh_add_triangle( &m, 0, 2, 3 );
+    float* xyzw = test_mesh_quads( &m );
+    bool faces_out = winding_number( &m, xyzw, ( wisp_vec3 ){ 0.03f, 0.05f, 0.012f } ) > 0.5;
+    assert_true( faces_out );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    int corners = 0, edges = 0, inside = 0;
+    for ( int i = 0; i < 6000; ++i )
+    {
+        float at = test_random_float( i, 0, 0.0f, 1.0f );
+        wisp_vec3 tip = points[i % 4], other = points[( i + 1 + i / 4 % 3 ) % 4];
+        wisp_vec3 on = test_along( tip, i % 8 < 4 ? at : 0.0f, test_along( other, -1.0f, tip ) );
+        wisp_vec3 p = test_sum( on, test_point( i, 4, ldexpf( 0.1f, -( i % 12 ) ) ) );
+        wisp_mesh_nearest found = closest( tree, p, INFINITY );
+        int zeros = ( found.weights[0] == 0.0f ) + ( found.weights[1] == 0.0f ) + ( found.weights[2] == 0.0f );
+        corners += zeros == 2 ? 1 : 0;
+        edges += zeros == 1 ? 1 : 0;
+        if ( fabsf( found.distance ) > 1e-6f )
+        {
+            bool is_inside = winding_number( &m, xyzw, p ) > 0.5;
+            assert_true( is_inside == ( found.distance < 0.0f ) );
+            inside += is_inside ? 1 : 0;
+        }
+    }
+    assert_true( corners > 300 && edges > 300 && inside > 100 );
+    wisp_collision_mesh_release( tree );
+    free( xyzw );
+    test_mesh_free( &m );
+}
+
+static void an_open_sheet_is_signed_by_the_side_it_faces( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 8, 0.0f );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    assert_int_equal( wisp_collision_mesh_get_stats( tree ).open_edge_count, 4 * 8 );
+    for ( int i = 0; i < QUERIES; ++i )
+    {
+        wisp_vec3 p = test_point( i, 0, 1.5f ); // also beyond the rim
+        wisp_mesh_nearest found = closest( tree, p, INFINITY );
+        assert_true( ( found.distance < 0.0f ) == ( p.y < 0.0f ) );
+        // the sum of two products of up to 2, each rounded
+        wisp_vec3 back = test_along( found.point, found.distance, found.normal );
+        assert_true( length_of( test_along( back, -1.0f, p ) ) <= 1e-6f );
+    }
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+static void the_normal_is_the_gradient_of_the_distance( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_bumpy( 10 );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    const float step = 1e-3f;
+    int compared = 0;
+    for ( int i = 0; i < QUERIES; ++i )
+    {
+        wisp_vec3 p = query_point( &m, i );
+        wisp_mesh_nearest at = closest( tree, p, INFINITY );
+        if ( fabsf( at.distance ) < 2.0f * step )
+        {
+            continue;
+        }
+        // on the way to the closest point it stays the closest, so all of the step counts: places of up to 2 are rounded
+        float inward = at.distance > 0.0f ? -step : step;
+        wisp_mesh_nearest then = closest( tree, test_along( p, inward, at.normal ), INFINITY );
+        assert_float_equal( then.distance - at.distance, inward, 6e-7f );
+        ++compared;
+    }
+    assert_true( compared > QUERIES / 5 );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+// ---- paths ----
+
+static void assert_hit_is_naive( const test_mesh* m, const float* xyzw, wisp_collision_mesh* tree, wisp_vec3 from,
+                                 wisp_vec3 to )
+{
+    triangle_intersection naive = { 0 };
+    int32_t expected = naive_intersection( m, xyzw, from, to, &naive );
+    wisp_mesh_hit hit = sweep( tree, from, to );
+    assert_int_equal( hit.triangle, expected );
+    if ( expected < 0 )
+    {
+        return;
+    }
+    assert_true( hit.time == (float)naive.time );
+    assert_true( hit.side == ( naive.from_front ? 1.0f : -1.0f ) );
+    wisp_vec3 step = test_along( to, -1.0f, from );
+    assert_true( step.x * hit.normal.x + step.y * hit.normal.y + step.z * hit.normal.z <= 1e-6f * length_of( step ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( hit.weights[k] == (float)naive.weights[k] );
+    }
+}
+
+static void the_first_intersection_is_that_of_brute_force( void** state )
+{
+    (void)state;
+    for ( int which = 0; which < MESHES; ++which )
+    {
+        test_mesh m = make_mesh( which );
+        float* xyzw = test_mesh_quads( &m );
+        wisp_collision_mesh *rigid = test_collision_mesh( &m, false ), *soft = test_collision_mesh( &m, true );
+        int queries = which == MESHES - 1 ? QUERIES / 5 : QUERIES;
+        float size;
+        middle_of( &m, &size );
+        for ( int i = 0; i < queries; ++i )
+        {
+            // long ones, and steps of a particle close to the surface
+            wisp_vec3 from = query_point( &m, 5 * i + 2 + i % 3 );
+            wisp_vec3 to = test_sum( from, test_point( i, 20, i % 2 == 0 ? 2.0f * size : 0.01f * size ) );
+            assert_hit_is_naive( &m, xyzw, rigid, from, to );
+            assert_hit_is_naive( &m, xyzw, soft, from, to );
+        }
+        wisp_collision_mesh_release( rigid );
+        wisp_collision_mesh_release( soft );
+        free( xyzw );
+        test_mesh_free( &m );
+    }
+}
+
+// Paths that aim exactly at corners and edges, at any speed, cross the sheet; so does each of two paths end to end, or
+// just the other.
+static void nothing_tunnels_through_a_thin_sheet( void** state )
+{
+    (void)state;
+    for ( int waves = 0; waves < 2; ++waves )
+    {
+        test_mesh m = test_mesh_sheet( 40, waves == 0 ? 0.0f : 0.2f );
+        wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+        for ( int i = 0; i < 4 * QUERIES; ++i )
+        {
+            wisp_vec3 aim = test_point( i, 0, 0.9f );
+            int32_t v = ( 1 + test_random( i, 9, 39 ) ) * 41 + 1 + test_random( i, 10, 39 );
+            aim = i % 3 == 0 ? m.points[v] : aim;
+            aim = i % 3 == 1 ? test_along( m.points[v], test_random_float( i, 30, 0.0f, 1.0f ),
+                                           test_along( m.points[v - 1], -1.0f, m.points[v] ) )
+                             : aim;
+            float up = ldexpf( 1.0f, test_random( i, 11, 14 ) - 1 ); // up to 4 km in a step
+            float slope = i % 2 == 0 ? 0.0f : 0.01f;
+            wisp_vec3 from = { aim.x + slope * aim.z, up, aim.z };
+            wisp_vec3 to = { aim.x - slope * aim.z, -up, aim.z };
+            wisp_mesh_hit down = sweep( tree, from, to ), back = sweep( tree, to, from );
+            assert_true( down.triangle >= 0 && down.side == 1.0f );
+            assert_true( back.triangle >= 0 && back.side == -1.0f );
+
+            // a stop on the way: one of the halves crosses, and not both
+            wisp_vec3 stop = down.point;
+            int crossed = ( sweep( tree, from, stop ).triangle >= 0 ) + ( sweep( tree, stop, to ).triangle >= 0 );
+            assert_true( crossed == 1 || ( waves == 1 && crossed == 2 ) );
+        }
+        wisp_collision_mesh_release( tree );
+        test_mesh_free( &m );
+    }
+}
+
+static void steps_of_single_roundings_cross_just_once( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 8, 0.0f );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    for ( int i = 0; i < 200; ++i )
+    {
+        wisp_vec3 p = test_point( i, 0, 0.9f );
+        int intersections = 0;
+        for ( float y = 4.0f * FLT_MIN; y >= -4.0f * FLT_MIN; y -= FLT_MIN )
+        {
+            wisp_vec3 from = { p.x, y, p.z }, to = { p.x, y - FLT_MIN, p.z };
+            intersections += sweep( tree, from, to ).triangle >= 0 ? 1 : 0;
+        }
+        assert_int_equal( intersections, 1 );
+        assert_int_equal( sweep( tree, p, p ).triangle, -1 );
+    }
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+// ---- meshes that deform ----
+
+static void crumple( test_mesh* m, const wisp_vec3* rest, int step )
+{
+    for ( int i = 0; i < m->point_count; ++i )
+    {
+        m->points[i] = test_sum( rest[i], test_point( i, 60 + step, 0.05f * (float)step ) );
+    }
+}
+
+static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 30, 0.1f );
+    wisp_vec3* rest = malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    assert_non_null( rest );
+    memcpy( rest, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    for ( int step = 0; step < 12; ++step )
+    {
+        crumple( &m, rest, step );
+        assert_int_equal( wisp_collision_mesh_update( tree, m.points, NULL ), WISP_OK );
+        wisp_collision_mesh* fresh = test_collision_mesh( &m, true );
+        for ( int i = 0; i < 400; ++i )
+        {
+            wisp_vec3 p = query_point( &m, i ), to = test_sum( p, test_point( i, 30, 1.0f ) );
+            wisp_mesh_nearest a = closest( tree, p, 1.0f ), b = closest( fresh, p, 1.0f );
+            wisp_mesh_hit c = sweep( tree, p, to ), d = sweep( fresh, p, to );
+            assert_memory_equal( &a, &b, sizeof( a ) );
+            assert_memory_equal( &c, &d, sizeof( c ) );
+        }
+        wisp_collision_mesh_release( fresh );
+    }
+    wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( tree );
+    assert_true( info.build_count > 1 && info.refit_count > 1 );
+    assert_int_equal( info.build_count - 1 + info.refit_count, 12 );
+    wisp_collision_mesh_release( tree );
+    free( rest );
+    test_mesh_free( &m );
+}
+
+static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 12, 0.1f );
+    float* xyzw = test_mesh_quads( &m );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    const float bad[] = { NAN, INFINITY, -INFINITY, 2e9f };
+    wisp_vec3* points = malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
+    assert_non_null( points );
+    for ( int k = 0; k < WISP_COUNT( bad ); ++k )
+    {
+        memcpy( points, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
+        points[3].y = 0.5f; // right, and not to be taken either
+        points[77].z = bad[k];
+        wisp_error error = { 0 };
+        assert_int_equal( wisp_collision_mesh_update( tree, points, &error ), WISP_BAD_INPUT );
+        assert_non_null( strstr( error.message, "point 77: got " ) );
+        assert_one_message( error.message );
+        for ( int i = 0; i < 200; ++i )
+        {
+            assert_closest_is_naive( &m, xyzw, tree, query_point( &m, i ), INFINITY );
+        }
+    }
+    wisp_collision_mesh_release( tree );
+    free( points );
+    free( xyzw );
+    test_mesh_free( &m );
+}
+
+static void a_rigid_mesh_cannot_be_updated( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_sheet( 2, 0.0f );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    wisp_error error = { 0 };
+    assert_int_equal( wisp_collision_mesh_update( tree, m.points, &error ), WISP_CONFLICT );
+    assert_one_message( error.message );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+// ---- triangles without area ----
+
+static void triangles_without_area_are_found_and_never_crossed( void** state )
+{
+    (void)state;
+    static wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 5, 5, 5 } };
+    static int32_t triangles[] = { 0, 2, 1, 3, 3, 3, 0, 0, 1 };
+    test_mesh m = { 4, 3, points, triangles };
+    float* xyzw = test_mesh_quads( &m );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    assert_int_equal( wisp_collision_mesh_get_stats( tree ).flat_triangle_count, 3 );
+    for ( int i = 0; i < 500; ++i )
+    {
+        wisp_vec3 p = test_point( i, 0, 6.0f );
+        assert_closest_is_naive( &m, xyzw, tree, p, INFINITY );
+        assert_true( closest( tree, p, INFINITY ).distance >= 0.0f );
+        assert_int_equal( sweep( tree, p, ( wisp_vec3 ){ 2.0f - p.x, -p.y, -p.z } ).triangle, -1 );
+    }
+    wisp_mesh_nearest on = closest( tree, points[3], 0.1f );
+    assert_int_equal( on.triangle, 1 );
+    assert_float_equal( on.normal.y, 1.0f, 0.0f );
+    wisp_collision_mesh_release( tree );
+    free( xyzw );
+}
+
+// ---- threads ----
+
+typedef struct query
+{
+    const test_mesh* mesh;
+    wisp_collision_mesh* tree;
+    int begin, end;
+    wisp_mesh_query* queries;
+    wisp_mesh_nearest* nearest;
+    wisp_mesh_path* paths;
+    wisp_mesh_hit* hits;
+    wisp_collision_mesh_query_stats work;
+} query;
+
+static void* ask( void* context )
+{
+    query* a = context;
+    for ( int i = a->begin; i < a->end; i += 50 )
+    {
+        wisp_collision_mesh_closest( a->tree, a->queries + i, 50, a->nearest + i, &a->work );
+        wisp_collision_mesh_cast( a->tree, a->paths + i, 50, a->hits + i, &a->work );
+    }
+    return NULL;
+}
+
+static void two_threads_get_the_answers_of_one( void** state )
+{
+    (void)state;
+    enum
+    {
+        COUNT = 4000
+    };
+    test_mesh m = test_mesh_bumpy( 20 );
+    query whole = { .mesh = &m, .tree = test_collision_mesh( &m, true ), .end = COUNT };
+    whole.queries = calloc( COUNT, sizeof( wisp_mesh_query ) );
+    whole.paths = calloc( COUNT, sizeof( wisp_mesh_path ) );
+    whole.nearest = calloc( 2 * COUNT, sizeof( wisp_mesh_nearest ) );
+    whole.hits = calloc( 2 * COUNT, sizeof( wisp_mesh_hit ) );
+    assert_true( whole.queries && whole.paths && whole.nearest && whole.hits );
+    for ( int i = 0; i < COUNT; ++i )
+    {
+        whole.queries[i] = ( wisp_mesh_query ){ query_point( &m, i ), 0.5f };
+        whole.paths[i].from = query_point( &m, i );
+        whole.paths[i].to = test_sum( whole.paths[i].from, test_point( i, 20, 1.0f ) );
+    }
+    ask( &whole );
+
+    query half[2];
+    pthread_t threads[2];
+    for ( int k = 0; k < 2; ++k )
+    {
+        half[k] = whole;
+        half[k].work = ( wisp_collision_mesh_query_stats ){ 0 };
+        half[k].nearest += COUNT;
+        half[k].hits += COUNT;
+        half[k].begin = k * COUNT / 2;
+        half[k].end = ( k + 1 ) * COUNT / 2;
+        assert_int_equal( pthread_create( threads + k, NULL, ask, half + k ), 0 );
+    }
+    assert_int_equal( pthread_join( threads[0], NULL ), 0 );
+    assert_int_equal( pthread_join( threads[1], NULL ), 0 );
+    assert_memory_equal( whole.nearest, whole.nearest + COUNT, COUNT * sizeof( wisp_mesh_nearest ) );
+    assert_memory_equal( whole.hits, whole.hits + COUNT, COUNT * sizeof( wisp_mesh_hit ) );
+    assert_int_equal( half[0].work.queried + half[1].work.queried, whole.work.queried );
+    assert_int_equal( half[0].work.answered + half[1].work.answered, whole.work.answered );
+    assert_int_equal( half[0].work.tested + half[1].work.tested, whole.work.tested );
+    wisp_collision_mesh_release( whole.tree );
+    free( whole.queries );
+    free( whole.paths );
+    free( whole.nearest );
+    free( whole.hits );
+    test_mesh_free( &m );
+}
+
+int main( void )
+{
+    if ( test_trees_are_absent() )
+    {
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_closest_point_is_that_of_brute_force_bit_for_bit ),
+        cmocka_unit_test( triangles_that_share_what_is_nearest_answer_with_the_lowest ),
+        cmocka_unit_test( a_range_of_queries_is_answered_like_each_alone ),
+        cmocka_unit_test( the_sign_tells_inside_from_outside ),
+        cmocka_unit_test( signs_hold_next_to_sharp_edges_and_tips ),
+        cmocka_unit_test( an_open_sheet_is_signed_by_the_side_it_faces ),
+        cmocka_unit_test( the_normal_is_the_gradient_of_the_distance ),
+        cmocka_unit_test( the_first_intersection_is_that_of_brute_force ),
+        cmocka_unit_test( nothing_tunnels_through_a_thin_sheet ),
+        cmocka_unit_test( steps_of_single_roundings_cross_just_once ),
+        cmocka_unit_test( refitted_and_rebuilt_trees_answer_like_new_ones ),
+        cmocka_unit_test( a_wrong_point_is_refused_and_its_neighbours_stay ),
+        cmocka_unit_test( a_rigid_mesh_cannot_be_updated ),
+        cmocka_unit_test( triangles_without_area_are_found_and_never_crossed ),
+        cmocka_unit_test( two_threads_get_the_answers_of_one ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

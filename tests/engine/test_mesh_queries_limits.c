@@ -1,0 +1,149 @@
+// Trees of meshes at their limits: what a query may hold that no library should see, meshes that are none, memory that
+// runs out.
+#include "mesh_fixture.h"
+
+#include <float.h>
+
+// ---- inputs without an answer ----
+
+static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 4, false );
+    for ( int deforms = 0; deforms < 2; ++deforms )
+    {
+        wisp_collision_mesh* tree = test_collision_mesh( &m, deforms == 1 );
+        assert_refuses_bad_numbers( tree );
+        wisp_collision_mesh_release( tree );
+    }
+    test_mesh_free( &m );
+}
+
+static void the_ends_of_the_reach_are_answered( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 4, false );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, false );
+    assert_answers_the_ends_of_the_reach( tree );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
+{
+    (void)state;
+    static const wisp_vec3 good[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
+    static const wisp_vec3 bad[] = { { 0, 0, 0 }, { 1, NAN, 0 }, { 0, 1, 0 } };
+    static const int32_t triangle[] = { 0, 1, 2 }, lower[] = { 0, -1, 2 }, upper[] = { 0, 1, 3 };
+    const struct
+    {
+        wisp_collision_mesh_def def;
+        const char* word;
+    } wrong[] = {
+        { { .points = good, .triangles = lower, .point_count = 3, .triangle_count = 1 }, "corner 1 of triangle 0" },
+        { { .points = good, .triangles = upper, .point_count = 3, .triangle_count = 1 }, "corner 2 of triangle 0" },
+        { { .points = bad, .triangles = triangle, .point_count = 3, .triangle_count = 1 }, "point 1: got " },
+        { { .points = good, .triangles = triangle, .point_count = 3 }, "0 triangles" },
+        { { .points = good, .triangles = triangle, .triangle_count = 1 }, "0 points" },
+        { { .points = good, .triangles = triangle, .point_count = -4, .triangle_count = 1 }, "-4 points" },
+        { { .points = good, .triangles = triangle, .point_count = 3, .triangle_count = INT32_MAX }, "too large" },
+        { { .triangles = triangle, .point_count = 3, .triangle_count = 1 }, "0 points" },
+        { { .points = good, .point_count = 3, .triangle_count = 1 }, "0 triangles" },
+    };
+    for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
+    {
+        wisp_collision_mesh* tree = (wisp_collision_mesh*)1;
+        wisp_error error = { 0 };
+        assert_int_equal( wisp_collision_mesh_create( &wrong[i].def, NULL, &tree, &error ), WISP_BAD_INPUT );
+        assert_null( tree );
+        assert_one_message( error.message );
+        assert_non_null( strstr( error.message, wrong[i].word ) );
+    }
+    wisp_collision_mesh_release( NULL );
+}
+
+// ---- memory ----
+
+static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 4, false );
+    for ( int deforms = 0; deforms < 2; ++deforms )
+    {
+        bool refused = true;
+        for ( int n = 1; refused; ++n )
+        {
+            test_host host = { 0 };
+            wisp_allocator allocator = test_host_allocator( &host );
+            wisp_collision_mesh_def def = test_mesh_def( &m, deforms == 1 );
+            wisp_collision_mesh* tree;
+            wisp_error error = { 0 };
+            test_host_refuse( &host, n, false );
+            wisp_status status = wisp_collision_mesh_create( &def, &allocator, &tree, &error );
+            refused = test_host_has_refused( &host );
+            assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+            assert_true( ( tree == NULL ) == refused );
+            if ( refused )
+            {
+                assert_one_message( error.message );
+            }
+            else
+            {
+                assert_true( n > 5 );
+                assert_true( (int64_t)wisp_collision_mesh_bytes( tree ) > atomic_load( &host.bytes ) );
+            }
+            wisp_collision_mesh_release( tree );
+            assert_host_has_all_back( &host );
+        }
+    }
+    test_mesh_free( &m );
+}
+
+static void a_limit_of_memory_is_kept_by_embree( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_bumpy( 40 );
+    wisp_collision_mesh_def def = test_mesh_def( &m, false );
+    wisp_collision_mesh* tree;
+    wisp_error error = { 0 };
+    def.memory_limit = 20000; // of some 50 bytes a triangle
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_NO_MEMORY );
+    assert_null( tree );
+    assert_one_message( error.message );
+    def.memory_limit = (size_t)1 << 30;
+    assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_OK );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
+{
+    (void)state;
+    test_mesh m = test_mesh_ball( 4, false );
+    wisp_collision_mesh* tree = test_collision_mesh( &m, true );
+    assert_int_equal( wisp_collision_mesh_update( tree, m.points, NULL ), WISP_OK );
+    closest( tree, m.points[0], 1.0f );
+    sweep( tree, m.points[0], m.points[1] );
+    volatile float least = FLT_MIN;
+    volatile float half = 0.5f * least; // zero where a library has left the processor in another mode
+    assert_true( half > 0.0f );
+    wisp_collision_mesh_release( tree );
+    test_mesh_free( &m );
+}
+
+int main( void )
+{
+    if ( test_trees_are_absent() )
+    {
+        return 77;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( numbers_that_are_none_are_counted_and_answered_with_nothing ),
+        cmocka_unit_test( the_ends_of_the_reach_are_answered ),
+        cmocka_unit_test( a_wrong_mesh_is_refused_with_its_first_fault ),
+        cmocka_unit_test( every_refused_block_is_a_message_and_leaves_nothing ),
+        cmocka_unit_test( a_limit_of_memory_is_kept_by_embree ),
+        cmocka_unit_test( denormal_numbers_keep_their_meaning_for_the_host ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

@@ -1,0 +1,485 @@
+// Frozen hair: cost, figures and table of Kim 2026, what belongs to a strand, what belongs to a command, dimensions. The
+// equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
+#include "frozen_hair_engine_fixture.h"
+
+#include <math.h>
+
+static const double u = HAIR_ROUNDING;
+
+static const double pi = 3.14159265358979323846;
+
+static double3 arm_of( const wisp_vec3* points, int a, int b )
+{
+    return double3_sub( hair_widen( points[b] ), hair_widen( points[a] ) );
+}
+
+// ---- Eq. 20, Table 1: cost ----
+
+static double fit_motion_stats( const double* x, const double* y, int count )
+{
+    double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
+    for ( int n = 0; n < count; ++n )
+    {
+        mx += x[n] / count;
+        my += y[n] / count;
+    }
+    for ( int n = 0; n < count; ++n )
+    {
+        xx += ( x[n] - mx ) * ( x[n] - mx );
+        xy += ( x[n] - mx ) * ( y[n] - my );
+        yy += ( y[n] - my ) * ( y[n] - my );
+    }
+    return xy * xy / ( xx * yy );
+}
+
+// Eq. 20: at fixed density the work and the memory grow as a line in the number of vertices. That the time does
+// too is measured where machines are quiet, by the benchmark "paper", which prints R^2 up to a million vertices.
+static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state )
+{
+    (void)state;
+    enum
+    {
+        sizes = 5
+    };
+    double vertices[sizes], neighbours[sizes], memory[sizes];
+    for ( int n = 0; n < sizes; ++n )
+    {
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 400 * ( n + 1 ), 20, 0.004f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        wisp_world* world = hair_world_create( NULL );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+        vertices[n] = groom.vertex_count;
+        neighbours[n] = (double)hair_stats( world, entity ).neighbours;
+        memory[n] = (double)wisp_world_memory( world );
+        assert_int_equal( hair_stats( world, entity ).searches, 1 );
+        hair_groom_destroy( &groom );
+        wisp_world_destroy( world );
+    }
+    print_message( "           R^2 of neighbours %.6f, of memory %.6f\n",
+                   fit_motion_stats( vertices, neighbours, sizes ), fit_motion_stats( vertices, memory, sizes ) );
+    assert_true( fit_motion_stats( vertices, neighbours, sizes ) > 0.999 );
+    assert_true( fit_motion_stats( vertices, memory, sizes ) > 0.99 );
+}
+
+// Table 1: sizes of the paper with all stages, profiled pass by pass; the benchmark "paper" has the times
+static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( void** state )
+{
+    (void)state;
+    const int strands[] = { 100, 300, 500 };
+    for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
+    {
+        const hair_host host = { .workers = 1 + n / WISP_COUNT( strands ) };
+        const int size = n % WISP_COUNT( strands );
+        hair_groom groom = hair_groom_create( HAIR_WAVY, 2, strands[size], 20, 0.004f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        wisp_world* world = hair_world_create( &host );
+        wisp_entity entity = hair_add_frozen( world, &groom, &def );
+        hair_step( world );
+
+        // six passes, and a step is not shorter than what its passes took
+        wisp_profile profile = wisp_world_profile( world );
+        double sum = 0.0;
+        for ( int i = 0; i < profile.count; ++i )
+        {
+            assert_true( profile.lines[i].seconds >= 0.0 && profile.lines[i].items > 0 );
+            sum += profile.lines[i].seconds;
+        }
+        assert_int_equal( profile.count, 6 );
+        assert_true( sum > 0.0 && sum <= profile.seconds * 1.0001 );
+        hair_assert_finite( hair_view( world, entity, groom.vertex_count ), groom.vertex_count );
+        wisp_world_destroy( world );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- Fig. 1 ----
+
+// The mean turn of every vertex about its root.
+static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* def, double turn[20] )
+{
+    wisp_vec3* out = hair_run( NULL, groom, def );
+    memset( turn, 0, 20 * sizeof( double ) );
+    for ( int s = 0; s < groom->strand_count; ++s )
+    {
+        for ( int i = 1; i < 20; ++i )
+        {
+            double3 before = arm_of( groom->points, 20 * s, 20 * s + i ), after = arm_of( out, 20 * s, 20 * s + i );
+            turn[i] += double3_angle( before, after ) / groom->strand_count;
+        }
+    }
+    free( out );
+}
+
+static void a_high_intensity_turns_whole_strands_and_a_low_one_their_tips( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 4; ++n )
+    {
+        hair_groom groom = hair_groom_create( n < 2 ? HAIR_STRAIGHT : HAIR_WAVY, 2 + n % 2, 30, 20, 0.006f );
+        wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.5f, -0.1f, 0.0f } );
+        double upper[20], lower[20], chord[20], bow = 0.0;
+        def.intensity = 0.8f;
+        turn_profile( &groom, &def, upper );
+        def.intensity = 0.2f;
+        turn_profile( &groom, &def, lower );
+        def.blend_chord = true;
+        turn_profile( &groom, &def, chord );
+        for ( int i = 2; i < 20; ++i )
+        {
+            assert_true( upper[i] > upper[i - 1] && lower[i] > lower[i - 1] && chord[i] > chord[i - 1] );
+        }
+        assert_true( lower[1] < 0.3 * lower[19] && upper[1] > 0.75 * upper[19] );
+        assert_true( upper[19] - upper[1] < 0.3 * ( lower[19] - lower[1] ) );
+        hair_assert_close( upper[19], lower[19], 100.0 * u );
+
+        // linear in the index with the arc; with the chord bowed by more than a degree
+        for ( int i = 1; i < 20; ++i )
+        {
+            double line = lower[1] + ( lower[19] - lower[1] ) * ( i - 1 ) / 18.0;
+            hair_assert_close( lower[i], line, n < 2 ? 100.0 * u : 0.01 );
+            bow = fmax( bow, fabs( chord[i] - ( chord[1] + ( chord[19] - chord[1] ) * ( i - 1 ) / 18.0 ) ) );
+        }
+        assert_true( bow > pi / 180.0 );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- Fig. 2 ----
+
+typedef struct waviness
+{
+    double change; // rad, mean change of the turning angle between consecutive segments
+    double spread; // deviation of l/l0
+} waviness;
+
+static double signed_turn( const wisp_vec3* p, int v )
+{
+    double3 a = arm_of( p, v - 1, v ), b = arm_of( p, v, v + 1 );
+    return atan2( double3_cross( a, b ).z, double3_dot( a, b ) );
+}
+
+static waviness measure_waviness( const hair_groom* groom, const wisp_vec3* out )
+{
+    waviness w = { 0.0, 0.0 };
+    const int strands = groom->strand_count;
+    for ( int s = 0; s < strands; ++s )
+    {
+        for ( int v = 20 * s + 1; v < 20 * s + 20; ++v )
+        {
+            double ratio =
+                hair_distance( out[v], out[v - 1] ) / hair_distance( groom->points[v], groom->points[v - 1] );
+            w.spread += ( ratio - 1.0 ) * ( ratio - 1.0 ) / ( strands * 19.0 );
+            if ( v < 20 * s + 19 )
+            {
+                w.change += fabs( signed_turn( out, v ) - signed_turn( groom->points, v ) ) / ( strands * 18.0 );
+            }
+        }
+    }
+    w.spread = sqrt( w.spread );
+    return w;
+}
+
+static void stiffness_seven_stays_closer_to_the_original_than_three( void** state )
+{
+    (void)state;
+    const double stiffness[] = { 1e9, 7.0, 3.0 }, printed_degrees[] = { 0.0, 4.29, 10.0 };
+    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1000, 20, 0.004f );
+    waviness w[3];
+    for ( int n = 0; n < 3; ++n )
+    {
+        wisp_frozen_hair_def def = hair_freeze_only();
+        def.stretch_stiffness = def.bend_stiffness = (float)stiffness[n];
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        w[n] = measure_waviness( &groom, out );
+
+        // |a - b| of independent U(-1,1) has mean 2/3 and variance 2/9; neighbours share a segment and are correlated
+        // by 0.1, which widens the sampling by sqrt( 1.2 ). Ends of segments 4 m from the origin round.
+        double step = (double)def.bend_angle_max / stiffness[n];
+        double sampling = 3.0 * step * sqrt( 1.2 * 2.0 / 9.0 / ( 1000.0 * 18.0 ) ) + 16.0 * u * 4.0 / 0.007;
+        hair_assert_close( w[n].change, step * 2.0 / 3.0, sampling );
+        hair_assert_close( w[n].change * 180.0 / pi, printed_degrees[n], sampling * 180.0 / pi + 0.005 );
+        free( out );
+    }
+    assert_true( w[0].change < w[1].change && w[1].change < w[2].change );
+    assert_true( w[0].spread < w[1].spread && w[1].spread < w[2].spread );
+    hair_groom_destroy( &groom );
+}
+
+// ---- Fig. 3 ----
+
+static int root_of( int* parent, int v )
+{
+    while ( parent[v] != v )
+    {
+        parent[v] = parent[parent[v]];
+        v = parent[v];
+    }
+    return v;
+}
+
+typedef struct clumping
+{
+    int clusters;    // sets of vertices joined by distances below h/2 between strands
+    double mean_gap; // m, mean over moving vertices of the distance to the nearest vertex of another strand
+} clumping;
+
+static clumping measure_clumping( const hair_groom* groom, const wisp_vec3* p, double h )
+{
+    clumping result = { 0, 0.0 };
+    int* parent = malloc( (size_t)groom->vertex_count * sizeof( int ) );
+    assert_non_null( parent );
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        parent[v] = v;
+    }
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        double nearest = INFINITY;
+        for ( int q = 0; q < groom->vertex_count; ++q )
+        {
+            double r = v / 20 == q / 20 ? INFINITY : hair_distance( p[v], p[q] );
+            nearest = fmin( nearest, r );
+            if ( r < h / 2.0 )
+            {
+                parent[root_of( parent, q )] = root_of( parent, v );
+            }
+        }
+        result.mean_gap += v % 20 > 0 ? nearest / ( groom->strand_count * 19.0 ) : 0.0;
+    }
+    for ( int v = 0; v < groom->vertex_count; ++v )
+    {
+        result.clusters += root_of( parent, v ) == v ? 1 : 0;
+    }
+    free( parent );
+    return result;
+}
+
+// Spacings are those at which the oracle keeps the figure's promise; in dense flat hair the clusters of before break
+// up.
+static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet( void** state )
+{
+    (void)state;
+    const struct
+    {
+        int dimension, strands;
+        float spacing;
+    } grooms[] = { { 2, 40, 0.012f }, { 3, 49, 0.006f }, { 3, 49, 0.008f } };
+    const wisp_gap gaps[] = { WISP_GAP_NONE, WISP_GAP_NONE, WISP_GAP_SIGNED, WISP_GAP_ABSOLUTE };
+    for ( int n = 0; n < 3 * WISP_COUNT( grooms ); ++n )
+    {
+        const int dimension = grooms[n / 3].dimension, strands = grooms[n / 3].strands;
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, strands, 20, grooms[n / 3].spacing );
+        clumping c[4];
+        for ( int rule = 0; rule < 4; ++rule )
+        {
+            wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+            def.cursor = ( wisp_vec3 ){ 0.08f, -0.17f, 0.0f };
+            def.reach = 1.0f;
+            def.clump = rule > 0;
+            def.gap = gaps[rule];
+            wisp_vec3* out = hair_run( NULL, &groom, &def );
+            for ( int s = 0; s < strands; ++s )
+            {
+                assert_true( hair_same_bits( out + 20 * s, groom.points + 20 * s, 1 ) );
+            }
+            c[rule] = measure_clumping( &groom, out, (double)def.clump_radius );
+            free( out );
+        }
+        assert_true( c[1].clusters < c[0].clusters && c[2].clusters < c[0].clusters &&
+                     c[3].clusters < c[0].clusters );
+        assert_true( c[3].mean_gap > c[2].mean_gap && c[2].mean_gap > c[1].mean_gap );
+        assert_true( c[0].mean_gap > c[3].mean_gap );
+        hair_groom_destroy( &groom );
+    }
+}
+
+// ---- Section III.3, random numbers, discussion, 2D and 3D ----
+
+static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state )
+{
+    (void)state;
+    enum
+    {
+        strands = 40
+    };
+    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, strands, 20, 0.008f );
+    float stretch[strands], bend[strands], intensity[strands];
+    for ( int s = 0; s < strands; ++s )
+    {
+        stretch[s] = bend[s] = s % 3 == 0 ? 1e9f : 2.0f;
+        intensity[s] = s % 2 == 0 ? 0.0f : 1.0f;
+    }
+    wisp_frozen_hair_def def = hair_freeze_only();
+    def.strand_stretch_stiffness = stretch;
+    def.strand_bend_stiffness = bend;
+    wisp_vec3* frozen = hair_run( NULL, &groom, &def );
+    def = hair_align_only( ( wisp_vec3 ){ 1.0f, 0.1f, 0.3f } );
+    def.strand_intensity = intensity;
+    wisp_vec3* aligned = hair_run( NULL, &groom, &def );
+    for ( int s = 0; s < strands; ++s )
+    {
+        // stiff strands stay, soft ones leave by far more than rounding
+        double tip = hair_distance( frozen[20 * s + 19], groom.points[20 * s + 19] );
+        assert_true( s % 3 == 0 ? tip < 1e-6 : tip > 1e-4 );
+        double first =
+            double3_angle( arm_of( groom.points, 20 * s, 20 * s + 1 ), arm_of( aligned, 20 * s, 20 * s + 1 ) );
+        double last =
+            double3_angle( arm_of( groom.points, 20 * s, 20 * s + 19 ), arm_of( aligned, 20 * s, 20 * s + 19 ) );
+
+        // the arm of the first vertex is 7 mm long and its ends are rounded
+        hair_assert_close( first, s % 2 == 0 ? last / 19.0 : last, 60.0 * u + 4.0 * u * 0.2 / 0.007 );
+    }
+    free( frozen );
+    free( aligned );
+    hair_groom_destroy( &groom );
+}
+
+static void nothing_changes_without_a_command( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    wisp_world* world = hair_world_create( NULL );
+    wisp_entity entity = hair_add_frozen( world, &groom, &def );
+    hair_step( world );
+    wisp_vec3* look = hair_points( world, entity, groom.vertex_count );
+    uint64_t hash = wisp_world_hash( world ), searches = wisp_world_counter( world, WISP_COUNT_SEARCHES );
+    for ( int n = 0; n < 10; ++n )
+    {
+        hair_step( world );
+        assert_true( hair_same_bits( hair_view( world, entity, groom.vertex_count ), look, groom.vertex_count ) );
+        assert_int_equal( wisp_world_hash( world ), hash );
+        wisp_profile profile = wisp_world_profile( world );
+        for ( int i = 0; i < profile.count; ++i )
+        {
+            assert_int_equal( profile.lines[i].items, 0 );
+        }
+    }
+    assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ), searches );
+    hair_command( world, entity, def.cursor );
+    hair_step( world );
+    assert_false( hair_same_bits( hair_view( world, entity, groom.vertex_count ), look, groom.vertex_count ) );
+    assert_int_equal( hair_stats( world, entity ).event, 1 );
+    free( look );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+static void an_event_a_frame_changes_every_step_like_a_command_each( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+    wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
+    wisp_entity a = hair_add_frozen( commanded, &groom, &def );
+    def.event = WISP_EVENT_FRAME;
+    wisp_entity b = hair_add_frozen( framed, &groom, &def );
+    wisp_vec3* before = hair_points( framed, b, groom.vertex_count );
+    for ( int n = 0; n < 5; ++n )
+    {
+        hair_step( commanded );
+        hair_step( framed );
+        const wisp_vec3* look = hair_view( framed, b, groom.vertex_count );
+        assert_true( hair_same_bits( look, hair_view( commanded, a, groom.vertex_count ), groom.vertex_count ) );
+        assert_false( hair_same_bits( look, before, groom.vertex_count ) );
+        assert_int_equal( hair_stats( framed, b ).event, n );
+        memcpy( before, look, (size_t)groom.vertex_count * sizeof( wisp_vec3 ) );
+        hair_command( commanded, a, def.cursor );
+    }
+    free( before );
+    wisp_world_destroy( commanded );
+    wisp_world_destroy( framed );
+    hair_groom_destroy( &groom );
+}
+
+static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
+{
+    (void)state;
+    hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
+    const int workers[] = { 1, 2, 8, 64 };
+    for ( int stage = 0; stage < 2; ++stage )
+    {
+        wisp_frozen_hair_def def = stage == 0 ? hair_freeze_only() : hair_clump_only();
+        wisp_vec3* first = hair_run( NULL, &groom, &def );
+        for ( int n = 0; n < WISP_COUNT( workers ); ++n )
+        {
+            const hair_host host = { .workers = workers[n] };
+            wisp_vec3* again = hair_run( &host, &groom, &def );
+            assert_true( hair_same_bits( first, again, groom.vertex_count ) );
+            free( again );
+        }
+        def.seed = 2;
+        wisp_vec3* other = hair_run( NULL, &groom, &def );
+        assert_false( hair_same_bits( first, other, groom.vertex_count ) );
+        free( first );
+        free( other );
+    }
+    hair_groom_destroy( &groom );
+}
+
+// Discussion, 2D and 3D
+static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
+{
+    (void)state;
+    for ( int n = 0; n < 24; ++n )
+    {
+        hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );
+        wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
+        def.gap = (wisp_gap)( n / 3 % 4 );
+        def.blend_chord = n / 12 != 0;
+        def.epsilon = n / 12 != 0 ? 1e-6f : 0.0f;
+        def.bend_stiffness = 1.0f;
+        def.cursor = ( wisp_vec3 ){ 0.08f, n % 2 == 0 ? -0.1f : 0.1f, 0.0f };
+        wisp_vec3* out = hair_run( NULL, &groom, &def );
+        for ( int v = 0; v < groom.vertex_count; ++v )
+        {
+            assert_true( out[v].z == 0.0f );
+        }
+        free( out );
+        hair_groom_destroy( &groom );
+    }
+
+    // the same straight hair leaves the plane where it is free to
+    hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 10, 20, 0.004f );
+    groom.dimension = 3;
+    wisp_frozen_hair_def def = hair_freeze_only();
+    wisp_vec3* out = hair_run( NULL, &groom, &def );
+    double depth = 0.0;
+    for ( int v = 0; v < groom.vertex_count; ++v )
+    {
+        depth = fmax( depth, fabs( (double)out[v].z ) );
+    }
+    assert_true( depth > 1e-4 );
+    free( out );
+
+    groom.points[47].z = 0.25f;
+    wisp_world* world = hair_world_create( NULL );
+    wisp_strands_def strands = wisp_default_strands_def();
+    strands.points = groom.points;
+    strands.offsets = groom.offsets;
+    strands.strand_count = groom.strand_count;
+    strands.dimension = 2;
+    wisp_entity entity;
+    assert_int_equal( wisp_add_strands( world, &strands, &entity ), WISP_BAD_INPUT );
+    assert_non_null( strstr( wisp_world_message( world ), "strand 2, vertex 7" ) );
+    wisp_world_destroy( world );
+    hair_groom_destroy( &groom );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( neighbours_and_memory_grow_linearly_with_the_vertices ),
+        cmocka_unit_test( the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass ),
+        cmocka_unit_test( a_high_intensity_turns_whole_strands_and_a_low_one_their_tips ),
+        cmocka_unit_test( stiffness_seven_stays_closer_to_the_original_than_three ),
+        cmocka_unit_test( clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet ),
+        cmocka_unit_test( each_strand_answers_to_its_own_stiffness_and_intensity ),
+        cmocka_unit_test( nothing_changes_without_a_command ),
+        cmocka_unit_test( an_event_a_frame_changes_every_step_like_a_command_each ),
+        cmocka_unit_test( a_seed_repeats_and_another_seed_or_event_differs ),
+        cmocka_unit_test( flat_hair_stays_flat_to_the_bit_and_refuses_depth ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
