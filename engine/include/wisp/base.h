@@ -6,9 +6,9 @@
 #include <stdint.h>
 
 #define WISP_VERSION_MAJOR 0
-#define WISP_VERSION_MINOR 14
-#define WISP_VERSION_PATCH 1
-#define WISP_VERSION_STRING "0.14.1"
+#define WISP_VERSION_MINOR 15
+#define WISP_VERSION_PATCH 0
+#define WISP_VERSION_STRING "0.15.0"
 
 #if defined( _WIN32 )
 #define WISP_API __declspec( dllexport )
