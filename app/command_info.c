@@ -239,7 +239,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
         printf( "    requests:%s%s%s%s%s%s\n", entry->request_points ? " points" : "",
                 entry->request_width ? " width" : "", entry->request_colour ? " colour" : "",
                 entry->request_strain ? " strain" : "", entry->request_speed ? " speed" : "",
-                entry->request_motion_stats ? " quality" : "" );
+                entry->request_motion_stats ? " motion_stats" : "" );
     }
 }
 

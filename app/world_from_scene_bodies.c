@@ -122,7 +122,7 @@ static wisp_status find_component( const scene_world* world, int body, scene_req
         [SCENE_REQUEST_SPEED] = "speed",
         [SCENE_REQUEST_WIDTH] = "width",
         [SCENE_REQUEST_COLOUR] = "colour",
-        [SCENE_REQUEST_MOTION_STATS] = "quality",
+        [SCENE_REQUEST_MOTION_STATS] = "motion stats",
         [SCENE_REQUEST_NORMALS] = "normals",
     };
     *out = component_of( world, place_of( world, body ), request );

@@ -87,7 +87,7 @@ static wisp_status allocate( delaunay* d, wisp_error* error )
     {
         return WISP_OK;
     }
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to join %d points", d->name, d->point_count );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to join %d points", d->name, d->point_count );
 }
 
 static void release( delaunay* d )

@@ -198,7 +198,7 @@ wisp_status delaunay_insert( delaunay* d, wisp_error* error )
     visit* visits = malloc( (size_t)d->point_count * sizeof *visits );
     if ( visits == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to sort %d points", d->name, d->point_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to sort %d points", d->name, d->point_count );
     }
     for ( int i = 0; i < d->point_count; ++i )
     {

@@ -184,7 +184,7 @@ wisp_status delaunay_take_inside( delaunay* d, int outline_count, int32_t* trian
     bool* outside = calloc( (size_t)d->triangle_count, sizeof *outside );
     if ( outside == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to sort out %d triangles", d->name,
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to sort out %d triangles", d->name,
                           d->triangle_count );
     }
     flood_outside( d, outside );

@@ -39,7 +39,7 @@ wisp_status groom_allocate( wisp_groom* groom, int strand_count, int vertex_coun
          ( clear && groom->transparency == NULL ) || ( coloured && groom->colour == NULL ) )
     {
         wisp_groom_release( groom );
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d strands with %d vertices",
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d strands with %d vertices",
                           io_short_name( name ), strand_count, vertex_count );
     }
     return WISP_OK;

@@ -255,7 +255,7 @@ wisp_status wisp_groom_generate( const wisp_groom_generator* generator, wisp_gro
     {
         int columns = generator->thickness > 0.0f ? GROOM_THICKNESS : 0;
         int vertex_count = generator->strand_count * generator->vertices_per_strand;
-        status = groom_allocate( out, generator->strand_count, vertex_count, columns, "groom recipe", error );
+        status = groom_allocate( out, generator->strand_count, vertex_count, columns, "groom generator", error );
     }
     if ( status != WISP_OK )
     {

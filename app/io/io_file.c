@@ -95,8 +95,8 @@ static wisp_status read_all( FILE* file, const char* path, size_t size_cap, size
         unsigned char* larger = realloc( block, capacity );
         if ( larger == NULL )
         {
-            status =
-                wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %zu bytes", io_short_name( path ), capacity );
+            status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %zu bytes", io_short_name( path ),
+                                capacity );
             break;
         }
         block = larger;
@@ -168,7 +168,7 @@ wisp_status io_file_read( const char* path, size_t size_cap, unsigned char** byt
 
 static wisp_status no_memory( wisp_error* error, const char* path )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a path", io_short_name( path ) );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for a path", io_short_name( path ) );
 }
 
 // A hidden name in the folder of `path`; short, because the folder's limit counts for it as well.
@@ -347,7 +347,7 @@ wisp_status io_numbers_begin( io_numbers* numbers, wisp_error* error )
     locale_t plain = newlocale( LC_ALL_MASK, "C", (locale_t)0 );
     if ( plain == (locale_t)0 )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a numeric locale" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a numeric locale" );
     }
     numbers->plain = plain;
     numbers->previous = uselocale( plain );

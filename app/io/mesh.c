@@ -36,7 +36,7 @@ wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count
     if ( mesh->points == NULL || mesh->triangles == NULL )
     {
         wisp_mesh_release( mesh );
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d vertices and %d triangles",
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices and %d triangles",
                           io_short_name( name ), vertex_count, triangle_count );
     }
     return WISP_OK;
@@ -53,7 +53,7 @@ static wisp_status grow( mesh_fan* fan, wisp_error* error )
     int32_t* larger = realloc( fan->mesh->triangles, (size_t)capacity * 3 * sizeof *larger );
     if ( larger == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d triangles", io_short_name( fan->name ),
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d triangles", io_short_name( fan->name ),
                           capacity );
     }
     fan->mesh->triangles = larger;

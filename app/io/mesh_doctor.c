@@ -179,7 +179,7 @@ static wisp_status number_shells( examination* x, wisp_error* error )
     x->components = calloc( (size_t)count + 1, sizeof *x->components );
     if ( x->components == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d components", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d components", count );
     }
     return WISP_OK;
 }
@@ -272,8 +272,9 @@ static wisp_status ask_for_memory( examination* x, wisp_error* error )
     x->flags = calloc( vertices, VERTEX_FLAGS * sizeof *x->flags );
     bool has_all = x->component_sets != NULL && x->fan_sets != NULL && x->border_sets != NULL &&
                    x->first_of != NULL && x->component_number != NULL && x->vertex_count != NULL && x->flags != NULL;
-    return has_all ? WISP_OK
-                   : wisp_fail( error, WISP_NO_MEMORY, "no memory to examine %d triangles", x->mesh->triangle_count );
+    return has_all
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "out of memory to examine %d triangles", x->mesh->triangle_count );
 }
 
 static void give_back( examination* x )
@@ -296,7 +297,7 @@ static wisp_status find_duplicates( examination* x, wisp_error* error )
     bool* skip = malloc( (size_t)count * sizeof *skip );
     if ( skip == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare %d triangles", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", count );
     }
     for ( int t = 0; t < count; ++t )
     {

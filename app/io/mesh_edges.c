@@ -124,7 +124,8 @@ wisp_status mesh_edges_build( const wisp_mesh* mesh, mesh_edges* edges, wisp_err
          work.spare == NULL || work.first == NULL )
     {
         mesh_edges_release( edges );
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for the edges of %d triangles", mesh->triangle_count );
+        status =
+            wisp_fail( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles", mesh->triangle_count );
     }
     else
     {
@@ -202,7 +203,7 @@ wisp_status mesh_find_duplicates( const wisp_mesh* mesh, const bool* skip, int32
     wisp_status status = WISP_OK;
     if ( block == NULL || first == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to compare %d triangles", mesh->triangle_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", mesh->triangle_count );
     }
     else
     {

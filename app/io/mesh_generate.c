@@ -180,7 +180,7 @@ wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, w
 {
     int columns = r->columns, rows = r->rows;
     wisp_status status =
-        mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh recipe", error );
+        mesh_allocate( out, columns * rows, 2 * ( columns - 1 ) * ( rows - 1 ), "mesh generator", error );
     if ( status != WISP_OK )
     {
         return status;

@@ -116,7 +116,7 @@ static wisp_status check_outline( const flat* f, wisp_error* error )
     wisp_status status = WISP_OK;
     if ( places == NULL || lattice == NULL || triangles == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to check %d corners", NAME, count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to check %d corners", NAME, count );
     }
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
@@ -242,7 +242,7 @@ static wisp_status put_strips( flat* f, wisp_error* error )
     f->strip_edges = malloc( (size_t)f->strip_from[strips] * sizeof *f->strip_edges );
     if ( f->strip_edges == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d open edges", NAME, f->border_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d open edges", NAME, f->border_count );
     }
     for ( int edge = f->border_count - 1; edge >= 0; --edge )
     {
@@ -271,7 +271,7 @@ static wisp_status make_cells( flat* f, wisp_error* error )
     f->strip_from = calloc( (size_t)f->cells[f->long_axis] + 1, sizeof *f->strip_from );
     if ( f->first == NULL || f->next == NULL || f->strip_from == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to spread %d vertices", NAME, f->total );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to spread %d vertices", NAME, f->total );
     }
     for ( size_t c = 0; c < cells; ++c )
     {
@@ -408,7 +408,7 @@ static wisp_status put_vertices( flat* f, wisp_mesh* out, delaunay_point* lattic
     placed* vertices = malloc( (size_t)f->total * sizeof *vertices );
     if ( vertices == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to number %d vertices", NAME, f->total );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to number %d vertices", NAME, f->total );
     }
     for ( int i = 0; i < f->total; ++i )
     {
@@ -445,7 +445,7 @@ static wisp_status triangulate( flat* f, wisp_mesh* out, wisp_error* error )
     delaunay_point* lattice = malloc( (size_t)f->total * sizeof *lattice );
     if ( status == WISP_OK && lattice == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "%s: no memory to join %d vertices", NAME, f->total );
+        status = wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory to join %d vertices", NAME, f->total );
     }
     if ( status == WISP_OK )
     {
@@ -468,7 +468,7 @@ static wisp_status fill( flat* f, uint64_t seed, wisp_mesh* out, wisp_error* err
     choose_spacing( f );
     f->points = malloc( (size_t)f->total * 2 * sizeof *f->points );
     wisp_status status =
-        f->points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d vertices", NAME, f->total );
+        f->points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", NAME, f->total );
     if ( status == WISP_OK )
     {
         put_border( f );

@@ -207,7 +207,7 @@ static wisp_status make_delaunay( wisp_mesh* mesh, wisp_error* error )
     }
     else
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory to flip %d triangles",
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory to flip %d triangles",
                             mesh->triangle_count );
     }
     free( f.twin );
@@ -223,7 +223,7 @@ wisp_status mesh_generate_irregular( const wisp_mesh_generator* r, wisp_mesh* ou
     int first = row_start( r, total, 1 ), last = total - row_start( r, total, r->rows - 1 );
     // Two rows of p and q points have p + q - 2 triangles between them.
     int triangle_count = 2 * total - first - last - 2 * ( r->rows - 1 );
-    wisp_status status = mesh_allocate( out, total, triangle_count, "mesh recipe", error );
+    wisp_status status = mesh_allocate( out, total, triangle_count, "mesh generator", error );
     if ( status == WISP_OK )
     {
         put_points( r, out );

@@ -99,7 +99,7 @@ static wisp_status subdivide( ico* s, wisp_error* error )
     }
     else
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory for %d edges", edges.edge_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory for %d edges", edges.edge_count );
     }
     free( middle );
     mesh_edges_release( &edges );
@@ -128,7 +128,7 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
 {
     int quadrupled = 1 << 2 * r->level;
     int vertex_count = 10 * quadrupled + 2;
-    wisp_status status = mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, "mesh recipe", error );
+    wisp_status status = mesh_allocate( out, vertex_count, ICO_TRIANGLES * quadrupled, "mesh generator", error );
     if ( status != WISP_OK )
     {
         return status;
@@ -136,7 +136,7 @@ wisp_status mesh_generate_icosphere( const wisp_mesh_generator* r, wisp_mesh* ou
     ico s = { malloc( (size_t)vertex_count * sizeof *s.directions ), { .triangles = out->triangles } };
     if ( s.directions == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: no memory for %d vertices", vertex_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "mesh generator: out of memory for %d vertices", vertex_count );
     }
     else
     {
@@ -320,7 +320,7 @@ wisp_status mesh_generate_turned( const wisp_mesh_generator* r, wisp_mesh* out, 
     profile p = profile_of( r );
     int bands = p.is_cyclic || p.has_poles ? p.ring_count : p.ring_count - 1;
     int vertex_count = r->segments * p.ring_count + 2 * p.has_poles;
-    wisp_status status = mesh_allocate( out, vertex_count, 2 * r->segments * bands, "mesh recipe", error );
+    wisp_status status = mesh_allocate( out, vertex_count, 2 * r->segments * bands, "mesh generator", error );
     if ( status == WISP_OK )
     {
         put_rings( r, &p, out->points );

@@ -251,7 +251,7 @@ static wisp_status read_lines( obj_reading* reading )
     mesh->points = malloc( (size_t)reading->vertex_count * sizeof *mesh->points );
     if ( mesh->points == NULL )
     {
-        return wisp_fail( reading->error, WISP_NO_MEMORY, "%s: no memory for %d vertices", reading->name,
+        return wisp_fail( reading->error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", reading->name,
                           reading->vertex_count );
     }
     mesh_obj_feed feed = { reading, feed_line, take_vertex, take_corner };

@@ -327,7 +327,8 @@ static wisp_status read_rows( const ply_header* header, const unsigned char* byt
     out->points = malloc( (size_t)out->vertex_count * sizeof *out->points );
     if ( out->points == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %d vertices", header->name, out->vertex_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %d vertices", header->name,
+                          out->vertex_count );
     }
     io_numbers numbers;
     status = io_numbers_begin( &numbers, error );
@@ -351,7 +352,7 @@ wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name
     ply_header* header = calloc( 1, sizeof *header );
     if ( header == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for a header", name );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for a header", name );
     }
     header->name = name;
     wisp_status status = ply_read_header( bytes, size, header, error );

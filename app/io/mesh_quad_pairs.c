@@ -60,7 +60,7 @@ wisp_status wisp_quad_pairs_make( int columns, int rows, wisp_quad_pairs* out, w
     if ( !out->stretch || !out->bend )
     {
         wisp_quad_pairs_release( out );
-        return wisp_fail( error, WISP_NO_MEMORY, "quad pairs: no memory for %zu pairs", stretch + bend );
+        return wisp_fail( error, WISP_NO_MEMORY, "quad pairs: out of memory for %zu pairs", stretch + bend );
     }
     out->stretch_count = put_pairs( columns, rows, 1, out->stretch );
     out->bend_count = put_pairs( columns, rows, 2, out->bend );

@@ -30,7 +30,7 @@ static wisp_status find_dropped( const wisp_mesh* mesh, int what, bool* drop, in
     bool* skip = malloc( (size_t)mesh->triangle_count * sizeof *skip );
     if ( skip == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to compare %d triangles", mesh->triangle_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to compare %d triangles", mesh->triangle_count );
     }
     for ( int t = 0; t < mesh->triangle_count; ++t )
     {
@@ -54,7 +54,7 @@ static wisp_status drop_triangles( wisp_mesh* mesh, int what, wisp_mesh_repairs*
     wisp_status status = WISP_OK;
     if ( drop == NULL || first_of == NULL )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to repair %d triangles", mesh->triangle_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
     }
     else
     {
@@ -270,7 +270,7 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
     if ( status == WISP_OK && ( f.twin == NULL || f.primitive == NULL || f.queue == NULL || f.turned == NULL ||
                                 f.open == NULL || f.odd == NULL ) )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory to repair %d triangles", mesh->triangle_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory to repair %d triangles", mesh->triangle_count );
     }
     if ( status == WISP_OK )
     {
@@ -323,7 +323,7 @@ static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* 
     if ( new_number == NULL || repairs->kept == NULL )
     {
         free( new_number );
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to number %d vertices", mesh->vertex_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to number %d vertices", mesh->vertex_count );
     }
     number_vertices( mesh, what, new_number, repairs );
     for ( int c = 0; c < 3 * mesh->triangle_count; ++c )

@@ -8,7 +8,7 @@
 
 wisp_status record_no_memory( const char* name, wisp_error* error )
 {
-    return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the recording", io_short_name( name ) );
+    return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for the recording", io_short_name( name ) );
 }
 
 wisp_status record_refused( const char* path, const char* what, wisp_error* error )

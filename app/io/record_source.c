@@ -78,7 +78,7 @@ static wisp_status make_room( record_source* source, size_t size, wisp_error* er
     unsigned char* larger = realloc( source->buffer, size );
     if ( larger == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for %zu bytes", source->name, size );
+        return wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for %zu bytes", source->name, size );
     }
     source->buffer = larger;
     source->buffer_size = size;

@@ -40,7 +40,7 @@ static wisp_status index_lines( editor* e )
     e->lines = malloc( (size_t)count * sizeof *e->lines );
     if ( !e->lines )
     {
-        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: no memory for the scene", s->name );
+        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: out of memory for the scene", s->name );
     }
     e->lines[e->line_count++] = 0;
     for ( size_t i = 0; i < s->size; ++i )
@@ -414,7 +414,7 @@ static wisp_status apply( editor* e, char** out, size_t* out_size )
     char* text = malloc( s->size + (size_t)e->patch_count * sizeof e->patches->text + 1 );
     if ( !text )
     {
-        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: no memory for the scene", s->name );
+        return wisp_fail( s->error, WISP_NO_MEMORY, "%s: out of memory for the scene", s->name );
     }
     size_t read = 0, written = 0;
     for ( int i = 0; i < e->patch_count; ++i )
@@ -437,8 +437,9 @@ static wisp_status edit_text( const scene_source* source, const wisp_scene_edit*
 {
     editor e = { .source = *source };
     e.patches = malloc( ( (size_t)count + 1 ) * sizeof *e.patches );
-    wisp_status status =
-        e.patches ? index_lines( &e ) : wisp_fail( source->error, WISP_NO_MEMORY, "no memory for %d changes", count );
+    wisp_status status = e.patches
+                             ? index_lines( &e )
+                             : wisp_fail( source->error, WISP_NO_MEMORY, "out of memory for %d changes", count );
     status = status == WISP_OK ? scene_tree_build( source, &e.tree ) : status;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {

@@ -50,7 +50,7 @@ void wisp_scene_release( wisp_scene* scene )
 
 wisp_status scene_no_memory( const scene_reader* r )
 {
-    return wisp_fail( r->source->error, WISP_NO_MEMORY, "%s: no memory for the scene",
+    return wisp_fail( r->source->error, WISP_NO_MEMORY, "%s: out of memory for the scene",
                       io_short_name( r->source->name ) );
 }
 

@@ -84,7 +84,8 @@ wisp_status scene_refuse( const scene_source* source, int line, int column, cons
 
 static wisp_status out_of_memory( const scene_source* source )
 {
-    return wisp_fail( source->error, WISP_NO_MEMORY, "%s: no memory for the scene", io_short_name( source->name ) );
+    return wisp_fail( source->error, WISP_NO_MEMORY, "%s: out of memory for the scene",
+                      io_short_name( source->name ) );
 }
 
 // Bytes of the UTF-8 character at the start of the text and its code point; 0 if there is none.

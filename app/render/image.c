@@ -16,7 +16,7 @@ wisp_status image_make( int width, int height, image_colour colour, image* out, 
     uint8_t* rgb = malloc( 3 * count );
     if ( rgb == NULL )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for %d x %d pixels", width, height );
+        return wisp_fail( error, WISP_NO_MEMORY, "picture: out of memory for %d x %d pixels", width, height );
     }
     *out = ( image ){ width, height, rgb };
     image_fill( out, 0, 0, width, height, colour, 1.0f );

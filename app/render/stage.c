@@ -61,7 +61,7 @@ static wisp_status add_normals( stage* out, const render_scene* scene, wisp_erro
             normals[v] = direction_of_sum( normals[v] );
         }
     }
-    return good ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for the normals" );
+    return good ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "picture: out of memory for the normals" );
 }
 
 // ---- lamps and ground ------------------------------------------------------------------------------------------

@@ -40,7 +40,7 @@ static wisp_status embree_fault( const trace_tree* tree, wisp_error* error )
     }
     if ( tree->reason == RTC_ERROR_OUT_OF_MEMORY )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for the trees of the ray tracer" );
+        return wisp_fail( error, WISP_NO_MEMORY, "picture: out of memory for the trees of the ray tracer" );
     }
     return wisp_fail( error, WISP_CONFLICT, "picture: the ray tracer refuses with error %d: %s", (int)tree->reason,
                       tree->words );
@@ -259,7 +259,7 @@ wisp_status trace_build( const render_scene* scene, const trace_widening* wideni
     {
         free( tree );
         free( segments );
-        return wisp_fail( error, WISP_NO_MEMORY, "picture: no memory for %d bodies",
+        return wisp_fail( error, WISP_NO_MEMORY, "picture: out of memory for %d bodies",
                           scene->mesh_count + scene->curves_count + scene->points_count );
     }
     tree->segments = segments;

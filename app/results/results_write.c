@@ -249,7 +249,7 @@ static wisp_status write_csv( const results* all, FILE* stream, wisp_error* erro
     {
         free( columns[group].names );
     }
-    return gathered ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory to write the results as CSV" );
+    return gathered ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "out of memory to write the results as CSV" );
 }
 
 // ---- any of them ----
@@ -258,7 +258,7 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
 {
     if ( all->incomplete )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory to gather the results" );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory to gather the results" );
     }
     wisp_status status = WISP_OK;
     switch ( format )

@@ -2,7 +2,7 @@
 
 #include "wisp/base.h"
 
-_Static_assert( sizeof( ( (wisp_error*)0 )->message ) <= BASE_MESSAGE_CAPACITY, "a sentence of an error fits" );
+_Static_assert( sizeof( ( (wisp_error*)0 )->message ) <= BASE_MESSAGE_CAPACITY, "a message fits" );
 
 const char* wisp_status_name( wisp_status status )
 {

@@ -65,7 +65,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->volume, { "balloon.volume", WISP_TABLE_ENTITY, VOLUME_COLUMNS, 1 } },
         { &s->extent, { "balloon.extent", WISP_TABLE_ENTITY, EXTENT_COLUMNS, 1 } },
         { &s->rings, { "balloon.rings", WISP_TABLE_PARTICLE, RING_COLUMNS, 2 } },
-        { &s->open_edge, { "balloon.border", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
+        { &s->open_edge, { "balloon.open_edge", WISP_TABLE_PARTICLE, BORDER_COLUMNS, 2 } },
         { &s->reading, { "balloon.reading", WISP_TABLE_ENTITY, READING_COLUMNS, 1 } },
         { &s->gauge, { "balloon.gauge", WISP_TABLE_ENTITY, GAUGE_COLUMNS, 1 } },
         { &s->buoyancy, { "balloon.buoyancy", WISP_TABLE_ENTITY, NULL, 0 } },
@@ -76,7 +76,7 @@ static void declare_components( wisp_registry* r, balloon_state* s )
         { &s->kick, { "balloon.kick", WISP_TABLE_ENTITY, NULL, 0 } },
         { &s->turn, { "balloon.turn", WISP_TABLE_ENTITY, TURN_COLUMNS, 1 } },
         { &s->angular, { "balloon.angular", WISP_TABLE_ENTITY, NULL, 0 } },
-        { &s->stats, { "balloon.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
+        { &s->stats, { "balloon.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
     {
@@ -128,7 +128,7 @@ static wisp_status declare_passes( wisp_registry* r, balloon_state* s )
           .reads = { x, s->jet, s->outlet, s->body, s->turn },
           .writes = { x, s->turn },
           .run = balloon_turn_printed },
-        { .name = "balloon.figures",
+        { .name = "balloon.stats",
           .stage = WISP_STAGE_FORCE,
           .required = { s->gas },
           .reads = { x, v, s->gas, s->extent, s->rings, s->gauge, s->body },

@@ -271,7 +271,7 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
     if ( collision_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
                             sizeof( collision_body ) ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d colliders", state->body_count + 1 );
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d colliders", state->body_count + 1 );
     }
     collision_body body;
     status = make_body( world, def, &body );

@@ -70,7 +70,7 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
     const wisp_component_def carried = { "collision.carried", WISP_TABLE_STRAND_ROW, CARRIED_COLUMNS, 1 };
-    const wisp_component_def stats = { "collision.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
+    const wisp_component_def stats = { "collision.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 };
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
@@ -120,7 +120,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .user = state,
         },
         {
-            .name = "collision.figures",
+            .name = "collision.stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { state->settings, state->contact },
@@ -131,7 +131,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .user = state,
         },
         {
-            .name = "collision.sense",
+            .name = "collision.contact_input",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER, WISP_PARTICLE_CONTACTS },
@@ -141,7 +141,7 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .user = state,
         },
         {
-            .name = "collision.touch_stats",
+            .name = "collision.contact_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { state->settings, state->active, WISP_PARTICLE_EXTERNAL_SOLVER },

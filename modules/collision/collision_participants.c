@@ -205,7 +205,7 @@ static wisp_status add_participant( wisp_world* world, collision_state* state, w
     if ( collision_reserve( world, (void**)&state->participants, &state->participant_capacity,
                             state->participant_count, sizeof( wisp_entity ) ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities that collide",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities that collide",
                                 state->participant_count + 1 );
     }
     wisp_status status = wisp_world_attach( world, participant, state->settings );

@@ -320,10 +320,10 @@ wisp_status wisp_read_collision_stats( wisp_world* world, wisp_entity participan
     wisp_status status = find_settings( world, participant, &state, &settings );
     if ( status == WISP_OK && settings->stats == 0 )
     {
-        status =
-            wisp_world_fail( world, WISP_CONFLICT,
-                             "collision: figures of entity %u were not requested with wisp_request_collision_stats",
-                             participant.index );
+        status = wisp_world_fail(
+            world, WISP_CONFLICT,
+            "collision: statistics of entity %u were not requested with wisp_request_collision_stats",
+            participant.index );
     }
     const wisp_collision_stats* column =
         status == WISP_OK ? wisp_world_column( world, participant, state->stats, 0 ) : NULL;

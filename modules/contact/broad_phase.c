@@ -69,7 +69,7 @@ static wisp_status find_cluster_pairs( const contact_work* work, wisp_error* err
     const int count = work->contact_mesh->clusters->count;
     if ( contact_reserve( work, &b->box_buffer, (size_t)count * sizeof( *b->boxes ), (void**)&b->boxes ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the boxes of %d clusters", count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the boxes of %d clusters", count );
     }
     wisp_parallel_for( work->parallel, count, BOX_GRAIN, box_clusters, (void*)(uintptr_t)work );
     const wisp_aabb_args args = {
@@ -118,7 +118,7 @@ wisp_status contact_search( const contact_work* work, wisp_error* error )
     if ( status == WISP_OK && has_samples == false &&
          contact_list_cluster_pairs( work, &b->overlaps, s->is_listed ) == false )
     {
-        status = wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs", b->overlaps.pair_count );
+        status = wisp_fail( error, WISP_NO_MEMORY, "out of memory for %zu pairs", b->overlaps.pair_count );
     }
     s->is_listed = status == WISP_OK;
     return status;

@@ -107,7 +107,7 @@ wisp_status contact_colour_rows( const contact_work* work, wisp_error* error )
          contact_reserve( work, b++, most * index, (void**)&c->colour_of ) == false ||
          contact_reserve( work, b++, most * index, (void**)&c->order ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for blocks of %d pairs", s->constraints->row_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for blocks of %d pairs", s->constraints->row_count );
     }
     cut_blocks( c, s->constraints->split, s->constraints->row_count );
     colour_blocks( s );

@@ -200,7 +200,7 @@ static wisp_status find_sorted( const contact_work* work, bool missed_only, wisp
     if ( contact_reserve( work, &s->constraints->spare_buffer, (size_t)most * sizeof( *spare ), (void**)&spare ) ==
          false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", most );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", most );
     }
     for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
     {
@@ -241,7 +241,7 @@ static wisp_status fill_all( const contact_work* work, wisp_buffer* buffer, cont
     const int split = s->primitives->near[CONTACT_POINTS].count, edges = s->primitives->near[CONTACT_EDGES].count;
     if ( contact_reserve( work, buffer, (size_t)( split + edges ) * sizeof( **rows ), (void**)rows ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", split + edges );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", split + edges );
     }
     row_loop of_points = { work, s->primitives->near[CONTACT_POINTS].items, *rows, false },
              of_edges = { work, s->primitives->near[CONTACT_EDGES].items, *rows + split, true };

@@ -91,7 +91,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->pairs, { "contact.pairs", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
         { &s->result, { "contact.result", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
-        { &s->stats, { "contact.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
+        { &s->stats, { "contact.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( all ); ++i )
     {
@@ -142,7 +142,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .user = s,
         },
         {
-            .name = strands ? "contact.strand_stats" : "contact.figures",
+            .name = strands ? "contact.strand_stats" : "contact.stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->active, strands ? s->touches : 0 },
@@ -265,7 +265,7 @@ static wisp_status find_stats( wisp_world* world, contact_state** state, const w
                ? WISP_OK
                : wisp_world_fail(
                      world, WISP_CONFLICT,
-                     "contact: no figures: they were not requested, no entity takes part, or no step was made" );
+                     "contact: no statistics: they were not requested, no entity takes part, or no step was made" );
 }
 
 wisp_status wisp_read_contact_stats( wisp_world* world, wisp_contact_stats* out )

@@ -206,7 +206,7 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
     const wisp_component positions = strands ? state->components.strand_free : state->components.particle_free;
     if ( make_room( world, state ) == false )
     {
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory for %d entities in contact",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities in contact",
                                 state->participant_count + 1 );
     }
     wisp_status status = attach_components( world, state, participant, positions );

@@ -4,7 +4,7 @@
 //                    not hold; narrow phase; constraints; colouring
 //   contact.push     gather; project; in the last iteration recover, untangle, limit displacements; scatter
 //   contact.keep     store the intersection-free positions of a participant
-//   contact.figures  statistics, on request
+//   contact.stats  statistics, on request
 #include "contact_state.h"
 
 #include "contact_stats.h"
@@ -58,7 +58,7 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     if ( enough == false )
     {
         s->point_count = s->edge_count = s->triangle_count = 0;
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the points of %d entities in contact",
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for the points of %d entities in contact",
                           work->participant_count );
     }
     return WISP_OK;
@@ -176,7 +176,7 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     contact_scatter( &work, is_end );
 }
 
-// ---- contact.keep, contact.figures ----
+// ---- contact.keep, contact.stats ----
 
 void contact_keep( wisp_frame* frame, const wisp_span* span, void* user )
 {

@@ -216,7 +216,7 @@ int contact_limit_displacements( const contact_work* work )
     loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
     if ( loop.has_cuts == NULL )
     {
-        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to guard %d pairs", count );
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "out of memory to limit displacements of %d pairs", count );
         return 0;
     }
     limit_ways( work );

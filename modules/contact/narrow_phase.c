@@ -281,5 +281,5 @@ wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_
     }
     return enough && atomic_load( &loop.is_out_of_memory ) == false
                ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d pairs of clusters", loop.active_count );
+               : wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d pairs of clusters", loop.active_count );
 }

@@ -91,7 +91,7 @@ wisp_status contact_find_sample_pairs( const contact_work* work, wisp_error* err
                           s->samples->overlaps.pair_count * sizeof( *s->samples->candidates ),
                           (void**)&s->samples->candidates ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %zu pairs", s->samples->overlaps.pair_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %zu pairs", s->samples->overlaps.pair_count );
     }
     for ( int a = 0; a < s->samples->overlaps.query_count; ++a )
     {
@@ -200,7 +200,7 @@ wisp_status contact_find_near_samples( const contact_work* work, bool missed_onl
     if ( loop.deviation == NULL ||
          contact_reserve_near( work, CONTACT_POINTS, s->samples->candidate_count ) == false )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for %d contact pairs", s->samples->candidate_count );
+        return wisp_fail( error, WISP_NO_MEMORY, "out of memory for %d contact pairs", s->samples->candidate_count );
     }
     for ( int p = 0; p < s->clusters->count; ++p )
     {

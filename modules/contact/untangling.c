@@ -282,7 +282,7 @@ static bool find_parts( const contact_work* work, parts* p )
     int32_t* numbers = wisp_parallel_scratch( work->parallel, work->worker, 4 * count * sizeof( int32_t ) );
     if ( numbers == NULL )
     {
-        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory for the parts of %d points", s->point_count );
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "out of memory for the parts of %d points", s->point_count );
         return false;
     }
     *p = ( parts ){ numbers, numbers + count, numbers + 2 * count, numbers + 3 * count };
@@ -355,7 +355,7 @@ void contact_untangle( const contact_work* work )
     point_step* steps = wisp_parallel_scratch( work->parallel, work->worker, bytes );
     if ( steps == NULL || find_faces( work ) == false )
     {
-        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "no memory to untangle %d edges", s->edge_count );
+        wisp_frame_fail( work->frame, WISP_NO_MEMORY, "out of memory to untangle %d edges", s->edge_count );
         return;
     }
     memset( steps, 0, bytes );

@@ -97,8 +97,8 @@ static wisp_status declare( wisp_registry* r )
         return WISP_NO_MEMORY;
     }
     state->settings =
-        wisp_declare_component( r, &( wisp_component_def ){ "climate.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS,
-                                                            WISP_COUNT( SETTINGS_COLUMNS ) } );
+        wisp_declare_component( r, &( wisp_component_def ){ "environment.settings", WISP_TABLE_ENTITY,
+                                                            SETTINGS_COLUMNS, WISP_COUNT( SETTINGS_COLUMNS ) } );
     return wisp_declare_pass( r, &( wisp_pass ){
                                      .name = "environment.stiffness",
                                      .stage = WISP_STAGE_INPUT,

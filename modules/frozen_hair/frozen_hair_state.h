@@ -60,7 +60,7 @@ typedef struct frozen_clump
     X( align, "frozen_hair.align", WISP_TABLE_ENTITY, FROZEN_ALIGN_COLUMNS )                                         \
     X( clump, "frozen_hair.clump", WISP_TABLE_ENTITY, FROZEN_CLUMP_COLUMNS )                                         \
     X( intensity, "frozen_hair.intensity", WISP_TABLE_STRAND_GROUP, FROZEN_INTENSITY_COLUMNS )                       \
-    X( report, "frozen_hair.report", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )
+    X( report, "frozen_hair.stats", WISP_TABLE_ENTITY, FROZEN_STATS_COLUMNS )
 
 /// Component numbers in one world.
 typedef struct frozen_state

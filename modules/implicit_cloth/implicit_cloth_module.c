@@ -80,7 +80,7 @@ static wisp_status declare( wisp_registry* r )
         { &state->contact, { "implicit_cloth.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS, 1 } },
         { &state->change, { "implicit_cloth.change", WISP_TABLE_PARTICLE, CHANGE_COLUMNS, 1 } },
         { &state->history, { "implicit_cloth.history", WISP_TABLE_PARTICLE, HISTORY_COLUMNS, 2 } },
-        { &state->stats, { "implicit_cloth.figures", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
+        { &state->stats, { "implicit_cloth.stats", WISP_TABLE_ENTITY, STATS_COLUMNS, 1 } },
     };
     for ( int i = 0; i < WISP_COUNT( components ); ++i )
     {
@@ -104,7 +104,7 @@ static wisp_status declare( wisp_registry* r )
         return status;
     }
     return wisp_declare_pass( r, &( wisp_pass ){
-                                     .name = "implicit_cloth.figures",
+                                     .name = "implicit_cloth.stats",
                                      .stage = WISP_STAGE_OBSERVE,
                                      .domain = WISP_DOMAIN_ENTITY,
                                      .required = { state->material, state->tally },

@@ -103,8 +103,8 @@ static wisp_status check_colour( wisp_world* world, const char* name, wisp_vec3 
 {
     if ( !( c.x >= 0.0f && c.x <= 1.0f && c.y >= 0.0f && c.y <= 1.0f && c.z >= 0.0f && c.z <= 1.0f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: %s: got (%g, %g, %g), expected 0 to 1", name,
-                                (double)c.x, (double)c.y, (double)c.z );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand appearance: %s: got (%g, %g, %g), expected 0 to 1",
+                                name, (double)c.x, (double)c.y, (double)c.z );
     }
     return WISP_OK;
 }
@@ -113,12 +113,13 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_appearance_de
 {
     if ( !( d->root_width >= 0.0f && d->root_width <= 1.0f && d->tip_width >= 0.0f && d->tip_width <= 1.0f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: widths: got %g and %g m, expected 0 to 1",
+        return wisp_world_fail( world, WISP_BAD_INPUT, "strand appearance: widths: got %g and %g m, expected 0 to 1",
                                 (double)d->root_width, (double)d->tip_width );
     }
     if ( !( d->colour_bias >= 1e-3f && d->colour_bias <= 0.999f ) )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "strand look: colour_bias: got %g, expected 0.001 to 0.999",
+        return wisp_world_fail( world, WISP_BAD_INPUT,
+                                "strand appearance: colour_bias: got %g, expected 0.001 to 0.999",
                                 (double)d->colour_bias );
     }
     wisp_status status = check_colour( world, "root_colour", d->root_colour );

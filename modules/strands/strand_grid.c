@@ -296,7 +296,7 @@ static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, c
     }
     if ( status != WISP_OK )
     {
-        wisp_frame_fail( frame, status, "no memory for a grid of %d strands", t->strand_count );
+        wisp_frame_fail( frame, status, "out of memory for a grid of %d strands", t->strand_count );
         return false;
     }
     if ( count == 0 )

@@ -81,7 +81,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.jump",
+            .name = "strands.teleport",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->head },
@@ -90,7 +90,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .run = strands_jump,
         },
         {
-            .name = "strands.jump_frames",
+            .name = "strands.teleport_frames",
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->head, s->curve },
@@ -270,7 +270,7 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
     const wisp_fusion join = {
         .name = "strands.substeps",
         .required = { "strands.predict", "strands.stretch", "strands.velocity" },
-        .allows = { "strands.jump", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
+        .allows = { "strands.teleport", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
                     "strands.damping_anchored", "strands.air", "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
@@ -291,7 +291,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .run = strands_guard,
         },
         {
-            .name = "strands.mend_tension",
+            .name = "strands.restore_tension",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->tension, s->fault },
@@ -301,7 +301,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .is_due = strands_is_faulty,
         },
         {
-            .name = "strands.mend_frames",
+            .name = "strands.restore_frames",
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->curve, s->clamp, s->fault },
@@ -318,7 +318,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
 {
     const wisp_pass passes[] = {
         {
-            .name = "strands.quality",
+            .name = "strands.motion_stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->settings },

@@ -126,7 +126,7 @@ typedef struct strands_grid
     X( curve, "strands.curve", WISP_TABLE_STRAND_ROW, STRANDS_CURVE )                                                \
     X( straight, "strands.straight", WISP_TABLE_ENTITY, STRANDS_STRAIGHT )                                           \
     X( balance, "strands.balance", WISP_TABLE_STRAND_GROUP, STRANDS_BALANCE )                                        \
-    X( good, "strands.good", WISP_TABLE_STRAND_ROW, STRANDS_GOOD )                                                   \
+    X( good, "strands.last_valid", WISP_TABLE_STRAND_ROW, STRANDS_GOOD )                                             \
     X( in_bounds, "strands.in_bounds", WISP_TABLE_STRAND_GROUP, STRANDS_IN_BOUNDS )                                  \
     X( surface, "strands.surface", WISP_TABLE_ENTITY, STRANDS_SURFACE )                                              \
     X( anchor, "strands.anchor", WISP_TABLE_STRAND_GROUP, STRANDS_ANCHOR )                                           \

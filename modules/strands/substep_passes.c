@@ -39,7 +39,7 @@ float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats )
     float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
     if ( scratch == NULL )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "no memory for %zu bytes of scratch for strands of %d vertices",
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for %zu bytes of scratch for strands of %d vertices",
                          bytes, group_row[1] - group_row[0] );
     }
     return scratch;

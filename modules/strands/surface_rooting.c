@@ -235,7 +235,7 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     if ( view.balls == NULL || reserve_rooted( world, state ) == false )
     {
         allocator->release( allocator->user, view.balls, bytes );
-        return wisp_world_fail( world, WISP_NO_MEMORY, "no memory to root strands in %d triangles",
+        return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to root strands in %d triangles",
                                 view.fabric->triangle_count );
     }
     const bool is_new = wisp_world_has( world, strands, state->anchor ) == false;

@@ -48,7 +48,7 @@ static void count_up( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_frame_count( frame, WISP_COUNT_NEIGHBOURS, (uint64_t)( span->end - span->begin ) );
     if ( work.fails && span->begin == 0 )
     {
-        wisp_frame_fail( frame, WISP_NO_MEMORY, "work: no memory for entity %u", span->entity.index );
+        wisp_frame_fail( frame, WISP_NO_MEMORY, "work: out of memory for entity %u", span->entity.index );
     }
 }
 
@@ -223,7 +223,7 @@ static void a_failing_pass_fails_the_step_and_the_others_finish( void** state )
     add_work( world, 2, 2 );
     work.fails = true;
     assert_int_equal( wisp_world_step( world, 0.01f ), WISP_NO_MEMORY );
-    assert_non_null( strstr( wisp_world_message( world ), "work: no memory for entity" ) );
+    assert_non_null( strstr( wisp_world_message( world ), "work: out of memory for entity" ) );
     assert_int_equal( work.finished, 2 );
     work.fails = false;
     step( world );

@@ -50,7 +50,7 @@ static const pass_row PASSES[] = {
     { "balloon.volume", "baopnrd" }, { "balloon.measure", "aopn" }, { "balloon.body", "aopn" },
     { "balloon.inflate", "r" },      { "balloon.pressure", "opn" }, { "balloon.outlet", "opn" },
     { "balloon.jet", "opn" },        { "balloon.spin", "o" },       { "balloon.turn", "p" },
-    { "balloon.drag", "a" },         { "balloon.buoyancy", "a" },   { "balloon.figures", "" },
+    { "balloon.drag", "a" },         { "balloon.buoyancy", "a" },   { "balloon.stats", "" },
     { "links.xpbd", "baopnr" },      { "links.pbd", "d" },          { "particles.gravity", "a" },
 };
 

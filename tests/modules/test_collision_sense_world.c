@@ -35,7 +35,7 @@ static void stats_tell_depth_behind_the_surface_and_count_within_the_margin( voi
     assert_int_equal( f.vertex, -1 );
     assert_int_equal( f.contacts, 3 * 9 );
     assert_int_equal( wisp_request_collision_stats( h->world, e, false ), WISP_OK );
-    assert_false( is_planned( h->world, "collision.touch_stats" ) );
+    assert_false( is_planned( h->world, "collision.contact_stats" ) );
 }
 
 // ---- plans ----
@@ -53,7 +53,7 @@ static void calls_in_either_order_give_the_same_plan( void** state )
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
     assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     assert_true( is_planned( h->world, "collision.find" ) );
-    assert_false( is_planned( h->world, "collision.sense" ) );
+    assert_false( is_planned( h->world, "collision.contact_input" ) );
     run_for( h->world, DT, 1 ); // which pushes it out of the margin
     give_solver( h->world, e );
     give_velocity( h->world, e, 0.0f, -0.003f / DT, 0.0f );
@@ -61,11 +61,11 @@ static void calls_in_either_order_give_the_same_plan( void** state )
     {
         // contacts of ours lie idle until somebody calls again
         assert_true( wisp_world_has( h->world, e, collision->contact ) == ( again == 0 ) );
-        assert_true( is_planned( h->world, "collision.sense" ) );
-        assert_true( is_planned( h->world, "collision.touch_stats" ) );
+        assert_true( is_planned( h->world, "collision.contact_input" ) );
+        assert_true( is_planned( h->world, "collision.contact_stats" ) );
         assert_false( is_planned( h->world, "collision.find" ) );
         assert_false( is_planned( h->world, "collision.project" ) );
-        assert_false( is_planned( h->world, "collision.figures" ) );
+        assert_false( is_planned( h->world, "collision.stats" ) );
         assert_true( sense( h->world, e ).body != 0 );
         assert_int_equal( collision_of( h->world, e ).contacts, 3 );
         assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
@@ -79,7 +79,7 @@ static void nothing_to_touch_leaves_no_pass_and_no_memory_of_bodies( void** stat
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f } );
     assert_int_equal( wisp_request_collision_stats( h->world, e, true ), WISP_OK );
     const int bare = wisp_world_plan_passes( h->world );
-    assert_false( is_planned( h->world, "collision.sense" ) );
+    assert_false( is_planned( h->world, "collision.contact_input" ) );
     wisp_entity body = add_collider( h->world, &plane );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
     assert_true( sense( h->world, e ).body != 0 );

@@ -147,7 +147,7 @@ static void stats_that_were_not_requested_are_not_there( void** state )
     assert_status( h->world, wisp_request_contact_stats( h->world, false, false ), WISP_OK );
     run_steps( h->world, 1, 0.01f );
     assert_message( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "not requested" );
-    assert_int_equal( count_passes_named( h->world, "contact.figures" ), 0 );
+    assert_int_equal( count_passes_named( h->world, "contact.stats" ), 0 );
     // they were asked for before anybody took part
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK );
     assert_status( h->world, wisp_request_contact_stats( h->world, true, true ), WISP_OK );

@@ -167,14 +167,14 @@ static wisp_status check_shell( const balloon_oracle_def* def, wisp_error* error
     balloon_mesh_topology topology;
     if ( mesh.triangles == NULL )
     {
-        return refuse( error, WISP_NO_MEMORY, "no memory for %d triangles", def->triangle_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for %d triangles", def->triangle_count );
     }
     memcpy( mesh.triangles, def->triangles, 3 * (size_t)def->triangle_count * sizeof( int ) );
     bool made = balloon_mesh_build_topology( &mesh, &topology );
     free( mesh.triangles );
     if ( !made )
     {
-        return refuse( error, WISP_NO_MEMORY, "no memory for the edges of %d triangles", def->triangle_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles", def->triangle_count );
     }
     wisp_status status = WISP_OK;
     for ( int e = 0; e < topology.edge_count && status == WISP_OK; ++e )
@@ -336,7 +336,7 @@ wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_
     if ( !allocate( def, &made ) )
     {
         balloon_oracle_destroy( &made );
-        return refuse( error, WISP_NO_MEMORY, "no memory for a balloon of %d vertices", def->vertex_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for a balloon of %d vertices", def->vertex_count );
     }
     copy_def( def, &made );
     if ( def->allow_open && !cap( &made ) )
@@ -375,14 +375,14 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
     }
     if ( !balloon_mesh_build_topology( mesh, &topology ) )
     {
-        return refuse( error, WISP_NO_MEMORY, "no memory for the edges of %d triangles", mesh->triangle_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles", mesh->triangle_count );
     }
     int* pairs = calloc( 4 * (size_t)topology.edge_count + 1, sizeof( int ) );
     double* mass = calloc( (size_t)mesh->vertex_count + 1, sizeof( double ) );
     wisp_status status = WISP_NO_MEMORY;
     if ( pairs == NULL || mass == NULL )
     {
-        refuse( error, WISP_NO_MEMORY, "no memory for a mesh of %d vertices", mesh->vertex_count );
+        refuse( error, WISP_NO_MEMORY, "out of memory for a mesh of %d vertices", mesh->vertex_count );
     }
     else
     {

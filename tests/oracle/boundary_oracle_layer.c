@@ -52,7 +52,7 @@ wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_ora
                                    .triangle_count = mesh->triangle_count };
     if ( !balloon_mesh_build_topology( mesh, &made.topology ) )
     {
-        return refuse( error, WISP_NO_MEMORY, "no memory for the edges of %g triangles", mesh->triangle_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for the edges of %g triangles", mesh->triangle_count );
     }
     made.edge_count = made.topology.edge_count;
     made.element_count = made.edge_count + made.triangle_count;
@@ -66,7 +66,7 @@ wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_ora
          made.changed == NULL )
     {
         boundary_oracle_destroy( &made );
-        return refuse( error, WISP_NO_MEMORY, "no memory for a layer on %g vertices", mesh->vertex_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for a layer on %g vertices", mesh->vertex_count );
     }
     memcpy( made.triangles, mesh->triangles, 3 * (size_t)mesh->triangle_count * sizeof( int ) );
     *out = made;

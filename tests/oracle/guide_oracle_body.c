@@ -396,7 +396,7 @@ wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle
     {
         free( arc );
         guide_oracle_destroy( &hair );
-        return refuse( error, WISP_NO_MEMORY, "no memory for %d ghosts", def->ghost_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for %d ghosts", def->ghost_count );
     }
     if ( def->target_count > 0 )
     {
