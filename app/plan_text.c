@@ -137,11 +137,11 @@ static void print_modules( FILE* out, const wisp_plan_info* report, bool is_verb
         const wisp_plan_module* m = report->modules + i;
         if ( m->active_count == 0 )
         {
-            fprintf( out, "  %-15s %s%s\n", m->name, is_verbose ? "absent: " : "", m->because );
+            fprintf( out, "  %-18s %s%s\n", m->name, is_verbose ? "absent: " : "", m->because );
         }
         else if ( is_verbose )
         {
-            fprintf( out, "  %-15s %d of %d passes\n", m->name, m->active_count, m->pass_count );
+            fprintf( out, "  %-18s %d of %d passes\n", m->name, m->active_count, m->pass_count );
         }
     }
 }
