@@ -182,7 +182,7 @@ static void print_motion( const wisp_scene* scene, const wisp_scene_strands* ent
     if ( entry->has_dynamics )
     {
         printf( "    dynamics: stretch %s, bend %s%s\n", stretches[entry->dynamics.stretch],
-                bends[entry->dynamics.bend], entry->has_grid ? ", grid" : "" );
+                bends[entry->dynamics.bending], entry->has_grid ? ", grid" : "" );
     }
     if ( entry->has_contact )
     {
@@ -225,7 +225,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
     }
     if ( entry->has_environment )
     {
-        printf( "    climate: %g degrees Celsius, wetness %g\n", (double)entry->environment.temperature,
+        printf( "    climate: %g degrees Celsius, wetness %g\n", (double)entry->environment.temperature_celsius,
                 (double)entry->environment.wetness );
     }
     if ( entry->has_appearance )

@@ -312,7 +312,7 @@ static void tell_layer( const run_layers* l, int surface, results* out )
     if ( f.refused )
     {
         results_add_note( out, "%s: got %.0f boundary points, expected at most %d: the previous points were kept",
-                          entry->name, f.requested, entry->boundary.limit );
+                          entry->name, f.requested, entry->boundary.max_points );
     }
     if ( f.skipped_elements > 0 )
     {

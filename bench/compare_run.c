@@ -90,7 +90,7 @@ static wisp_status enter_implicit( const compare_scene* scene, wisp_fabric* fabr
     setting.cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     setting.cloth.stretch_stiffness = COMPARE_STRETCH_STIFFNESS;
     setting.cloth.bend_stiffness = scene->physics.bend;
-    setting.cloth.damping = scene->physics.damping_link;
+    setting.cloth.link_damping = scene->physics.damping_link;
     setting.cloth.integrator = variant->bdf2 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;
     setting.cloth.tolerance = variant->tolerance;
     setting.cloth.newton_iterations = variant->repeats;

@@ -200,7 +200,7 @@ static wisp_status add_cloth( const contact_setting* setting, contact_world* out
     wisp_cloth_def cloth = wisp_default_cloth_def();
     wisp_collision_def collision = wisp_default_collision_def();
     cloth.bend_compliance = FOLD_BEND;
-    cloth.damping = FOLD_DAMPING;
+    cloth.internal_damping = FOLD_DAMPING;
     wisp_entity surface;
     wisp_status status =
         add_surface( out, NULL, FOLD_DENSITY, ( wisp_vec3 ){ 0.0f, -CONTACT_GRAVITY, 0.0f }, &surface );

@@ -155,7 +155,7 @@ static wisp_status fly( const free_cloth* cloth, flight* f, wisp_error* error )
 {
     f->is_finite = true;
     triangle_setting setting = triangle_default_setting();
-    setting.cloth.damping = f->damping;
+    setting.cloth.link_damping = f->damping;
     setting.cloth.integrator = f->integrator;
     setting.seconds = f->seconds;
     setting.has_ball = false;

@@ -81,7 +81,7 @@ static wisp_status hang_all( const triangle_scene* scenes, int count, int which,
             .seconds = 0.01f,
             .steps = STEPS,
         };
-        plan.cloth.stiffness = stiffness;
+        plan.cloth.stiffness_model = stiffness;
         plan.cloth.weights = WISP_IMPLICIT_WEIGHTS_NONE;
         plan.cloth.bend_rigidity = forms[which].is_stiff ? STIFF_RIGIDITY : plan.cloth.bend_rigidity;
         plan.cloth.bend_stiffness = forms[which].is_stiff ? STIFF_BENDING : plan.cloth.bend_stiffness;

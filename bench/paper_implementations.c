@@ -144,14 +144,14 @@ wisp_status paper_plain_create( const paper_scene* scene, plain_frozen_hair* out
 {
     const wisp_frozen_hair_def* def = &scene->def;
     plain_frozen_hair_options options = plain_frozen_hair_default_options();
-    options.theta_max = def->bend_angle_max;
+    options.theta_max = def->max_bend_angle;
     options.cursor = def->cursor;
     options.cursor_radius = def->reach;
     options.clump_radius = def->clump_radius;
     options.clump_iterations = def->clump_iterations;
-    options.clump_step = or_default( def->clump_step, 0.1f * def->clump_radius );
-    options.min_distance = or_default( def->distance_min, 0.02f * def->clump_radius );
-    options.lambda_min = def->lambda_min;
+    options.clump_step = or_default( def->clump_step_length, 0.1f * def->clump_radius );
+    options.min_distance = or_default( def->min_distance, 0.02f * def->clump_radius );
+    options.lambda_min = def->min_lambda;
     options.dimension = 2;
     options.seed = def->seed;
 
@@ -185,14 +185,14 @@ wisp_status paper_plain_step( void* context, wisp_error* error )
 static frozen_oracle_options oracle_options( const wisp_frozen_hair_def* def, uint64_t event )
 {
     frozen_oracle_options options = frozen_oracle_default_options();
-    options.theta_max = (double)def->bend_angle_max;
+    options.theta_max = (double)def->max_bend_angle;
     options.cursor = ( double3 ){ (double)def->cursor.x, (double)def->cursor.y, (double)def->cursor.z };
     options.cursor_radius = (double)def->reach;
     options.clump_radius = (double)def->clump_radius;
     options.clump_iterations = def->clump_iterations;
-    options.clump_step = (double)or_default( def->clump_step, 0.1f * def->clump_radius );
-    options.min_distance = (double)or_default( def->distance_min, 0.02f * def->clump_radius );
-    options.lambda_min = (double)def->lambda_min;
+    options.clump_step = (double)or_default( def->clump_step_length, 0.1f * def->clump_radius );
+    options.min_distance = (double)or_default( def->min_distance, 0.02f * def->clump_radius );
+    options.lambda_min = (double)def->min_lambda;
     options.gap = (frozen_oracle_gap)def->gap; // both list them in the same order
     options.clump = def->clump;
     options.dimension = 2;

@@ -44,7 +44,7 @@ static wisp_status make_plain( const wisp_mesh* mesh, const wisp_implicit_cloth_
         .stretch_stiffness = def->stretch_stiffness,
         .bend_stiffness = def->bend_stiffness,
         .compression_stiffness = ramps_alike ? def->stretch_stiffness : def->compression_stiffness,
-        .damping = def->damping,
+        .damping = def->link_damping,
         .area_density = TRIANGLE_DENSITY,
         .gravity = { 0.0f, -TRIANGLE_GRAVITY, 0.0f },
         .tolerance = def->tolerance,

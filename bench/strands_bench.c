@@ -34,7 +34,7 @@ wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* settin
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = setting->stretch;
     def.stretch_passes = setting->passes;
-    def.bend = setting->bend;
+    def.bending = setting->bend;
     def.bend_compliance = STRANDS_BEND_COMPLIANCE;
     def.rest = WISP_STRAND_REST_STRAIGHT;
     def.clamped = false;

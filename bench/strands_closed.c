@@ -55,7 +55,7 @@ static strands_generator default_generator( const closed_run* run, const closed_
 {
     strands_generator generator = strands_default_generator( &run->shape );
     generator.dynamics.stretch = setting->stretch;
-    generator.dynamics.bend = WISP_STRAND_BEND_NONE;
+    generator.dynamics.bending = WISP_STRAND_BEND_NONE;
     generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
     generator.dynamics.clamped = false;
     generator.substeps = setting->substeps;
@@ -395,7 +395,7 @@ static strands_generator rod_generator( const closed_run* run, const closed_sett
 {
     strands_generator generator = default_generator( run, setting );
     double l = ROD_LENGTH / ( ROD_VERTICES - 1 );
-    generator.dynamics.bend =
+    generator.dynamics.bending =
         setting->stretch == WISP_STRAND_STRETCH_DIRECT ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;
     generator.dynamics.bend_rigidity = (float)rigidity;
 

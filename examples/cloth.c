@@ -64,7 +64,7 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.tethers = true;
-        cloth.drag = 1.0f;
+        cloth.drag_coefficient = 1.0f;
         cloth.wind = ( wisp_vec3 ){ 0.0f, 0.0f, -2.0f };
         status = wisp_set_cloth( world, *out, &cloth );
     }

@@ -32,7 +32,7 @@ static const scene_field BOUNDARY_FIELDS[] = {
       .help = "Interpolates normals of inner points between the ends of their line, not by barycentric weights." },
     { "hysteresis", SCENE_NUMBER, .at = BOUNDARY( hysteresis ), .range = RANGE( 0, 0.5 ),
       .help = "Counts of points stay while a length is within this many spacings of where they would change." },
-    { "max_points", SCENE_WHOLE, .at = BOUNDARY( limit ), .range = RANGE( 1, 134217728 ),
+    { "max_points", SCENE_WHOLE, .at = BOUNDARY( max_points ), .range = RANGE( 1, 134217728 ),
       .help = "A layer that would have more points stays as it was, and a message says so." },
     { "min_spacing", SCENE_NUMBER, .at = BOUNDARY( min_spacing ), .range = SIZE, .unit = METRES,
       .help = "Smallest local spacing.", .initial = "a quarter of the spacing" },

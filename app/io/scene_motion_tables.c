@@ -43,7 +43,7 @@ static const scene_field DYNAMICS_FIELDS[] = {
               "lengths and counted." },
     { "leader_correction", SCENE_NUMBER, .at = MOVES( leader_correction ), .range = UNIT_RANGE,
       .help = "Part of its momentum that a vertex gets back from the one that follows it, with `stretch: follow`." },
-    { "bending", SCENE_CHOICE, .at = MOVES( bend ), .choices = BENDS, .help = "How strands resist bending." },
+    { "bending", SCENE_CHOICE, .at = MOVES( bending ), .choices = BENDS, .help = "How strands resist bending." },
     { "bend_rigidity", SCENE_NUMBER, .at = MOVES( bend_rigidity ), .range = RANGE( 0, 1e12 ), .unit = ROD_RIGIDITIES,
       .help = "Bending rigidity EI of a rod." },
     { "twist_rigidity", SCENE_NUMBER, .at = MOVES( twist_rigidity ), .range = RANGE( 0, 1e12 ),
@@ -78,7 +78,7 @@ static const scene_field DYNAMICS_FIELDS[] = {
     { "wind", SCENE_VECTOR, .at = MOVES( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },
     { "air_density", SCENE_NUMBER, .at = MOVES( air_density ), .range = RANGE( 0, 1e6 ), .unit = AIR_DENSITIES,
       .help = "Density of the air." },
-    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag ), .range = RANGE( 0, 1e6 ),
+    { "drag_coefficient", SCENE_NUMBER, .at = MOVES( drag_coefficient ), .range = RANGE( 0, 1e6 ),
       .help = "Drag coefficient across a strand; 0 switches air off." },
     { "diameter", SCENE_NUMBER, .at = MOVES( diameter ), .range = SIZE, .unit = METRES,
       .help = "Diameter of a strand in the air." },
@@ -101,7 +101,7 @@ const scene_block SCENE_HEAD_BLOCK = BLOCK( HEAD_FIELDS );
 #define GRID( member ) offsetof( wisp_scene_strands, grid.member )
 
 static const scene_field GRID_FIELDS[] = {
-    { "cell_size", SCENE_NUMBER, .at = GRID( cell ), .range = SIZE, .unit = METRES, .help = "Edge of a cell.",
+    { "cell_size", SCENE_NUMBER, .at = GRID( cell_size ), .range = SIZE, .unit = METRES, .help = "Edge of a cell.",
       .initial = "twice the mean segment" },
     { "friction", SCENE_NUMBER, .at = GRID( friction ), .range = UNIT_RANGE,
       .help = "Part of the difference to the mean velocity of the cells around that is taken away in 1/60 s." },
@@ -115,7 +115,7 @@ const scene_block SCENE_GRID_BLOCK = BLOCK( GRID_FIELDS );
 static const scene_field COLLISION_FIELDS[] = {
     { "thickness", SCENE_NUMBER, .at = COLLISION( thickness ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Distance that vertices keep from colliders.", .initial = "the mean length of a segment" },
-    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction ), .range = RANGE( 0, 1e6 ),
+    { "friction_scale", SCENE_NUMBER, .at = COLLISION( friction_scale ), .range = RANGE( 0, 1e6 ),
       .help = "Factor of the friction of the collider; ghosts have no friction." },
     { "max_push_out_speed", SCENE_NUMBER, .at = COLLISION( max_push_out_speed ), .range = RANGE( 0, 1e6 ),
       .unit = SPEEDS, .help = "Speed at which a vertex that starts inside is moved out; ghosts are moved at once.",

@@ -179,7 +179,7 @@ static wisp_status read_choice( scene_reader* r, const scene_node* node, const s
     }
     // Enumerations of the headers are as wide as an int; a copy of bytes does not ask which type exactly they are.
     _Static_assert( sizeof( wisp_gap ) == sizeof choice && sizeof( wisp_frozen_base ) == sizeof choice &&
-                        sizeof( wisp_frozen_event ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
+                        sizeof( wisp_frozen_update ) == sizeof choice && sizeof( wisp_groom_shape ) == sizeof choice,
                     "an enumeration is not as wide as an int" );
     _Static_assert( sizeof( wisp_solver ) == sizeof choice && sizeof( wisp_cloth_bending ) == sizeof choice &&
                         sizeof( wisp_balloon_pressure ) == sizeof choice &&

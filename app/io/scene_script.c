@@ -87,7 +87,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
     {
         return scene_refuse_node( r, node, "got no change, expected 'wind'" );
     }
-    return s->has_dynamics && s->dynamics.drag > 0.0f
+    return s->has_dynamics && s->dynamics.drag_coefficient > 0.0f
                ? WISP_OK
                : scene_refuse_node(
                      r, node, "'wind' needs drag, but the strands '%s' have no dynamics.drag_coefficient", s->name );
@@ -113,7 +113,8 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
                                   "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
                                   "velocity, angular_velocity and release: true" );
     }
-    if ( e->has_wind && !( s->has_cloth && ( s->cloth.drag > 0.0f || s->cloth.lift > 0.0f ) ) )
+    if ( e->has_wind &&
+         !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
     {
         return scene_refuse_node( r, node,
                                   "'wind' needs drag or lift, but the surface '%s' has no cloth.drag_coefficient and "

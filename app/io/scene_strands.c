@@ -250,7 +250,7 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     // Ghosts move in every step, so frozen hair on them follows in every step.
     if ( scene_child( r, node, "ghosts" ) )
     {
-        strands->frozen_hair.event = WISP_EVENT_FRAME;
+        strands->frozen_hair.update_on = WISP_FROZEN_UPDATE_FRAME;
     }
     wisp_status status = scene_read_block( r, node, &SCENE_STRANDS_BLOCK, strands );
     return status ? status : scene_check_strands( r, node, strands );

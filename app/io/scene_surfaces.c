@@ -374,7 +374,7 @@ static wisp_status check_implicit( scene_reader* r, const scene_node* node, cons
     {
         return scene_refuse_node( r, node, "got both 'strain_limit' and 'implicit', expected one of them" );
     }
-    if ( s->has_quad_links && s->implicit.stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL )
+    if ( s->has_quad_links && s->implicit.stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
         return scene_refuse_node( r, node, "implicit.stiffness_model 'material' needs implicit.links 'mesh'" );
     }

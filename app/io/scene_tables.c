@@ -56,7 +56,7 @@ static const scene_field FREEZE_FIELDS[] = {
     { "bend_stiffness", SCENE_NUMBERS, .at = HAIR( bend_stiffness ), .range = STIFFNESS,
       .list = HAIR( strand_bend_stiffness ), .list_count = AT( bend_count ),
       .help = "Stiffness against bending; a larger value bends less." },
-    { "max_bend_angle", SCENE_NUMBER, .at = HAIR( bend_angle_max ), .range = RANGE( 0, 3.14159265358979 ),
+    { "max_bend_angle", SCENE_NUMBER, .at = HAIR( max_bend_angle ), .range = RANGE( 0, 3.14159265358979 ),
       .unit = RADIANS, .help = "Largest angle that a segment can bend by." },
 };
 static const scene_block FREEZE_BLOCK = { FREEZE_FIELDS, WISP_COUNT( FREEZE_FIELDS ) };
@@ -102,7 +102,7 @@ static const scene_field CLUMP_FIELDS[] = {
       .help = "Vertices closer than this attract each other." },
     { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ),
       .help = "Iterations of the stage; 0 switches it off." },
-    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step ), .range = RANGE( 0, 1e3 ), .unit = METRES,
+    { "step_length", SCENE_NUMBER, .at = HAIR( clump_step_length ), .range = RANGE( 0, 1e3 ), .unit = METRES,
       .help = "Length scale of the move of a vertex in an iteration.", .initial = "a tenth of the radius" },
     { "gap", SCENE_CHOICE, .at = HAIR( gap ), .choices = GAPS,
       .help = "How a change of the distance between two vertices brakes their attraction." },
@@ -110,11 +110,11 @@ static const scene_field CLUMP_FIELDS[] = {
       .help = "Which distances changes are measured from." },
     { "min_distance_clamp", SCENE_SWITCH, .at = HAIR( min_distance_clamp ),
       .help = "Limits moves so that two vertices stay at least `min_distance` apart in an iteration." },
-    { "min_distance", SCENE_NUMBER, .at = HAIR( distance_min ), .range = RANGE( 0, 1e6 ), .unit = METRES,
+    { "min_distance", SCENE_NUMBER, .at = HAIR( min_distance ), .range = RANGE( 0, 1e6 ), .unit = METRES,
       .help = "Smallest distance between two vertices.", .initial = "0.02 of the radius" },
-    { "min_lambda", SCENE_NUMBER, .at = HAIR( lambda_min ), .range = UNIT_RANGE,
+    { "min_lambda", SCENE_NUMBER, .at = HAIR( min_lambda ), .range = UNIT_RANGE,
       .help = "Smallest factor that the brake can multiply the attraction by, with `gap: absolute`." },
-    { "max_neighbours", SCENE_WHOLE, .at = HAIR( neighbour_limit ), .range = RANGE( 1, 4096 ),
+    { "max_neighbours", SCENE_WHOLE, .at = HAIR( max_neighbours ), .range = RANGE( 1, 4096 ),
       .help = "Neighbours of a vertex beyond this number are left out and counted." },
 };
 static const scene_block CLUMP_BLOCK = { CLUMP_FIELDS, WISP_COUNT( CLUMP_FIELDS ) };
@@ -129,7 +129,7 @@ static const scene_choice EVENTS[] = { { "hair_event", "each hair event" },
 static const scene_field FROZEN_HAIR_FIELDS[] = {
     { "seed", SCENE_SEED, .at = HAIR( seed ), .help = "Seed of the random numbers of all stages." },
     { "base", SCENE_CHOICE, .at = HAIR( base ), .choices = BASES, .help = "Shape that each update starts from." },
-    { "update_on", SCENE_CHOICE, .at = HAIR( event ), .choices = EVENTS,
+    { "update_on", SCENE_CHOICE, .at = HAIR( update_on ), .choices = EVENTS,
       .help = "What updates the frozen shape, with new random numbers.",
       .initial = "`hair_event`; `frame` for ghosts" },
     { "epsilon", SCENE_NUMBER, .at = HAIR( epsilon ), .range = UNIT_RANGE,
@@ -150,11 +150,11 @@ static const scene_block FROZEN_HAIR_BLOCK = { FROZEN_HAIR_FIELDS, WISP_COUNT( F
 #define TEMPERATURE RANGE( -273.15, 1000 )
 
 static const scene_field ENVIRONMENT_FIELDS[] = {
-    { "temperature_celsius", SCENE_NUMBER, .at = ENVIRONMENT( temperature ), .range = TEMPERATURE, .unit = CELSIUS,
-      .help = "Temperature of the air." },
+    { "temperature_celsius", SCENE_NUMBER, .at = ENVIRONMENT( temperature_celsius ), .range = TEMPERATURE,
+      .unit = CELSIUS, .help = "Temperature of the air." },
     { "wetness", SCENE_NUMBER, .at = ENVIRONMENT( wetness ), .range = UNIT_RANGE,
       .help = "Wetness of the hair, from 0 (dry) to 1." },
-    { "freezing_celsius", SCENE_NUMBER, .at = ENVIRONMENT( freezing ), .range = TEMPERATURE, .unit = CELSIUS,
+    { "freezing_celsius", SCENE_NUMBER, .at = ENVIRONMENT( freezing_celsius ), .range = TEMPERATURE, .unit = CELSIUS,
       .help = "Temperature where ice begins to form." },
     { "span", SCENE_NUMBER, .at = ENVIRONMENT( span ), .range = RANGE( 1e-3, 1000 ), .unit = KELVIN,
       .help = "Kelvin below freezing at which all water is ice." },

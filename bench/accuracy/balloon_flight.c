@@ -65,9 +65,9 @@ static void add_forms( accuracy_scene* scene )
     for ( int d = WISP_BALLOON_DRAG_ABS; d < WISP_BALLOON_DRAG_COUNT; ++d )
     {
         snprintf( name, sizeof( name ), "kick, %s drag, %d x 1", drags[d], USUAL_SUBSTEPS );
-        add( scene, USUAL_SUBSTEPS, 1, name )->def.drag = (wisp_balloon_drag)d;
+        add( scene, USUAL_SUBSTEPS, 1, name )->def.drag_model = (wisp_balloon_drag)d;
     }
-    for ( int s = WISP_BALLOON_SPIN_PRINTED; s < WISP_BALLOON_SPIN_COUNT; ++s )
+    for ( int s = WISP_BALLOON_SPIN_POSITION; s < WISP_BALLOON_SPIN_COUNT; ++s )
     {
         snprintf( name, sizeof( name ), "spin %s, max drag, %d x 1", spins[s], USUAL_SUBSTEPS );
         add( scene, USUAL_SUBSTEPS, 1, name )->def.spin = (wisp_balloon_spin)s;

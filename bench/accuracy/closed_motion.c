@@ -102,7 +102,7 @@ wisp_status closed_plate( closed_run* run, wisp_error* error )
 {
     wisp_cloth_def cloth = inextensible();
     cloth.air_density = 1.225f;
-    cloth.drag = 1.28f;
+    cloth.drag_coefficient = 1.28f;
     closed_body body = { .fabric = NULL };
     wisp_motion_stats seen = { 0 };
     wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
@@ -111,7 +111,7 @@ wisp_status closed_plate( closed_run* run, wisp_error* error )
     if ( status == WISP_OK && run->is_looked_at )
     {
         const double terminal =
-            sqrt( 2.0 * DENSITY * CLOSED_GRAVITY / ( (double)cloth.air_density * (double)cloth.drag ) );
+            sqrt( 2.0 * DENSITY * CLOSED_GRAVITY / ( (double)cloth.air_density * (double)cloth.drag_coefficient ) );
         run->measured = length( seen.momentum ) / seen.mass;
         run->reference = terminal * tanh( CLOSED_GRAVITY * run->first / terminal );
     }

@@ -84,10 +84,10 @@ wisp_cloth_def flag_cloth( void )
     def.shear_compliance = 2.0f * COMPLIANCE;
     def.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     def.bend_rigidity = 2e-5f;
-    def.damping = 1.0f;
+    def.internal_damping = 1.0f;
     def.wind = ( wisp_vec3 ){ 4.0f, 0.0f, 0.5f };
-    def.drag = 0.2f;
-    def.lift = 1.2f;
+    def.drag_coefficient = 0.2f;
+    def.lift_coefficient = 1.2f;
     return def;
 }
 
@@ -99,12 +99,12 @@ accuracy_reference flag_reference( const flag_body* body )
     accuracy_reference_put( &reference, "area density, kg/m2", (double)FLAG_DENSITY );
     accuracy_reference_put( &reference, "compliance of an edge, m/N", (double)def.warp_compliance );
     accuracy_reference_put( &reference, "rigidity of bending, N m", (double)def.bend_rigidity );
-    accuracy_reference_put( &reference, "damping, 1/s", (double)def.damping );
+    accuracy_reference_put( &reference, "damping, 1/s", (double)def.internal_damping );
     accuracy_reference_put( &reference, "wind along x, m/s", (double)def.wind.x );
     accuracy_reference_put( &reference, "wind along z, m/s", (double)def.wind.z );
     accuracy_reference_put( &reference, "air, kg/m3", (double)def.air_density );
-    accuracy_reference_put( &reference, "drag", (double)def.drag );
-    accuracy_reference_put( &reference, "lift", (double)def.lift );
+    accuracy_reference_put( &reference, "drag", (double)def.drag_coefficient );
+    accuracy_reference_put( &reference, "lift", (double)def.lift_coefficient );
     accuracy_reference_put( &reference, "gravity, m/s2", (double)FLAG_GRAVITY );
     accuracy_reference_put( &reference, "steps a second", 1.0 / (double)ACCURACY_FRAME );
     accuracy_reference_put( &reference, "steps between looks", FLAG_LOOK_STEPS );

@@ -116,8 +116,8 @@ wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps )
     def.clump_radius = FLOW_RADIUS;
     def.gap = WISP_GAP_NONE; // the brake is random, and more steps would draw other numbers
     def.clump_iterations = steps;
-    def.clump_step = FLOW_REACH * FLOW_RADIUS / (float)steps;
-    def.neighbour_limit = 4096;
+    def.clump_step_length = FLOW_REACH * FLOW_RADIUS / (float)steps;
+    def.max_neighbours = 4096;
     return def;
 }
 
@@ -137,10 +137,10 @@ accuracy_reference frozen_clumps_reference( const paper_scene* scene )
     accuracy_reference_put( &reference, "cursor y, m", (double)look.cursor.y );
     accuracy_reference_put( &reference, "reach, m", (double)look.reach );
     accuracy_reference_put( &reference, "radius of the look, m", (double)look.clump_radius );
-    accuracy_reference_put( &reference, "step of the look", (double)look.clump_step );
+    accuracy_reference_put( &reference, "step of the look", (double)look.clump_step_length );
     accuracy_reference_put( &reference, "steps of the look", look.clump_iterations );
     accuracy_reference_put( &reference, "radius of the flow, m", (double)flow.clump_radius );
-    accuracy_reference_put( &reference, "all steps of the flow, m", (double)flow.clump_step );
+    accuracy_reference_put( &reference, "all steps of the flow, m", (double)flow.clump_step_length );
     accuracy_reference_put_start( &reference, scene->groom.points, scene->groom.vertex_count );
     return reference;
 }
@@ -169,7 +169,7 @@ static void put_limits( accuracy_scene* scene )
     for ( int limit = 1; limit <= 64; limit *= 2 )
     {
         wisp_frozen_hair_def def = frozen_clumps_look( hair );
-        def.neighbour_limit = limit;
+        def.max_neighbours = limit;
         snprintf( name, sizeof( name ), "at most %d neighbours", limit );
         accuracy_join_series( put_way( scene, name, def, false ), "neighbours", "1 / neighbours", 1.0 / limit, NAN );
     }

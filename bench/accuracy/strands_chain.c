@@ -209,7 +209,7 @@ static strands_generator make_generator( const chain_way* way, const strands_sha
 {
     strands_generator generator = strands_default_generator( shape );
     generator.dynamics.stretch = way->stretch;
-    generator.dynamics.bend = WISP_STRAND_BEND_NONE;
+    generator.dynamics.bending = WISP_STRAND_BEND_NONE;
     generator.dynamics.rest = WISP_STRAND_REST_STRAIGHT;
     generator.dynamics.clamped = false;
     generator.dynamics.vertex_mass = way->is_continuous ? 0.0f : 1.0f;

@@ -190,7 +190,7 @@ static wisp_status set_boundary( wisp_world* world, const effect_scene* scene )
 static wisp_status tell_environment( wisp_world* world, const effect_scene* scene, int step )
 {
     wisp_environment_def def = wisp_default_environment_def();
-    def.temperature = step % 2 == 0 ? -10.0f : -5.0f;
+    def.temperature_celsius = step % 2 == 0 ? -10.0f : -5.0f;
     return wisp_set_environment( world, scene->entities[0], &def );
 }
 
@@ -203,8 +203,8 @@ static wisp_status set_environment( wisp_world* world, const effect_scene* scene
 static wisp_status set_cloth( wisp_world* world, const effect_scene* scene )
 {
     wisp_cloth_def def = wisp_default_cloth_def();
-    def.drag = 1.0f;
-    def.damping = 0.5f;
+    def.drag_coefficient = 1.0f;
+    def.internal_damping = 0.5f;
     return wisp_set_cloth( world, scene->entities[0], &def );
 }
 

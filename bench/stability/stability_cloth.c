@@ -83,7 +83,7 @@ static double energy_of_springs( stability_surface* s, int frame )
 static wisp_status solve( stability_surface* s, int way, const stability_axes* axes, wisp_error* error )
 {
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL;
+    def.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.weights = WISP_IMPLICIT_WEIGHTS_NONE;
     def.stretch_stiffness = axes->stiffness > 0.0f ? axes->stiffness : SHEET_STIFFNESS;
     def.integrator = way == STABILITY_IMPLICIT_BDF2 ? WISP_IMPLICIT_BDF2 : WISP_IMPLICIT_EULER;

@@ -233,8 +233,8 @@ static double stored_energy( const stability_strands* s, const state* now, int f
     const double soft =
         is_pbd ? w * h2 * ( 1.0 / (double)s->def.bend_stiffness - 1.0 ) : (double)s->def.bend_compliance;
     double sum = energy_of_links( s, now, 1, s->compliance );
-    sum += s->def.bend == WISP_STRAND_BEND_LINKS ? energy_of_links( s, now, 2, soft ) : 0.0;
-    sum += s->def.bend == WISP_STRAND_BEND_ROD && frame == 0 ? max_energy_of_rods( s, now ) : 0.0;
+    sum += s->def.bending == WISP_STRAND_BEND_LINKS ? energy_of_links( s, now, 2, soft ) : 0.0;
+    sum += s->def.bending == WISP_STRAND_BEND_ROD && frame == 0 ? max_energy_of_rods( s, now ) : 0.0;
     return sum;
 }
 

@@ -20,9 +20,9 @@ wisp_strand_dynamics_def stability_strand_def( int way, const stability_axes* ax
     def.stretch = way == STABILITY_FOLLOW       ? WISP_STRAND_STRETCH_FOLLOW
                   : way >= STABILITY_STRAND_PBD ? WISP_STRAND_STRETCH_LINKS
                                                 : WISP_STRAND_STRETCH_DIRECT;
-    def.bend = way == STABILITY_FOLLOW   ? WISP_STRAND_BEND_NONE
-               : way >= STABILITY_DIRECT ? WISP_STRAND_BEND_LINKS
-                                         : WISP_STRAND_BEND_ROD;
+    def.bending = way == STABILITY_FOLLOW   ? WISP_STRAND_BEND_NONE
+                  : way >= STABILITY_DIRECT ? WISP_STRAND_BEND_LINKS
+                                            : WISP_STRAND_BEND_ROD;
     def.rest = way == STABILITY_CURL ? WISP_STRAND_REST_SAG_FREE : WISP_STRAND_REST_STRAIGHT;
     def.solver = way == STABILITY_STRAND_PBD ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     def.stretch_compliance = way == STABILITY_STRAND_XPBD ? soft : 0.0f;

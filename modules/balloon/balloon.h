@@ -29,9 +29,9 @@ typedef enum wisp_balloon_drag
 
 typedef enum wisp_balloon_spin
 {
-    WISP_BALLOON_SPIN_KICK,    ///< the torque's increment D_omega x r is added to velocities
-    WISP_BALLOON_SPIN_PRINTED, ///< an angular velocity is kept apart and turns positions, as printed
-    WISP_BALLOON_SPIN_NONE,    ///< no torque, no pass
+    WISP_BALLOON_SPIN_VELOCITY, ///< the torque's increment D_omega x r is added to velocities
+    WISP_BALLOON_SPIN_POSITION, ///< an angular velocity is kept apart and turns positions, as printed
+    WISP_BALLOON_SPIN_NONE,     ///< no torque, no pass
     WISP_BALLOON_SPIN_COUNT,
 } wisp_balloon_spin;
 
@@ -58,9 +58,9 @@ typedef struct wisp_balloon_def
     float air_molar_mass;           ///< kg/mol, default 28.9647e-3
     wisp_balloon_pressure pressure; ///< default virial
 
-    bool buoyancy;          ///< default true; acts against the surface's gravity, so it needs one
-    float drag_coefficient; ///< C_d, >= 0, default 0.5; 0: no drag and no pass
-    wisp_balloon_drag drag; ///< default max
+    bool buoyancy;                ///< default true; acts against the surface's gravity, so it needs one
+    float drag_coefficient;       ///< C_d, >= 0, default 0.5; 0: no drag and no pass
+    wisp_balloon_drag drag_model; ///< default max
 
     int outlet_count;                        ///< vertices of the outlet, 0: no outlet, no jet, no spin; default 0
     int32_t outlet[WISP_BALLOON_MAX_OUTLET]; ///< the user's vertices; their area vectors give its normal

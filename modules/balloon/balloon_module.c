@@ -42,9 +42,9 @@ wisp_balloon_def wisp_default_balloon_def( void )
         .pressure = WISP_BALLOON_PRESSURE_VIRIAL,
         .buoyancy = true,
         .drag_coefficient = 0.5f,
-        .drag = WISP_BALLOON_DRAG_MAX,
+        .drag_model = WISP_BALLOON_DRAG_MAX,
         .outlet_area = 1e-4f,
-        .spin = WISP_BALLOON_SPIN_KICK,
+        .spin = WISP_BALLOON_SPIN_VELOCITY,
         .keep_angular_momentum = true,
         .cookie = BALLOON_DEF_COOKIE,
     };
@@ -212,7 +212,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_balloon_def* d )
         { "air_molar_mass", d->air_molar_mass, 1e-6f, 10.0f },
         { "pressure", (float)d->pressure, 0.0f, (float)( WISP_BALLOON_PRESSURE_COUNT - 1 ) },
         { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
-        { "drag", (float)d->drag, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
+        { "drag_model", (float)d->drag_model, 0.0f, (float)( WISP_BALLOON_DRAG_COUNT - 1 ) },
         { "outlet_count", (float)d->outlet_count, 0.0f, (float)WISP_BALLOON_MAX_OUTLET },
         { "outlet_area", d->outlet_area, 1e-12f, 1e6f },
         { "spin", (float)d->spin, 0.0f, (float)( WISP_BALLOON_SPIN_COUNT - 1 ) },
@@ -342,8 +342,8 @@ static wisp_status dress( wisp_world* world, wisp_entity surface, const wisp_bal
         { s->air, d->drag_coefficient > 0.0f },
         { s->angular, d->keep_angular_momentum },
         { s->outlet, jet },
-        { s->kick, jet && d->spin == WISP_BALLOON_SPIN_KICK },
-        { s->turn, jet && d->spin == WISP_BALLOON_SPIN_PRINTED },
+        { s->kick, jet && d->spin == WISP_BALLOON_SPIN_VELOCITY },
+        { s->turn, jet && d->spin == WISP_BALLOON_SPIN_POSITION },
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
     };
@@ -435,7 +435,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_balloon_def
     if ( air != NULL )
     {
         double half = 0.5 * density_of( d, d->air_molar_mass ) * (double)d->drag_coefficient;
-        *air = ( balloon_air ){ (float)half, (int32_t)d->drag };
+        *air = ( balloon_air ){ (float)half, (int32_t)d->drag_model };
     }
     balloon_outlet* outlet = wisp_world_column( world, surface, s->outlet, 0 );
     if ( outlet != NULL )

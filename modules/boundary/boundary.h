@@ -19,7 +19,7 @@ typedef struct wisp_boundary_def
     bool scanline_normals;  ///< inner normals from the ends of a line; default false: barycentric
     float hysteresis;       ///< of a spacing, in [0, 0.5]: counts stay while lengths are so near to where they would
                             ///< change; default 0, as in the paper. Counts of a triangle stay or go together
-    int limit;              ///< points at most, > 0; default 4 000 000. A layer that would have more stays as it was
+    int max_points;         ///< points at most, > 0; default 4 000 000. A layer that would have more stays as it was
 
     // Local spacing (not in the paper), one value an edge: d_e = clamp( the least that a criterion asks for, least, most ).
     // A triangle has the least of its three edges: what an edge asks for holds beside it, too.

@@ -31,7 +31,7 @@ static const wisp_column_def TRIANGLES_COLUMNS[] = { TRIANGLES_LIST( WISP_COLUMN
 wisp_boundary_def wisp_default_boundary_def( void )
 {
     return ( wisp_boundary_def ){
-        .limit = 4000000,
+        .max_points = 4000000,
         .pixel_angle = 1e-3f,
         .pixels = 4.0f,
         .cookie = BOUNDARY_DEF_COOKIE,
@@ -138,10 +138,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_boundary_def* d )
     {
         return status;
     }
-    if ( d->limit < 1 || d->limit > BOUNDARY_MAX_POINTS )
+    if ( d->max_points < 1 || d->max_points > BOUNDARY_MAX_POINTS )
     {
-        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: limit: got %d points, expected 1 to %d", d->limit,
-                                BOUNDARY_MAX_POINTS );
+        return wisp_world_fail( world, WISP_BAD_INPUT, "boundary: max_points: got %d points, expected 1 to %d",
+                                d->max_points, BOUNDARY_MAX_POINTS );
     }
     return WISP_OK;
 }
@@ -200,7 +200,7 @@ static boundary_settings fill_settings( const wisp_boundary_def* d, const wisp_f
         .policy = (int32_t)d->policy,
         .rounding = (int32_t)d->rounding,
         .scanline = d->scanline_normals,
-        .limit = d->limit,
+        .limit = d->max_points,
         .by_screen = d->by_screen,
         .hysteresis = d->hysteresis,
         .min_spacing = d->min_spacing == 0.0f ? 0.25f * spacing : d->min_spacing,

@@ -42,12 +42,13 @@ typedef struct wisp_cloth_def
     /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
     float bend_rigidity;
 
-    float damping;     ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay, unless
-                       ///< the cloth is pinned: then all velocity dies; default 0
-    wisp_vec3 wind;    ///< m/s, velocity of the air, default 0
-    float air_density; ///< kg/m^3, default 1.204
-    float drag;        ///< coefficient along the relative wind, >= 0, default 0: no air
-    float lift;        ///< coefficient across it, >= 0, default 0
+    float
+        internal_damping; ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay, unless
+                          ///< the cloth is pinned: then all velocity dies; default 0
+    wisp_vec3 wind;       ///< m/s, velocity of the air, default 0
+    float air_density;    ///< kg/m^3, default 1.204
+    float drag_coefficient; ///< coefficient along the relative wind, >= 0, default 0: no air
+    float lift_coefficient; ///< coefficient across it, >= 0, default 0
 
     bool tethers;       ///< default false; the fabric must have attachments and tethers
     float tether_slack; ///< times the rest distance, >= 1, default 1

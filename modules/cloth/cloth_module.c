@@ -81,10 +81,10 @@ static wisp_status check_ranges( wisp_world* world, const wisp_cloth_def* d )
         { "bend_stiffness", d->bend_stiffness, 0.0f, 1.0f },
         { "bend_compliance", d->bend_compliance, 0.0f, 1e12f },
         { "bend_rigidity", d->bend_rigidity, 1e-12f, 1e12f },
-        { "damping", d->damping, 0.0f, 1e9f },
+        { "internal_damping", d->internal_damping, 0.0f, 1e9f },
         { "air_density", d->air_density, 0.0f, 1e6f },
-        { "drag", d->drag, 0.0f, 1e6f },
-        { "lift", d->lift, 0.0f, 1e6f },
+        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
+        { "lift_coefficient", d->lift_coefficient, 0.0f, 1e6f },
         { "tether_slack", d->tether_slack, 1.0f, 1e6f },
         { "level_passes", (float)d->level_passes, 0.0f, 16.0f },
         { "solver", (float)d->solver, 0.0f, (float)( WISP_SOLVER_COUNT - 1 ) },
@@ -167,8 +167,8 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
     const bool dihedral = hinged && d->bending == WISP_CLOTH_BENDING_DIHEDRAL;
     const bool isometric = hinged && d->bending == WISP_CLOTH_BENDING_ISOMETRIC;
     const requested_component list[COMPONENT_COUNT] = {
-        { state->air, d->drag > 0.0f || d->lift > 0.0f },
-        { state->damping, d->damping > 0.0f },
+        { state->air, d->drag_coefficient > 0.0f || d->lift_coefficient > 0.0f },
+        { state->damping, d->internal_damping > 0.0f },
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
         { WISP_HINGE_REST, dihedral },
@@ -221,9 +221,9 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
     cloth_air* air = wisp_world_column( world, surface, state->air, 0 );
     if ( air != NULL )
     {
-        *air = ( cloth_air ){ d->wind, d->air_density, d->drag, d->lift };
+        *air = ( cloth_air ){ d->wind, d->air_density, d->drag_coefficient, d->lift_coefficient };
     }
-    set_float( world, surface, state->damping, d->damping );
+    set_float( world, surface, state->damping, d->internal_damping );
     set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
     int32_t* passes = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 );
     if ( passes != NULL )

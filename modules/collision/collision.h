@@ -66,7 +66,7 @@ typedef struct wisp_collision_def
         thickness; ///< m, the distance that vertices keep; default 0: a quarter of the mean rest length of the edges,
                    ///< of strands the mean rest length of the segments. Of a surface that another module solves for:
                    ///< the margin within which a vertex is held
-    float friction;           ///< times that of the body, >= 0, default 1
+    float friction_scale;     ///< times that of the body, >= 0, default 1
     float max_push_out_speed; ///< m/s: how fast a vertex that begins inside a body is moved out, which gives it no
                               ///< velocity (one that is solved for: no more than this); default 0: ten mean edges, or
                               ///< segments, a second

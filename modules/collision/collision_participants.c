@@ -96,7 +96,7 @@ wisp_status collision_update_components( wisp_world* world, collision_state* sta
 wisp_collision_def wisp_default_collision_def( void )
 {
     return ( wisp_collision_def ){
-        .friction = 1.0f,
+        .friction_scale = 1.0f,
         .mask = UINT32_MAX,
         .enabled = true,
         .cookie = COLLISION_DEF_COOKIE,
@@ -111,7 +111,7 @@ static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
         float value;
     } ranges[] = {
         { "thickness", d->thickness },
-        { "friction", d->friction },
+        { "friction_scale", d->friction_scale },
         { "max_push_out_speed", d->max_push_out_speed },
     };
     for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
@@ -191,7 +191,7 @@ static collision_settings resolve( const wisp_collision_def* d, float edge, int3
 {
     return ( collision_settings ){
         .thickness = d->thickness > 0.0f ? d->thickness : 0.25f * edge,
-        .friction = d->friction,
+        .friction = d->friction_scale,
         .max_push_out_speed = d->max_push_out_speed > 0.0f ? d->max_push_out_speed : 10.0f * edge,
         .mask = d->mask,
         .enabled = d->enabled ? 1 : 0,

@@ -16,9 +16,9 @@ WISP_BEGIN_C
 /// Parameters. Fill from wisp_default_environment_def(). Copied.
 typedef struct wisp_environment_def
 {
-    float temperature;                            ///< degrees Celsius, default -10
+    float temperature_celsius;                    ///< degrees Celsius, default -10
     float wetness;                                ///< in [0, 1], default 1
-    float freezing;                               ///< degrees Celsius where ice begins, default 0
+    float freezing_celsius;                       ///< degrees Celsius where ice begins, default 0
     float span;                                   ///< kelvin below freezing until all water is ice, > 0, default 10
     int point_count;                              ///< 2 .. WISP_ENVIRONMENT_MAX_POINTS, default 2
     float ice[WISP_ENVIRONMENT_MAX_POINTS];       ///< strictly rising from 0 to 1

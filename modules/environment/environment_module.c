@@ -19,9 +19,9 @@ typedef struct environment_state
 wisp_environment_def wisp_default_environment_def( void )
 {
     return ( wisp_environment_def ){
-        .temperature = -10.0f,
+        .temperature_celsius = -10.0f,
         .wetness = 1.0f,
-        .freezing = 0.0f,
+        .freezing_celsius = 0.0f,
         .span = 10.0f,
         .point_count = 2,
         .ice = { 0.0f, 1.0f },
@@ -69,7 +69,7 @@ static float curve_at( const wisp_environment_def* d, float ice )
 
 float wisp_environment_stiffness( const wisp_environment_def* def, float temperature, float wetness )
 {
-    float t = ( def->freezing - temperature ) / def->span;
+    float t = ( def->freezing_celsius - temperature ) / def->span;
     t = t < 0.0f ? 0.0f : ( t > 1.0f ? 1.0f : t );
     return curve_at( def, wetness * ( t * t * ( 3.0f - 2.0f * t ) ) );
 }
@@ -82,7 +82,7 @@ static void drive_stiffness( wisp_frame* frame, const wisp_span* span, void* use
     const wisp_environment_def* d = wisp_frame_column( frame, span->entity, state->settings, 0 );
     float* stretch = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 0 );
     float* bend = wisp_frame_column( frame, span->entity, WISP_STRAND_STIFFNESS, 1 );
-    float k = wisp_environment_stiffness( d, d->temperature, d->wetness );
+    float k = wisp_environment_stiffness( d, d->temperature_celsius, d->wetness );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         stretch[i] = bend[i] = k;
@@ -156,9 +156,9 @@ static wisp_status check_curve( wisp_world* world, const wisp_environment_def* d
 static wisp_status check_def( wisp_world* world, const wisp_environment_def* d )
 {
     const wisp_number_range ranges[] = {
-        { "temperature", d->temperature, -273.15f, 1000.0f },
+        { "temperature_celsius", d->temperature_celsius, -273.15f, 1000.0f },
         { "wetness", d->wetness, 0.0f, 1.0f },
-        { "freezing", d->freezing, -273.15f, 1000.0f },
+        { "freezing_celsius", d->freezing_celsius, -273.15f, 1000.0f },
         { "span", d->span, 1e-3f, 1000.0f },
     };
     const wisp_status status = wisp_world_check_ranges( world, "environment", ranges, WISP_COUNT( ranges ) );

@@ -11,32 +11,32 @@ WISP_BEGIN_C
 
 typedef enum wisp_frozen_base
 {
-    WISP_BASE_REST,     ///< every command starts from the rest shape
-    WISP_BASE_PREVIOUS, ///< directions start from the last output, lengths stay the original ones
+    WISP_FROZEN_BASE_REST,     ///< every command starts from the rest shape
+    WISP_FROZEN_BASE_PREVIOUS, ///< directions start from the last output, lengths stay the original ones
 } wisp_frozen_base;
 
-typedef enum wisp_frozen_event
+typedef enum wisp_frozen_update
 {
-    WISP_EVENT_COMMAND, ///< new random numbers with each command: the look is still between commands
-    WISP_EVENT_FRAME,   ///< every step is a command: reproduces the flicker of fresh numbers a frame
-} wisp_frozen_event;
+    WISP_FROZEN_UPDATE_HAIR_EVENT, ///< new random numbers with each command: the look is still between commands
+    WISP_FROZEN_UPDATE_FRAME,      ///< every step is a command: reproduces the flicker of fresh numbers a frame
+} wisp_frozen_update;
 
 /// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; may die after the call.
 typedef struct wisp_frozen_hair_def
 {
     bool freeze, align, clump; ///< which stages the scene asks for; default all
 
-    uint64_t seed;           ///< default 1
-    wisp_frozen_base base;   ///< default rest
-    wisp_frozen_event event; ///< default command
-    float epsilon;           ///< added to denominators as printed (1e-6); default 0, the resolved forms
+    uint64_t seed;                ///< default 1
+    wisp_frozen_base base;        ///< default rest
+    wisp_frozen_update update_on; ///< default command
+    float epsilon;                ///< added to denominators as printed (1e-6); default 0, the resolved forms
 
     // freeze, eq. 2-7
     float stretch_stiffness;               ///< k_s in [1e-3, 1e12], default 7
     float bend_stiffness;                  ///< k_b in [1e-3, 1e12], default 7
     const float* strand_stretch_stiffness; ///< [strand_count] or null (default): one number for all
     const float* strand_bend_stiffness;    ///< [strand_count] or null
-    float bend_angle_max;                  ///< theta_max, rad, in [0, pi], default pi/4
+    float max_bend_angle;                  ///< theta_max, rad, in [0, pi], default pi/4
 
     // align, eq. 8-13
     float intensity;               ///< x in [0, 1], default 0.8
@@ -50,13 +50,13 @@ typedef struct wisp_frozen_hair_def
     // clump, eq. 14-19
     float clump_radius;      ///< h, m, > 0, default 0.01
     int clump_iterations;    ///< K in [0, 1000], default 4; 0 switches the stage off
-    float clump_step;        ///< sigma, m, >= 0; default -1: a tenth of the radius
+    float clump_step_length; ///< sigma, m, >= 0; default -1: a tenth of the radius
     wisp_gap gap;            ///< default prose
     bool gap_by_iteration;   ///< measure r0 at each iteration instead of before the stage; default false
     bool min_distance_clamp; ///< no two vertices come closer than distance_min in one iteration; default true
-    float distance_min;      ///< r_min, m, >= 0; default -1: 0.02 of the radius
-    float lambda_min;        ///< in [0, 1], default 0
-    int neighbour_limit;     ///< in [1, 4096], default 256: more are left out and counted, never silently
+    float min_distance;      ///< r_min, m, >= 0; default -1: 0.02 of the radius
+    float min_lambda;        ///< in [0, 1], default 0
+    int max_neighbours;      ///< in [1, 4096], default 256: more are left out and counted, never silently
 
     uint32_t cookie;
 } wisp_frozen_hair_def;

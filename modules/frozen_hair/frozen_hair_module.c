@@ -13,7 +13,7 @@ static bool command_is_due( wisp_frame* frame, wisp_entity entity, void* user )
 {
     const frozen_state* state = user;
     const frozen_settings* settings = wisp_frame_column( frame, entity, state->settings, 0 );
-    return settings->pending != 0 || settings->event == WISP_EVENT_FRAME;
+    return settings->pending != 0 || settings->event == WISP_FROZEN_UPDATE_FRAME;
 }
 
 static void command( wisp_frame* frame, const wisp_span* span, void* user )
@@ -36,7 +36,7 @@ static void start( wisp_frame* frame, const wisp_span* span, void* user )
     const frozen_state* state = user;
     const frozen_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
-    if ( settings->base == WISP_BASE_PREVIOUS )
+    if ( settings->base == WISP_FROZEN_BASE_PREVIOUS )
     {
         return;
     }

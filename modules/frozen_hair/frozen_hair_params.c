@@ -16,16 +16,16 @@ wisp_frozen_hair_def wisp_default_frozen_hair_def( void )
         .seed = 1,
         .stretch_stiffness = 7.0f,
         .bend_stiffness = 7.0f,
-        .bend_angle_max = 0.785398163f,
+        .max_bend_angle = 0.785398163f,
         .intensity = 0.8f,
         .reach = 0.15f,
         .clump_radius = 0.01f,
         .clump_iterations = 4,
-        .clump_step = -1.0f,
+        .clump_step_length = -1.0f,
         .gap = WISP_GAP_ABSOLUTE,
         .min_distance_clamp = true,
-        .distance_min = -1.0f,
-        .neighbour_limit = 256,
+        .min_distance = -1.0f,
+        .max_neighbours = 256,
         .cookie = FROZEN_DEF_COOKIE,
     };
 }
@@ -53,8 +53,8 @@ static wisp_status check_choices( wisp_world* world, const wisp_frozen_hair_def*
         const char* name;
         int value, upper;
     } choices[] = {
-        { "base", (int)d->base, WISP_BASE_PREVIOUS },
-        { "event", (int)d->event, WISP_EVENT_FRAME },
+        { "base", (int)d->base, WISP_FROZEN_BASE_PREVIOUS },
+        { "update_on", (int)d->update_on, WISP_FROZEN_UPDATE_FRAME },
         { "gap", (int)d->gap, WISP_GAP_NONE },
     };
     for ( int i = 0; i < WISP_COUNT( choices ); ++i )
@@ -74,7 +74,7 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
         { "epsilon", d->epsilon, 0.0f, 1.0f },
         { "stretch_stiffness", d->stretch_stiffness, 1e-3f, 1e12f },
         { "bend_stiffness", d->bend_stiffness, 1e-3f, 1e12f },
-        { "bend_angle_max", d->bend_angle_max, 0.0f, 3.14159274f },
+        { "max_bend_angle", d->max_bend_angle, 0.0f, 3.14159274f },
         { "intensity", d->intensity, 0.0f, 1.0f },
         { "cursor.x", d->cursor.x, -1e6f, 1e6f },
         { "cursor.y", d->cursor.y, -1e6f, 1e6f },
@@ -82,10 +82,10 @@ static wisp_status check_def( wisp_world* world, const wisp_frozen_hair_def* d, 
         { "reach", d->reach, 0.0f, 1e7f },
         { "clump_radius", d->clump_radius, 1e-6f, 1e6f },
         { "clump_iterations", (float)d->clump_iterations, 0.0f, 1000.0f },
-        { "clump_step", d->clump_step == -1.0f ? 0.0f : d->clump_step, 0.0f, 1e3f },
-        { "distance_min", d->distance_min == -1.0f ? 0.0f : d->distance_min, 0.0f, 1e6f },
-        { "lambda_min", d->lambda_min, 0.0f, 1.0f },
-        { "neighbour_limit", (float)d->neighbour_limit, 1.0f, 4096.0f },
+        { "clump_step_length", d->clump_step_length == -1.0f ? 0.0f : d->clump_step_length, 0.0f, 1e3f },
+        { "min_distance", d->min_distance == -1.0f ? 0.0f : d->min_distance, 0.0f, 1e6f },
+        { "min_lambda", d->min_lambda, 0.0f, 1.0f },
+        { "max_neighbours", (float)d->max_neighbours, 1.0f, 4096.0f },
     };
     wisp_status status = wisp_world_check_ranges( world, "frozen hair", ranges, WISP_COUNT( ranges ) );
     status = status == WISP_OK ? check_choices( world, d ) : status;
@@ -166,7 +166,7 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
     if ( d->freeze )
     {
         frozen_freeze* freeze = wisp_world_column( world, entity, s->freeze, 0 );
-        *freeze = ( frozen_freeze ){ d->bend_angle_max };
+        *freeze = ( frozen_freeze ){ d->max_bend_angle };
         fill_lanes( t, d->stretch_stiffness, d->strand_stretch_stiffness,
                     wisp_world_column( world, entity, WISP_STRAND_STIFFNESS, 0 ) );
         fill_lanes( t, d->bend_stiffness, d->strand_bend_stiffness,
@@ -183,14 +183,14 @@ static void write_stages( wisp_world* world, wisp_entity entity, const frozen_st
         frozen_clump* clump = wisp_world_column( world, entity, s->clump, 0 );
         *clump = ( frozen_clump ){
             .radius = d->clump_radius,
-            .step = d->clump_step == -1.0f ? 0.1f * d->clump_radius : d->clump_step,
-            .distance_min = d->distance_min == -1.0f ? 0.02f * d->clump_radius : d->distance_min,
-            .lambda_min = d->lambda_min,
+            .step = d->clump_step_length == -1.0f ? 0.1f * d->clump_radius : d->clump_step_length,
+            .distance_min = d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance,
+            .lambda_min = d->min_lambda,
             .iterations = d->clump_iterations,
             .gap = (int32_t)d->gap,
             .gap_by_iteration = d->gap_by_iteration,
             .min_distance_clamp = d->min_distance_clamp,
-            .neighbour_limit = d->neighbour_limit,
+            .neighbour_limit = d->max_neighbours,
         };
     }
 }
@@ -219,7 +219,7 @@ wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const 
     *settings = ( frozen_settings ){
         .seed = def->seed,
         .base = (int32_t)def->base,
-        .event = (int32_t)def->event,
+        .event = (int32_t)def->update_on,
         .epsilon = def->epsilon,
         .pending = 1,
         .next = settings->next,

@@ -11,7 +11,7 @@ typedef struct frozen_settings
 {
     uint64_t seed;
     int32_t base;  // wisp_frozen_base
-    int32_t event; // wisp_frozen_event
+    int32_t event; // wisp_frozen_update
     float epsilon;
     uint32_t pending; // a command waits
     uint64_t next;    // event number of the next command

@@ -11,10 +11,10 @@ WISP_API extern const wisp_module wisp_guide_hair_module;
 /// The elastic weight W of eq. 4, from the directions of the target's velocity now and a step before.
 typedef enum wisp_ghost_elastic
 {
-    WISP_GHOST_ELASTIC_CHANGE,      ///< 0.5 - 0.5 cos: 0 for steady motion, 1 for a reversal
-    WISP_GHOST_ELASTIC_PRINTED_COS, ///< 0.5 + 0.5 cos
-    WISP_GHOST_ELASTIC_PRINTED_RAW, ///< 0.5 v . v0 + 0.5, m^2/s^2 as printed and not bounded: for comparison only
-    WISP_GHOST_ELASTIC_OFF,         ///< 0
+    WISP_GHOST_ELASTIC_CHANGE, ///< 0.5 - 0.5 cos: 0 for steady motion, 1 for a reversal
+    WISP_GHOST_ELASTIC_COSINE, ///< 0.5 + 0.5 cos
+    WISP_GHOST_ELASTIC_DOT,    ///< 0.5 v . v0 + 0.5, m^2/s^2 as printed and not bounded: for comparison only
+    WISP_GHOST_ELASTIC_OFF,    ///< 0
     WISP_GHOST_ELASTIC_COUNT,
 } wisp_ghost_elastic;
 

@@ -53,12 +53,12 @@ typedef enum wisp_implicit_integrator
 /// the call.
 typedef struct wisp_implicit_cloth_def
 {
-    wisp_implicit_stiffness stiffness; ///< default link
+    wisp_implicit_stiffness stiffness_model; ///< default link
     float stretch_stiffness; ///< k_s, N/m, >= 0, default 200: of a link, or of the sheet (force a width and strain)
     float bend_stiffness;    ///< k_b, N m^2, >= 0, default 1e-6: of a diagonal link; not with `sheet`
     float bend_rigidity;     ///< D, N m, >= 0, default 5e-6: flexural rigidity with `sheet`; else not used
     float compression_stiffness; ///< c_b, N/m, >= 0, slope at which bending sets in (eq. 12); default 0: as stretch
-    float damping;               ///< k_d of a link, N s/m, >= 0, default 0.02
+    float link_damping;          ///< k_d of a link, N s/m, >= 0, default 0.02
 
     wisp_implicit_weights weights;       ///< default effective
     wisp_implicit_damping damping_form;  ///< default isotropic

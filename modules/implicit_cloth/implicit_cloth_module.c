@@ -26,7 +26,7 @@ wisp_implicit_cloth_def wisp_default_implicit_cloth_def( void )
         .stretch_stiffness = 200.0f,
         .bend_stiffness = 1e-6f,
         .bend_rigidity = 5e-6f,
-        .damping = 0.02f,
+        .link_damping = 0.02f,
         .newton_iterations = 1,
         .max_newton_iterations = 16,
         .tolerance = 1e-4f,
@@ -126,12 +126,12 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         { "bend_stiffness", d->bend_stiffness, 0.0f, 1e9f },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e9f },
         { "compression_stiffness", d->compression_stiffness, 0.0f, 1e9f },
-        { "damping", d->damping, 0.0f, 1e9f },
+        { "link_damping", d->link_damping, 0.0f, 1e9f },
         { "tolerance", d->tolerance, 1e-7f, 0.1f },
         { "newton_iterations", (float)d->newton_iterations, 1.0f, 64.0f },
         { "max_newton_iterations", (float)d->max_newton_iterations, 1.0f, 64.0f },
         { "max_iterations", (float)d->max_iterations, 0.0f, 1e6f },
-        { "stiffness", (float)d->stiffness, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
+        { "stiffness_model", (float)d->stiffness_model, 0.0f, (float)( WISP_IMPLICIT_STIFFNESS_COUNT - 1 ) },
         { "weights", (float)d->weights, 0.0f, (float)( WISP_IMPLICIT_WEIGHTS_COUNT - 1 ) },
         { "damping_form", (float)d->damping_form, 0.0f, (float)( WISP_IMPLICIT_DAMPING_COUNT - 1 ) },
         { "jacobian", (float)d->jacobian, 0.0f, (float)( WISP_IMPLICIT_JACOBIAN_COUNT - 1 ) },
@@ -143,7 +143,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
         return status;
     }
     const bool given = d->stretch_pair_count > 0 || d->bend_pair_count > 0;
-    if ( given && d->stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL )
+    if ( given && d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT,
                                 "implicit cloth: explicit pairs have no area, expected stiffness per link" );

@@ -255,7 +255,7 @@ static float weight_of( const implicit_cook* cook, int32_t slot )
 
 static void set_coefficients( const implicit_cook* cook, const wisp_implicit_cloth_def* d )
 {
-    const bool sheet = d->stiffness == WISP_IMPLICIT_STIFFNESS_MATERIAL;
+    const bool sheet = d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL;
     const float compression = d->compression_stiffness > 0.0f ? d->compression_stiffness : d->stretch_stiffness;
     for ( int list = 0; list < 2; ++list )
     {
@@ -272,7 +272,7 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
                                    : 1.0f;
             p->load = both * ( bends ? arc * inverse * inverse : fraction * d->stretch_stiffness );
             p->ramp = bends ? both * fraction * compression : 0.0f;
-            p->damping = both * fraction * d->damping;
+            p->damping = both * fraction * d->link_damping;
         }
     }
 }

@@ -354,7 +354,7 @@ static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
         const char* name;
         float value, upper;
     } ranges[] = {
-        { "cell", d->cell, 1e6f },
+        { "cell_size", d->cell_size, 1e6f },
         { "friction", d->friction, 1.0f },
         { "repulsion", d->repulsion, 1e6f },
     };
@@ -399,7 +399,7 @@ wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strands, const 
     {
         const strands_rows rows = strands_rows_of( world, strands );
         *grid = ( strands_grid ){
-            .cell = def->cell > 0.0f ? def->cell : cell_for( &rows ),
+            .cell = def->cell_size > 0.0f ? def->cell_size : cell_for( &rows ),
             .friction = def->friction,
             .repulsion = def->repulsion,
         };

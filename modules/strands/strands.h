@@ -46,9 +46,9 @@ typedef struct wisp_strand_dynamics_def
                            ///< the root and counted (WISP_COUNT_STRAND_RESET), 1e-6 .. 1, default 1e-2
     float leader_correction; ///< follow: share of its momentum that the leader gets back, 0 .. 1, default 0.9
 
-    wisp_strand_bend bend; ///< default rod
-    float bend_rigidity;   ///< rod: EI, N m^2, 0 .. 1e12, default 8e-9 (a hair of 80 um)
-    float twist_rigidity;  ///< rod: GJ, N m^2, 0 .. 1e12, default 6e-9; matters with a rest curvature only
+    wisp_strand_bend bending; ///< default rod
+    float bend_rigidity;      ///< rod: EI, N m^2, 0 .. 1e12, default 8e-9 (a hair of 80 um)
+    float twist_rigidity;     ///< rod: GJ, N m^2, 0 .. 1e12, default 6e-9; matters with a rest curvature only
     float
         bend_damping; ///< rod: s, force against the bending's rate over force against the bending, 0 .. 1e3, default 0
     wisp_strand_rest rest; ///< rod; default balanced
@@ -67,14 +67,14 @@ typedef struct wisp_strand_dynamics_def
     const int32_t* pins; ///< [pin_count] vertices held beside the roots, the user's numbers in the strands' points
     int pin_count;
 
-    wisp_vec3 gravity; ///< m/s^2, default (0, -9.81, 0)
-    float damping;     ///< 1/s, >= 0: how fast motion against the head dies; default 0
-    wisp_vec3 wind;    ///< m/s, velocity of the air, default 0
-    float air_density; ///< kg/m^3, default 1.204
-    float drag;        ///< coefficient C_d across a strand, >= 0, default 0: no air
-    float diameter;    ///< m, > 0, of a strand in the air, default 8e-5
-    float teleport;    ///< times the longest strand, > 0: a head that goes farther in a step takes its strands along
-                       ///< without giving them a velocity; default 5
+    wisp_vec3 gravity;      ///< m/s^2, default (0, -9.81, 0)
+    float damping;          ///< 1/s, >= 0: how fast motion against the head dies; default 0
+    wisp_vec3 wind;         ///< m/s, velocity of the air, default 0
+    float air_density;      ///< kg/m^3, default 1.204
+    float drag_coefficient; ///< coefficient C_d across a strand, >= 0, default 0: no air
+    float diameter;         ///< m, > 0, of a strand in the air, default 8e-5
+    float teleport; ///< times the longest strand, > 0: a head that goes farther in a step takes its strands along
+                    ///< without giving them a velocity; default 5
     uint32_t cookie;
 } wisp_strand_dynamics_def;
 
@@ -107,8 +107,8 @@ WISP_API wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, 
 /// wisp_default_strand_grid_def(). Copied.
 typedef struct wisp_strand_grid_def
 {
-    bool enabled; ///< default true
-    float cell;   ///< m, > 0: edge of a cell; default 0: twice the mean segment
+    bool enabled;    ///< default true
+    float cell_size; ///< m, > 0: edge of a cell; default 0: twice the mean segment
     float
         friction; ///< 0 .. 1: share of the difference to the mean velocity of the cells around taken away in a step of
                   ///< 1/60 s, default 0.1

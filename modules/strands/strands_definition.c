@@ -18,7 +18,7 @@ wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
         .stretch_passes = 8,
         .stretch_tolerance = 1e-2f,
         .leader_correction = 0.9f,
-        .bend = WISP_STRAND_BEND_ROD,
+        .bending = WISP_STRAND_BEND_ROD,
         .bend_rigidity = 8e-9f,
         .twist_rigidity = 6e-9f,
         .rest = WISP_STRAND_REST_SAG_FREE,
@@ -48,7 +48,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
         { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
         { "leader_correction", d->leader_correction, 0.0f, 1.0f },
-        { "bend", (float)d->bend, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
+        { "bending", (float)d->bending, 0.0f, (float)( WISP_STRAND_BEND_COUNT - 1 ) },
         { "bend_rigidity", d->bend_rigidity, 0.0f, 1e12f },
         { "twist_rigidity", d->twist_rigidity, 0.0f, 1e12f },
         { "bend_damping", d->bend_damping, 0.0f, 1e3f },
@@ -62,7 +62,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "vertex_mass", d->vertex_mass, 0.0f, 1e12f },
         { "damping", d->damping, 0.0f, 1e9f },
         { "air_density", d->air_density, 0.0f, 1e6f },
-        { "drag", d->drag, 0.0f, 1e6f },
+        { "drag_coefficient", d->drag_coefficient, 0.0f, 1e6f },
         { "diameter", d->diameter, 1e-12f, 1e6f },
         { "teleport", d->teleport, 1e-6f, 1e12f },
     };
@@ -182,8 +182,8 @@ static bool holds_vertices( const wisp_strand_topology* t, const float* rest, co
 static void list_components( const strands_state* s, const wisp_strand_dynamics_def* d, bool anchored, bool holds,
                              requested_component all[COMPONENT_COUNT] )
 {
-    const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bend == WISP_STRAND_BEND_ROD;
-    const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bend == WISP_STRAND_BEND_LINKS;
+    const bool direct = d->stretch == WISP_STRAND_STRETCH_DIRECT, rod = d->bending == WISP_STRAND_BEND_ROD;
+    const bool links = d->stretch == WISP_STRAND_STRETCH_LINKS, bend_links = d->bending == WISP_STRAND_BEND_LINKS;
     const bool straight = d->rest == WISP_STRAND_REST_STRAIGHT;
     const requested_component list[COMPONENT_COUNT] = {
         { WISP_STRAND_VELOCITY, true },
@@ -196,7 +196,7 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { s->in_bounds, true },
         { s->head, anchored == false },
         { s->damping, d->damping > 0.0f },
-        { s->air, d->drag > 0.0f },
+        { s->air, d->drag_coefficient > 0.0f },
         { s->pins, holds },
         { s->direct, direct },
         { s->tension, direct || rod },
@@ -277,11 +277,11 @@ static void fill_materials( wisp_world* world, wisp_entity strands, const strand
     }
     if ( air != NULL )
     {
-        *air = ( strands_air ){ d->wind, 0.5f * d->air_density * d->drag * d->diameter };
+        *air = ( strands_air ){ d->wind, 0.5f * d->air_density * d->drag_coefficient * d->diameter };
     }
     if ( direct != NULL )
     {
-        *direct = ( strands_direct ){ d->stretch_passes, d->stretch_tolerance, d->bend == WISP_STRAND_BEND_ROD };
+        *direct = ( strands_direct ){ d->stretch_passes, d->stretch_tolerance, d->bending == WISP_STRAND_BEND_ROD };
     }
     if ( links != NULL )
     {

@@ -123,7 +123,7 @@ static void a_stage_is_queried_for_by_its_key_alone( void** state )
         assert_int_equal( hair->clump, i == 2 );
     }
     // Lengths that follow the radius stay undecided, so that the module computes them from it.
-    assert_true( scene.strands[2].frozen_hair.clump_step == wisp_default_frozen_hair_def().clump_step );
+    assert_true( scene.strands[2].frozen_hair.clump_step_length == wisp_default_frozen_hair_def().clump_step_length );
     wisp_scene_release( &scene );
 }
 
@@ -173,11 +173,11 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
     const wisp_frozen_hair_def* hair = &s->frozen_hair;
     assert_true( s->has_frozen_hair && hair->freeze && hair->align && hair->clump );
     assert_int_equal( hair->seed, 9 );
-    assert_int_equal( hair->base, WISP_BASE_PREVIOUS );
-    assert_int_equal( hair->event, WISP_EVENT_FRAME );
+    assert_int_equal( hair->base, WISP_FROZEN_BASE_PREVIOUS );
+    assert_int_equal( hair->update_on, WISP_FROZEN_UPDATE_FRAME );
     assert_true( hair->epsilon == 1e-6f );
 
-    assert_true( hair->stretch_stiffness == 3.0f && hair->bend_angle_max == 1.5f );
+    assert_true( hair->stretch_stiffness == 3.0f && hair->max_bend_angle == 1.5f );
     assert_null( hair->strand_stretch_stiffness );
     assert_int_equal( s->stretch_count, 0 );
     assert_int_equal( s->bend_count, 3 );
@@ -189,12 +189,12 @@ static void assert_frozen_hair( const wisp_scene_strands* s )
     assert_vector( hair->cursor, 1.0f, -2.0f, 3.5f );
     assert_true( hair->reach == 0.4f && hair->reach_nearest && hair->blend_chord && hair->direction_from_root );
 
-    assert_true( hair->clump_radius == 0.02f && hair->clump_step == 0.003f );
+    assert_true( hair->clump_radius == 0.02f && hair->clump_step_length == 0.003f );
     assert_int_equal( hair->clump_iterations, 6 );
     assert_int_equal( hair->gap, WISP_GAP_REVERSED );
     assert_true( hair->gap_by_iteration && !hair->min_distance_clamp );
-    assert_true( hair->distance_min == 0.0004f && hair->lambda_min == 0.125f );
-    assert_int_equal( hair->neighbour_limit, 99 );
+    assert_true( hair->min_distance == 0.0004f && hair->min_lambda == 0.125f );
+    assert_int_equal( hair->max_neighbours, 99 );
 }
 
 static void assert_generator( const wisp_groom_generator* generator )
@@ -225,8 +225,9 @@ static void every_key_reaches_its_place( void** state )
     assert_generator( &s->generator );
     assert_frozen_hair( s );
 
-    assert_true( s->has_environment && s->environment.temperature == -5.5f && s->environment.wetness == 0.5f );
-    assert_true( s->environment.freezing == -1.0f && s->environment.span == 8.0f );
+    assert_true( s->has_environment && s->environment.temperature_celsius == -5.5f &&
+                 s->environment.wetness == 0.5f );
+    assert_true( s->environment.freezing_celsius == -1.0f && s->environment.span == 8.0f );
     assert_int_equal( s->environment.point_count, 3 );
     assert_true( s->environment.ice[1] == 0.25f && s->environment.stiffness[1] == 9.0f &&
                  s->environment.stiffness[2] == 2.0f );
@@ -512,7 +513,7 @@ static void numbers_are_checked_as_the_module_sees_them( void** state )
     wisp_scene scene =
         good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, frozen_hair: { freeze: { max_bend_angle: "
               "3.14159265358979 }, align: { intensity: 1.00000000001 } } }\n" );
-    assert_true( scene.strands[0].frozen_hair.bend_angle_max == 3.14159274f );
+    assert_true( scene.strands[0].frozen_hair.max_bend_angle == 3.14159274f );
     assert_true( scene.strands[0].frozen_hair.intensity == 1.0f );
     wisp_scene_release( &scene );
 }

@@ -62,7 +62,7 @@ static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
     assert_true( s->has_boundary && !s->has_contact );
     assert_true( b->spacing == def.spacing && b->policy == def.policy && b->rounding == def.rounding );
     assert_true( b->scanline_normals == def.scanline_normals && b->hysteresis == def.hysteresis );
-    assert_true( b->limit == def.limit && b->min_spacing == def.min_spacing );
+    assert_true( b->max_points == def.max_points && b->min_spacing == def.min_spacing );
     assert_true( b->max_spacing == def.max_spacing && b->curvature_gain == def.curvature_gain );
     assert_true( b->strain_gain == def.strain_gain && b->by_screen == def.by_screen );
     assert_true( b->pixel_angle == def.pixel_angle && b->pixels == def.pixels );
@@ -113,7 +113,7 @@ static void every_key_of_a_layer_reaches_its_place( void** state )
                                 "0.03, curvature_gain: 2, strain_gain: -0.5, by_screen: true, eye: "
                                 "[1, 2, 3], pixel_angle: 0.002, pixels: 8 }" );
     const wisp_boundary_def* b = &scene.surfaces[0].boundary;
-    assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->limit == 1000 );
+    assert_true( b->spacing == 0.02f && b->scanline_normals && b->hysteresis == 0.25f && b->max_points == 1000 );
     assert_int_equal( b->policy, WISP_SPACING_EXACT );
     assert_int_equal( b->rounding, WISP_ROUND_UP );
     assert_true( b->min_spacing == 0.01f && b->max_spacing == 0.03f );

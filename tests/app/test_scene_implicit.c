@@ -53,8 +53,9 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
     assert_true( s->has_implicit && !s->has_cloth && !s->has_balloon && !s->has_quad_links );
     assert_true( d->stretch_stiffness == def.stretch_stiffness && d->bend_stiffness == def.bend_stiffness );
     assert_true( d->bend_rigidity == def.bend_rigidity && d->compression_stiffness == def.compression_stiffness );
-    assert_true( d->damping == def.damping && d->tolerance == def.tolerance );
-    assert_true( d->stiffness == def.stiffness && d->weights == def.weights && d->damping_form == def.damping_form );
+    assert_true( d->link_damping == def.link_damping && d->tolerance == def.tolerance );
+    assert_true( d->stiffness_model == def.stiffness_model && d->weights == def.weights &&
+                 d->damping_form == def.damping_form );
     assert_true( d->jacobian == def.jacobian && d->integrator == def.integrator );
     assert_int_equal( d->newton_iterations, def.newton_iterations );
     assert_int_equal( d->max_newton_iterations, def.max_newton_iterations );
@@ -86,9 +87,9 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
         "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
-    assert_int_equal( d->stiffness, WISP_IMPLICIT_STIFFNESS_MATERIAL );
+    assert_int_equal( d->stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL );
     assert_true( d->stretch_stiffness == 350.0f && d->bend_stiffness == 2e-6f && d->bend_rigidity == 3e-6f );
-    assert_true( d->compression_stiffness == 150.0f && d->damping == 0.5f );
+    assert_true( d->compression_stiffness == 150.0f && d->link_damping == 0.5f );
     assert_int_equal( d->weights, WISP_IMPLICIT_WEIGHTS_NONE );
     assert_int_equal( d->damping_form, WISP_IMPLICIT_DAMPING_AXIAL );
     assert_int_equal( d->jacobian, WISP_IMPLICIT_JACOBIAN_FULL );
@@ -111,8 +112,8 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     } words[] = {
 #define WORD( key, member, word, value )                                                                             \
     { "{ " #key ": " #word " }", offsetof( wisp_implicit_cloth_def, member ), value }
-        WORD( stiffness_model, stiffness, link, WISP_IMPLICIT_STIFFNESS_LINK ),
-        WORD( stiffness_model, stiffness, material, WISP_IMPLICIT_STIFFNESS_MATERIAL ),
+        WORD( stiffness_model, stiffness_model, link, WISP_IMPLICIT_STIFFNESS_LINK ),
+        WORD( stiffness_model, stiffness_model, material, WISP_IMPLICIT_STIFFNESS_MATERIAL ),
         WORD( weights, weights, effective, WISP_IMPLICIT_WEIGHTS_EFFECTIVE ),
         WORD( weights, weights, none, WISP_IMPLICIT_WEIGHTS_NONE ),
         WORD( weights, weights, pair, WISP_IMPLICIT_WEIGHTS_PAIR ),

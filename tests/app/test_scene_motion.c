@@ -61,7 +61,7 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
     const wisp_strand_dynamics_def expected = wisp_default_strand_dynamics_def();
     assert_true( scene.strands[0].has_dynamics );
     assert_vector( def->gravity, 0, -1, 2 );
-    assert_true( def->stretch == expected.stretch && def->bend == expected.bend && def->rest == expected.rest );
+    assert_true( def->stretch == expected.stretch && def->bending == expected.bending && def->rest == expected.rest );
     assert_true( def->bend_rigidity == expected.bend_rigidity && def->line_density == expected.line_density );
     assert_true( def->clamped == expected.clamped && def->diameter == expected.diameter );
     assert_int_equal( def->stretch_passes, expected.stretch_passes );
@@ -80,7 +80,7 @@ static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** stat
     wisp_ghosts_def ghosts = wisp_default_ghosts_def();
     wisp_curves_def curves = wisp_default_curves_def();
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
-    assert_true( scene.strands[0].grid.enabled && scene.strands[0].grid.cell == grid.cell );
+    assert_true( scene.strands[0].grid.enabled && scene.strands[0].grid.cell_size == grid.cell_size );
     assert_true( scene.strands[0].grid.friction == grid.friction );
     assert_int_equal( scene.strands[0].grid.cookie, grid.cookie );
     assert_int_equal( scene.strands[1].ghosts.target_count, ghosts.target_count );
@@ -128,7 +128,7 @@ static const char EVERY_KEY[] =
 static void assert_dynamics( const wisp_strand_dynamics_def* d )
 {
     assert_int_equal( d->stretch, WISP_STRAND_STRETCH_FOLLOW );
-    assert_int_equal( d->bend, WISP_STRAND_BEND_LINKS );
+    assert_int_equal( d->bending, WISP_STRAND_BEND_LINKS );
     assert_int_equal( d->rest, WISP_STRAND_REST_STRAIGHT );
     assert_int_equal( d->solver, WISP_SOLVER_PBD );
     assert_int_equal( d->stretch_passes, 5 );
@@ -136,7 +136,8 @@ static void assert_dynamics( const wisp_strand_dynamics_def* d )
     assert_true( d->stretch_tolerance == 0.25f && d->leader_correction == 0.5f && d->bend_rigidity == 1.0f );
     assert_true( d->twist_rigidity == 2.0f && d->bend_damping == 3.0f && d->stretch_compliance == 4.0f );
     assert_true( d->bend_compliance == 5.0f && d->stretch_stiffness == 0.25f && d->bend_stiffness == 0.75f );
-    assert_true( d->line_density == 6.0f && d->damping == 7.0f && d->air_density == 8.0f && d->drag == 9.0f );
+    assert_true( d->line_density == 6.0f && d->damping == 7.0f && d->air_density == 8.0f &&
+                 d->drag_coefficient == 9.0f );
     assert_true( d->diameter == 10.0f && d->teleport == 11.0f );
     assert_vector( d->gravity, 1, 2, 3 );
     assert_vector( d->wind, 4, 5, 6 );
@@ -173,9 +174,10 @@ static void every_key_of_motion_reaches_its_place( void** state )
     // a turn that is not written is the one before
     assert_memory_equal( &hair->head.poses[0].pose.rotation, &hair->head.poses[1].pose.rotation,
                          sizeof( wisp_quat ) );
-    assert_true( hair->has_grid && hair->grid.cell == 0.5f && hair->grid.friction == 0.25f &&
+    assert_true( hair->has_grid && hair->grid.cell_size == 0.5f && hair->grid.friction == 0.25f &&
                  hair->grid.repulsion == 12.0f );
-    assert_true( hair->has_collision && hair->collision.thickness == 0.5f && hair->collision.friction == 0.25f );
+    assert_true( hair->has_collision && hair->collision.thickness == 0.5f &&
+                 hair->collision.friction_scale == 0.25f );
     assert_true( hair->collision.max_push_out_speed == 2.0f && hair->collision.mask == 9u && hair->request_contacts );
     assert_true( hair->request_strain && hair->request_speed && hair->request_motion_stats && !hair->request_points );
 
@@ -237,9 +239,9 @@ static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise
               "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
               "  - { name: c, generate: {}, ghosts: { targets: a }, frozen_hair: { update_on: hair_event } }\n"
               "  - { name: d, generate: {}, frozen_hair: {} }\n" );
-    assert_int_equal( scene.strands[1].frozen_hair.event, WISP_EVENT_FRAME );
-    assert_int_equal( scene.strands[2].frozen_hair.event, WISP_EVENT_COMMAND );
-    assert_int_equal( scene.strands[3].frozen_hair.event, WISP_EVENT_COMMAND );
+    assert_int_equal( scene.strands[1].frozen_hair.update_on, WISP_FROZEN_UPDATE_FRAME );
+    assert_int_equal( scene.strands[2].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
+    assert_int_equal( scene.strands[3].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
     wisp_scene_release( &scene );
 }
 

@@ -119,7 +119,8 @@ static void assert_cloth( const wisp_cloth_def* c )
     assert_vector( c->warp, 0.0f, 0.0f, 1.0f );
     assert_int_equal( c->bending, WISP_CLOTH_BENDING_ISOMETRIC );
     assert_true( c->bend_stiffness == 0.125f && c->bend_compliance == 0.5f && c->bend_rigidity == 1e-4f );
-    assert_true( c->damping == 4.0f && c->air_density == 1.5f && c->drag == 0.75f && c->lift == 1.75f );
+    assert_true( c->internal_damping == 4.0f && c->air_density == 1.5f && c->drag_coefficient == 0.75f &&
+                 c->lift_coefficient == 1.75f );
     assert_vector( c->wind, 5.0f, 6.0f, 7.0f );
     assert_true( c->tethers && c->tether_slack == 1.5f );
     assert_int_equal( c->level_passes, 2 );
@@ -162,7 +163,7 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
     assert_int_equal( s->finest_level, 2 );
     assert_int_equal( s->solve_order, WISP_SOLVE_ORDER_LIST );
     assert_int_equal( s->tile_size, 128 );
-    assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction == 2.0f );
+    assert_true( s->has_collision && s->collision.thickness == 0.01f && s->collision.friction_scale == 2.0f );
     assert_true( s->collision.max_push_out_speed == 3.0f );
     assert_int_equal( s->collision.mask, 33 );
     assert_true( s->request_points && s->request_normals && s->request_strain && s->request_speed &&
@@ -200,10 +201,10 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
     assert_true( b->min_gas_ratio == 0.125f && b->atmospheric_pressure == 9e4f && b->temperature == 300.0f );
     assert_true( b->gas_molar_mass == 0.002f && b->air_molar_mass == 0.03f &&
                  b->pressure == WISP_BALLOON_PRESSURE_GAS );
-    assert_true( !b->buoyancy && b->drag_coefficient == 0.25f && b->drag == WISP_BALLOON_DRAG_NORMAL );
+    assert_true( !b->buoyancy && b->drag_coefficient == 0.25f && b->drag_model == WISP_BALLOON_DRAG_NORMAL );
     assert_int_equal( b->outlet_count, 3 );
     assert_true( b->outlet[0] == 4 && b->outlet[1] == 2 && b->outlet[2] == 9 );
-    assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_PRINTED );
+    assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_POSITION );
     assert_true( b->allow_open && !scene.surfaces[1].balloon.allow_open );
     assert_int_equal( s->fill_path_count, 2 );
     assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].gas_ratio == 1.25f &&

@@ -129,7 +129,7 @@ static void every_table_gives_the_same_bits( void** state )
             def.direction_from_root = variant % 2 == 1;
             def.min_distance_clamp = variant != 5;
             def.clump_iterations = 1 + variant;
-            def.base = variant == 6 ? WISP_BASE_PREVIOUS : WISP_BASE_REST;
+            def.base = variant == 6 ? WISP_FROZEN_BASE_PREVIOUS : WISP_FROZEN_BASE_REST;
             uint64_t reference = run_pipeline( tables[0], g, dimension, &def );
             for ( int t = 1; t < table_count; ++t )
             {

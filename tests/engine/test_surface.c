@@ -183,7 +183,7 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
     wisp_entity e[STARTS];
     wisp_motion_stats first[STARTS];
     wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.damping = 50.0f;
+    cloth.internal_damping = 50.0f;
     for ( int n = 0; n < STARTS; ++n )
     {
         const wisp_vec3 speed = { 1.0f + 0.01f * (float)n, 2.0f, 3.0f - 0.01f * (float)n };

@@ -234,14 +234,14 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
 static void a_restored_world_goes_on_as_the_one_that_was_taken( void** state )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_BASE_REST, hashes );
+    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_REST, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
 static void a_restored_world_whose_shape_builds_on_itself_goes_on_the_same_way( void** state )
 {
     uint64_t hashes[2];
-    step_twice_from_a_snapshot( *state, WISP_BASE_PREVIOUS, hashes );
+    step_twice_from_a_snapshot( *state, WISP_FROZEN_BASE_PREVIOUS, hashes );
     assert_int_equal( hashes[0], hashes[1] );
 }
 
@@ -371,7 +371,7 @@ static void a_neighbour_limit_that_bites_is_counted( void** state )
     hosted* h = *state;
     wisp_entity e = test_add_strands( h->world, 40, 6 );
     wisp_frozen_hair_def def = clumping_def();
-    def.neighbour_limit = 1;
+    def.max_neighbours = 1;
     assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );

@@ -84,7 +84,7 @@ static void demand_layer( const wisp_boundary_def* b )
 {
     demand( b->policy >= 0 && b->policy < WISP_SPACING_COUNT && b->rounding >= 0 && b->rounding < WISP_ROUND_COUNT );
     demand( b->spacing >= 0.0f && isfinite( b->spacing ) && b->hysteresis >= 0.0f && b->hysteresis <= 0.5f );
-    demand( b->limit >= 1 && b->curvature_gain >= 0.0f && isfinite( b->strain_gain ) );
+    demand( b->max_points >= 1 && b->curvature_gain >= 0.0f && isfinite( b->strain_gain ) );
     demand( b->max_spacing == 0.0f || b->min_spacing <= b->max_spacing );
     demand( b->pixel_angle > 0.0f && b->pixels > 0.0f && isfinite( b->eye.x ) );
     demand( b->by_screen || ( b->eye.x == 0.0f && b->eye.y == 0.0f && b->eye.z == 0.0f ) );
@@ -151,12 +151,12 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
 {
     const wisp_implicit_cloth_def* d = &s->implicit;
     const float values[] = { d->stretch_stiffness, d->bend_stiffness, d->bend_rigidity, d->compression_stiffness,
-                             d->damping };
+                             d->link_damping };
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
         demand( values[i] >= 0.0f && isfinite( values[i] ) );
     }
-    demand( d->stiffness >= 0 && d->stiffness < WISP_IMPLICIT_STIFFNESS_COUNT );
+    demand( d->stiffness_model >= 0 && d->stiffness_model < WISP_IMPLICIT_STIFFNESS_COUNT );
     demand( d->weights >= 0 && d->weights < WISP_IMPLICIT_WEIGHTS_COUNT );
     demand( d->damping_form >= 0 && d->damping_form < WISP_IMPLICIT_DAMPING_COUNT );
     demand( d->jacobian >= 0 && d->jacobian < WISP_IMPLICIT_JACOBIAN_COUNT );
@@ -170,7 +170,7 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( !s->has_implicit || ( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) ) );
     const wisp_scene_mesh* mesh = s->instance_of < 0 ? &s->mesh : &scene->surfaces[s->instance_of].mesh;
     demand( !s->has_quad_links || ( mesh->is_made && mesh->generator.shape == WISP_MESH_PLANE_REGULAR ) );
-    demand( !s->has_quad_links || d->stiffness == WISP_IMPLICIT_STIFFNESS_LINK );
+    demand( !s->has_quad_links || d->stiffness_model == WISP_IMPLICIT_STIFFNESS_LINK );
 }
 
 static void demand_surface( const wisp_scene* scene, int i )
@@ -221,7 +221,8 @@ static void demand_event( const wisp_scene* scene, int i )
     if ( e->surface < 0 )
     {
         const wisp_strand_dynamics_def* d = &scene->strands[e->strands].dynamics;
-        demand( scene->strands[e->strands].has_dynamics && d->drag > 0.0f && e->has_wind && isfinite( e->wind.x ) );
+        demand( scene->strands[e->strands].has_dynamics && d->drag_coefficient > 0.0f && e->has_wind &&
+                isfinite( e->wind.x ) );
         return;
     }
     demand( i == 0 || e->step > e[-1].step || e->surface > e[-1].surface );

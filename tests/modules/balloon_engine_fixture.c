@@ -333,8 +333,8 @@ static balloon_oracle_options oracle_options( const balloon_scene* s )
     o.iterations = s->iterations;
     o.volume = d->volume == WISP_SOLVER_PBD ? BALLOON_ORACLE_VOLUME_PBD : BALLOON_ORACLE_VOLUME_XPBD;
     o.pressure = READINGS[d->pressure];
-    o.drag = DRAGS[d->drag];
-    o.spin = d->spin == WISP_BALLOON_SPIN_PRINTED ? BALLOON_ORACLE_SPIN_PRINTED : BALLOON_ORACLE_SPIN_KICK;
+    o.drag = DRAGS[d->drag_model];
+    o.spin = d->spin == WISP_BALLOON_SPIN_POSITION ? BALLOON_ORACLE_SPIN_PRINTED : BALLOON_ORACLE_SPIN_KICK;
     o.use_buoyancy = d->buoyancy;
     o.use_drag = d->drag_coefficient > 0.0f;
     o.gravity = double3_make( (double)s->gravity.x, (double)s->gravity.y, (double)s->gravity.z );

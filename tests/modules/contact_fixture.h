@@ -123,7 +123,7 @@ static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const
 {
     const wisp_entity e = add_mesh( world, mesh, pins, pin_count, 0.15f );
     wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.damping = 1.0f;
+    cloth.internal_damping = 1.0f;
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
     assert_status( world, wisp_set_gravity( world, e, gravity ), WISP_OK );
     return e;

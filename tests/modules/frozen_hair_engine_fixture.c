@@ -266,14 +266,14 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
         [WISP_GAP_NONE] = FROZEN_ORACLE_GAP_NONE,
     };
     frozen_oracle_options o = frozen_oracle_default_options();
-    o.theta_max = (double)d->bend_angle_max;
+    o.theta_max = (double)d->max_bend_angle;
     o.cursor = hair_widen( d->cursor );
     o.cursor_radius = (double)d->reach;
     o.clump_radius = (double)d->clump_radius;
     o.clump_iterations = d->clump_iterations;
-    o.clump_step = (double)( d->clump_step == -1.0f ? 0.1f * d->clump_radius : d->clump_step );
-    o.min_distance = (double)( d->distance_min == -1.0f ? 0.02f * d->clump_radius : d->distance_min );
-    o.lambda_min = (double)d->lambda_min;
+    o.clump_step = (double)( d->clump_step_length == -1.0f ? 0.1f * d->clump_radius : d->clump_step_length );
+    o.min_distance = (double)( d->min_distance == -1.0f ? 0.02f * d->clump_radius : d->min_distance );
+    o.lambda_min = (double)d->min_lambda;
     o.epsilon = (double)d->epsilon;
     o.dimension = dimension;
     o.blend = d->blend_chord ? FROZEN_ORACLE_BLEND_CHORD : FROZEN_ORACLE_BLEND_ARC;
@@ -281,7 +281,7 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     o.gap = gaps[d->gap];
     o.gap_reference = d->gap_by_iteration ? FROZEN_ORACLE_GAP_REFERENCE_ITERATION : FROZEN_ORACLE_GAP_REFERENCE_STAGE;
     o.reach = d->reach_nearest ? FROZEN_ORACLE_REACH_NEAREST : FROZEN_ORACLE_REACH_TIP;
-    o.base = d->base == WISP_BASE_PREVIOUS ? FROZEN_ORACLE_BASE_PREVIOUS : FROZEN_ORACLE_BASE_REST;
+    o.base = d->base == WISP_FROZEN_BASE_PREVIOUS ? FROZEN_ORACLE_BASE_PREVIOUS : FROZEN_ORACLE_BASE_REST;
     o.min_distance_clamp = d->min_distance_clamp;
     o.deform = d->freeze;
     o.align = d->align;

@@ -52,7 +52,7 @@ static void hold( hair_shadow* shadow, const char* stage, int iteration, const d
 // The shape that the stages start from.
 static wisp_vec3* find_base( const partial_run* run )
 {
-    if ( run->whole->base == WISP_BASE_PREVIOUS && run->commands > 0 )
+    if ( run->whole->base == WISP_FROZEN_BASE_PREVIOUS && run->commands > 0 )
     {
         wisp_world* world = hair_world_create( run->host );
         wisp_entity entity = hair_add( world, run->groom );

@@ -78,12 +78,12 @@ static inline wisp_implicit_cloth_def duel_def( match* m )
     const duel* r = m->rules;
     wisp_implicit_cloth_def def = exact_def();
     def.weights = r->weights;
-    def.stiffness = r->stiffness;
+    def.stiffness_model = r->stiffness;
     def.damping_form = r->damping_form;
     def.jacobian = r->jacobian;
     def.integrator = r->integrator;
     def.newton_iterations = r->repeats > 0 ? r->repeats : 1;
-    def.damping = r->damping > 0.0f ? r->damping : def.damping;
+    def.link_damping = r->damping > 0.0f ? r->damping : def.link_damping;
     def.warm_start = r->cold == false;
     def.speculative = r->near == false;
     if ( r->by_hand )
@@ -99,14 +99,14 @@ static inline void match_params( const wisp_implicit_cloth_def* def, triangle_or
 {
     *p = triangle_oracle_default_params();
     p->weights = (triangle_oracle_weights)def->weights;
-    p->stiffness = (triangle_oracle_stiffness)def->stiffness;
+    p->stiffness = (triangle_oracle_stiffness)def->stiffness_model;
     p->damping_form = (triangle_oracle_damping)def->damping_form;
     p->jacobian = (triangle_oracle_jacobian)def->jacobian;
     p->integrator = (triangle_oracle_integrator)def->integrator;
     p->stretch_stiffness = (double)def->stretch_stiffness;
     p->bend_stiffness = (double)def->bend_stiffness;
     p->bend_rigidity = (double)def->bend_rigidity;
-    p->damping = (double)def->damping;
+    p->damping = (double)def->link_damping;
     p->gravity = double3_make( 0.0, (double)EARTH.y, 0.0 );
     p->newton_iterations = def->newton_iterations;
     p->max_iterations = 1000;

@@ -112,7 +112,7 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     static const int32_t PINS[] = { 18 + 5, 18 + 27 + 20 + 9 };
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = rules->stretch;
-    def.bend = rules->bend;
+    def.bending = rules->bend;
     def.rest = rules->rest;
     def.solver = rules->solver;
     def.stretch_compliance = rules->compliance;
@@ -122,7 +122,7 @@ static inline wisp_strand_dynamics_def def_of( const duel* rules )
     def.bend_damping = rules->bend_damping;
     def.clamped = rules->hinged == false;
     def.damping = rules->damping;
-    def.drag = rules->drag;
+    def.drag_coefficient = rules->drag;
     def.wind = ( wisp_vec3 ){ 1.0f, 0.5f, -2.0f };
     def.pins = PINS;
     def.pin_count = rules->pinned ? WISP_COUNT( PINS ) : 0;
@@ -360,13 +360,13 @@ static inline void force_and_predict( match* m, int n, pose from, pose to )
         strand_oracle_damp( strand, 1.0 / ( 1.0 + (double)def->damping * m->dt ), linear,
                             angular_velocity( from, to, m->dt ), from.place );
     }
-    if ( def->drag > 0.0f )
+    if ( def->drag_coefficient > 0.0f )
     {
-        const double drag = 0.5 * (double)def->air_density * (double)def->drag * (double)def->diameter;
+        const double drag = 0.5 * (double)def->air_density * (double)def->drag_coefficient * (double)def->diameter;
         strand_oracle_air( strand, widen( def->wind ), drag, m->dt );
     }
     strand_oracle_predict( strand, &root, m->gravity, m->dt );
-    if ( def->bend == WISP_STRAND_BEND_ROD )
+    if ( def->bending == WISP_STRAND_BEND_ROD )
     {
         if ( is_curled( m->rules ) )
         {
@@ -398,7 +398,7 @@ static inline void sweep( match* m, int n, int iteration )
         memset( strand->stretch_lambda, 0, sizeof( strand->stretch_lambda ) );
         memset( strand->bend_lambda, 0, sizeof( strand->bend_lambda ) );
     }
-    if ( m->def.bend == WISP_STRAND_BEND_LINKS )
+    if ( m->def.bending == WISP_STRAND_BEND_LINKS )
     {
         strand_oracle_link( strand, two, strand->bend_lambda, 2,
                             rule_of( m, m->def.bend_stiffness, m->def.bend_compliance ) );
@@ -432,7 +432,7 @@ static inline void stretch_group( match* m, int iteration )
     bool exact = false;
     for ( int pass = 0; pass < m->def.stretch_passes && exact == false; ++pass )
     {
-        const bool keeps = m->def.bend == WISP_STRAND_BEND_ROD || iteration > 0 || pass > 0;
+        const bool keeps = m->def.bending == WISP_STRAND_BEND_ROD || iteration > 0 || pass > 0;
         exact = true;
         for ( int n = 0; n < STRANDS; ++n )
         {

@@ -43,8 +43,8 @@ static void one_substep_is_the_oracles_in_every_mode( void** state )
         scene.substeps = 1;
         scene.def.solver = scene.def.volume = mode % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         scene.def.pressure = (wisp_balloon_pressure)( mode / 2 % WISP_BALLOON_PRESSURE_COUNT );
-        scene.def.spin = mode / 6 % 2 == 0 ? WISP_BALLOON_SPIN_KICK : WISP_BALLOON_SPIN_PRINTED;
-        scene.def.drag = (wisp_balloon_drag)( mode / 12 % WISP_BALLOON_DRAG_COUNT );
+        scene.def.spin = mode / 6 % 2 == 0 ? WISP_BALLOON_SPIN_VELOCITY : WISP_BALLOON_SPIN_POSITION;
+        scene.def.drag_model = (wisp_balloon_drag)( mode / 12 % WISP_BALLOON_DRAG_COUNT );
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_stir( &flight, thrusts ? 3.0f : 0.5f );

@@ -17,11 +17,11 @@ typedef struct golden_case
 } golden_case;
 
 static const golden_case CASES[] = {
-    { "held", 3, true, false, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_KICK, 1.2f, 0.0f, 30 },
-    { "inflating", 3, false, false, WISP_SOLVER_PBD, WISP_BALLOON_SPIN_KICK, 1.0f, 5e-3f, 30 },
-    { "flying", 3, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_KICK, 1.2f, 0.0f, 30 },
-    { "flying-printed", 2, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_PRINTED, 1.2f, 0.0f, 30 },
-    { "flying-large", 5, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_KICK, 1.2f, 0.0f, 3 },
+    { "held", 3, true, false, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_VELOCITY, 1.2f, 0.0f, 30 },
+    { "inflating", 3, false, false, WISP_SOLVER_PBD, WISP_BALLOON_SPIN_VELOCITY, 1.0f, 5e-3f, 30 },
+    { "flying", 3, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_VELOCITY, 1.2f, 0.0f, 30 },
+    { "flying-printed", 2, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_POSITION, 1.2f, 0.0f, 30 },
+    { "flying-large", 5, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_VELOCITY, 1.2f, 0.0f, 3 },
 };
 
 // Of each level, made once.

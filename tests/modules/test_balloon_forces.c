@@ -134,7 +134,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
         scene.substeps = 1;
         scene.area_density = 1.0f;
         scene.def.drag_coefficient = 0.5f;
-        scene.def.drag = (wisp_balloon_drag)mode;
+        scene.def.drag_model = (wisp_balloon_drag)mode;
         balloon_flight flight;
         balloon_start( &flight, &scene );
         const wisp_vec3 v = { 1.2f, -0.9f, 2.0f };
@@ -198,7 +198,7 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.substeps = 1;
         scene.def.drag_coefficient = 0.5f;
-        scene.def.drag = (wisp_balloon_drag)mode;
+        scene.def.drag_model = (wisp_balloon_drag)mode;
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 300.0f, 0.0f } );

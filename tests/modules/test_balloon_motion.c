@@ -201,7 +201,7 @@ static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
 {
     balloon_scene scene = loose_pear( mesh );
     scene.bend_links = true;
-    scene.def.spin = WISP_BALLOON_SPIN_PRINTED;
+    scene.def.spin = WISP_BALLOON_SPIN_POSITION;
     scene.dt = 1.0f / (float)steps;
     scene.def.edge_stiffness = 2000.0f;
     scene.def.outlet_area = 2.5e-5f * (float)steps / 50.0f; // the same omega whatever the step
@@ -254,7 +254,7 @@ static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void
     for ( int n = 0; n < 2; ++n )
     {
         balloon_scene scene = loose_pear( &mesh );
-        scene.def.spin = n == 0 ? WISP_BALLOON_SPIN_KICK : WISP_BALLOON_SPIN_PRINTED;
+        scene.def.spin = n == 0 ? WISP_BALLOON_SPIN_VELOCITY : WISP_BALLOON_SPIN_POSITION;
         balloon_flight flight;
         balloon_start( &flight, &scene );
         balloon_steps( &flight, 1 );

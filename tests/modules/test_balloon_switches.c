@@ -19,7 +19,8 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         scene.def.solver = (wisp_solver)( rest % 2 );
         scene.def.volume = (wisp_solver)( ( rest /= 2 ) % 2 );
         scene.def.pressure = (wisp_balloon_pressure)( ( rest /= 2 ) % WISP_BALLOON_PRESSURE_COUNT );
-        scene.def.drag = (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
+        scene.def.drag_model =
+            (wisp_balloon_drag)( ( rest /= WISP_BALLOON_PRESSURE_COUNT ) % WISP_BALLOON_DRAG_COUNT );
         scene.def.spin = (wisp_balloon_spin)( rest / WISP_BALLOON_DRAG_COUNT );
         scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
@@ -60,8 +61,8 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
     if ( letter == 'o' || letter == 'p' || letter == 'n' )
     {
         balloon_scene_give_outlet( &scene, 3, true );
-        scene.def.spin = letter == 'p' ? WISP_BALLOON_SPIN_PRINTED
-                                       : ( letter == 'n' ? WISP_BALLOON_SPIN_NONE : WISP_BALLOON_SPIN_KICK );
+        scene.def.spin = letter == 'p' ? WISP_BALLOON_SPIN_POSITION
+                                       : ( letter == 'n' ? WISP_BALLOON_SPIN_NONE : WISP_BALLOON_SPIN_VELOCITY );
     }
     scene.def.inflation_rate = letter == 'r' ? 1e-3f : 0.0f;
     scene.def.solver = letter == 'd' ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
@@ -202,7 +203,7 @@ static void edges_without_length_and_triangles_without_area_do_no_harm( void** s
     for ( int drag = 0; drag < WISP_BALLOON_DRAG_COUNT; ++drag )
     {
         balloon_scene scene = balloon_scene_in_air( &mesh );
-        scene.def.drag = (wisp_balloon_drag)drag;
+        scene.def.drag_model = (wisp_balloon_drag)drag;
         scene.def.gas_ratio = 1.2f;
         balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
         balloon_flight flight;

@@ -401,7 +401,7 @@ static void bad_meshes_are_cloth_all_the_same( void** state )
     {
         wisp_cloth_def cloth = wisp_default_cloth_def();
         cloth.bending = (wisp_cloth_bending)b;
-        cloth.drag = cloth.lift = cloth.damping = 1.0f;
+        cloth.drag_coefficient = cloth.lift_coefficient = cloth.internal_damping = 1.0f;
         int before = h->log.count;
         wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
         assert_int_equal( h->log.count, before + 1 );

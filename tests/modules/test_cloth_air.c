@@ -14,8 +14,8 @@ static wisp_entity add_triangle( wisp_world* world, wisp_vec3 wind, float drag, 
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.air_density = DENSITY;
     cloth.wind = wind;
-    cloth.drag = drag;
-    cloth.lift = lift;
+    cloth.drag_coefficient = drag;
+    cloth.lift_coefficient = lift;
     wisp_entity e = add_cloth( world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     test_mesh_free( &mesh );
     return e;
@@ -72,7 +72,7 @@ static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
         test_mesh mesh = test_plane( 9, 0.1f );
         wisp_fabric_def fabric = test_fabric_def( &mesh );
         wisp_cloth_def cloth = wisp_default_cloth_def();
-        cloth.drag = 1.28f;
+        cloth.drag_coefficient = 1.28f;
         cloth.air_density = DENSITY;
         wisp_entity e = add_cloth( h.world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
         run_steps( h.world, 6, 1.0f / 60.0f );
@@ -154,8 +154,8 @@ static void drag_knows_no_axis( void** state )
         }
         wisp_fabric_def fabric = test_fabric_def( &mesh );
         wisp_cloth_def cloth = wisp_default_cloth_def();
-        cloth.drag = 1.0f;
-        cloth.lift = 0.5f;
+        cloth.drag_coefficient = 1.0f;
+        cloth.lift_coefficient = 0.5f;
         cloth.wind = i == 0 ? ( wisp_vec3 ){ 0.0f, 4.0f, 0.0f } : ( wisp_vec3 ){ 0.0f, 0.0f, 4.0f };
         wisp_entity e = add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, ( wisp_vec3 ){ 0 } );
         run_steps( h->world, 10, 0.01f );

@@ -11,7 +11,7 @@ static wisp_entity add_damped( wisp_world* world, const test_mesh* mesh, float r
     surface.pins = pins;
     surface.pin_count = pin_count;
     wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.damping = rate;
+    cloth.internal_damping = rate;
     return add_cloth( world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 }
 
@@ -21,7 +21,7 @@ static void unlink_all( wisp_world* world, wisp_entity e, float rate )
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.warp_compliance = cloth.weft_compliance = 1e12f;
     cloth.bending = WISP_CLOTH_BENDING_NONE;
-    cloth.damping = rate;
+    cloth.internal_damping = rate;
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
 }
 

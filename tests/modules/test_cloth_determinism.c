@@ -58,9 +58,9 @@ static wisp_entity add_case( wisp_world* world, const golden_case* c, int n )
     cloth.bending = c->bending;
     cloth.solver = c->solver;
     cloth.warp_compliance = 1e-4f;
-    cloth.damping = c->damped ? 0.5f : 0.0f;
-    cloth.drag = c->blown ? 1.0f : 0.0f;
-    cloth.lift = c->blown ? 0.5f : 0.0f;
+    cloth.internal_damping = c->damped ? 0.5f : 0.0f;
+    cloth.drag_coefficient = c->blown ? 1.0f : 0.0f;
+    cloth.lift_coefficient = c->blown ? 0.5f : 0.0f;
     cloth.wind = ( wisp_vec3 ){ 3.0f, 1.0f, 2.0f };
     cloth.tethers = c->far;
     cloth.level_passes = c->far ? 2 : 0;

@@ -48,18 +48,12 @@ static void every_number_has_its_range( void** state )
         size_t at;
         float lower, upper; // just outside
     } fields[] = {
-        FIELD( warp_compliance, -1e-9f, 1.1e12f ),
-        FIELD( weft_compliance, -1e-9f, 1.1e12f ),
-        FIELD( shear_compliance, -1e-9f, 1.1e12f ),
-        FIELD( stretch_stiffness, -1e-9f, 1.0001f ),
-        FIELD( shear_stiffness, -1e-9f, 1.0001f ),
-        FIELD( bend_stiffness, -1e-9f, 1.0001f ),
-        FIELD( bend_compliance, -1e-9f, 1.1e12f ),
-        FIELD( bend_rigidity, 0.0f, 1.1e12f ),
-        FIELD( damping, -1e-9f, 1.1e9f ),
-        FIELD( air_density, -1e-9f, 1.1e6f ),
-        FIELD( drag, -1e-9f, 1.1e6f ),
-        FIELD( lift, -1e-9f, 1.1e6f ),
+        FIELD( warp_compliance, -1e-9f, 1.1e12f ),  FIELD( weft_compliance, -1e-9f, 1.1e12f ),
+        FIELD( shear_compliance, -1e-9f, 1.1e12f ), FIELD( stretch_stiffness, -1e-9f, 1.0001f ),
+        FIELD( shear_stiffness, -1e-9f, 1.0001f ),  FIELD( bend_stiffness, -1e-9f, 1.0001f ),
+        FIELD( bend_compliance, -1e-9f, 1.1e12f ),  FIELD( bend_rigidity, 0.0f, 1.1e12f ),
+        FIELD( internal_damping, -1e-9f, 1.1e9f ),  FIELD( air_density, -1e-9f, 1.1e6f ),
+        FIELD( drag_coefficient, -1e-9f, 1.1e6f ),  FIELD( lift_coefficient, -1e-9f, 1.1e6f ),
         FIELD( tether_slack, 0.999f, 1.1e6f ),
     };
 #undef FIELD
@@ -107,7 +101,7 @@ static void directions_and_winds_are_finite( void** state )
     }
     const wisp_vec3 winds[] = { { NAN, 0.0f, 0.0f }, { 0.0f, 0.0f, -INFINITY }, { 1.1e5f, 0.0f, 0.0f } };
     wisp_cloth_def airy = wisp_default_cloth_def();
-    airy.drag = 1.0f;
+    airy.drag_coefficient = 1.0f;
     assert_status( h->world, wisp_set_cloth( h->world, e, &airy ), WISP_OK );
     for ( int i = 0; i < WISP_COUNT( winds ); ++i )
     {
@@ -179,7 +173,7 @@ static void a_change_without_memory_leaves_the_old_cloth( void** state )
         wisp_cloth_def other = old;
         other.solver = WISP_SOLVER_PBD;
         other.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-        other.drag = other.damping = 1.0f;
+        other.drag_coefficient = other.internal_damping = 1.0f;
         uint64_t before = wisp_world_hash( h.world );
         test_host_refuse( &h.host, n, false );
         wisp_status status = wisp_set_cloth( h.world, e, &other );

@@ -528,7 +528,7 @@ static void calls_that_do_not_fit_are_refused_with_a_message( void** state )
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     assert_non_null( strstr( wisp_world_message( h->world ), "thickness" ) );
     collision.thickness = 0.0f;
-    collision.friction = NAN;
+    collision.friction_scale = NAN;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_BAD_INPUT );
     wisp_entity copy;
     assert_int_equal( wisp_add_instance( h->world, body, &copy ), WISP_CONFLICT );

@@ -126,7 +126,7 @@ static void friction_scales_with_the_surfaces_own_factor( void** state )
     incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = THICKNESS;
-    collision.friction = 0.0f;
+    collision.friction_scale = 0.0f;
     assert_int_equal( wisp_set_collision( i.h->world, i.surface, &collision ), WISP_OK );
     run_for( i.h->world, 1.0f / 60.0f, 60 );
     assert_near( motion_stats_of( i.h->world, i.surface ).speed_max, 9.8 * sin( i.angle ), 5e-3 );

@@ -248,7 +248,7 @@ static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
     flock f = new_flock( 2 ), bare = new_flock( 1 );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.freeze = look.clump = false;
-    look.event = WISP_EVENT_FRAME;
+    look.update_on = WISP_FROZEN_UPDATE_FRAME;
     look.cursor = ( wisp_vec3 ){ 0.3f, 0.5f, 0.2f };
     look.reach = 100.0f;
     guide_ok( f.world, wisp_set_frozen_hair( f.world, f.ghosts, &look ) );

@@ -48,7 +48,7 @@ static void margin_and_friction_are_those_of_participant_and_body( void** state 
     add_collider( h->world, &plane );
     wisp_entity e = add_probe( h->world, ( wisp_vec3 ){ 0.0f, 0.025f, 0.0f } );
     wisp_collision_def def = thin();
-    def.friction = 0.5f;
+    def.friction_scale = 0.5f;
     def.max_push_out_speed = 3.0f;
     assert_int_equal( wisp_set_collision( h->world, e, &def ), WISP_OK );
     const sensed t = sense( h->world, e );

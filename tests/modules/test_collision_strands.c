@@ -234,7 +234,7 @@ static double downhill( double angle, float mu )
     add_collider( h->world, &plane );
     const wisp_vec3 root = { 0.0f, 0.25f * SEGMENT, 0.0f }, direction = { 1.0f, 0.0f, 0.0f };
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.bend = WISP_STRAND_BEND_NONE;
+    dynamics.bending = WISP_STRAND_BEND_NONE;
     dynamics.gravity = ( wisp_vec3 ){ 0.0f, (float)( -9.8 * cos( angle ) ), (float)( 9.8 * sin( angle ) ) };
     wisp_entity e = add_hair( h->world, &root, &direction, 1, 21, &dynamics );
     run_for( h->world, DT, 120 );

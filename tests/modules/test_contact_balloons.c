@@ -37,7 +37,7 @@ static void open_pressed( pressed* p, int start, float gravity, int level )
         p->b[k] = add_balloon( p->h.world, &mesh, ( wisp_vec3 ){ -side * gravity, 0.0f, 0.0f } );
         assert_status( p->h.world, wisp_set_damping( p->h.world, p->b[k], 20.0f ), WISP_OK );
         wisp_collision_def smooth = wisp_default_collision_def();
-        smooth.friction = 0.0f;
+        smooth.friction_scale = 0.0f;
         smooth.thickness = 0.001f;
         assert_status( p->h.world, wisp_set_collision( p->h.world, p->b[k], &smooth ), WISP_OK );
         wisp_contact_def def = wisp_default_contact_def();
@@ -268,7 +268,7 @@ static void a_balloon_on_a_floor_carries_another( void** state )
     box_of x;
     open_box( &x, 2, 2, 0, true, SUBSTEPS );
     wisp_collision_def smooth = wisp_default_collision_def();
-    smooth.friction = 0.0f; // so that walls carry nothing
+    smooth.friction_scale = 0.0f; // so that walls carry nothing
     for ( int k = 0; k < 2; ++k )
     {
         assert_status( x.h.world, wisp_set_collision( x.h.world, x.b[k], &smooth ), WISP_OK );

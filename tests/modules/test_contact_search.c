@@ -102,7 +102,7 @@ static wisp_entity add_folding( wisp_world* world )
     const wisp_entity e = add_draping( world, &mesh, NULL, 0, EARTH );
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bend_compliance = 0.5f;
-    cloth.damping = 1.0f;
+    cloth.internal_damping = 1.0f;
     assert_status( world, wisp_set_cloth( world, e, &cloth ), WISP_OK );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;

@@ -31,7 +31,7 @@ static wisp_entity add_rake( wisp_world* world, wisp_vec3 root, float apart )
     wisp_entity e;
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.bend = WISP_STRAND_BEND_NONE;
+    dynamics.bending = WISP_STRAND_BEND_NONE;
     dynamics.line_density = 0.01f; // threads of 10 g a metre
     dynamics.damping = 1.0f;
     assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );

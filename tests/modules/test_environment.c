@@ -31,7 +31,7 @@ static int make_curves( wisp_environment_def out[6] )
 
 static double ice_of( const wisp_environment_def* d, float temperature, float wetness )
 {
-    double t = fmin( fmax( ( (double)d->freezing - (double)temperature ) / (double)d->span, 0.0 ), 1.0 );
+    double t = fmin( fmax( ( (double)d->freezing_celsius - (double)temperature ) / (double)d->span, 0.0 ), 1.0 );
     return (double)wetness * t * t * ( 3.0 - 2.0 * t );
 }
 
@@ -137,13 +137,14 @@ static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** stat
     for ( int n = 0; n <= 10; ++n )
     {
         wisp_environment_def environment = wisp_default_environment_def();
-        environment.temperature = 1.0f - 1.3f * (float)n;
+        environment.temperature_celsius = 1.0f - 1.3f * (float)n;
         environment.wetness = 0.3f + 0.07f * (float)n;
         wisp_world* world = hair_world_create( NULL );
         wisp_entity entity = hair_in( world, &groom, &environment );
         hair_step( world );
-        expect_stiffness( world, entity, &groom,
-                          wisp_environment_stiffness( &environment, environment.temperature, environment.wetness ) );
+        expect_stiffness(
+            world, entity, &groom,
+            wisp_environment_stiffness( &environment, environment.temperature_celsius, environment.wetness ) );
         wisp_world_destroy( world );
     }
     hair_groom_destroy( &groom );
@@ -155,8 +156,8 @@ static void weather_changes_a_look_only_with_the_next_command( void** state )
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 37, 20, 0.005f );
     wisp_environment_def mild = wisp_default_environment_def(), cold = mild;
-    mild.temperature = -2.0f;
-    cold.temperature = -9.0f;
+    mild.temperature_celsius = -2.0f;
+    cold.temperature_celsius = -9.0f;
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_in( world, &groom, &mild );
     hair_step( world );
@@ -170,7 +171,8 @@ static void weather_changes_a_look_only_with_the_next_command( void** state )
     assert_int_equal( wisp_replay_frozen_hair( world, entity, ( wisp_vec3 ){ 0, 0, 0 }, 0 ), WISP_OK );
     hair_step( world );
     assert_false( hair_same_bits( hair_view( world, entity, groom.vertex_count ), look, groom.vertex_count ) );
-    expect_stiffness( world, entity, &groom, wisp_environment_stiffness( &cold, cold.temperature, cold.wetness ) );
+    expect_stiffness( world, entity, &groom,
+                      wisp_environment_stiffness( &cold, cold.temperature_celsius, cold.wetness ) );
 
     // whoever sets a stiffness after the weather does not outvote it
     wisp_frozen_hair_def soft = hair_freeze_only();
@@ -178,7 +180,8 @@ static void weather_changes_a_look_only_with_the_next_command( void** state )
     hair_set( world, entity, &soft );
     assert_int_equal( wisp_replay_frozen_hair( world, entity, ( wisp_vec3 ){ 0, 0, 0 }, 0 ), WISP_OK );
     hair_step( world );
-    expect_stiffness( world, entity, &groom, wisp_environment_stiffness( &cold, cold.temperature, cold.wetness ) );
+    expect_stiffness( world, entity, &groom,
+                      wisp_environment_stiffness( &cold, cold.temperature_celsius, cold.wetness ) );
     free( look );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
@@ -233,8 +236,9 @@ static void a_environment_belongs_to_one_groom( void** state )
     wisp_world* world = hair_world_create( NULL );
     wisp_entity frosty = hair_in( world, &groom, &environment ), plain = hair_add_frozen( world, &groom, &def );
     hair_step( world );
-    expect_stiffness( world, frosty, &groom,
-                      wisp_environment_stiffness( &environment, environment.temperature, environment.wetness ) );
+    expect_stiffness(
+        world, frosty, &groom,
+        wisp_environment_stiffness( &environment, environment.temperature_celsius, environment.wetness ) );
     expect_stiffness( world, plain, &groom, 7.0f );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
@@ -249,12 +253,12 @@ static void a_environment_that_cannot_be_is_refused( void** state )
         const char* message;
         wisp_environment_def def;
     } bad[] = {
-        { "temperature: got -300", { .temperature = -300.0f, .wetness = 1, .span = 10 } },
-        { "temperature: got", { .temperature = NAN, .wetness = 1, .span = 10 } },
+        { "temperature_celsius: got -300", { .temperature_celsius = -300.0f, .wetness = 1, .span = 10 } },
+        { "temperature: got", { .temperature_celsius = NAN, .wetness = 1, .span = 10 } },
         { "wetness: got 1.1", { .wetness = 1.1f, .span = 10 } },
         { "wetness: got -0.1", { .wetness = -0.1f, .span = 10 } },
         { "span: got 0", { .wetness = 1, .span = 0 } },
-        { "freezing: got inf", { .wetness = 1, .span = 10, .freezing = INFINITY } },
+        { "freezing: got inf", { .wetness = 1, .span = 10, .freezing_celsius = INFINITY } },
         { "curve: got 1 points", { .wetness = 1, .span = 10, .point_count = 1 } },
         { "curve: got 9 points", { .wetness = 1, .span = 10, .point_count = 9 } },
         { "stiffness of curve point 1: got 0", { .wetness = 1, .span = 10, .stiffness = { 1, 0, 3 } } },

@@ -51,7 +51,7 @@ static void follow_gap( wisp_gap gap )
         def.gap_by_iteration = ( n & 4 ) != 0;
         def.min_distance_clamp = ( n & 8 ) != 0;
         def.epsilon = ( n & 16 ) != 0 ? 1e-6f : 0.0f;
-        def.lambda_min = ( n & 16 ) != 0 ? 0.3f : 0.0f;
+        def.min_lambda = ( n & 16 ) != 0 ? 0.3f : 0.0f;
         def.clump_iterations = 4;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, n % 3 );
         assert_int_equal( shadow.capped, 0 );
@@ -94,7 +94,7 @@ static void every_switch_of_the_stage_changes_the_result( void** state )
     (void)state;
     hair_groom groom = dense( HAIR_CURLY, 3 );
     wisp_frozen_hair_def plain = hair_clump_only(), other[10];
-    plain.clump_step = 0.01f;
+    plain.clump_step_length = 0.01f;
     for ( int n = 0; n < WISP_COUNT( other ); ++n )
     {
         other[n] = plain;
@@ -104,10 +104,10 @@ static void every_switch_of_the_stage_changes_the_result( void** state )
     other[2].gap = WISP_GAP_NONE;
     other[3].gap_by_iteration = true;
     other[4].min_distance_clamp = false;
-    other[5].lambda_min = 0.5f;
-    other[6].clump_step = 0.005f;
+    other[5].min_lambda = 0.5f;
+    other[6].clump_step_length = 0.005f;
     other[7].clump_radius = 0.012f;
-    other[8].distance_min = 0.001f;
+    other[8].min_distance = 0.001f;
     other[9].epsilon = 1e-4f;
     wisp_vec3* points = hair_run( NULL, &groom, &plain );
     for ( int n = 0; n < WISP_COUNT( other ); ++n )
@@ -130,7 +130,7 @@ static void up_to_twelve_iterations_follow_the_oracle( void** state )
         hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.clump_iterations = 12;
-        def.clump_step = 0.002f;
+        def.clump_step_length = 0.002f;
         say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
         def.clump_iterations = 0;
         wisp_vec3* points = hair_run( NULL, &groom, &def );
@@ -149,11 +149,11 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
         hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.min_distance_clamp = false;
-        def.clump_step = ( n & 2 ) != 0 ? 0.01f : 0.0017f;
+        def.clump_step_length = ( n & 2 ) != 0 ? 0.01f : 0.0017f;
         def.clump_iterations = 8;
         def.gap = (wisp_gap)( n / 4 );
         def.gap_by_iteration = ( n & 2 ) != 0;
-        def.neighbour_limit = 4096;
+        def.max_neighbours = 4096;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( gap_names[def.gap], shadow );
         assert_in_range( shadow.searches, 2, 8 );
@@ -171,7 +171,7 @@ static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( voi
         hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.min_distance_clamp = false;
-        def.clump_step = ( n & 1 ) != 0 ? 0.0012f : 0.0014f;
+        def.clump_step_length = ( n & 1 ) != 0 ? 0.0012f : 0.0014f;
         def.gap_by_iteration = n / 2 == 1;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( def.gap_by_iteration ? "by iteration" : "by stage", shadow );
@@ -185,7 +185,7 @@ static void lists_of_slow_hair_outlive_an_iteration( void** state )
     (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
-    def.clump_step = 1e-6f;
+    def.clump_step_length = 1e-6f;
     def.clump_iterations = 6;
     hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
     assert_in_range( shadow.searches, 1, 5 );
@@ -203,8 +203,8 @@ static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void**
         hair_groom groom = dense( HAIR_WAVY, 2 + n % 2 );
         wisp_frozen_hair_def def = hair_clump_only();
         def.clump_radius = radius[n / 2];
-        def.clump_step = 0.0005f;
-        def.neighbour_limit = 512;
+        def.clump_step_length = 0.0005f;
+        def.max_neighbours = 512;
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( "radius", shadow );
         assert_int_equal( shadow.capped, 0 );
@@ -278,7 +278,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
-    def.neighbour_limit = 5;
+    def.max_neighbours = 5;
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
@@ -293,7 +293,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     hair_assert_finite( hair_view( world, entity, 250 ), 250 );
 
     // a limit that nobody reaches leaves the report empty
-    def.neighbour_limit = 256;
+    def.max_neighbours = 256;
     hair_set( world, entity, &def );
     hair_step( world );
     report = hair_stats( world, entity );
@@ -355,7 +355,7 @@ static void a_step_of_zero_leaves_every_vertex( void** state )
     (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
-    def.clump_step = 0.0f;
+    def.clump_step_length = 0.0f;
     wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
     free( points );
@@ -368,7 +368,7 @@ static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
     (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
-    def.distance_min = 0.02f;
+    def.min_distance = 0.02f;
     wisp_vec3* points = hair_run( NULL, &groom, &def );
     assert_true( hair_same_bits( points, groom.points, groom.vertex_count ) );
     free( points );

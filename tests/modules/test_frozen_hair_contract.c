@@ -174,7 +174,7 @@ static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
         wisp_frozen_hair_def def = hair_freeze_only();
         def.bend_stiffness = 2.0f;
         def.stretch_stiffness = 1e9f;
-        const double most = (double)def.bend_angle_max / 2.0;
+        const double most = (double)def.max_bend_angle / 2.0;
         wisp_vec3* out = hair_run( NULL, &groom, &def );
         double ends = 4.0 * u * extent( out, groom.vertex_count );
         for ( int v = 0; v < groom.vertex_count; ++v )

@@ -62,7 +62,7 @@ static wisp_frozen_hair_def one_wet_step( void )
     def.clump_iterations = 1;
     def.gap = WISP_GAP_NONE;
     def.min_distance_clamp = false;
-    def.clump_step = 0.001f;
+    def.clump_step_length = 0.001f;
     return def;
 }
 
@@ -71,7 +71,7 @@ static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly
 {
     (void)state;
     const wisp_frozen_hair_def def = one_wet_step();
-    const double h = (double)def.clump_radius, sigma = (double)def.clump_step;
+    const double h = (double)def.clump_radius, sigma = (double)def.clump_step_length;
     double before = 2.0;
     for ( int n = 0; n <= 120; ++n )
     {
@@ -103,7 +103,7 @@ static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( vo
     (void)state;
     pair_groom pairs = make_pairs( 8, 0.0003f, 0.0097f );
     const wisp_frozen_hair_def def = one_wet_step();
-    const double h = (double)def.clump_radius, sigma = (double)def.clump_step;
+    const double h = (double)def.clump_radius, sigma = (double)def.clump_step_length;
     wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
     for ( int n = 0; n < pairs.count; ++n )
     {
@@ -138,7 +138,7 @@ static void lambda_obeys_the_law_of_each_gap_rule( void** state )
     {
         const wisp_gap gaps[] = { WISP_GAP_SIGNED, WISP_GAP_ABSOLUTE, WISP_GAP_REVERSED, WISP_GAP_ABSOLUTE };
         def.gap = gaps[n];
-        def.lambda_min = n == 3 ? 0.6f : 0.0f;
+        def.min_lambda = n == 3 ? 0.6f : 0.0f;
         wisp_vec3* out = hair_run( NULL, &pairs.groom, &def );
         double mean = 0.0, expected_mean = 0.0;
         for ( int v = 1; v < 4 * pairs.count; v += 2 )
@@ -148,7 +148,7 @@ static void lambda_obeys_the_law_of_each_gap_rule( void** state )
 
             // closing in by two full steps: no change as printed, a share of h in the other rules
             double delta = def.gap == WISP_GAP_SIGNED ? 0.0 : 2.0 * full / h;
-            double floor = def.gap == WISP_GAP_REVERSED ? 1.0 : (double)def.lambda_min;
+            double floor = def.gap == WISP_GAP_REVERSED ? 1.0 : (double)def.min_lambda;
             double law = ( 1.0 - delta ) * draw( 3, v / 2, 1 ) + delta * floor;
 
             // both steps end in rounded coordinates below half a metre
@@ -189,8 +189,8 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
         hair_groom groom = hair_groom_create( n % 2 == 0 ? HAIR_WAVY : HAIR_CURLY, 2 + n / 2, 36, 12, 0.003f );
         wisp_frozen_hair_def def = hair_clump_only();
         def.gap = WISP_GAP_NONE;
-        def.clump_step = 0.05f;
-        def.distance_min = 0.0006f;
+        def.clump_step_length = 0.05f;
+        def.min_distance = 0.0006f;
         double start = nearest_of_all( &groom, groom.points );
         for ( int k = 1; k <= 12; ++k )
         {
@@ -199,7 +199,7 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
 
             // an iteration may round each of the two coordinates once more
             double slack = 4.0 * u * k * extent( out, groom.vertex_count );
-            assert_true( nearest_of_all( &groom, out ) >= fmin( start, (double)def.distance_min ) - slack );
+            assert_true( nearest_of_all( &groom, out ) >= fmin( start, (double)def.min_distance ) - slack );
             free( out );
         }
         hair_groom_destroy( &groom );
@@ -208,7 +208,7 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
     // a step of fifty times the distance: with the guard the pair stops at r_min in its order, without it it swaps
     pair_groom pair = make_pairs( 1, 0.001f, 0.001f );
     wisp_frozen_hair_def def = one_wet_step();
-    def.clump_step = 0.05f;
+    def.clump_step_length = 0.05f;
     wisp_vec3* swapped = hair_run( NULL, &pair.groom, &def );
     assert_true( swapped[3].x < swapped[1].x );
     def.min_distance_clamp = true;

@@ -46,7 +46,7 @@ static void clump_by( wisp_frozen_hair_def* def, wisp_gap gap )
     def->freeze = def->align = false;
     def->gap = gap;
     def->clump_iterations = 6;
-    def->clump_step = 0.0025f; // so large that lists are searched again
+    def->clump_step_length = 0.0025f; // so large that lists are searched again
 }
 
 static void clump_prose( wisp_frozen_hair_def* def )
@@ -86,7 +86,7 @@ static void printed_form( wisp_frozen_hair_def* def )
 
 static void capped( wisp_frozen_hair_def* def )
 {
-    def->neighbour_limit = 6;
+    def->max_neighbours = 6;
 }
 
 static const golden_case cases[] = {

@@ -11,8 +11,8 @@
     X( "stretch_stiffness: got", d->stretch_stiffness = NAN )                                                        \
     X( "bend_stiffness: got 0.0009,", d->bend_stiffness = 9e-4f )                                                    \
     X( "bend_stiffness: got inf,", d->bend_stiffness = INFINITY )                                                    \
-    X( "bend_angle_max: got 3.15,", d->bend_angle_max = 3.15f )                                                      \
-    X( "bend_angle_max: got -0.1,", d->bend_angle_max = -0.1f )                                                      \
+    X( "max_bend_angle: got 3.15,", d->max_bend_angle = 3.15f )                                                      \
+    X( "max_bend_angle: got -0.1,", d->max_bend_angle = -0.1f )                                                      \
     X( "intensity: got 1.01,", d->intensity = 1.01f )                                                                \
     X( "intensity: got -0.01,", d->intensity = -0.01f )                                                              \
     X( "cursor.x: got 1.1e+06,", d->cursor.x = 1.1e6f )                                                              \
@@ -24,16 +24,16 @@
     X( "clump_radius: got", d->clump_radius = NAN )                                                                  \
     X( "clump_iterations: got -1,", d->clump_iterations = -1 )                                                       \
     X( "clump_iterations: got 1001,", d->clump_iterations = 1001 )                                                   \
-    X( "clump_step: got -0.5,", d->clump_step = -0.5f )                                                              \
-    X( "clump_step: got inf,", d->clump_step = INFINITY )                                                            \
-    X( "distance_min: got -2,", d->distance_min = -2.0f )                                                            \
-    X( "lambda_min: got 1.5,", d->lambda_min = 1.5f )                                                                \
-    X( "neighbour_limit: got 0,", d->neighbour_limit = 0 )                                                           \
-    X( "neighbour_limit: got 4097,", d->neighbour_limit = 4097 )                                                     \
+    X( "clump_step_length: got -0.5,", d->clump_step_length = -0.5f )                                                \
+    X( "clump_step_length: got inf,", d->clump_step_length = INFINITY )                                              \
+    X( "min_distance: got -2,", d->min_distance = -2.0f )                                                            \
+    X( "min_lambda: got 1.5,", d->min_lambda = 1.5f )                                                                \
+    X( "max_neighbours: got 0,", d->max_neighbours = 0 )                                                             \
+    X( "max_neighbours: got 4097,", d->max_neighbours = 4097 )                                                       \
     X( "epsilon: got -1e-06,", d->epsilon = -1e-6f )                                                                 \
     X( "gap: got 4,", d->gap = (wisp_gap)4 )                                                                         \
     X( "base: got 2,", d->base = (wisp_frozen_base)2 )                                                               \
-    X( "event: got 9,", d->event = (wisp_frozen_event)9 )                                                            \
+    X( "update_on: got 9,", d->update_on = (wisp_frozen_update)9 )                                                       \
     X( "stretch_stiffness of strand 3: got 0,", d->strand_stretch_stiffness = with_a_zero )                          \
     X( "bend_stiffness of strand 3: got 0,", d->strand_bend_stiffness = with_a_zero )                                \
     X( "intensity of strand 0: got 5,", d->strand_intensity = with_a_zero )
@@ -95,15 +95,15 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.stretch_stiffness = def.bend_stiffness = upper ? 1e12f : 1e-3f;
-        def.bend_angle_max = upper ? 3.14159274f : 0.0f;
+        def.max_bend_angle = upper ? 3.14159274f : 0.0f;
         def.intensity = upper ? 1.0f : 0.0f;
         def.cursor = upper ? ( wisp_vec3 ){ 1e6f, -1e6f, 1e6f } : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
         def.reach = upper ? 1e7f : 0.0f;
         def.clump_radius = upper ? 1e6f : 1e-6f;
         def.clump_iterations = upper ? 1000 : 1;
-        def.clump_step = upper ? 1e3f : 0.0f;
-        def.lambda_min = upper ? 1.0f : 0.0f;
-        def.neighbour_limit = upper ? 4096 : 1;
+        def.clump_step_length = upper ? 1e3f : 0.0f;
+        def.min_lambda = upper ? 1.0f : 0.0f;
+        def.max_neighbours = upper ? 4096 : 1;
         def.epsilon = upper ? 1.0f : 0.0f;
         for ( int min_distance_clamp = 0; min_distance_clamp <= 1; ++min_distance_clamp )
         {

@@ -47,7 +47,7 @@ static void freezing_follows_the_oracle_for_every_shape_stiffness_and_angle( voi
             hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), dimension, 37, 20, 0.008f );
             wisp_frozen_hair_def def = hair_freeze_only();
             def.stretch_stiffness = def.bend_stiffness = stiffness[n / 3 % WISP_COUNT( stiffness )];
-            def.bend_angle_max = angle[n / 3 / WISP_COUNT( stiffness )];
+            def.max_bend_angle = angle[n / 3 / WISP_COUNT( stiffness )];
             worst = worse( worst, hair_follow( NULL, &groom, &def, 0 ) );
             hair_groom_destroy( &groom );
         }
@@ -120,7 +120,7 @@ static void a_previous_base_gives_directions_and_the_rest_shape_gives_lengths( v
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 20, 20, 0.008f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.base = WISP_BASE_PREVIOUS;
+        def.base = WISP_FROZEN_BASE_PREVIOUS;
         def.align = def.clump = n % 3 == 0;
         def.cursor = aside( groom.dimension );
         def.clump_iterations = 2;
@@ -273,10 +273,10 @@ static void strands_of_mixed_lengths_follow_the_oracle( void** state )
         say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
 
         // what the last command left behind a short strand's tip is not taken for a vertex by the next
-        def.base = WISP_BASE_PREVIOUS;
+        def.base = WISP_FROZEN_BASE_PREVIOUS;
         def.freeze = n % 4 < 2;
         def.reach_nearest = n % 3 == 0;
-        def.clump_step = 0.003f;
+        def.clump_step_length = 0.003f;
         say( "third command on the last shape", hair_follow( NULL, &groom, &def, 2 ) );
         hair_groom_destroy( &groom );
     }

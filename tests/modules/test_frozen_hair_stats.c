@@ -195,7 +195,7 @@ static void stiffness_seven_stays_closer_to_the_original_than_three( void** stat
 
         // |a - b| of independent U(-1,1) has mean 2/3 and variance 2/9; neighbours share a segment and are correlated
         // by 0.1, which widens the sampling by sqrt( 1.2 ). Ends of segments 4 m from the origin round.
-        double step = (double)def.bend_angle_max / stiffness[n];
+        double step = (double)def.max_bend_angle / stiffness[n];
         double sampling = 3.0 * step * sqrt( 1.2 * 2.0 / 9.0 / ( 1000.0 * 18.0 ) ) + 16.0 * u * 4.0 / 0.007;
         hair_assert_close( w[n].change, step * 2.0 / 3.0, sampling );
         hair_assert_close( w[n].change * 180.0 / pi, printed_degrees[n], sampling * 180.0 / pi + 0.005 );
@@ -373,7 +373,7 @@ static void an_event_a_frame_changes_every_step_like_a_command_each( void** stat
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
     wisp_entity a = hair_add_frozen( commanded, &groom, &def );
-    def.event = WISP_EVENT_FRAME;
+    def.update_on = WISP_FROZEN_UPDATE_FRAME;
     wisp_entity b = hair_add_frozen( framed, &groom, &def );
     wisp_vec3* before = hair_points( framed, b, groom.vertex_count );
     for ( int n = 0; n < 5; ++n )

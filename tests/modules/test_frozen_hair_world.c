@@ -23,7 +23,7 @@ static wisp_frozen_hair_def def_of( int n )
     def.gap_by_iteration = n % 7 == 3;
     def.blend_chord = n % 3 == 2;
     def.clump_radius = 0.006f + 0.0005f * (float)( n % 11 );
-    def.clump_step = n % 8 == 0 ? 0.004f : -1.0f;
+    def.clump_step_length = n % 8 == 0 ? 0.004f : -1.0f;
     def.seed = (uint64_t)n;
     def.cursor = ( wisp_vec3 ){ 0.05f, -0.05f, n / 3 % 2 == 0 ? 0.0f : 0.02f };
     return def;
@@ -303,7 +303,7 @@ static void a_warm_step_allocates_nothing( void** state )
         const hair_host host = counted_host( &memory, 1 + n % 2 );
         hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2, 300, 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.clump_step = 0.003f; // lists are searched again
+        def.clump_step_length = 0.003f; // lists are searched again
         wisp_world* world = hair_world_create( &host );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         for ( int warm = 0; warm < 2; ++warm )
@@ -399,7 +399,7 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-    def.base = WISP_BASE_PREVIOUS;
+    def.base = WISP_FROZEN_BASE_PREVIOUS;
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
@@ -431,7 +431,7 @@ static void a_step_after_a_restore_changes_nothing( void** state )
 {
     (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
-    for ( int base = WISP_BASE_REST; base <= WISP_BASE_PREVIOUS; ++base )
+    for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_PREVIOUS; ++base )
     {
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
         def.base = (wisp_frozen_base)base;
@@ -449,7 +449,8 @@ static void a_step_after_a_restore_changes_nothing( void** state )
         hair_step( world );
         if ( !hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) )
         {
-            fail_msg( "base %s: the look changed without a command", base == WISP_BASE_REST ? "rest" : "previous" );
+            fail_msg( "base %s: the look changed without a command",
+                      base == WISP_FROZEN_BASE_REST ? "rest" : "previous" );
         }
         free( first );
         free( snapshot );

@@ -25,8 +25,8 @@ typedef struct variant
 static const variant variants[] = {
     { "default", USUAL, .frame = WISP_GHOST_FRAME_PARALLEL },
     { "off", USUAL },
-    { "printed cos", USUAL, .elastic = WISP_GHOST_ELASTIC_PRINTED_COS },
-    { "printed raw", USUAL, .elastic = WISP_GHOST_ELASTIC_PRINTED_RAW },
+    { "printed cos", USUAL, .elastic = WISP_GHOST_ELASTIC_COSINE },
+    { "printed raw", USUAL, .elastic = WISP_GHOST_ELASTIC_DOT },
     { "no elastic", USUAL, .elastic = WISP_GHOST_ELASTIC_OFF },
     { "root frame, turning", USUAL, .frame = WISP_GHOST_FRAME_ROOT, .turning = true },
     { "parallel frame, turning", USUAL, .frame = WISP_GHOST_FRAME_PARALLEL, .turning = true },
@@ -34,7 +34,7 @@ static const variant variants[] = {
       .ghosts_a_target = 1, .links = 1, .ghost_nodes = NODES },
     { "one ghost without its offset", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .capped = true,
       .ghosts_a_target = 1, .links = 1, .ghost_nodes = NODES },
-    { "printed time", USUAL, .time = 1.0f, .elastic = WISP_GHOST_ELASTIC_PRINTED_COS },
+    { "printed time", USUAL, .time = 1.0f, .elastic = WISP_GHOST_ELASTIC_COSINE },
     { "printed time, not capped", .tip = 0.5f, .centre = 0.5f, .spread = 1.0f, .keep_offset = true, .time = 1.0f,
       .ghosts_a_target = 4, .links = 1, .ghost_nodes = NODES },
     { "large gains", .tip = 8.0f, .centre = 5.0f, .spread = 1.0f, .capped = true, .keep_offset = true,
@@ -333,7 +333,7 @@ static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void**
     def.elastic = WISP_GHOST_ELASTIC_CHANGE;
     assert_close( weight_of( &f, def, right, right, 1, 4 ), 0.0, 2e-5 );
     assert_close( weight_of( &f, def, left, right, 1, 4 ), 1.0, 2e-5 );
-    def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+    def.elastic = WISP_GHOST_ELASTIC_COSINE;
     assert_close( weight_of( &f, def, right, right, 1, 4 ), 1.0, 2e-5 );
     assert_close( weight_of( &f, def, left, right, 1, 4 ), 0.0, 2e-5 );
     for ( int n = 0; n < 20; ++n )
@@ -342,7 +342,7 @@ static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void**
         const double3 v = double3_make( 0.5, 0.3 * n / 20.0, -0.2 );
         def.elastic = WISP_GHOST_ELASTIC_CHANGE;
         const double change = weight_of( &f, def, v0, v, 2, 5 );
-        def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+        def.elastic = WISP_GHOST_ELASTIC_COSINE;
         const double cosine = weight_of( &f, def, v0, v, 2, 5 );
         assert_true( change >= -2e-5 && change <= 1.0 + 2e-5 );
         assert_close( change + cosine, 1.0, 6e-5 );
@@ -361,7 +361,7 @@ static void the_tip_weight_is_linear_and_the_root_stays( void** state )
     {
         assert_close( weight_of( &f, def, v, v, 1, i ), 0.8 * i / ( NODES - 1 ), 2e-5 );
     }
-    def.elastic = WISP_GHOST_ELASTIC_PRINTED_COS;
+    def.elastic = WISP_GHOST_ELASTIC_COSINE;
     def.centre_gain = 0.9f;
     assert_true( weight_of( &f, def, v, v, 1, 0 ) == 0.0 );
     wisp_world_destroy( f.world );

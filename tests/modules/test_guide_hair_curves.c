@@ -235,7 +235,7 @@ static void curves_are_drawn_behind_the_appearance_of_their_source( void** state
         const tuft t = make_tuft( 3, LONGEST );
         drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 4, &host );
         wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
-        look.event = WISP_EVENT_FRAME;
+        look.update_on = WISP_FROZEN_UPDATE_FRAME;
         guide_ok( d.world, wisp_set_frozen_hair( d.world, d.source, &look ) );
         guide_ok( d.world, wisp_request( d.world, d.source, WISP_STRAND_POINTS ) );
         for ( int step = 0; step < 5; ++step )

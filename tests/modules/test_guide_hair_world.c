@@ -353,7 +353,7 @@ static wisp_frozen_hair_def align_each_frame( void )
 {
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.freeze = def.clump = false;
-    def.event = WISP_EVENT_FRAME;
+    def.update_on = WISP_FROZEN_UPDATE_FRAME;
     def.cursor = ( wisp_vec3 ){ 0.3f, 0.5f, 0.2f };
     def.reach = 100.0f;
     return def;
@@ -414,7 +414,7 @@ static void frozen_lengths_stay_those_at_rest( void** state )
     flock f = guide_flock( NULL, 6, 6, NODES );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.align = look.clump = false;
-    look.event = WISP_EVENT_FRAME;
+    look.update_on = WISP_FROZEN_UPDATE_FRAME;
     look.stretch_stiffness = 1e6f;
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.time = 0.1f; // stretches the ghosts

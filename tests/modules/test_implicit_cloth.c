@@ -195,7 +195,7 @@ static void an_oscillator_loses_what_implicit_euler_takes( void** state )
     const double mass = 0.01, stiffness = 10.0, rest = mass * 9.81 / stiffness, dt = 1.0 / 128.0;
     wisp_implicit_cloth_def def = exact_def();
     def.stretch_stiffness = (float)stiffness;
-    def.damping = 0.0f;
+    def.link_damping = 0.0f;
     test_mesh mesh = chain_mesh();
     mesh.points[1].y = -CHAIN_LINK - (float)( 1.5 * rest );
     wisp_entity e = add_chain( h->world, &def, 1, (float)mass, mesh.points );
@@ -226,7 +226,7 @@ static double spin_left( wisp_world* world, wisp_implicit_damping form )
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_implicit_cloth_def def = exact_def();
     def.stretch_stiffness = 1e-6f;
-    def.damping = 0.01f;
+    def.link_damping = 0.01f;
     def.damping_form = form;
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
@@ -292,7 +292,7 @@ static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
-    def.damping = 1.0f;
+    def.link_damping = 1.0f;
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, NULL );
     const int32_t pins[2] = { 0, 4 };
     for ( int i = 1; i <= 200; ++i )
@@ -323,7 +323,7 @@ static void stats_hold_the_energy_of_bending( void** state )
     def.stretch_pair_count = 1;
     def.bend_stiffness = 1e-4f;
     def.compression_stiffness = 1e7f; // the arc alone
-    def.damping = 0.0f;
+    def.link_damping = 0.0f;
     test_mesh mesh = triangle_mesh( ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 0.5f, 0, 0 }, ( wisp_vec3 ){ 0, 0, 1 } );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
     wisp_surface_def surface = wisp_default_surface_def();
@@ -430,7 +430,7 @@ static void negative_curvature_is_counted_and_only_with_the_whole_derivative( vo
         wisp_implicit_cloth_def def = exact_def();
         def.jacobian = full == 1 ? WISP_IMPLICIT_JACOBIAN_FULL : WISP_IMPLICIT_JACOBIAN_DROPPED;
         def.bend_stiffness = 1e-3f;
-        def.damping = 0.0f;
+        def.link_damping = 0.0f;
         wisp_entity e = add_sheet( h.world, &def, 6, true );
         const wisp_fabric* fabric = wisp_world_fabric( h.world, e );
         for ( int v = 0; v < fabric->vertex_count; ++v )
@@ -471,7 +471,7 @@ static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
     static const int32_t PAIRS[6] = { 0, 1, 1, 2, 2, 3 }, PINS[2] = { 0, 4 };
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.stretch_stiffness = 2e4f;
-    def.damping = 0.0f;
+    def.link_damping = 0.0f;
     def.stretch_pairs = PAIRS;
     def.stretch_pair_count = 3;
     test_mesh mesh = chain_mesh();
@@ -513,7 +513,7 @@ static void cloth_stays_finite_whatever_it_is_made_of( void** state )
         wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
         def.stretch_stiffness = n % 3 == 0 ? 1e9f : n % 3 == 1 ? 200.0f : 0.0f;
         def.bend_stiffness = n % 2 == 0 ? 1e-6f : 1e3f;
-        def.damping = n % 5 == 0 ? 1e9f : n % 5 == 1 ? 0.0f : 0.02f;
+        def.link_damping = n % 5 == 0 ? 1e9f : n % 5 == 1 ? 0.0f : 0.02f;
         def.jacobian = n % 7 == 0 ? WISP_IMPLICIT_JACOBIAN_FULL : WISP_IMPLICIT_JACOBIAN_DROPPED;
         def.damping_form = n % 4 < 2 ? WISP_IMPLICIT_DAMPING_AXIAL : WISP_IMPLICIT_DAMPING_ISOTROPIC;
         def.integrator = n % 8 < 4 ? WISP_IMPLICIT_EULER : WISP_IMPLICIT_BDF2;

@@ -70,7 +70,7 @@ static void add_case( running* r )
     const golden_case* c = r->c;
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     def.weights = c->weights;
-    def.stiffness = c->stiffness;
+    def.stiffness_model = c->stiffness;
     def.damping_form = c->damping;
     def.jacobian = c->jacobian;
     def.integrator = c->integrator;

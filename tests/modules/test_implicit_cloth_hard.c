@@ -47,7 +47,7 @@ static double energy_of( wisp_world* world, wisp_entity e )
 static wisp_entity add_hard_sheet( wisp_world* world, float stiffness, wisp_implicit_integrator integrator )
 {
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL;
+    def.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.weights = WISP_IMPLICIT_WEIGHTS_NONE; // so that energies are those of the masses
     def.stretch_stiffness = stiffness;
     def.integrator = integrator;
@@ -167,7 +167,7 @@ static double oscillator_error( int steps )
     wisp_implicit_cloth_def def = exact_def();
     def.integrator = WISP_IMPLICIT_BDF2;
     def.stretch_stiffness = (float)stiffness;
-    def.damping = 0.0f;
+    def.link_damping = 0.0f;
     test_mesh mesh = chain_mesh();
     mesh.points[1].y = -CHAIN_LINK - (float)( 1.5 * rest );
     const wisp_entity e = add_chain( h.world, &def, 1, (float)mass, mesh.points );

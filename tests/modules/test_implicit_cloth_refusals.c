@@ -65,7 +65,7 @@ static void every_number_has_its_range( void** state )
     } fields[] = {
         FIELD( stretch_stiffness, -1e-9f, 1.1e9f ), FIELD( bend_stiffness, -1e-9f, 1.1e9f ),
         FIELD( bend_rigidity, -1e-9f, 1.1e9f ),     FIELD( compression_stiffness, -1e-9f, 1.1e9f ),
-        FIELD( damping, -1e-9f, 1.1e9f ),           FIELD( tolerance, 0.99e-7f, 0.101f ),
+        FIELD( link_damping, -1e-9f, 1.1e9f ),      FIELD( tolerance, 0.99e-7f, 0.101f ),
     };
 #undef FIELD
     for ( int i = 0; i < WISP_COUNT( fields ); ++i )
@@ -100,7 +100,7 @@ static void every_count_and_choice_has_its_range( void** state )
         FIELD( newton_iterations, 0, 65, INT32_MIN ),
         FIELD( max_newton_iterations, 0, 65, INT32_MIN ),
         FIELD( max_iterations, -1, 1000001, INT32_MAX ),
-        FIELD( stiffness, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
+        FIELD( stiffness_model, -1, WISP_IMPLICIT_STIFFNESS_COUNT, INT32_MAX ),
         FIELD( weights, -1, WISP_IMPLICIT_WEIGHTS_COUNT, INT32_MAX ),
         FIELD( damping_form, -1, WISP_IMPLICIT_DAMPING_COUNT, INT32_MAX ),
         FIELD( jacobian, -1, WISP_IMPLICIT_JACOBIAN_COUNT, INT32_MAX ),
@@ -159,7 +159,7 @@ static void pairs_by_hand_have_no_area( void** state )
     static const int32_t PAIR[2] = { 0, 1 };
     wisp_entity e = add_plain( h );
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
-    def.stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL;
+    def.stiffness_model = WISP_IMPLICIT_STIFFNESS_MATERIAL;
     def.stretch_pairs = PAIR;
     def.stretch_pair_count = 1;
     assert_refused( h, e, &def, WISP_BAD_INPUT, "area" );
@@ -450,7 +450,7 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
 {
     hosted* h = *state;
     wisp_implicit_cloth_def def = exact_def();
-    def.damping = 0.2f;
+    def.link_damping = 0.2f;
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, NULL );
     assert_status( h->world, wisp_set_gravity( h->world, e, EARTH ), WISP_OK );
     const float stiffness[3] = { 200.0f, 50.0f, 200.0f };

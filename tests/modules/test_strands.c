@@ -34,7 +34,7 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
     strand_world s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
-    def.bend = WISP_STRAND_BEND_NONE;
+    def.bending = WISP_STRAND_BEND_NONE;
     const wisp_entity e = add_strands( s.world, counts, WISP_COUNT( counts ), straight_out, 0.1f );
     assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
     assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
@@ -84,10 +84,10 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
         open_strands( &s, 4, 1 + k / 9 % 2, 1 );
         wisp_strand_dynamics_def def = default_def();
         def.stretch = (wisp_strand_stretch)( k % 3 );
-        def.bend = (wisp_strand_bend)( k / 3 % 3 );
+        def.bending = (wisp_strand_bend)( k / 3 % 3 );
         def.solver = k / 18 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         def.damping = 1.0f;
-        def.drag = 1.0f;
+        def.drag_coefficient = 1.0f;
         def.rest = WISP_STRAND_REST_STRAIGHT;
         const wisp_entity e = add_moving( s.world, 18, 5, straight_down, 0.1f, &def );
         strand_steps( s.world, 30, FRAME );
@@ -129,7 +129,7 @@ static void tension_is_that_of_the_last_substep( void** state )
             strand_world s;
             open_strands( &s, k == 0 ? 4 : 1, iterations, 1 );
             wisp_strand_dynamics_def def = default_def();
-            def.bend = WISP_STRAND_BEND_LINKS;
+            def.bending = WISP_STRAND_BEND_LINKS;
             def.rest = WISP_STRAND_REST_STRAIGHT;
             const wisp_entity e = add_moving( s.world, 18, 8, straight_out, 0.1f, &def );
             strand_steps( s.world, k == 0 ? 5 : 20, k == 0 ? 1.0f / 64.0f : 1.0f / 256.0f );
@@ -209,7 +209,7 @@ static void changing_how_strands_move_leaves_them_where_they_are( void** state )
         memcpy( before, strand_points( s.world, e ), sizeof( before ) );
         // not links, whose lengths are others that are taken back at once
         def.stretch = k % 2 == 0 ? WISP_STRAND_STRETCH_FOLLOW : WISP_STRAND_STRETCH_DIRECT;
-        def.bend = ( k + 1 ) / 3 % 2 == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_NONE;
+        def.bending = ( k + 1 ) / 3 % 2 == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_NONE;
         def.rest = (wisp_strand_rest)( k % 2 * 2 );
         def.damping = (float)( k % 2 );
         assert_int_equal( wisp_set_strand_dynamics( s.world, e, &def ), WISP_OK );
@@ -339,7 +339,7 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
         strand_world s;
         open_strands( &s, 4, 1, 1 );
         wisp_strand_dynamics_def def = default_def();
-        def.bend = WISP_STRAND_BEND_NONE;
+        def.bending = WISP_STRAND_BEND_NONE;
         def.stretch_tolerance = k == 0 ? 1e-2f : 1e-6f;
         const wisp_entity e = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
         assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
@@ -360,11 +360,11 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    def.bend = WISP_STRAND_BEND_NONE;
+    def.bending = WISP_STRAND_BEND_NONE;
     const wisp_entity e = add_moving( s.world, 2, 2, straight_down, 0.1f, &def );
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
     grid.friction = 1.0f;
-    grid.cell = 1.0f;
+    grid.cell_size = 1.0f;
     assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
     assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
     float* velocity = wisp_world_column( s.world, e, WISP_STRAND_VELOCITY, 0 );
@@ -397,7 +397,7 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
     def.pins = &pin;
     def.pin_count = 1;
     def.damping = 1.0f;
-    def.drag = 1.0f;
+    def.drag_coefficient = 1.0f;
     add_moving( s.world, 2, 8, straight_out, 0.1f, &def );
     for ( int i = 0; i < WISP_COUNT( LOOP ); ++i )
     {
@@ -429,7 +429,7 @@ static wisp_entity add_busy( wisp_world* world )
 {
     wisp_strand_dynamics_def def = default_def();
     def.damping = 0.5f;
-    def.drag = 1.0f;
+    def.drag_coefficient = 1.0f;
     def.wind = ( wisp_vec3 ){ 0.5f, 0.0f, 0.2f };
     const wisp_entity e = add_moving( world, 70, 12, curl_down, 0.1f, &def );
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();

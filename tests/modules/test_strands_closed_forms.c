@@ -25,7 +25,7 @@ typedef struct single
 static wisp_strand_dynamics_def plain_def( wisp_strand_bend bend )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    def.bend = bend;
+    def.bending = bend;
     def.rest = WISP_STRAND_REST_STRAIGHT;
     return def;
 }
@@ -381,7 +381,7 @@ static double drift_after( const fall* f )
     strand_world s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    def.bend = f->bend;
+    def.bending = f->bend;
     def.rest = WISP_STRAND_REST_SHAPE;
     const wisp_entity e = add_moving( s.world, 5, 20, f->curve, 0.1f, &def );
     const double dt = 1.0 / f->rate;
@@ -428,14 +428,14 @@ static void strands_whose_head_falls_freely_keep_their_shape( void** state )
 // 1/2 rho C_d d: the drag across a strand over length and squared speed.
 static double drag_of( const wisp_strand_dynamics_def* def )
 {
-    return 0.5 * (double)def->air_density * (double)def->drag * (double)def->diameter;
+    return 0.5 * (double)def->air_density * (double)def->drag_coefficient * (double)def->diameter;
 }
 
 static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
 {
     (void)state;
     wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_NONE );
-    def.drag = 1.0f;
+    def.drag_coefficient = 1.0f;
     wisp_vec3 points[20];
     lay_straight( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 0.1, 20, points );
     single one;
@@ -463,7 +463,7 @@ static void a_string_in_the_wind_leans_until_its_weight_across_is_the_drag( void
     for ( int i = 0; i < WISP_COUNT( WINDS ); ++i )
     {
         wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_NONE );
-        def.drag = 1.0f;
+        def.drag_coefficient = 1.0f;
         def.damping = 4.0f;
         def.wind = ( wisp_vec3 ){ WINDS[i], 0.0f, 0.0f };
         wisp_vec3 points[20];

@@ -94,14 +94,14 @@ static wisp_strand_dynamics_def def_of( const golden_case* c )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = c->stretch;
-    def.bend = c->bend;
+    def.bending = c->bend;
     def.rest = c->rest;
     def.solver = c->solver;
     def.stretch_compliance = 1.0f;
     def.bend_compliance = 100.0f;
     def.bend_damping = c->rest == WISP_STRAND_REST_SHAPE ? 1e-3f : 0.0f;
     def.damping = c->blown ? 2.0f : 0.0f;
-    def.drag = c->blown ? 1.0f : 0.0f;
+    def.drag_coefficient = c->blown ? 1.0f : 0.0f;
     def.wind = ( wisp_vec3 ){ 1.0f, 0.5f, 2.0f };
     return def;
 }

@@ -201,7 +201,7 @@ static wisp_strand_dynamics_def def_of( const cell* c )
     const float square = (float)( scale_of( hard ) * scale_of( hard ) );
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.stretch = c->way->stretch;
-    def.bend = c->way->bend;
+    def.bending = c->way->bend;
     def.rest = c->way->rest;
     def.stretch_tolerance = 1e-3f;
     def.line_density *= square;

@@ -93,7 +93,7 @@ static void open_with_stranger( run* r, const shape_case* c, int workers )
 static wisp_strand_dynamics_def def_of( const shape_case* c, const int32_t* pins, int pin_count, const float* masses )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    def.bend = c->bend;
+    def.bending = c->bend;
     def.rest = WISP_STRAND_REST_STRAIGHT;
     def.clamped = false;
     def.solver = c->solver;
@@ -104,7 +104,7 @@ static wisp_strand_dynamics_def def_of( const shape_case* c, const int32_t* pins
     def.pin_count = c->with_pins ? pin_count : 0;
     def.vertex_masses = c->heavy_tips ? masses : NULL;
     def.damping = c->damped ? 3.0f : 0.0f;
-    def.drag = c->blown ? 1.0f : 0.0f;
+    def.drag_coefficient = c->blown ? 1.0f : 0.0f;
     def.wind = ( wisp_vec3 ){ 1.0f, 0.5f, 2.0f };
     return def;
 }
@@ -263,7 +263,7 @@ static void rods_contacts_and_other_lengths_run_apart( void** state )
         strand_world s;
         open_strands( &s, 4, k == 3 ? 2 : 1, 1 );
         wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-        def.bend = k == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;
+        def.bending = k == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;
         def.stretch = k == 1 ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT;
         const wisp_entity e = add_moving( s.world, 20, 8, straight_down, 0.1f, &def );
         if ( k == 2 )
