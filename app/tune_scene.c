@@ -83,7 +83,7 @@ static wisp_status step( void* user, wisp_tune_world* world, int number, wisp_er
     return scene_world_step( &( (host*)user )->world, error );
 }
 
-static void let_go( void* user, wisp_tune_world* world )
+static void destroy_world( void* user, wisp_tune_world* world )
 {
     (void)world;
     scene_world_destroy( &( (host*)user )->world );
@@ -123,7 +123,7 @@ static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
     wisp_tune_worlds_def worlds = wisp_default_tune_worlds_def();
     worlds.build = build;
     worlds.step = step;
-    worlds.let_go = let_go;
+    worlds.destroy = destroy_world;
     worlds.user = h;
     worlds.dt = def->scene->dt;
     worlds.step_count = h->info->steps;

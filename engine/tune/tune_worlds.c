@@ -234,9 +234,9 @@ static wisp_status run_world( worlds_run* r, const int* configuration, int facto
     }
     status = request_points( &w, error );
     status = status == WISP_OK ? run_steps( r, &w, factor > 1, out, error ) : status;
-    if ( def->let_go )
+    if ( def->destroy )
     {
-        def->let_go( def->user, &w );
+        def->destroy( def->user, &w );
     }
     else
     {

@@ -23,7 +23,7 @@ typedef struct cloth_host
     wisp_tune_points points;
     float gravity;        ///< m/s^2, downwards
     int more_at;          ///< substeps from which on the cloth has more vertices; 0: never
-    int built, let_go;    ///< worlds
+    int built, destroyed;    ///< worlds
     int stepped;          ///< by the host's own steps
     int fail_at_substeps; ///< building this many fails; 0: none does
 } cloth_host;
@@ -78,9 +78,9 @@ static wisp_status build( void* user, const int* configuration, int factor, wisp
     return WISP_OK;
 }
 
-static void let_go( void* user, wisp_tune_world* world )
+static void destroy_world( void* user, wisp_tune_world* world )
 {
-    ++( (cloth_host*)user )->let_go;
+    ++( (cloth_host*)user )->destroyed;
     wisp_world_destroy( world->world );
 }
 
@@ -88,7 +88,7 @@ static wisp_tune_worlds_def worlds_def( cloth_host* host )
 {
     wisp_tune_worlds_def def = wisp_default_tune_worlds_def();
     def.build = build;
-    def.let_go = let_go;
+    def.destroy = destroy_world;
     def.user = host;
     def.dt = STEP_SECONDS;
     def.step_count = STEPS;
@@ -183,7 +183,7 @@ static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void*
     }
     assert_true( found.achieved.error <= args.error );
     assert_int_equal( host.built, found.run_count + 1 );
-    assert_int_equal( host.let_go, host.built );
+    assert_int_equal( host.destroyed, host.built );
     wisp_tune_release( &found );
     assert_host_has_all_back( &host.memory );
 }
@@ -242,7 +242,7 @@ static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const
     {
         fail_msg( "'%s' is not in: %s", words, error.message );
     }
-    assert_int_equal( host->built, host->let_go );
+    assert_int_equal( host->built, host->destroyed );
     assert_host_has_all_back( &host->memory );
 }
 

@@ -1,4 +1,8 @@
-/// What everything else stands on: status, hooks, vectors. C17, usable from C++.
+/// Status and errors, hooks for memory, log and asserts, vectors. C17, usable from C++.
+///
+///     wisp_error error = { 0 };
+///     if ( wisp_fabric_cook( &def, NULL, &fabric, &error ) != WISP_OK )
+///         fprintf( stderr, "%s: %s\n", wisp_status_name( error.status ), error.message );
 #pragma once
 
 #include <stdbool.h>
@@ -28,18 +32,18 @@
 
 WISP_BEGIN_C
 
-/// Data can be wrong: that is a status, and a message beside it that names the element.
+/// What a call returns. Wrong data is a status other than WISP_OK, with a message that names the element.
 typedef enum wisp_status
 {
     WISP_OK = 0,
-    WISP_NO_MEMORY, ///< the host's allocator said no; the call changed nothing
+    WISP_NO_MEMORY, ///< the host's allocator returned null; the call changed nothing
     WISP_BAD_INPUT, ///< a value, file or scene is wrong; the message names file, line or element
     WISP_STALE_ID,  ///< the entity was removed, or never existed
     WISP_CONFLICT,  ///< the call does not fit the state of the world (no such component, plan that cannot be met)
     WISP_IO_ERROR,  ///< the operating system refused to open, read or write a file
 } wisp_status;
 
-/// A short name of a status for logs: "ok", "no memory", "bad input" ...
+/// Name a status for logs: "ok", "out of memory", "bad input" ...
 /// @return a static string, never null
 WISP_API const char* wisp_status_name( wisp_status status );
 
@@ -47,10 +51,10 @@ WISP_API const char* wisp_status_name( wisp_status status );
 typedef struct wisp_error
 {
     wisp_status status;
-    char message[500]; ///< one message, zero-terminated, without a newline; cut at the end if longer
+    char message[500]; ///< one line, zero-terminated, without a newline; truncated if longer
 } wisp_error;
 
-/// Fill an error and hand its status back, so that a failing function ends in one line.
+/// Fill an error and return its status, so that a failing function ends in one line.
 /// @param error may be null: then only the status is returned
 /// @return status
 WISP_API wisp_status wisp_fail( wisp_error* error, wisp_status status, const char* format, ... )
@@ -83,10 +87,10 @@ typedef enum wisp_log_level
 /// Receives one message without a newline. Called on the thread that called the engine.
 typedef void wisp_log_fn( void* user, wisp_log_level level, const char* message );
 
-/// Code can be wrong: that is an assert. The handler returns true to abort, false to go on.
+/// Handles a failed assert, that is, wrong code. @return true to abort, false to continue
 typedef bool wisp_assert_fn( const char* condition, const char* file, int line );
 
-/// Replace the process-wide assert handler; null puts the default back (print to stderr, abort). Thread-safe.
+/// Replace the process-wide assert handler; null restores the default (print to stderr, abort). Thread-safe.
 WISP_API void wisp_set_assert_handler( wisp_assert_fn* handler );
 
 /// Called by WISP_ASSERT; not for direct use.
@@ -106,11 +110,11 @@ typedef struct wisp_vec3
     float x, y, z;
 } wisp_vec3;
 
-/// A handle by value. Zero is null. The generation tells a reused slot from the entity that left it.
+/// A handle by value. Zero is null. The generation distinguishes a reused slot from the entity that it held before.
 typedef struct wisp_entity
 {
     uint32_t index;      ///< slot + 1, 0 is null
-    uint32_t generation; ///< counts how often the slot was reused
+    uint32_t generation; ///< how often the slot was reused
 } wisp_entity;
 
 static inline bool wisp_entity_equal( wisp_entity a, wisp_entity b )
@@ -118,7 +122,7 @@ static inline bool wisp_entity_equal( wisp_entity a, wisp_entity b )
     return a.index == b.index && a.generation == b.generation;
 }
 
-/// Seconds on a monotonic clock with nanosecond resolution; only differences mean anything.
+/// @return seconds on a monotonic clock with nanosecond resolution; only differences have a meaning
 WISP_API double wisp_clock_seconds( void );
 
 WISP_END_C

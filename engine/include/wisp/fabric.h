@@ -1,10 +1,20 @@
 /// Fabrics: the topology of a triangle mesh, cooked once into the order in which constraints are projected. Immutable,
 /// shared by instances, independent of any world.
 ///
+///     wisp_fabric_def def = wisp_default_fabric_def();
+///     def.points = points, def.vertex_count = vertex_count;
+///     def.triangles = triangles, def.triangle_count = triangle_count;
+///     def.attachments = corners, def.attachment_count = 2, def.tethers = true;
+///     wisp_fabric* fabric;
+///     wisp_error error = { 0 };
+///     wisp_status status = wisp_fabric_cook( &def, NULL, &fabric, &error );   // error.message names a wrong element
+///     ...                                                                     // add any number of surfaces of it
+///     wisp_fabric_release( fabric );
+///
 /// A vertex has two numbers: the user's, and its *slot*, its place in the order of the fabric (Cuthill-McKee from the
 /// attachments, so that neighbours in the mesh are neighbours in memory). Tiles are ranges of slots. Every tile has
-/// one *dummy* slot behind the vertices; what pads a list of constraints points at it, and it never moves. Arrays of
-/// the fabric that end in 4 hold slots times 4, ready to index columns of four floats.
+/// one *dummy* slot after the vertices; padding of constraint lists refers to it, and it never moves. Arrays whose name
+/// ends in _x4 hold slots times 4, ready to index columns of four floats.
 #pragma once
 
 #include "wisp/base.h"
@@ -12,10 +22,10 @@
 
 WISP_BEGIN_C
 
-/// Constraints come in groups of so many that share no vertex.
+/// Constraints of a group, which share no vertex.
 #define WISP_FABRIC_LANES 8
 #define WISP_FABRIC_MAX_LEVELS 12
-/// A vertex has at most so many tethers, and at most so many parents in a level.
+/// Most tethers of a vertex, and most parents of a vertex in a coarse level.
 #define WISP_FABRIC_MAX_TETHERS 4
 #define WISP_FABRIC_PARENTS 4
 
@@ -28,21 +38,22 @@ typedef enum wisp_solve_order
     WISP_SOLVE_ORDER_COUNT,
 } wisp_solve_order;
 
-/// What to cook. Fill from wisp_default_fabric_def(). May die after the call.
+/// What to cook. Fill from wisp_default_fabric_def(). Need not outlive the call.
 typedef struct wisp_fabric_def
 {
     const wisp_vec3* points;  ///< [vertex_count] m, the rest shape; finite, within 1e6 m of the origin
     const int32_t* triangles; ///< [triangle_count][3] counter-clockwise seen from outside
     int vertex_count, triangle_count;
-    const int32_t* attachments; ///< [attachment_count] vertices where the fabric hangs: the order begins there, and
+    const int32_t* attachments; ///< [attachment_count] vertices that hold the fabric: the order begins there, and
                                 ///< tethers reach to them; may be empty
     int attachment_count;
-    bool bend_links;  ///< default true: a link between the opposite vertices of every interior edge, behind the edges
+    bool
+        bend_links; ///< default true: a link between the opposite vertices of every interior edge, listed after the edges
     bool hinges;      ///< default false: the four vertices of every interior edge, for bending by angle
     bool tethers;     ///< default false: distances along the mesh to the nearest attachments
     int levels;       ///< coarse levels at most, 0 .. WISP_FABRIC_MAX_LEVELS; default 0. Fewer if the mesh is small
     int finest_level; ///< vertices of the finest coarse level are about 2^finest_level edges apart, 1 ..
-                      ///< WISP_FABRIC_MAX_LEVELS; default 1. A 2 leaves out nearly half of what levels cost, for a
+                      ///< WISP_FABRIC_MAX_LEVELS; default 1. With 2, levels cost nearly half as much, for a
                       ///< tenth more stretch
     wisp_solve_order solve_order; ///< default WISP_SOLVE_ORDER_COLOUR
     int tile_size; ///< vertices, a multiple of 8 in 64 .. 65536; default 0: 1024, 512 or 256, so that there are at least 4
@@ -73,8 +84,8 @@ typedef struct wisp_fabric_level
     const float* rest;          ///< [schedule.slot_count] m, distance along the rest mesh; 0 pads
     int link_count;
 
-    /// How the vertices of the next finer level (for level 0 of the list: all vertices) that are not in this one follow:
-    /// slices of eight children.
+    /// Children: vertices of the next finer level (for level 0 of the list: all vertices) that are not in this one. They
+    /// follow their parents, in slices of eight.
     int child_count;
     const int32_t* child_x4;  ///< [slice][8] slots times 4; the first dummy pads
     const int32_t* parent_x4; ///< [slice][WISP_FABRIC_PARENTS][8] slots times 4 of vertices of this level
@@ -101,12 +112,12 @@ typedef struct wisp_fabric
     int open_edge_count;   ///< edges of one triangle; 0 for a closed mesh
     int nonmanifold_edge_count; ///< edges of more than two triangles, or used twice in one direction; they have no hinge
 
-    int link_count;                       ///< edges, then bend links (k, l) of the hinges if asked for
+    int link_count;                       ///< edges, then bend links (k, l) of the hinges if bend_links is set
     wisp_schedule link_order;             ///< constraint numbers below edge_count are edges
     const int32_t *link_a_x4, *link_b_x4; ///< [link_order.slot_count]
     const float* link_rest;               ///< [link_order.slot_count] m, 0 pads
 
-    wisp_schedule hinge_order;    ///< empty unless asked for
+    wisp_schedule hinge_order;    ///< empty unless hinges is set
     const int32_t* hinge_slot_x4; ///< [hinge_order.slot_count / 8][4][8] i, j, k, l
 
     /// Triangles around each vertex as fans, in slices of eight slots: entry e of slice s is at ring4[ring_begin[s] + e].
@@ -114,8 +125,8 @@ typedef struct wisp_fabric
     /// is v itself. The own slot stands between two fans and pads, for its difference to v is 0 and adds nothing to a
     /// sum. A closed fan ends with the neighbour it begins with, so a vertex inside a surface has one entry more than
     /// triangles. Order: open fans, then closed ones, each kind in the user's order of the triangles they begin with; an
-    /// open fan begins at its border, a closed one with the user's first triangle that no fan has yet. Where more than
-    /// one triangle goes on from a neighbour, the user's first is taken.
+    /// open fan begins at an open edge, a closed one with the user's first triangle that is in no fan yet. Where several
+    /// triangles continue from a neighbour, the user's first one does.
     int ring_slice_count;          ///< slot_count / 8
     const int32_t* ring_begin;     ///< [ring_slice_count + 1]
     const int32_t ( *ring_x4 )[8]; ///< [entry]
@@ -135,27 +146,27 @@ typedef struct wisp_fabric
 
 /// Cook a mesh. Takes unreferenced vertices and nonmanifold edges as they are; triangles without area keep their edges and add no
 /// area.
-/// @param allocator null: the C library. It must outlive the fabric
+/// @param allocator null: the C library; it must outlive the fabric
 /// @param out receives the fabric with one reference, null on failure
 /// @return WISP_BAD_INPUT an index is out of range, a triangle names a vertex twice, a point is not finite (the message
 ///         names triangle or vertex), more than 2^26 vertices or 2^25 triangles; WISP_NO_MEMORY
 WISP_API wisp_status wisp_fabric_cook( const wisp_fabric_def* def, const wisp_allocator* allocator, wisp_fabric** out,
                                        wisp_error* error );
 
-/// One more owner. Thread-safe, as is the release.
+/// Add a reference. Thread-safe, as is the release.
 WISP_API void wisp_fabric_retain( wisp_fabric* fabric );
-/// Null is allowed.
+/// Drop a reference; the last one frees the fabric. Null is allowed.
 WISP_API void wisp_fabric_release( wisp_fabric* fabric );
 
-/// Bytes that wisp_fabric_save() writes.
+/// @return bytes that wisp_fabric_save() writes
 WISP_API size_t wisp_fabric_saved_size( const wisp_fabric* fabric );
-/// @param out [wisp_fabric_saved_size()]
+/// Write a fabric, for wisp_fabric_load(). @param out [wisp_fabric_saved_size()] bytes
 WISP_API void wisp_fabric_save( const wisp_fabric* fabric, void* out );
-/// Read a saved fabric back. The bytes are untrusted: every index is checked.
-/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message says what is wrong); WISP_NO_MEMORY
+/// Read a saved fabric. The bytes are untrusted: every index is checked.
+/// @return WISP_BAD_INPUT the bytes are not a fabric of this version (the message names the defect); WISP_NO_MEMORY
 WISP_API wisp_status wisp_fabric_load( const void* bytes, size_t size, const wisp_allocator* allocator,
                                        wisp_fabric** out, wisp_error* error );
-/// Bytes in memory.
+/// @return bytes in memory
 WISP_API size_t wisp_fabric_bytes( const wisp_fabric* fabric );
 
 WISP_END_C

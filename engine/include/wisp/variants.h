@@ -8,10 +8,10 @@ WISP_BEGIN_C
 /// How pairs of boxes that overlap are found. The choice changes the time and not the result.
 typedef enum wisp_pair_search
 {
-    WISP_PAIR_SEARCH_AUTO,  ///< the search that was measured to be fastest for so many boxes
+    WISP_PAIR_SEARCH_AUTO,  ///< the search that was measured to be fastest for the number of boxes
     WISP_PAIR_SEARCH_GRID,  ///< uniform grids, one for boxes of about each size
     WISP_PAIR_SEARCH_TREE,  ///< a bounding volume tree; needs Embree, without it the grid is used
-    WISP_PAIR_SEARCH_BRUTE, ///< all queries against all boxes: to compare with
+    WISP_PAIR_SEARCH_BRUTE, ///< all queries against all boxes, for comparison
     WISP_PAIR_SEARCH_COUNT,
 } wisp_pair_search;
 
