@@ -1,19 +1,30 @@
-/// Triangle meshes to collide with: the closest point within a radius, with a sign that tells inside from outside, and
-/// the first triangle that a path crosses. Answers are a pure function of mesh and query: they do not depend on what
-/// searches, on how that was built, refitted, or walked, nor on the thread that asks.
+/// Triangle meshes to collide with: the closest point within a radius, with a signed distance, and the first triangle that a
+/// path crosses. Results are a pure function of mesh and query: they depend neither on the search structure and its
+/// history nor on the thread.
+///
+///     wisp_collision_mesh_def def = { .points = points, .point_count = n, .triangles = triangles, .triangle_count = m };
+///     wisp_collision_mesh* mesh;
+///     wisp_error error = { 0 };
+///     if ( wisp_collision_mesh_create( &def, NULL, &mesh, &error ) == WISP_OK )
+///     {
+///         const wisp_mesh_query query = { .point = p, .radius = 0.1f };
+///         wisp_mesh_nearest nearest;
+///         wisp_collision_mesh_closest( mesh, &query, 1, &nearest, NULL );
+///         wisp_collision_mesh_release( mesh );
+///     }
 #pragma once
 
 #include "wisp/base.h"
 
 WISP_BEGIN_C
 
-/// Coordinates of a mesh, and of what is asked about it, may be so large and no larger, m.
+/// Largest coordinate of a mesh or a query, m.
 #define WISP_COLLISION_MESH_REACH 1e9f
 
-/// Opaque: a mesh and what searches its triangles.
+/// Opaque: a mesh and its search structure.
 typedef struct wisp_collision_mesh wisp_collision_mesh;
 
-/// What finds the triangles that an answer may depend on. All give the same answers to the last bit.
+/// Search structure. All of them give the same results to the last bit.
 typedef enum wisp_mesh_search
 {
     WISP_MESH_SEARCH_TREE,   ///< a bounding volume tree; needs Embree
@@ -21,14 +32,14 @@ typedef enum wisp_mesh_search
     WISP_MESH_SEARCH_COUNT,
 } wisp_mesh_search;
 
-/// A mesh. Copied; may die after the call. Points that coincide are different points: a surface is closed where its
-/// triangles share indices.
+/// A mesh. Copied; need not outlive the call. A surface is closed where its triangles share indices; coincident points
+/// are different points.
 typedef struct wisp_collision_mesh_def
 {
     const wisp_vec3* points;  ///< [point_count] m, finite, within WISP_COLLISION_MESH_REACH
     const int32_t* triangles; ///< [triangle_count][3] indices into points, counter-clockwise seen from outside
     int point_count;
-    int triangle_count; ///< >= 1. Triangles without area are allowed: they are found by distance, but never crossed
+    int triangle_count; ///< >= 1. Triangles without area are allowed: they are found by distance, but no path crosses them
     bool deforms;       ///< points will move against each other; without it the mesh moves as a rigid body, if at all
     size_t memory_limit; ///< bytes that Embree may take beside the host's allocator, or that the voxels may take from
                          ///< it; 0: no limit. Voxels become larger to keep it
@@ -38,34 +49,34 @@ typedef struct wisp_collision_mesh_def
                     ///< would be more than 16 of them, or 64 places in their lists, a triangle
 } wisp_collision_mesh_def;
 
-/// Build a tree, or voxels. A rigid mesh is queried in its own frame (wisp_transform_to_local()) and its tree never changes.
+/// Build a collision mesh. A rigid mesh is queried in its own frame (wisp_transform_to_local()) and never changes.
 /// @param allocator may be null; copied. Embree takes its nodes elsewhere: see memory_limit and wisp_collision_mesh_bytes()
-/// @param tree receives the tree, null on failure
+/// @param mesh receives the collision mesh, null on failure
 /// @param error may be null
 /// @return WISP_BAD_INPUT a point, an index, the search or the size of voxels is wrong (the message names the first);
-///         WISP_NO_MEMORY; WISP_CONFLICT a tree in a library that was built without Embree, or with one that cannot do
+///         WISP_NO_MEMORY; WISP_CONFLICT a tree was chosen, but the library was built without Embree, or Embree lacks
 ///         what is needed
 WISP_API wisp_status wisp_collision_mesh_create( const wisp_collision_mesh_def* def, const wisp_allocator* allocator,
-                                                 wisp_collision_mesh** tree, wisp_error* error );
+                                                 wisp_collision_mesh** mesh, wisp_error* error );
 
 /// Null is allowed.
-WISP_API void wisp_collision_mesh_release( wisp_collision_mesh* tree );
+WISP_API void wisp_collision_mesh_release( wisp_collision_mesh* mesh );
 
-/// Move the points of a mesh that deforms. The tree is refitted; when the queries since the last update found it to
-/// have decayed (half again as many triangles looked at for an answer as when it was new), it is built again. Voxels
+/// Move the points of a mesh that deforms. The tree is refitted. It is rebuilt when queries since the last update tested half
+/// again as many triangles per result as when it was new. Voxels
 /// always are.
 /// @param points [point_count] m. All are checked first: a wrong one leaves everything as it was
 /// @return WISP_BAD_INPUT a point is not finite or out of reach; WISP_CONFLICT the mesh is rigid; WISP_NO_MEMORY
 ///         it could not be built again: points are where they were, but should Embree have no memory for their tree
 ///         either, queries are refused until an update succeeds
 /// @note Not while queries run.
-WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_vec3* points,
+WISP_API wisp_status wisp_collision_mesh_update( wisp_collision_mesh* mesh, const wisp_vec3* points,
                                                  wisp_error* error );
 
-/// Bytes that the tree or the voxels hold, Embree's included.
-WISP_API size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* tree );
+/// @return bytes of the tree or the voxels, Embree's included
+WISP_API size_t wisp_collision_mesh_bytes( const wisp_collision_mesh* mesh );
 
-/// What is worth telling a user about a mesh and its tree.
+/// Statistics of a mesh and its search structure.
 typedef struct wisp_collision_mesh_stats
 {
     int open_edge_count; ///< edges without exactly two triangles that run along them in opposite directions: with none
@@ -73,30 +84,30 @@ typedef struct wisp_collision_mesh_stats
     int flat_triangle_count; ///< triangles without area
     int build_count, refit_count;
     wisp_mesh_search search;
-    float voxel_size; ///< m, as it came to be; 0: no voxels
+    float voxel_size; ///< m, edge of a voxel as built; 0: no voxels
     int voxel_count;
-    bool coarse; ///< voxels are larger than what was asked for
+    bool coarse; ///< voxels are larger than voxel_size
 } wisp_collision_mesh_stats;
 
-WISP_API wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* tree );
+WISP_API wisp_collision_mesh_stats wisp_collision_mesh_get_stats( const wisp_collision_mesh* mesh );
 
 /// Sums over queries. Zero-initialise, and pass to any number of calls.
 typedef struct wisp_collision_mesh_query_stats
 {
     uint64_t queried;
-    uint64_t answered; ///< had something near, or a triangle in their way
-    uint64_t refused;  ///< not finite or out of reach: answered with nothing
-    uint64_t tested;   ///< triangles looked at
+    uint64_t answered; ///< queries that found a point or a triangle
+    uint64_t refused;  ///< queries that were not finite or out of reach: no result
+    uint64_t tested;   ///< triangles tested
 } wisp_collision_mesh_query_stats;
 
-/// Ask for the surface near a point.
+/// A closest-point query.
 typedef struct wisp_mesh_query
 {
     wisp_vec3 point; ///< m
-    float radius;    ///< m, >= 0, may be infinite: nothing farther away is looked for
+    float radius;    ///< m, >= 0, may be infinite: the search ignores what is farther
 } wisp_mesh_query;
 
-/// The surface near a point. All zero with triangle -1 when there is nothing within the radius.
+/// Result of a closest-point query. All zero with triangle -1 if nothing is within the radius.
 typedef struct wisp_mesh_nearest
 {
     int32_t
@@ -113,8 +124,8 @@ typedef struct wisp_mesh_nearest
 /// angle weighted pseudonormal").
 /// @param queries, nearest [count]
 /// @param work may be null
-/// @note Thread-safe against other queries: each worker asks for its own range.
-WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* tree, const wisp_mesh_query* queries, int count,
+/// @note Thread-safe with other queries.
+WISP_API void wisp_collision_mesh_closest( wisp_collision_mesh* mesh, const wisp_mesh_query* queries, int count,
                                            wisp_mesh_nearest* nearest, wisp_collision_mesh_query_stats* work );
 
 /// A straight path, in the frame of the mesh. For a rigid body that moves, `from` is taken into the body by the old pose
@@ -124,10 +135,10 @@ typedef struct wisp_mesh_path
     wisp_vec3 from, to; ///< m
 } wisp_mesh_path;
 
-/// The first intersection of a path. All zero with triangle -1 when there is none.
+/// First intersection of a path. All zero with triangle -1 if there is none.
 typedef struct wisp_mesh_hit
 {
-    int32_t triangle; ///< -1 for nothing; the lowest of those crossed at the same time
+    int32_t triangle; ///< -1: none; of triangles crossed at the same time the lowest
     float time;       ///< in [0, 1], fraction of the path
     float side; ///< 1: the path comes from the front, which the normal of the triangle points to; -1: from behind
     wisp_vec3 point;  ///< m, where it crosses
@@ -135,13 +146,13 @@ typedef struct wisp_mesh_hit
     float weights[3]; ///< barycentric, of the triangle's corners
 } wisp_mesh_hit;
 
-/// Find the first intersection of each path. A point that lies exactly in a triangle's plane counts as in front of it, so
+/// Cast each path and find its first intersection. A point that lies exactly in a triangle's plane counts as in front of it, so
 /// that of two paths that meet end to end on a face just one crosses. Paths without length cross nothing, and neither does one that runs
-/// within a plane: what touches is found by wisp_collision_mesh_closest(), which belongs behind every sweep as a second net.
+/// within a plane: call wisp_collision_mesh_closest() after a cast to find contacts that only touch.
 /// @param paths, hits [count]
 /// @param work may be null
-/// @note Thread-safe against other queries.
-WISP_API void wisp_collision_mesh_cast( wisp_collision_mesh* tree, const wisp_mesh_path* paths, int count,
+/// @note Thread-safe with other queries.
+WISP_API void wisp_collision_mesh_cast( wisp_collision_mesh* mesh, const wisp_mesh_path* paths, int count,
                                         wisp_mesh_hit* hits, wisp_collision_mesh_query_stats* work );
 
 WISP_END_C

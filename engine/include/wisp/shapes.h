@@ -1,6 +1,12 @@
-/// Bodies with a closed form: a half space, a sphere, a capsule, a box. Closest point, signed distance, and the first
-/// time a moving point meets the surface, all in the body's own frame; and rigid poses that lead into that frame.
-/// Lengths are in m, angles in rad, times of a path are fractions of it. Everything here is a pure function.
+/// Shapes in closed form (half space, sphere, capsule, box): closest point, signed distance, and the first time that a moving
+/// point meets the surface, in the frame of the body. Rigid transforms lead into that frame. Lengths are in m, angles in
+/// rad, times are fractions of a path. All functions are pure.
+///
+///     const wisp_transform pose = wisp_transform_make( rotation, translation );
+///     const wisp_shape ball = { .kind = WISP_SHAPE_SPHERE, .radius = 0.5f };
+///     wisp_surface_point nearest;
+///     if ( wisp_shape_closest( &ball, wisp_transform_to_local( pose, point ), &nearest ) )
+///         depth = -nearest.distance;
 #pragma once
 
 #include <math.h>
@@ -17,14 +23,14 @@ typedef struct wisp_quat
     float x, y, z, w;
 } wisp_quat;
 
-/// A pose of a rigid body: a point p of the body stands at rotation p + translation in the world.
+/// A rigid transform: a point p of the body is at rotation p + translation in the world.
 typedef struct wisp_transform
 {
-    wisp_quat rotation;    ///< unit length; wisp_transform_make() sees to it
+    wisp_quat rotation;    ///< unit length, ensured by wisp_transform_make()
     wisp_vec3 translation; ///< m
 } wisp_transform;
 
-/// A pose whose rotation has unit length. A quaternion without a direction (zero, or not finite) means no rotation.
+/// Make a transform with a rotation of unit length. A quaternion that is zero or not finite means no rotation.
 static inline wisp_transform wisp_transform_make( wisp_quat rotation, wisp_vec3 translation )
 {
     double x = (double)rotation.x, y = (double)rotation.y, z = (double)rotation.z, w = (double)rotation.w;
@@ -41,7 +47,7 @@ static inline wisp_transform wisp_transform_make( wisp_quat rotation, wisp_vec3 
     return pose;
 }
 
-/// v turned by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
+/// Rotate v by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
 static inline wisp_vec3 wisp_quat_rotate( wisp_quat q, wisp_vec3 v )
 {
     float tx = 2.0f * ( q.y * v.z - q.z * v.y );
@@ -58,7 +64,7 @@ static inline wisp_vec3 wisp_quat_inverse_rotate( wisp_quat q, wisp_vec3 v )
     return wisp_quat_rotate( inverse, v );
 }
 
-/// Where a point of the body stands in the world. Directions take wisp_quat_rotate( pose.rotation, v ) instead.
+/// Transform a point of the body to the world. For directions use wisp_quat_rotate( pose.rotation, v ).
 static inline wisp_vec3 wisp_transform_to_world( wisp_transform pose, wisp_vec3 body_point )
 {
     wisp_vec3 p = wisp_quat_rotate( pose.rotation, body_point );
@@ -68,7 +74,7 @@ static inline wisp_vec3 wisp_transform_to_world( wisp_transform pose, wisp_vec3 
     return p;
 }
 
-/// The point of the body that stands at a point of the world.
+/// Transform a point of the world to the frame of the body.
 static inline wisp_vec3 wisp_transform_to_local( wisp_transform pose, wisp_vec3 world_point )
 {
     wisp_vec3 p = { world_point.x - pose.translation.x, world_point.y - pose.translation.y,
@@ -76,9 +82,9 @@ static inline wisp_vec3 wisp_transform_to_local( wisp_transform pose, wisp_vec3 
     return wisp_quat_inverse_rotate( pose.rotation, p );
 }
 
-/// A pose between two, the shorter way round; time 0 and below gives `from` itself, 1 and above `to`. The axis is the
-/// true one. The angle is that of the straight line between the quaternions: no more than 0.02 degrees from uniform
-/// when the poses are 20 degrees apart, and 2 degrees at 90.
+/// Interpolate between two transforms along the shorter rotation; a time of 0 or less gives `from`, of 1 or more `to`. The
+/// axis is exact. The angle follows the normalised line between the quaternions: within 0.02 degrees of uniform for poses
+/// 20 degrees apart, within 2 degrees at 90.
 static inline wisp_transform wisp_transform_interpolate( wisp_transform from, wisp_transform to, float time )
 {
     if ( !( time > 0.0f ) )
@@ -99,8 +105,7 @@ static inline wisp_transform wisp_transform_interpolate( wisp_transform from, wi
     return wisp_transform_make( q, p );
 }
 
-/// Mean velocity of a point of the body while it goes from one pose to another, m/s: what its displacement is worth in
-/// a position-based step.
+/// Mean velocity of a point of the body between two poses, m/s: its displacement over dt, as in a position-based step.
 /// @param dt s; 0 gives no velocity
 static inline wisp_vec3 wisp_transform_velocity( wisp_transform from, wisp_transform to, float dt,
                                                  wisp_vec3 body_point )
@@ -131,11 +136,11 @@ typedef struct wisp_shape
     wisp_vec3 half_extent; ///< m, each >= 0: box
 } wisp_shape;
 
-/// Are the sizes that the kind reads finite and not negative, and is there such a kind?
+/// Check that the kind exists and that its sizes are finite and not negative.
 /// @return WISP_BAD_INPUT with a message that names the size
 WISP_API wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error );
 
-/// The surface as seen from a point.
+/// The point of a surface that is closest to a query point.
 typedef struct wisp_surface_point
 {
     wisp_vec3 point;  ///< m, the closest one on the surface
@@ -150,7 +155,7 @@ typedef struct wisp_surface_point
 /// @return false if the point or a size is not finite, or a size negative: the surface is then infinitely far away
 WISP_API bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_point* surface );
 
-/// Where a path meets a surface.
+/// First intersection of a path with a surface.
 typedef struct wisp_shape_hit
 {
     wisp_vec3 point;  ///< m, on the surface
@@ -158,8 +163,8 @@ typedef struct wisp_shape_hit
     float time;       ///< in [0, 1], fraction of the path
 } wisp_shape_hit;
 
-/// The first time a point on a straight path meets the surface from outside. Touching counts, sliding along and
-/// leaving do not, nor does a path that begins inside. A path from a signed distance of 0 or more, as
+/// Cast a point along a straight path and find where it first meets the surface from outside. Touching counts; sliding along
+/// the surface, leaving it, and paths that start inside do not. A path from a signed distance of 0 or more, as
 /// wisp_shape_closest() gives it, to a negative one always meets the surface: rounding opens no gap.
 /// @param from, to m, in the shape's frame. For a moving body `from` is taken into the frame by the old pose and `to` by
 ///        the new one.
