@@ -341,9 +341,10 @@ static void tell_contact( const run_layers* l, results* out )
     {
         snprintf( intersections, sizeof intersections, ", %d intersections", f->intersections );
     }
-    results_add_note(
-        out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts, intersections,
-        f->impulse, sqrt( f->pushed[0] * f->pushed[0] + f->pushed[1] * f->pushed[1] + f->pushed[2] * f->pushed[2] ) );
+    results_add_note( out, "contact, last step: %d active pairs%s, impulses %.3e N s, sum %.1e N s", f->contacts,
+                      intersections, f->impulse,
+                      sqrt( f->net_impulse[0] * f->net_impulse[0] + f->net_impulse[1] * f->net_impulse[1] +
+                            f->net_impulse[2] * f->net_impulse[2] ) );
 }
 
 void run_layers_report( const run_layers* l, results* out )

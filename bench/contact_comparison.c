@@ -46,7 +46,7 @@ static wisp_status count_stats( contact_run* run, wisp_error* error )
     t->impulse = f.impulse;
     for ( int k = 0; k < 3; ++k )
     {
-        t->unbalanced = fmax( t->unbalanced, fabs( f.pushed[k] ) );
+        t->unbalanced = fmax( t->unbalanced, fabs( f.net_impulse[k] ) );
     }
     return read_speed( &run->seen, &t->speed, error );
 }

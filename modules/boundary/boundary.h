@@ -1,6 +1,13 @@
-/// Boundary particles: a layer of points on a surface, on its edges and inside its triangles, about a spacing apart, with
-/// interpolated normals (boundary particle paper, docs/methods.md). It follows the surface after each step and changes nothing of it: the surface has the same
-/// bits with and without. It is there to be drawn, exported, or read by what couples to it.
+/// Boundary particles: a layer of points on the edges and triangles of a surface, about one spacing apart, with interpolated
+/// normals (boundary particle paper, docs/methods.md). The layer follows the surface after each step and does not change it:
+/// the surface has the same bits with and without. Draw it, export it, or couple a fluid to it.
+///
+///     wisp_boundary_def def = wisp_default_boundary_def();
+///     def.spacing = 0.01f;                                   // m
+///     wisp_set_boundary( world, surface, &def );
+///     wisp_world_step( world, dt );
+///     wisp_boundary_view layer;
+///     wisp_read_boundary( world, surface, &layer );          // layer.samples->xyzw, ->normals
 #pragma once
 
 #include "wisp/samples.h"
@@ -10,66 +17,68 @@ WISP_BEGIN_C
 
 WISP_API extern const wisp_module wisp_boundary_module;
 
-/// How to sample. Fill from wisp_default_boundary_def(). Copied.
+/// How to sample a surface. Fill from wisp_default_boundary_def(). Copied.
 typedef struct wisp_boundary_def
 {
     float spacing;          ///< d, m, > 0; default 0: half of the mean rest length of the edges
     wisp_spacing policy;    ///< default even
     wisp_rounding rounding; ///< default down
     bool scanline_normals;  ///< inner normals from the ends of a line; default false: barycentric
-    float hysteresis;       ///< of a spacing, in [0, 0.5]: counts stay while lengths are so near to where they would
-                            ///< change; default 0, as in the paper. Counts of a triangle stay or go together
-    int max_points;         ///< points at most, > 0; default 4 000 000. A layer that would have more stays as it was
+    float
+        hysteresis; ///< in spacings, in [0, 0.5]: counts stay while lengths are this close to where they would change;
+                    ///< default 0, as in the paper. The counts of a triangle change together
+    int max_points; ///< > 0; default 4 000 000. A layer that would have more points keeps its previous ones
 
-    // Local spacing (not in the paper), one value an edge: d_e = clamp( the least that a criterion asks for, least, most ).
-    // A triangle has the least of its three edges: what an edge asks for holds beside it, too.
+    // Local spacing (not in the paper), one value per edge: d_e = clamp( smallest value of all criteria, min_spacing,
+    // max_spacing ). A triangle has the smallest value of its three edges.
     float min_spacing;    ///< m; default 0: a quarter of the spacing
     float max_spacing;    ///< m; default 0: four times the spacing
     float curvature_gain; ///< 1/rad: the spacing is divided by 1 + gain times the angle between the normals of the
                           ///< edge's ends; default 0: off
-    float strain_gain;    ///< the spacing is divided by 1 + gain |l/l0 - 1|, or times it where the gain is negative;
-                          ///< default 0: off
-    bool by_screen;       ///< the spacing is what `pixels` come to at the edge's middle; default false
-    wisp_vec3 eye;        ///< m, with by_screen
-    float pixel_angle;    ///< rad that a pixel spans, > 0; default 0.001
-    float pixels;         ///< default 4
+    float
+        strain_gain; ///< the spacing is divided by 1 + gain |l/l0 - 1|, or multiplied by it if the gain is negative;
+                     ///< default 0: off
+    bool by_screen;  ///< the spacing is the length of `pixels` at the midpoint of the edge; default false
+    wisp_vec3 eye;   ///< m, position of the camera, with by_screen
+    float pixel_angle; ///< rad spanned by a pixel, > 0; default 0.001
+    float pixels;      ///< distance of points on the screen, default 4
     uint32_t cookie;
 } wisp_boundary_def;
 
 WISP_API wisp_boundary_def wisp_default_boundary_def( void );
 
-/// Give a surface its layer, or change how it is sampled: the next step samples everything anew.
+/// Give a surface a layer, or replace its definition. The next step samples every element.
 /// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_CONFLICT the module is not registered, or
 ///         the entity is not a surface; WISP_NO_MEMORY
-/// @note A mesh may be open; an edge of more than two triangles is sampled once; a unreferenced vertex has no points
+/// @note A mesh may be open; an edge of more than two triangles is sampled once; an unreferenced vertex has no points
 WISP_API wisp_status wisp_set_boundary( wisp_world* world, wisp_entity surface, const wisp_boundary_def* def );
-/// Take the layer away, and its passes with it.
+/// Remove the layer and its passes.
 WISP_API wisp_status wisp_unset_boundary( wisp_world* world, wisp_entity surface );
-/// Look from somewhere else from the next step on. @param eye m, finite
+/// Move the camera of by_screen, from the next step on. @param eye m, finite
 /// @return WISP_CONFLICT also if the surface has no layer, or its spacing is not by_screen
 WISP_API wisp_status wisp_set_boundary_eye( wisp_world* world, wisp_entity surface, wisp_vec3 eye );
 
-/// The layer after a step. Arrays are the world's, valid until the next call that changes it.
+/// The layer after a step. The world owns the arrays; they are valid until the next call that changes it.
 typedef struct wisp_boundary_view
 {
     const wisp_samples* samples; ///< parents are slots of the fabric times 4
     int edge_count;              ///< of the mesh: elements below it are edges, the others triangles
-    const int32_t* edges;        ///< [edge_count][2] the user's vertices, lower first, rising
-    const int32_t* slot_vertex;  ///< of the fabric, to name parents in the user's numbers
+    const int32_t* edges;        ///< [edge_count][2] vertices in the user's order, lower first, ascending
+    const int32_t* slot_vertex;  ///< of the fabric: from slots to the user's order
 } wisp_boundary_view;
 
 /// @return WISP_CONFLICT the surface has no layer, or no step was made since it was set
 WISP_API wisp_status wisp_read_boundary( wisp_world* world, wisp_entity surface, wisp_boundary_view* out );
 
-/// What the last update did.
+/// Statistics of the last update. Always available.
 typedef struct wisp_boundary_stats
 {
     int points, edge_points, inner_points;
     int elements;         ///< edges and triangles of the mesh
-    int changed_elements; ///< sampled anew: case B
-    int skipped_elements; ///< with a corner that is not finite
-    bool refused;         ///< the limit was met
-    double requested;     ///< points that would have been needed
+    int changed_elements; ///< elements that were resampled
+    int skipped_elements; ///< elements with a corner that is not finite
+    bool refused;         ///< the limit was reached
+    double requested;     ///< points that the spacing requires
     size_t bytes;         ///< of the layer
 } wisp_boundary_stats;
 

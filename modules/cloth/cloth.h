@@ -1,4 +1,10 @@
-/// Cloth: a surface with stretch by direction, bending, damping that leaves rigid motion alone, and air.
+/// Cloth: a surface with direction-dependent stretch, bending, damping that keeps rigid motion, wind and air drag. Stretch is
+/// XPBD (Macklin, Mueller and Chentanez 2016) or PBD (Mueller et al. 2007).
+///
+///     wisp_cloth_def cloth = wisp_default_cloth_def();            // inextensible light cotton
+///     cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;                // the fabric must have hinges
+///     cloth.wind = ( wisp_vec3 ){ 3, 0, 0 }, cloth.drag_coefficient = 1.0f;
+///     wisp_set_cloth( world, surface, &cloth );
 #pragma once
 
 #include "wisp/wisp.h"
@@ -19,11 +25,11 @@ typedef enum wisp_cloth_bending
     WISP_CLOTH_BENDING_COUNT,
 } wisp_cloth_bending;
 
-/// What a surface is made of and what air does to it. Fill from wisp_default_cloth_def(). Copied.
+/// Material of a surface, and the air around it. Fill from wisp_default_cloth_def(). Copied.
 ///
-/// Compliances are of one link, in m/N: a mesh of equilateral triangles whose links have the stiffness k is a sheet of
-/// 2/sqrt(3) k N/m where it is pulled one way and of sqrt(3) k pulled both ways, whatever the size of the mesh. Their
-/// direction dependence is that of an orthotropic sheet without Poisson effect: c(t) = warp cos^4 t + weft sin^4 t +
+/// Compliances are of one link, in m/N: a mesh of equilateral triangles whose links have the stiffness k has the membrane stiffness
+/// 2/sqrt(3) k N/m when pulled one way and sqrt(3) k when pulled both ways, at any resolution. Their
+/// direction dependence is that of an orthotropic membrane without Poisson effect: c(t) = warp cos^4 t + weft sin^4 t +
 /// shear sin^2 t cos^2 t; shear = warp + weft is isotropic if both are equal.
 typedef struct wisp_cloth_def
 {
@@ -33,38 +39,38 @@ typedef struct wisp_cloth_def
     float shear_compliance;  ///< xpbd, m/N, between the two; default 0
     float stretch_stiffness; ///< pbd, in [0, 1], along and across; default 1
     float shear_stiffness;   ///< pbd, in [0, 1], at 45 degrees; default 1
-    wisp_vec3 warp; ///< direction in the rest shape, default x. Where a triangle is perpendicular to it, all is weft
+    wisp_vec3 warp;          ///< direction in the rest shape, default x. Triangles perpendicular to it are all weft
 
-    wisp_cloth_bending bending; ///< default cross
+    wisp_cloth_bending bending; ///< default bend links
     float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
     float bend_compliance;      ///< xpbd, bend links only, m/N, default 0.1
-    /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the sheet where it is rolled up, exact for equilateral
+    /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the cloth when rolled up, exact for equilateral
     /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
     float bend_rigidity;
 
     float
-        internal_damping; ///< 1/s, >= 0: how fast relative velocities die; momentum and angular momentum stay, unless
-                          ///< the cloth is pinned: then all velocity dies; default 0
+        internal_damping; ///< 1/s, >= 0: decay rate of relative velocities. Momentum and angular momentum are kept, unless
+                          ///< the cloth is pinned: then all velocities decay. Default 0
     wisp_vec3 wind;       ///< m/s, velocity of the air, default 0
-    float air_density;    ///< kg/m^3, default 1.204
+    float air_density;      ///< kg/m^3, default 1.204
     float drag_coefficient; ///< coefficient along the relative wind, >= 0, default 0: no air
     float lift_coefficient; ///< coefficient across it, >= 0, default 0
 
     bool tethers;       ///< default false; the fabric must have attachments and tethers
     float tether_slack; ///< times the rest distance, >= 1, default 1
-    int level_passes;   ///< passes over each coarse level of the fabric a substep, 0 .. 16, default 0: none. A fabric
-                        ///< without levels has no such pass
+    int level_passes; ///< passes over each coarse level of the fabric per substep, 0 .. 16, default 0: none. A fabric
+                      ///< without levels has no such pass
     uint32_t cookie;
 } wisp_cloth_def;
 
 WISP_API wisp_cloth_def wisp_default_cloth_def( void );
 
 /// Make a surface a cloth, or change the cloth it is.
-/// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what the
-///         definition asks for; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
+/// @return WISP_CONFLICT the module is not registered, the entity is not a surface, another solver moves it, or its fabric lacks what
+///         the definition requires; WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY
 WISP_API wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def );
 
-/// Change the wind alone; cheap enough for every step. @param wind m/s
+/// Change only the wind; cheap enough for every step. @param wind m/s
 WISP_API wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind );
 
 WISP_END_C

@@ -107,12 +107,12 @@ void contact_fill_stats( const contact_work* work, bool counts_intersections )
     f->edges = s->edge_count;
     f->triangles = s->triangle_count;
     f->min_gap = min_gap( work );
-    memset( f->pushed, 0, sizeof( f->pushed ) );
+    memset( f->net_impulse, 0, sizeof( f->net_impulse ) );
     for ( int g = 0; g < work->participant_count; ++g )
     {
         for ( int k = 0; k < 3; ++k )
         {
-            f->pushed[k] += work->participants[g].impulse[k];
+            f->net_impulse[k] += work->participants[g].impulse[k];
         }
     }
 }

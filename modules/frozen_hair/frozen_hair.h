@@ -1,7 +1,14 @@
-/// Frozen hair: a static groom takes on a frozen look in one pass a command, without time, collision or fluid.
-/// Three stages in this order: freeze (lengths almost kept, bends limited), align (turned towards a cursor), clump
-/// (neighbours attract, gaps stay). Kim 2026, "A Stiffness-Based Real-Time Appearance Deformation Method for 2D Frozen
-/// Hair Without Physical Simulation"; docs/methods.md says where it leaves a choice.
+/// Frozen hair: gives a static groom a frozen appearance in one update, without time integration, collision or fluid. Three
+/// stages in this order: freeze (lengths nearly kept, bends limited), align (rotation towards a cursor), clump (neighbours
+/// attract, gaps stay). Kim 2026, "A Stiffness-Based Real-Time Appearance Deformation Method for 2D Frozen
+/// Hair Without Physical Simulation"; docs/methods.md lists where the paper is ambiguous.
+///
+///     wisp_frozen_hair_def frozen = wisp_default_frozen_hair_def();
+///     frozen.clump_radius = 0.01f;                           // m
+///     wisp_set_frozen_hair( world, strands, &frozen );
+///     wisp_request( world, strands, WISP_STRAND_POINTS );
+///     wisp_command_frozen_hair( world, strands, cursor );    // the next step updates the strands
+///     wisp_world_step( world, dt );
 #pragma once
 
 #include "wisp/variants.h"
@@ -11,25 +18,25 @@ WISP_BEGIN_C
 
 typedef enum wisp_frozen_base
 {
-    WISP_FROZEN_BASE_REST,     ///< every command starts from the rest shape
-    WISP_FROZEN_BASE_PREVIOUS, ///< directions start from the last output, lengths stay the original ones
+    WISP_FROZEN_BASE_REST,     ///< every update starts from the rest shape
+    WISP_FROZEN_BASE_PREVIOUS, ///< directions start from the last output, lengths from the original
 } wisp_frozen_base;
 
 typedef enum wisp_frozen_update
 {
-    WISP_FROZEN_UPDATE_HAIR_EVENT, ///< new random numbers with each command: the look is still between commands
-    WISP_FROZEN_UPDATE_FRAME,      ///< every step is a command: reproduces the flicker of fresh numbers a frame
+    WISP_FROZEN_UPDATE_HAIR_EVENT, ///< update with each command: the strands are still between commands
+    WISP_FROZEN_UPDATE_FRAME,      ///< update in every step: reproduces the flicker of new random numbers per frame
 } wisp_frozen_update;
 
-/// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; may die after the call.
+/// Parameters. Fill from wisp_default_frozen_hair_def(). Copied; need not outlive the call.
 typedef struct wisp_frozen_hair_def
 {
-    bool freeze, align, clump; ///< which stages the scene asks for; default all
+    bool freeze, align, clump; ///< stages to run; default all
 
     uint64_t seed;                ///< default 1
     wisp_frozen_base base;        ///< default rest
-    wisp_frozen_update update_on; ///< default command
-    float epsilon;                ///< added to denominators as printed (1e-6); default 0, the resolved forms
+    wisp_frozen_update update_on; ///< default hair event
+    float epsilon;                ///< added to denominators, 1e-6 as printed; default 0: limits are taken exactly
 
     // freeze, eq. 2-7
     float stretch_stiffness;               ///< k_s in [1e-3, 1e12], default 7
@@ -41,7 +48,7 @@ typedef struct wisp_frozen_hair_def
     // align, eq. 8-13
     float intensity;               ///< x in [0, 1], default 0.8
     const float* strand_intensity; ///< [strand_count] or null
-    wisp_vec3 cursor;              ///< c, m, where the first command points; default the origin
+    wisp_vec3 cursor;              ///< c, m, target of the first update; default the origin
     float reach;                   ///< r, m, >= 0, default 0.15
     bool reach_nearest;            ///< any vertex within reach, not only the tip; default false (as printed)
     bool blend_chord;              ///< eq. 13 as printed (shortens); default false: arc, keeps distances to the root
@@ -49,41 +56,42 @@ typedef struct wisp_frozen_hair_def
 
     // clump, eq. 14-19
     float clump_radius;      ///< h, m, > 0, default 0.01
-    int clump_iterations;    ///< K in [0, 1000], default 4; 0 switches the stage off
+    int clump_iterations;    ///< K in [0, 1000], default 4; 0 disables the stage
     float clump_step_length; ///< sigma, m, >= 0; default -1: a tenth of the radius
-    wisp_gap gap;            ///< default prose
+    wisp_gap gap;            ///< default absolute
     bool gap_by_iteration;   ///< measure r0 at each iteration instead of before the stage; default false
-    bool min_distance_clamp; ///< no two vertices come closer than distance_min in one iteration; default true
+    bool min_distance_clamp; ///< no two vertices come closer than min_distance in one iteration; default true
     float min_distance;      ///< r_min, m, >= 0; default -1: 0.02 of the radius
     float min_lambda;        ///< in [0, 1], default 0
-    int max_neighbours;      ///< in [1, 4096], default 256: more are left out and counted, never silently
+    int max_neighbours;      ///< in [1, 4096], default 256: further ones are ignored and counted
 
     uint32_t cookie;
 } wisp_frozen_hair_def;
 
 WISP_API wisp_frozen_hair_def wisp_default_frozen_hair_def( void );
 
-/// Put frozen hair on strands, or replace its parameters. The next step runs the first command.
-/// @return WISP_BAD_INPUT a parameter is out of its range (the message names it, and the strand if it is a
-///         strand's own); WISP_CONFLICT the module is not registered in this world
+/// Give strands frozen hair, or replace its parameters. The next step makes the first update.
+/// @return WISP_BAD_INPUT a parameter is out of its range (the message names it, and the strand of a
+///         per-strand value); WISP_CONFLICT the module is not registered in this world
 WISP_API wisp_status wisp_set_frozen_hair( wisp_world* world, wisp_entity strands, const wisp_frozen_hair_def* def );
 
-/// A command of the user: point at a place. The next step deforms the strands with the next event's numbers.
+/// Point at a place: the next step updates the strands with new random numbers. @param cursor m, finite
 WISP_API wisp_status wisp_command_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor );
 
-/// Run the given event (again): the same event from rest gives the same bits.
+/// Repeat an update by its number: the same one from rest gives the same bits.
+/// @param cursor m, finite @param event number of the update, which selects its random numbers
 WISP_API wisp_status wisp_replay_frozen_hair( wisp_world* world, wisp_entity strands, wisp_vec3 cursor,
                                               uint64_t event );
 
-/// What the last command met.
+/// Statistics of the last update. Always available.
 typedef struct wisp_frozen_hair_stats
 {
-    uint64_t event;       ///< number of the last command, from 0
+    uint64_t event;       ///< number of the last update, from 0
     uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
-    uint64_t capped;      ///< vertices whose neighbour list ran into the limit
-    uint64_t late;        ///< pairs, both directions, that came near from beyond the lists of a search
-    uint32_t searches;    ///< neighbour searches of the last command for all vertices
-    uint32_t coarse_grid; ///< 1: cells were wider than the radius because the scene is sparse
+    uint64_t capped;      ///< vertices whose neighbour list reached the limit
+    uint64_t late;        ///< pairs, both directions, that came near from outside the lists of a search
+    uint32_t searches;    ///< neighbour searches of the last update
+    uint32_t coarse_grid; ///< 1: cells were wider than the radius, because the scene is sparse
 } wisp_frozen_hair_stats;
 
 WISP_API wisp_status wisp_read_frozen_hair_stats( wisp_world* world, wisp_entity strands,

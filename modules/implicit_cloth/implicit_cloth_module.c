@@ -324,7 +324,7 @@ wisp_status wisp_read_implicit_cloth_stats( wisp_world* world, wisp_entity surfa
     wisp_status status = find_cloth( world, surface, &state );
     const wisp_implicit_cloth_stats* stats =
         status == WISP_OK ? wisp_world_column( world, surface, state->stats, 0 ) : NULL;
-    if ( status == WISP_OK && ( stats == NULL || stats->repeats == 0 ) )
+    if ( status == WISP_OK && ( stats == NULL || stats->newton_iterations == 0 ) )
     {
         return wisp_world_fail( world, WISP_CONFLICT,
                                 "entity %u: has no statistics of implicit cloth, request them before a step",

@@ -104,7 +104,7 @@ void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_implicit_cloth_stats stats = {
         .iterations = tally->iterations,
         .residual = tally->residual,
-        .repeats = tally->repeats,
+        .newton_iterations = tally->repeats,
         .stretch_links = links->stretch_count,
         .bend_links = links->bend_count,
         .max_neighbours = links->max_neighbours,

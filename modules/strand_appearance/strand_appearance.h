@@ -1,12 +1,16 @@
-/// Strand look: width and colour a vertex for stylised export (named as future work by Kim 2026). Width tapers from root to tip; colour runs
-/// from a root colour to a tip colour. Written only if somebody wants point.width or point.colour.
+/// Strand appearance: width and colour per vertex for stylised export (future work in Kim 2026). Width and colour run from
+/// root to tip. Computed only if WISP_POINT_WIDTH or WISP_POINT_COLOUR is requested.
+///
+///     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
+///     wisp_set_strand_appearance( world, strands, &appearance );
+///     wisp_request( world, strands, WISP_POINT_COLOUR );
 #pragma once
 
 #include "wisp/wisp.h"
 
 WISP_BEGIN_C
 
-/// Parameters. Fill from wisp_default_strand_appearance_def(). Copied.
+/// Width and colour. Fill from wisp_default_strand_appearance_def(). Copied.
 typedef struct wisp_strand_appearance_def
 {
     float root_width, tip_width;       ///< m, >= 0, defaults 80e-6 and 20e-6
@@ -18,6 +22,7 @@ typedef struct wisp_strand_appearance_def
 
 WISP_API wisp_strand_appearance_def wisp_default_strand_appearance_def( void );
 
+/// Give strands an appearance, or replace it.
 /// @return WISP_BAD_INPUT a value is out of range; WISP_CONFLICT module not registered
 WISP_API wisp_status wisp_set_strand_appearance( wisp_world* world, wisp_entity strands,
                                                  const wisp_strand_appearance_def* def );

@@ -158,7 +158,7 @@ static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** sta
             {
                 // both sums are of the same numbers in the same order
                 assert_near( impulse[0][k] + impulse[1][k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
-                assert_near( contact_stats( p.h.world ).pushed[k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
+                assert_near( contact_stats( p.h.world ).net_impulse[k], 0.0, 1e-12 * fabs( impulse[0][0] ) );
             }
         }
         const double load = motion_stats_of( p.h.world, p.b[0] ).mass * (double)gravity * 30.0 * (double)FRAME;

@@ -117,7 +117,7 @@ static void assert_stats( match* m )
     assert_int_equal( f.stretch_links, o->stretch_count );
     assert_int_equal( f.bend_links, o->bend_count );
     assert_int_equal( f.max_neighbours, o->max_neighbours );
-    assert_int_equal( f.repeats, o->params.newton_iterations );
+    assert_int_equal( f.newton_iterations, o->params.newton_iterations );
     assert_int_equal( f.sticking, o->sticking );
     assert_int_equal( f.sliding, o->sliding );
     assert_int_equal( f.landing, o->landing );
