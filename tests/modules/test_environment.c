@@ -244,7 +244,7 @@ static void a_environment_belongs_to_one_groom( void** state )
     hair_groom_destroy( &groom );
 }
 
-static void a_environment_that_cannot_be_is_refused( void** state )
+static void an_environment_that_cannot_be_is_refused( void** state )
 {
     (void)state;
     const float ice[] = { 0.0f, 0.5f, 1.0f }, rising[] = { 1.0f, 2.0f, 3.0f };
@@ -254,11 +254,11 @@ static void a_environment_that_cannot_be_is_refused( void** state )
         wisp_environment_def def;
     } bad[] = {
         { "temperature_celsius: got -300", { .temperature_celsius = -300.0f, .wetness = 1, .span = 10 } },
-        { "temperature: got", { .temperature_celsius = NAN, .wetness = 1, .span = 10 } },
+        { "temperature_celsius: got", { .temperature_celsius = NAN, .wetness = 1, .span = 10 } },
         { "wetness: got 1.1", { .wetness = 1.1f, .span = 10 } },
         { "wetness: got -0.1", { .wetness = -0.1f, .span = 10 } },
         { "span: got 0", { .wetness = 1, .span = 0 } },
-        { "freezing: got inf", { .wetness = 1, .span = 10, .freezing_celsius = INFINITY } },
+        { "freezing_celsius: got inf", { .wetness = 1, .span = 10, .freezing_celsius = INFINITY } },
         { "curve: got 1 points", { .wetness = 1, .span = 10, .point_count = 1 } },
         { "curve: got 9 points", { .wetness = 1, .span = 10, .point_count = 9 } },
         { "stiffness of curve point 1: got 0", { .wetness = 1, .span = 10, .stiffness = { 1, 0, 3 } } },
@@ -311,7 +311,7 @@ int main( void )
         cmocka_unit_test( weather_changes_a_look_only_with_the_next_command ),
         cmocka_unit_test( without_a_environment_there_is_no_pass_and_with_one_it_runs_once ),
         cmocka_unit_test( a_environment_belongs_to_one_groom ),
-        cmocka_unit_test( a_environment_that_cannot_be_is_refused ),
+        cmocka_unit_test( an_environment_that_cannot_be_is_refused ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -1,4 +1,4 @@
-/// Wisp: position-based simulation of cloth, balloons and hair. Worlds, entities, requests, steps and views.
+/// Wisp: position-based simulation of thin things. Worlds, entities, requests, steps and views.
 ///
 /// Units are SI. Worlds are opaque and independent of each other; there are no globals. No function is thread-safe on
 /// the same world; different worlds may be used on different threads. A failed call changes nothing.
@@ -140,7 +140,7 @@ typedef struct wisp_strands_def
 
 WISP_API wisp_strands_def wisp_default_strands_def( void );
 
-/// Add strands. Effects make them move (strands.h), follow others (guide_hair.h) or freeze (frozen_hair.h).
+/// Add strands. Effects make them move, follow others or change their appearance.
 /// @param out receives the entity, null on failure
 /// @return WISP_BAD_INPUT offsets descend, or a coordinate is not finite (the message names strand and vertex);
 ///         WISP_NO_MEMORY
@@ -233,7 +233,7 @@ typedef enum wisp_counter
 {
     WISP_COUNT_STEPS,             ///< steps
     WISP_COUNT_PLANS,             ///< compilations of the plan
-    WISP_COUNT_NEIGHBOURS,        ///< neighbours within the radius at the last search of each update of frozen hair
+    WISP_COUNT_NEIGHBOURS,        ///< neighbours within the radius at the last search of each entity
     WISP_COUNT_CAPPED,            ///< queries that reached the neighbour limit
     WISP_COUNT_COARSE_GRIDS,      ///< grids with widened cells, because the scene is too sparse for its radius
     WISP_COUNT_SEARCHES,          ///< neighbour searches
@@ -298,7 +298,7 @@ enum
     WISP_STRAND_INVERSE_MASS,
     WISP_STRAND_LENGTH,
     WISP_STRAND_ROOT,
-    WISP_STRAND_POSED,  ///< rest shape after motion: request it of ghosts that get frozen hair
+    WISP_STRAND_POSED,  ///< rest shape after motion, before effects on the appearance
     WISP_STRAND_POINTS, ///< wisp_vec3, m: vertices of strands in the user's order
     WISP_POINT_WIDTH,   ///< float, m: diameter of a strand at a vertex
     WISP_POINT_COLOUR,  ///< wisp_vec3: linear red, green, blue in [0, 1]
