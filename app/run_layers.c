@@ -221,7 +221,7 @@ static void add_contact( run_layers* l, sample* s )
     {
         l->max_contacts = s->contact.contacts > l->max_contacts ? s->contact.contacts : l->max_contacts;
         l->min_gap = fminf( l->min_gap, s->contact.min_gap );
-        l->limited += s->contact.limited;
+        l->limited += s->contact.displacement_limited;
     }
 }
 
@@ -272,7 +272,7 @@ static void put_sample( const run_layers* l, const sample* s, results_values* va
     if ( s->has_contact )
     {
         results_put( values, "contacts", s->contact.contacts );
-        results_put( values, "contact_limited", s->contact.limited );
+        results_put( values, "contact_limited", s->contact.displacement_limited );
         results_put( values, "contact_impulse", s->contact.impulse );
         // Without a near pair there is no gap, and intersections are counted on request only.
         if ( isfinite( s->contact.min_gap ) )

@@ -42,7 +42,7 @@ static wisp_status count_stats( contact_run* run, wisp_error* error )
     t->max_intersections = f.intersections > t->max_intersections ? f.intersections : t->max_intersections;
     t->crossed_steps += f.intersections > 0 ? 1 : 0;
     t->min_gap = fminf( t->min_gap, f.min_gap );
-    t->limited += f.limited;
+    t->limited += f.displacement_limited;
     t->impulse = f.impulse;
     for ( int k = 0; k < 3; ++k )
     {

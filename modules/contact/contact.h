@@ -84,8 +84,8 @@ typedef struct wisp_contact_stats
     int contacts;       ///< pairs that pressed on each other in the last substep
     int searches;       ///< in this step, for all pairs
     float min_gap;      ///< smallest distance of a pair over its thickness at the end; 1 or more: no pair is too near
-    int limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
-    int tangled; ///< edges through triangles that were being untangled at the last search
+    int displacement_limited; ///< vertices whose displacement was limited, summed over substeps; above 0 momentum is not conserved
+    int tangled;              ///< edges through triangles that were being untangled at the last search
     int intersections; ///< edges that intersect triangles at the end of the step, exact; -1 unless requested
     double net_impulse
         [3];        ///< N s, sum of the impulses of all pairs in this step: equal and opposite, so 0 but for rounding

@@ -127,7 +127,7 @@ static void limit_displacements( const contact_work* work )
             return;
         }
         const int cut = contact_limit_displacements( work );
-        work->memory->stats.limited += cut;
+        work->memory->stats.displacement_limited += cut;
         reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
         if ( reached == CONTACT_WITHIN )
         {

@@ -202,7 +202,7 @@ void contact_hold( const contact_work* work )
     guard_loop loop = { .contact_mesh = work->contact_mesh };
     contact_contact_mesh* s = work->contact_mesh;
     hold_all( s );
-    work->memory->stats.limited += count_cut( s );
+    work->memory->stats.displacement_limited += count_cut( s );
     wisp_parallel_for( work->parallel, s->point_count, POINT_GRAIN, cut_ways, &loop );
     contact_measure_ways( work );
 }

@@ -352,7 +352,7 @@ static wisp_status search_strays( clump_run* run, int count, bool* complete )
         return WISP_NO_MEMORY;
     }
     size_t late = collect_late_pairs( run, &strays, w->late_pairs.data );
-    run->report->late += late;
+    run->report->missed += late;
     return late == 0 || list_late_pairs( run, w->late_pairs.data, late ) ? WISP_OK : WISP_NO_MEMORY;
 }
 

@@ -89,7 +89,7 @@ typedef struct wisp_frozen_hair_stats
     uint64_t event;       ///< number of the last update, from 0
     uint64_t neighbours;  ///< pairs (vertex, neighbour) within the clump radius before the stage
     uint64_t capped;      ///< vertices whose neighbour list reached the limit
-    uint64_t late;        ///< pairs, both directions, that came near from outside the lists of a search
+    uint64_t missed;      ///< pairs, both directions, that came near from outside the lists of a search
     uint32_t searches;    ///< neighbour searches of the last update
     uint32_t coarse_grid; ///< 1: cells were wider than the radius, because the scene is sparse
 } wisp_frozen_hair_stats;

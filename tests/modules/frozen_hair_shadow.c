@@ -109,7 +109,7 @@ static void follow_clump( hair_shadow* shadow, const partial_run* run, hair_orac
         shadow->neighbours = report.neighbours;
         shadow->capped = report.capped;
         shadow->searches = report.searches;
-        shadow->late = report.late;
+        shadow->late = report.missed;
         free( in );
     }
     free( reference );
