@@ -57,17 +57,17 @@ int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end
         lane8 mass, none;
         lane8_load_xyzw_contiguous( args->position + quad, &now.x, &now.y, &now.z, &mass );
         lane8_load_xyzw_contiguous( args->previous + quad, &old.x, &old.y, &old.z, &none );
-        lane8_store_xyzw_contiguous( args->place + quad, now.x, now.y, now.z, lane8_set1( INFINITY ) );
+        lane8_store_xyzw_contiguous( args->search_origin + quad, now.x, now.y, now.z, lane8_set1( INFINITY ) );
         const lane8m is_finite = lane8m_and( is_within( now, most ), is_within( old, most ) );
         const lane8m moves = lane8m_and( is_finite, lane8_gt( mass, lane8_zero() ) );
         const uint32_t bits = lane8m_bits( moves );
         widen( moves, now.x, old.x, lower, upper );
         widen( moves, now.y, old.y, lower + 1, upper + 1 );
         widen( moves, now.z, old.z, lower + 2, upper + 2 );
-        put( args->particle_batch.now, count, now, bits );
-        put( args->particle_batch.old, count, old, bits );
+        put( args->batch.now, count, now, bits );
+        put( args->batch.old, count, old, bits );
         const lane8i slots = lane8i_add( lane8i_set1( slot ), lane8i_iota() );
-        count += lane8i_compress_store( args->particle_batch.slot + count, slots, bits );
+        count += lane8i_compress_store( args->batch.slot + count, slots, bits );
     }
     for ( int k = 0; k < 3; ++k )
     {
@@ -133,26 +133,26 @@ LANE_INLINE int see( const wisp_cull_args* sight, wisp_cull_shape bound, int cou
     int queried = 0;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v from = to_body( sight->before, load( sight->particle_batch.old, i ) ),
-                     to = to_body( sight->after, load( sight->particle_batch.now, i ) );
+        const lane8v from = to_body( sight->before, load( sight->batch.old, i ) ),
+                     to = to_body( sight->after, load( sight->batch.now, i ) );
         const lane8 path = lane8v_length( lane8v_sub( to, from ) ), reach = lane8_add( margin, path ),
-                    clear = lane8_loadu( sight->clear + i );
+                    clear = lane8_loadu( sight->clearance + i );
         const lane8m beyond = is_beyond( sight, bound, to, reach );
         store( sight->from, i, from );
         store( sight->to, i, to );
         lane8_storeu( sight->path + i, path );
         lane8_storeu( sight->reach + i, reach );
-        lane8_storeu( sight->clear + i, lane8_select( beyond, lane8_min( reach, clear ), clear ) );
+        lane8_storeu( sight->clearance + i, lane8_select( beyond, lane8_min( reach, clear ), clear ) );
         const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( count - i ), beyond ) );
         const lane8i numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
-        queried += lane8i_compress_store( sight->queried + queried, numbers, bits );
+        queried += lane8i_compress_store( sight->candidates + queried, numbers, bits );
     }
     return queried;
 }
 
 int KERNEL( cull_particles )( const wisp_cull_args* sight, int count )
 {
-    switch ( sight->bound )
+    switch ( sight->shape )
     {
         case WISP_CULL_HALF_SPACE:
             return see( sight, WISP_CULL_HALF_SPACE, count );

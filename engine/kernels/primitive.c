@@ -31,7 +31,7 @@ LANE_INLINE void place_triangle( wisp_primitive_pack* row, lane8v a, lane8v b, l
     store( row->other_edge_vector[0], b );
     store( row->other_edge_vector[1], c );
     store( row->normal, normal );
-    lane8_store( row->rounded, rounded );
+    lane8_store( row->rounding, rounded );
 }
 
 void KERNEL( primitive_place )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end )
@@ -95,7 +95,7 @@ float KERNEL( apart )( const wisp_separating_axis_args* args )
             const lane8v p = point_of( args->xyzw, args->point_x4[set] + i );
             for ( int k = 0; k < AXES; ++k )
             {
-                const float* a = args->along[k];
+                const float* a = args->axis[k];
                 const lane8v axis = { lane8_set1( a[0] ), lane8_set1( a[1] ), lane8_set1( a[2] ) };
                 const lane8 at = lane8v_dot( p, axis );
                 lower[AXES * set + k] = lane8_min( at, lower[AXES * set + k] );
@@ -108,7 +108,7 @@ float KERNEL( apart )( const wisp_separating_axis_args* args )
     lane8_storeu( most, min_of_each( upper ) );
     for ( int k = 0; k < AXES; ++k )
     {
-        const float* a = args->along[k];
+        const float* a = args->axis[k];
         const float one = least[k] + most[AXES + k], other = least[AXES + k] + most[k];
         const float squared = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
         const float here = squared > KERNEL_MIN_SQUARED ? ( one > other ? one : other ) / sqrtf( squared ) : -1.0f;

@@ -55,9 +55,9 @@ LANE_INLINE int list_queries( const wisp_primitive_near_args* args, int corners,
                               int32_t queries[MAX_ROWS * LANES + LANES] )
 {
     int count = 0;
-    for ( int r = 0; r < args->query_rows; ++r )
+    for ( int r = 0; r < args->query_pack_count; ++r )
     {
-        const lane8m out = out_of( args->queries + r, corners, args->box, lane8_set1( args->seen ) );
+        const lane8m out = out_of( args->queries + r, corners, args->box, lane8_set1( args->cull_distance ) );
         const lane8i lanes = lane8i_add( lane8i_set1( r * LANES ), lane8i_iota() );
         count += lane8i_compress_store( queries + count, lanes, ~lane8m_bits( out ) & 255u );
     }
@@ -67,7 +67,7 @@ LANE_INLINE int list_queries( const wisp_primitive_near_args* args, int corners,
 // What those of a row are called that may be near, else -1.
 LANE_INLINE lane8i items_of( const wisp_primitive_near_args* args, const wisp_primitive_pack* row, int corners )
 {
-    const lane8m out = out_of( row, corners, args->query_box, lane8_set1( args->seen ) );
+    const lane8m out = out_of( row, corners, args->query_aabb, lane8_set1( args->cull_distance ) );
     return lane8i_select( out, lane8i_set1( -1 ), lane8i_load( row->item ) );
 }
 
@@ -172,7 +172,7 @@ LANE_INLINE int find_edges( const wisp_primitive_near_args* args, int number, ne
         {
             lane16m others;
             const lane16 bound =
-                ask_edges( args->queries + queries[i] / LANES, queries[i] % LANES, args->is_own, &edges, &others );
+                ask_edges( args->queries + queries[i] / LANES, queries[i] % LANES, args->is_self, &edges, &others );
             const lane16m apart = lane16_gt( bound, within );
             const uint32_t bits = ~lane16m_bits( lane16m_or( apart, others ) );
             least = lane16_min( least,
@@ -183,7 +183,7 @@ LANE_INLINE int find_edges( const wisp_primitive_near_args* args, int number, ne
             count += ( bits >> LANES & 255u ) != 0 ? 1 : 0;
         }
     }
-    min_lower( args->least, least );
+    min_lower( args->min_distance, least );
     return count;
 }
 
@@ -197,7 +197,7 @@ LANE_INLINE lane8v row_of( const float row[3][LANES] )
 LANE_INLINE lane8 bound_of_triangle( lane8v way, const wisp_primitive_pack* row )
 {
     const lane8 aside =
-        lane8_sub( lane8_abs( lane8v_dot( row_of( row->normal ), way ) ), lane8_load( row->rounded ) );
+        lane8_sub( lane8_abs( lane8v_dot( row_of( row->normal ), way ) ), lane8_load( row->rounding ) );
     lane8 span = lane8_max( lane8v_dot( row_of( row->edge_vector ), way ),
                             lane8v_dot( row_of( row->other_edge_vector[0] ), way ) );
     span = lane8_max( span, lane8v_dot( row_of( row->other_edge_vector[1] ), way ) );
@@ -217,7 +217,7 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
     int32_t queries[MAX_ROWS * LANES + LANES];
     const int query_count = list_queries( args, 1, queries );
     const lane8 within = lane8_set1( args->within );
-    lane8 least = lane8_loadu( args->least );
+    lane8 least = lane8_loadu( args->min_distance );
     for ( int r = 0; r < args->row_count; ++r )
     {
         const wisp_primitive_pack* row = args->rows + r;
@@ -239,7 +239,7 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
             count += bits != 0 ? 1 : 0;
         }
     }
-    lane8_storeu( args->least, least );
+    lane8_storeu( args->min_distance, least );
     return count;
 }
 
@@ -253,7 +253,7 @@ LANE_INLINE int keep( const wisp_primitive_near_args* args, const near_hit* hit,
     const wisp_primitive_pack *query = args->queries + hit->query / LANES, *row = args->rows + hit->row;
     const int32_t* const points[3] = { row->point_x4[0], row->point_x4[1], row->third_x4 };
     const int lane = hit->query % LANES;
-    lane8i_storeu( to->of + found, lane8i_set1( args->number ) );
+    lane8i_storeu( to->of + found, lane8i_set1( args->cluster ) );
     lane8i_storeu( to->first + found, lane8i_set1( query->item[lane] ) );
     for ( int k = 0; k < sides; ++k )
     {

@@ -57,7 +57,7 @@ void KERNEL( measure_displacements )( const wisp_displacement_args* args, int be
     {
         const lane8v way = way_of( args, p );
         const lane8 most = lane8_add( lane8_mul( fraction, length_of( lane8v_sub( way, common ) ) ), spare );
-        lane8_store_xyzw_contiguous( args->way + (size_t)p * 4, way.x, way.y, way.z, most );
+        lane8_store_xyzw_contiguous( args->displacement + (size_t)p * 4, way.x, way.y, way.z, most );
     }
 }
 
@@ -68,7 +68,8 @@ bool KERNEL( exceeds_displacement )( const wisp_displacement_args* args, int beg
     {
         lane8v expected;
         lane8 most;
-        lane8_load_xyzw_contiguous( args->way + (size_t)p * 4, &expected.x, &expected.y, &expected.z, &most );
+        lane8_load_xyzw_contiguous( args->displacement + (size_t)p * 4, &expected.x, &expected.y, &expected.z,
+                                    &most );
         const lane8m beyond = lane8_gt( length_of( lane8v_sub( way_of( args, p ), expected ) ), most );
         bits |= lane8m_bits( lane8m_and( beyond, lane8m_first( end - p ) ) );
     }
@@ -91,7 +92,7 @@ void KERNEL( closing )( const wisp_approach_args* args, int begin, int end )
         for ( int i = 0; i < 4; ++i )
         {
             lane8* p = ahead[i];
-            lane8_load_xyzw( args->ahead, args->point_x4[i] + pair, p, p + 1, p + 2, p + 3 );
+            lane8_load_xyzw( args->predicted, args->point_x4[i] + pair, p, p + 1, p + 2, p + 3 );
         }
         for ( int i = 0; i < split; ++i )
         {
@@ -101,7 +102,7 @@ void KERNEL( closing )( const wisp_approach_args* args, int begin, int end )
                 most = lane8_select( lane8_gt( most, closing ), most, closing );
             }
         }
-        lane8_storeu( args->closing + pair, most );
+        lane8_storeu( args->max_approach + pair, most );
     }
 }
 
@@ -122,16 +123,16 @@ int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int e
         int32_t first4[LANES], second4[LANES];
         lane8i_storeu( first4, lane8i_shift_left( lane8i_loadu( args->first + pair ), 2 ) );
         lane8i_storeu( second4, lane8i_shift_left( lane8i_loadu( args->second + pair ), 2 ) );
-        lane8 slack = lane8_loadu( args->slack + pair );
-        if ( args->gone != NULL )
+        lane8 slack = lane8_loadu( args->separation_bound + pair );
+        if ( args->moved != NULL )
         {
-            slack = lane8_sub( slack, closing_of_sides( args->gone, first4, second4 ) );
-            lane8_storeu( args->slack + pair, slack );
+            slack = lane8_sub( slack, closing_of_sides( args->moved, first4, second4 ) );
+            lane8_storeu( args->separation_bound + pair, slack );
         }
         const lane8m left = lane8_gt( slack, closing_of_sides( args->ways, first4, second4 ) );
         const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - pair ), left ) );
         const lane8i numbers = lane8i_add( lane8i_set1( pair ), lane8i_iota() );
-        count += lane8i_compress_store( args->due + begin + count, numbers, bits );
+        count += lane8i_compress_store( args->active + begin + count, numbers, bits );
     }
     return count;
 }

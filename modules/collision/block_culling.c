@@ -20,8 +20,8 @@ void collision_begin_block( const collision_find_args* args, int begin, int end,
     const wisp_gather_args take = {
         .position = args->position,
         .previous = args->previous,
-        .place = args->found,
-        .particle_batch = particle_batch_of( block ),
+        .search_origin = args->found,
+        .batch = particle_batch_of( block ),
         .lower = lower,
         .upper = upper,
     };
@@ -48,10 +48,10 @@ void collision_cull_block( const wisp_kernels* kernels, const collision_view* vi
 {
     const collision_body* body = view->body;
     const wisp_cull_args sight = {
-        .particle_batch = particle_batch_of( block ),
+        .batch = particle_batch_of( block ),
         .before = view->before,
         .after = view->after,
-        .bound = bound_of( body ),
+        .shape = bound_of( body ),
         .centre = body->centre,
         .half = body->half,
         .radius = body->shape.radius,
@@ -61,8 +61,8 @@ void collision_cull_block( const wisp_kernels* kernels, const collision_view* vi
         .to = { block->to[0], block->to[1], block->to[2] },
         .path = block->path,
         .reach = block->reach,
-        .clear = block->clear,
-        .queried = block->candidates,
+        .clearance = block->clear,
+        .candidates = block->candidates,
     };
     block->candidate_count = kernels->cull_particles( &sight, block->count );
 }

@@ -137,12 +137,12 @@ static void find_active( void* context, int begin, int end, int worker )
     const active_loop* loop = context;
     const contact_contact_mesh* s = loop->work->contact_mesh;
     const wisp_separation_args args = {
-        .gone = loop->missed_only ? NULL : s->motion->gone->middle,
+        .moved = loop->missed_only ? NULL : s->motion->gone->middle,
         .ways = s->motion->ways->middle,
         .first = s->bounds->pairs[0].cluster,
         .second = s->bounds->pairs[0].other,
-        .slack = s->bounds->pairs[0].slack,
-        .due = s->bounds->active,
+        .separation_bound = s->bounds->pairs[0].slack,
+        .active = s->bounds->active,
     };
     s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
         wisp_frame_kernels( loop->work->frame )->separation_due( &args, begin, end );

@@ -123,15 +123,15 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
         arg_list[job_count] = ( wisp_primitive_near_args ){
             .queries = s->clusters->primitives + a->kind_row[kinds[0]],
             .rows = s->clusters->primitives + b->kind_row[kinds[1]],
-            .query_rows = a->rows[kinds[0]],
+            .query_pack_count = a->rows[kinds[0]],
             .row_count = b->rows[kinds[1]],
-            .query_box = s->clusters->boxes + one,
+            .query_aabb = s->clusters->boxes + one,
             .box = s->clusters->boxes + other,
             .within = test->within,
-            .seen = test->within + SEEN_GAPS * test->gap,
-            .least = test->least,
-            .is_own = is_own,
-            .number = numbers[i],
+            .cull_distance = test->within + SEEN_GAPS * test->gap,
+            .min_distance = test->least,
+            .is_self = is_own,
+            .cluster = numbers[i],
         };
         job_count += query == 0 || is_own == false ? 1 : 0;
     }
@@ -150,12 +150,12 @@ static float separation_of( const wisp_kernels* kernels, const contact_contact_m
         .point_x4 = { s->clusters->points + pa->first_point, s->clusters->points + pb->first_point },
         .count = { pa->point_count, pb->point_count },
     };
-    memcpy( args.along[0], s->clusters->normals + 3 * (size_t)a, sizeof( args.along[0] ) );
-    memcpy( args.along[1], s->clusters->normals + 3 * (size_t)b, sizeof( args.along[1] ) );
+    memcpy( args.axis[0], s->clusters->normals + 3 * (size_t)a, sizeof( args.axis[0] ) );
+    memcpy( args.axis[1], s->clusters->normals + 3 * (size_t)b, sizeof( args.axis[1] ) );
     const wisp_aabb *box = s->clusters->boxes + a, *other = s->clusters->boxes + b;
     for ( int k = 0; k < 3; ++k )
     {
-        args.along[2][k] = ( box->lower[k] + box->upper[k] ) - ( other->lower[k] + other->upper[k] );
+        args.axis[2][k] = ( box->lower[k] + box->upper[k] ) - ( other->lower[k] + other->upper[k] );
     }
     return kernels->apart( &args );
 }

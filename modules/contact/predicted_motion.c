@@ -145,7 +145,7 @@ static void find_ways( void* context, int begin, int end, int worker )
         .common = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
         .fraction = SPARE,
         .spare = SPARE_THICKNESS * s->min_thickness,
-        .way = s->motion->ahead,
+        .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )
     {

@@ -99,10 +99,10 @@ static bool is_tangled( const contact_contact_mesh* s, contact_kind kind, const 
 static void find_closings( const contact_work* work, contact_kind kind, contact_batch* batch, int count )
 {
     const wisp_approach_args args = {
-        .ahead = work->contact_mesh->motion->ahead,
+        .predicted = work->contact_mesh->motion->ahead,
         .point_x4 = { batch->point_x4[0], batch->point_x4[1], batch->point_x4[2], batch->point_x4[3] },
         .are_edges = kind == CONTACT_EDGES,
-        .closing = batch->closing,
+        .max_approach = batch->closing,
     };
     wisp_frame_kernels( work->frame )->closing( &args, 0, pad_to_eight( batch, count ) );
 }

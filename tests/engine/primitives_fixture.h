@@ -270,15 +270,15 @@ static inline wisp_primitive_near_args job_of( scene* s )
     return ( wisp_primitive_near_args ){
         .queries = s->row[0],
         .rows = s->row[queried],
-        .query_rows = s->rows[0],
+        .query_pack_count = s->rows[0],
         .row_count = s->rows[queried],
-        .query_box = s->box,
+        .query_aabb = s->box,
         .box = s->box + queried,
         .within = s->within,
-        .seen = s->seen,
-        .least = s->least,
-        .is_own = s->is_own,
-        .number = s->seed,
+        .cull_distance = s->seen,
+        .min_distance = s->least,
+        .is_self = s->is_own,
+        .cluster = s->seed,
     };
 }
 
@@ -404,7 +404,7 @@ static inline void assert_same_rows( const wisp_primitive_pack* found, const wis
     assert_same_numbers( found->edge_vector[0], expected->edge_vector[0], 24 );
     assert_same_numbers( found->other_edge_vector[0][0], expected->other_edge_vector[0][0], 48 );
     assert_same_numbers( found->normal[0], expected->normal[0], 24 );
-    assert_same_numbers( found->rounded, expected->rounded, 8 );
+    assert_same_numbers( found->rounding, expected->rounding, 8 );
 }
 
 static inline void assert_same_primitives( const scene* found, const scene* expected )

@@ -66,7 +66,7 @@ static wisp_displacement_args job_of( walk* w )
         .common = { w->common[0], w->common[1], w->common[2] },
         .fraction = 0.25f,
         .spare = 0.01f,
-        .way = w->way[0],
+        .displacement = w->way[0],
     };
 }
 
@@ -234,12 +234,12 @@ static double closing_of( const float* a, const float* b )
 static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone, int begin, int end )
 {
     const wisp_separation_args args = {
-        .gone = is_gone ? s->gone[0] : NULL,
+        .moved = is_gone ? s->gone[0] : NULL,
         .ways = s->ways[0],
         .first = s->first,
         .second = s->second,
-        .slack = s->slack,
-        .due = s->due,
+        .separation_bound = s->slack,
+        .active = s->due,
     };
     s->due_count = kernels->separation_due( &args, begin, end );
 }

@@ -65,11 +65,11 @@ static wisp_cull_args sight_of( block* b, int seed )
     wisp_transform after = before;
     after.translation.x += 0.1f * r[6];
     return ( wisp_cull_args ){
-        .particle_batch = particle_batch_of( b ),
+        .batch = particle_batch_of( b ),
         .before = before,
         .after =
             seed % 2 == 0 ? after : wisp_transform_make( ( wisp_quat ){ r[0], r[1], r[2], 1.1f }, after.translation ),
-        .bound = (wisp_cull_shape)( seed % BOUNDS ),
+        .shape = (wisp_cull_shape)( seed % BOUNDS ),
         .centre = { 0.1f * r[7], 0.0f, 0.0f },
         .half = { 0.3f, 0.4f, 0.3f },
         .radius = 0.3f,
@@ -79,8 +79,8 @@ static wisp_cull_args sight_of( block* b, int seed )
         .to = { b->to[0], b->to[1], b->to[2] },
         .path = b->path,
         .reach = b->reach,
-        .clear = b->clear,
-        .queried = b->queried,
+        .clearance = b->clear,
+        .candidates = b->queried,
     };
 }
 
@@ -88,8 +88,8 @@ static void run( const wisp_kernels* kernels, block* b, int seed )
 {
     const wisp_gather_args args = { .position = b->position[0],
                                     .previous = b->previous[0],
-                                    .place = b->place[0],
-                                    .particle_batch = particle_batch_of( b ),
+                                    .search_origin = b->place[0],
+                                    .batch = particle_batch_of( b ),
                                     .lower = b->lower,
                                     .upper = b->upper };
     const wisp_cull_args sight = sight_of( b, seed );
@@ -207,7 +207,7 @@ static float outside( float distance, float half )
 // The least that is said of the distance.
 static float gap_of( const wisp_cull_args* s, wisp_vec3 p, float reach )
 {
-    if ( s->bound == WISP_CULL_HALF_SPACE )
+    if ( s->shape == WISP_CULL_HALF_SPACE )
     {
         return p.y;
     }
@@ -215,7 +215,7 @@ static float gap_of( const wisp_cull_args* s, wisp_vec3 p, float reach )
                                  outside( p.z - s->centre.z, s->half.z ) );
     const float y = outside( p.y, s->half_length ), limit = s->radius + reach;
     const bool is_beyond = p.x * p.x + y * y + p.z * p.z > 1.00001f * limit * limit;
-    return s->bound == WISP_CULL_ROUND && is_beyond ? INFINITY : box;
+    return s->shape == WISP_CULL_ROUND && is_beyond ? INFINITY : box;
 }
 
 static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
@@ -244,8 +244,8 @@ static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
             queried += is_far ? 0 : 1;
         }
         assert_int_equal( b->queried_count, queried );
-        queried_of[s.bound] += queried;
-        left_out[s.bound] += b->count - queried;
+        queried_of[s.shape] += queried;
+        left_out[s.shape] += b->count - queried;
         free( b );
         free( before );
     }

@@ -61,7 +61,7 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
     {
         scenes[i] = run_new( kernels, first + i );
         batch[i] = job_of( scenes[i] );
-        batch[i].least = least[i];
+        batch[i].min_distance = least[i];
         for ( int l = 0; l < 8; ++l )
         {
             least[i][l] = INFINITY;
@@ -135,7 +135,7 @@ static void check_plane( scene* s, int primitive, double size )
                   normal = lane_of( row->normal, primitive );
     const double area = double3_length( foreign ), length = double3_length( normal );
     const double longest = fmax( double3_length( u ), double3_length( v ) ),
-                 rounded = (double)row->rounded[primitive % 8];
+                 rounded = (double)row->rounding[primitive % 8];
     const double3 edge_vectors[3] = { lane_of( row->edge_vector, primitive ),
                                       lane_of( row->other_edge_vector[0], primitive ),
                                       lane_of( row->other_edge_vector[1], primitive ) };
@@ -384,10 +384,10 @@ static void a_triangle_is_seen_as_far_as_any_of_its_corners_reaches( void** stat
 
 static void find_closing( const wisp_kernels* kernels, const point_sets* s, bool are_edges, float closing[LIST] )
 {
-    const wisp_approach_args args = { .ahead = s->point[0],
+    const wisp_approach_args args = { .predicted = s->point[0],
                                       .point_x4 = { s->point_x4[0], s->point_x4[1], s->point_x4[2], s->point_x4[3] },
                                       .are_edges = are_edges,
-                                      .closing = closing };
+                                      .max_approach = closing };
     kernels->closing( &args, 8, LIST );
 }
 
@@ -455,7 +455,7 @@ static float find_apart( const wisp_kernels* kernels, const point_sets* s, float
     wisp_separating_axis_args args = { .xyzw = s->point[0],
                                        .point_x4 = { s->point_x4[0], s->point_x4[1] },
                                        .count = { 8, LIST } };
-    memcpy( args.along, along, sizeof( args.along ) );
+    memcpy( args.axis, along, sizeof( args.axis ) );
     return kernels->apart( &args );
 }
 

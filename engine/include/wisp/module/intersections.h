@@ -1,18 +1,18 @@
-/// Which edges pass through which triangles: exact, for any finite floats.
+/// Edges that intersect triangles: exact for any finite floats.
 #pragma once
 
 #include "wisp/module/aabb_pairs.h"
 
 WISP_BEGIN_C
 
-/// Does the segment p q pass through the triangle a b c: its ends strictly on the two sides of the triangle's plane, and
-/// its line strictly within the three edges? Signs are exact, so the answer is; what only touches does not pass.
+/// @return true if the segment p q passes through the triangle a b c: its ends strictly on both sides of the plane, its line
+/// strictly within the three edges. Exact; touching is no intersection
 /// @param p, q, a, b, c three floats each, finite
 WISP_API bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b,
                                        const float* c );
 
-/// The sign of the volume of the tetrahedron a b c d, exact: 1 if d is on the side that the normal (b - a) x (c - a) points
-/// to, -1 on the other, 0 in the plane.
+/// @return the exact sign of the volume of the tetrahedron a b c d: 1 if d is on the side of the normal (b - a) x (c - a), -1 on
+/// the other, 0 in the plane
 WISP_API int wisp_side_of_plane( const float* a, const float* b, const float* c, const float* d );
 
 typedef struct wisp_intersection
@@ -20,10 +20,11 @@ typedef struct wisp_intersection
     int32_t edge, triangle;
 } wisp_intersection;
 
-/// A soup of edges and triangles over shared points.
+/// Edges and triangles over shared points.
 typedef struct wisp_intersection_args
 {
-    const float* xyzw; ///< [point][4] x, y, z in m; the fourth is not looked at. What is not finite crosses nothing
+    const float*
+        xyzw; ///< [point][4] x, y, z in m; the fourth is ignored. Points that are not finite intersect nothing
     const int32_t* edges; ///< [edge_count][2] points
     int edge_count;
     const int32_t* triangles; ///< [triangle_count][3] points
@@ -35,8 +36,7 @@ typedef struct wisp_intersection_args
 typedef struct wisp_intersections
 {
     int count;
-    const wisp_intersection*
-        list; ///< [count] by edge, then by triangle. An edge and a triangle that share a point do not count
+    const wisp_intersection* list; ///< [count] by edge, then by triangle. Pairs that share a point are left out
     wisp_aabb_pairs pairs;
     wisp_buffer buffers[4];
 } wisp_intersections;

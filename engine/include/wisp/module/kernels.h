@@ -299,8 +299,8 @@ typedef struct wisp_prolong_args
 /// (m); what was pushed along the normal and rubbed across it so far (m), in and out; static and kinetic friction.
 typedef struct wisp_half_space_args
 {
-    float* position;            ///< quads, in and out
-    const float* previous;      ///< quads, at the start of the substep
+    float* position;            ///< [slot][4] in and out
+    const float* previous;      ///< [slot][4] at the start of the substep
     float* rows;                ///< [..][16], aligned to 16 bytes
     const int32_t* particle_x4; ///< four times the particle. Twice among eight only with the same row, as padding
     const int32_t* row16;       ///< 16 times its row
@@ -485,7 +485,7 @@ typedef enum wisp_elastic
     WISP_ELASTIC_NONE,    ///< 0
 } wisp_elastic;
 
-/// What all ghosts of a target share, node by node, as quads of a table. A node has `stride` floats:
+/// Table of what all ghosts of a target share, node by node, in rows of four floats. A node has `stride` floats:
 ///   x, y, z, weight     where it is; the sum of the elastic weight and tip_gain i / (n - 1)
 ///   x, y, z, limit      time times its velocity, 0 at the root; the largest weight that keeps the sway within the cap
 ///   x, y, z, w          stride 12 and 16: quaternion, how its frame is turned from rest
@@ -495,7 +495,7 @@ typedef struct wisp_strand_target_args
 {
     const int32_t* group_row;
     const int32_t* lane_count; ///< [group][16] nodes, 0 in an empty lane
-    const int32_t* lane_node;  ///< [group][16] float of the table where the root's quads begin
+    const int32_t* lane_node;  ///< [group][16] float of the table where the rows of the root begin
     const float* position;     ///< [row][3][16] m
     const float* rest;         ///< [row][3][16] m
     const float* velocity;     ///< [row][3][16] m/s; null: at rest
@@ -586,7 +586,7 @@ typedef struct wisp_kernels
     void ( *ring_normal )( const wisp_ring_args* args, int begin,
                            int end ); ///< area-weighted unit normals, 0 if they cancel
     /// Mean of the unit normals of the triangles around a vertex, normalised, whatever their areas; 0 if they cancel.
-    /// Triangles without area, and those with a corner that is not finite, add nothing. quads [slot][4], the fourth is 0
+    /// Triangles without area, and those with a corner that is not finite, add nothing. xyzw [slot][4], the fourth is 0
     void ( *ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw );
     /// Triangles without area, and those with a corner that is not finite, feel nothing.
     void ( *ring_air )( const wisp_ring_air_args* args, int begin, int end );
@@ -624,7 +624,7 @@ typedef struct wisp_kernels
     /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
     ///         that are no number are nowhere
     float ( *apart )( const wisp_separating_axis_args* args );
-    /// The least and the largest of each number of some quads, less those of others if there are any. What is no number
+    /// Find the minimum and maximum of each component of some rows, minus those of other rows if there are any. What is no number
     /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
     void ( *quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                           float upper[4] );

@@ -1,5 +1,4 @@
-/// Particles of a block, all at once: their rigid motion, and where bodies see them. What the kernels in wisp/module/kernels.h of these
-/// names go by.
+/// Particles of a block: arguments of the kernels for rigid motion, gathering and culling.
 #pragma once
 
 #include "wisp/shapes.h"
@@ -30,44 +29,44 @@ typedef struct wisp_rigid_sums
     double xy, xz, yz;
 } wisp_rigid_sums;
 
-/// Particles of a block that move, as arrays. Arrays have room for all of the block.
+/// Moving particles of a block, as arrays with room for the whole block.
 typedef struct wisp_particle_batch
 {
-    int32_t* slot; ///< of each of them
-    float* now[3]; ///< m, in the world
-    float* old[3]; ///< m, likewise, when the substep began
+    int32_t* slot; ///< slot of each particle
+    float* now[3]; ///< m, world position now
+    float* old[3]; ///< m, world position at the start of the substep
 } wisp_particle_batch;
 
-/// Who of a block moves.
+/// Gather the moving particles of a block.
 typedef struct wisp_gather_args
 {
-    const float *position, *previous;   ///< [slot][4] m, now with inverse masses, and when the substep began
-    float* place;                       ///< [slot][4] out: where it is, m, and infinity
-    wisp_particle_batch particle_batch; ///< out
-    float *lower, *upper;               ///< [3] out, m: of all that move, then and now; infinite without any
+    const float *position, *previous; ///< [slot][4] m: now, with inverse masses; at the start of the substep
+    float* search_origin;             ///< [slot][4] out: position, m, and infinity
+    wisp_particle_batch batch;        ///< out
+    float *lower, *upper; ///< [3] out, m: bounds of all moving particles, at both times; infinite if none moves
 } wisp_gather_args;
 
-/// What is left out of a look at a body, as it sees the particles: whatever is farther than its reach.
+/// Shape used to cull particles beyond their reach, in the frame of the body.
 typedef enum wisp_cull_shape
 {
     WISP_CULL_HALF_SPACE, ///< below y = 0
     WISP_CULL_BOX,        ///< the box
-    WISP_CULL_ROUND,      ///< the box, and a ball or a capsule along y in its middle
+    WISP_CULL_ROUND,      ///< the box, and a sphere or a capsule along y at its centre
 } wisp_cull_shape;
 
-/// Particles as a body sees them that goes from a pose to another.
+/// Transform particles to the frame of a moving body, and cull those out of reach.
 typedef struct wisp_cull_args
 {
-    wisp_particle_batch particle_batch;
+    wisp_particle_batch batch;
     wisp_transform before, after;
-    wisp_cull_shape bound;
+    wisp_cull_shape shape;
     wisp_vec3 centre, half;    ///< m, of the box, in the body's frame
-    float radius, half_length; ///< m, of what is round, about the frame's origin
-    float margin;              ///< m; a particle's reach is that and its path
+    float radius, half_length; ///< m, of the sphere or capsule at the origin of the frame
+    float margin;              ///< m; the reach of a particle is this plus its path
     float *from[3], *to[3];    ///< m, out, in the body's frame
     float *path, *reach;       ///< m, out
-    float* clear;              ///< m, in and out: lowered to the reach of who is left out
-    int32_t* queried;          ///< out: who is not
+    float* clearance;          ///< m, in and out: lowered to the reach of culled particles
+    int32_t* candidates;       ///< out: particles that were not culled
 } wisp_cull_args;
 
 WISP_END_C

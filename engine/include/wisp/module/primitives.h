@@ -1,11 +1,11 @@
-/// Points, edges and triangles that are looked at together: which of them are near others, and how near they may come.
+/// Points, edges and triangles in packs of eight: arguments of the kernels that find near pairs and bound their approach.
 #pragma once
 
 #include "wisp/base.h"
 
 WISP_BEGIN_C
 
-/// A closed box. One that is empty (low above high) or not finite overlaps nothing.
+/// Axis-aligned bounding box, closed. One that is empty (lower above upper) or not finite overlaps nothing.
 typedef struct wisp_aabb
 {
     float lower[3], upper[3]; ///< m
@@ -15,80 +15,81 @@ typedef struct wisp_aabb
 typedef struct wisp_primitive_pack
 {
     float centre[3][8];      ///< m
-    float edge_vector[3][8]; ///< m, from the middle to the first corner; not of a point
+    float edge_vector[3][8]; ///< m, from the centre to the first corner; unused for points
     int32_t point_x4[2][8];  ///< points times 4; a point has one
-    int32_t item
-        [8]; ///< what the primitive is called, >= 0; -1: there is none in this lane, whose points are any that there are
-    int32_t third_x4[8];              ///< of a triangle the third point times 4
-    float other_edge_vector[2][3][8]; ///< m, of a triangle: to the second and the third corner
-    float normal[3][8];               ///< unit, of a triangle; 0 where twice its area is below 1e-15 m^2
-    float rounded[8];                 ///< m, of a triangle, how far from its plane a corner is
+    int32_t item[8];     ///< number of the primitive, >= 0; -1: an empty lane, whose points are arbitrary valid ones
+    int32_t third_x4[8]; ///< triangles: third point times 4
+    float other_edge_vector[2][3][8]; ///< m, triangles: from the centre to the second and the third corner
+    float normal[3][8];               ///< triangles: unit; 0 if twice the area is below 1e-15 m^2
+    float rounding[8];                ///< m, triangles: distance of the corners from the rounded plane
 } wisp_primitive_pack;
 
-/// So many jobs are done at once at most, each with so many rows of either side.
+/// Most arguments of one kernel call, and most packs of each side of one.
 enum
 {
     WISP_PRIMITIVE_BATCH = 8,
     WISP_PRIMITIVE_PACKS = 3,
 };
 
-/// Pairs of primitives: what they are of, what they are called, and their points times 4 as wisp_closest_args has them. Room for
-/// 8 more than are put.
+/// Pairs of primitives: their cluster pair, their numbers, and their points times 4 as in wisp_closest_args. Arrays have room
+/// for 8 more than are written.
 typedef struct wisp_primitive_pairs
 {
     int32_t *of, *first, *second;
     int32_t* point_x4[4];
 } wisp_primitive_pairs;
 
-/// Which primitives of some rows are so near primitives of others that they may be within a distance.
+/// Find primitive pairs that may be closer than `within`.
 typedef struct wisp_primitive_near_args
 {
     const wisp_primitive_pack *queries, *rows;
-    int query_rows, row_count;
-    const wisp_aabb *query_box, *box; ///< around all primitives of the queries, and of the rows
-    float within;                     ///< m
-    float seen;                       ///< m, >= within: what is farther from the others' box is not looked at
-    float* least; ///< [8] in and out: lowered to how far those are apart at least that are looked at and not found, m
-    bool is_own;  ///< of edges: queries are the rows, a pair is named by the one that is called less
-    int32_t number; ///< what its pairs are said to be of
+    int query_pack_count, row_count;
+    const wisp_aabb *query_aabb, *box; ///< bounds of all primitives of the queries, and of the packs
+    float within;                      ///< m
+    float cull_distance;               ///< m, >= within: primitives farther from the other AABB are skipped
+    float*
+        min_distance; ///< [8] m, in and out: lowered to a bound of the distance of tested pairs that are not reported
+    bool is_self;     ///< edges: queries are the packs themselves; a pair is reported once, by its lower number
+    int32_t cluster;  ///< cluster pair that is written with the pairs
 } wisp_primitive_near_args;
 
-/// Two sets of points, and directions along which they may be apart. The lists of points are padded to eights.
+/// Two sets of points, and candidate separating axes. The lists of points are padded to a multiple of 8.
 typedef struct wisp_separating_axis_args
 {
     const float* xyzw;          ///< [point][4] m
-    const int32_t* point_x4[2]; ///< of either set, points times 4
+    const int32_t* point_x4[2]; ///< points of each set times 4
     int count[2];               ///< multiples of 8
-    float along[3][3];          ///< of any length above 1e-15; what is shorter tells nothing
+    float axis[3][3];           ///< of any length above 1e-15; shorter ones are ignored
 } wisp_separating_axis_args;
 
-/// How much nearer the sides of pairs may come, at most: no more than two of their points.
+/// Bound how much the sides of pairs can approach: the largest approach of two of their points.
 typedef struct wisp_approach_args
 {
-    const float* ahead;         ///< [point][4] m: where it goes, give or take the fourth
-    const int32_t* point_x4[4]; ///< [pair] as wisp_primitive_pairs has them
+    const float* predicted;     ///< [point][4] m: predicted displacement, and its uncertainty
+    const int32_t* point_x4[4]; ///< [pair] as in wisp_primitive_pairs
     bool are_edges;             ///< the first side has two points, else one
-    float* closing;             ///< [pair] out, m
+    float* max_approach;        ///< [pair] out, m
 } wisp_approach_args;
 
-/// Where points go, quads. Arrays have room for the last eight.
+/// Displacements of points. Arrays are padded to a multiple of 8.
 typedef struct wisp_displacement_args
 {
     const float *before, *now; ///< [point][4] m
-    float common[3];           ///< m, that all of them go together
-    float fraction, spare;     ///< of what a point goes beside that, and m
-    float* way;                ///< [point][4] m; the fourth is share and spare of it
+    float common[3];           ///< m, common displacement of all points
+    float fraction, spare;     ///< uncertainty: fraction of the rest of the displacement, plus extra in m
+    float* displacement;       ///< [point][4] m; the fourth is the uncertainty
 } wisp_displacement_args;
 
-/// Pairs of which it is known how far their sides are from something, less what they came nearer since. Sides are sets of points;
-/// a way of one is the middle of where its points go, and, fourth, how far from it any of them goes at most. Arrays of pairs
-/// are padded to eights.
+/// Pairs with a cached bound of their separation, minus their approach since. Sides are sets of points; the displacement of a
+/// side is that of its centre, and in the fourth component the largest deviation of a point from it. Arrays of pairs are
+/// padded to a multiple of 8.
 typedef struct wisp_separation_args
 {
-    const float *gone, *ways;      ///< [side][4] m: what is to be counted, null if it is already; what may come
+    const float *moved,
+        *ways; ///< [side][4] m: displacement to subtract, null if already done; predicted displacement
     const int32_t *first, *second; ///< [pair] sides
-    float* slack;                  ///< [pair] in and out, m
-    int32_t* due;                  ///< [pair] out: those that may use up their slack, in front
+    float* separation_bound;       ///< [pair] in and out, m
+    int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
 } wisp_separation_args;
 
 WISP_END_C

@@ -27,7 +27,7 @@ typedef struct wisp_samples_args
     bool scanline; ///< normals of inner points between those of their line's ends, instead of by the three weights
     int limit;     ///< at most so many points, >= 0; beyond it nothing is sampled anew and `refused` says so
 
-    // What a job remembers from call to call, the caller's state: zero at the first call. It may be put back to that of an
+    // State kept from call to call, owned by the caller: zero at the first call. It may be put back to that of an
     // earlier call at any time; points are those that belong to it. Lengths are over the spacing.
     float* edge_length;   ///< [edge_count] that the count was made from; 0 without hysteresis, which needs no memory
     int32_t* edge_points; ///< [edge_count]
@@ -38,7 +38,7 @@ typedef struct wisp_samples_args
 
 /// Count, scan, fill, place (boundary particle paper, sections 2 to 5). Lengths are measured in double precision. Lines of a triangle
 /// run from the first corner of its axis to the second; the lowest of equally short sides is the axis.
-/// @param job the edges and triangles of the call before, as long as their numbers are the same: release first where others
+/// @param args the edges and triangles of the call before, as long as their numbers are the same: release first where others
 ///        take their place. A change of anything else is met by sampling anew
 /// @return WISP_NO_MEMORY: points are those of the last call
 WISP_API wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel,

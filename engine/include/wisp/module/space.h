@@ -30,7 +30,7 @@ typedef struct wisp_grid
 } wisp_grid;
 
 /// Sort items into cells.
-/// @param quads [count][4] x, y, z in m, finite; owner as int bits
+/// @param xyzw [count][4] x, y, z in m, finite; owner as int bits
 /// @param cell m, > 0: the wanted edge; wider if the grid would need more than 4 cells an item
 /// @param fine > 0: cut cells along the fastest axis into so many, fewer if that makes more than 4 cells an item. Runs of
 ///             cells then fit a radius better; 1: cubes

@@ -44,7 +44,7 @@ typedef struct wisp_spring_args
     float ( *inverse )[6][8]; ///< [slice] inverse of A_ii, 1/kg: xx, xy, xz, yy, yz, zz
 } wisp_spring_args;
 
-/// Vectors of conjugate gradients over the springs. Directions stand in quads because neighbours are reached through an
+/// Vectors of conjugate gradients over the springs. Directions are rows of four because neighbours are reached through an
 /// index; everything else is streamed.
 typedef struct wisp_conjugate_args
 {
