@@ -136,13 +136,12 @@ wisp_status balloon_pressures( const balloon_plan* plan, results* out, wisp_erro
         }
     }
     wisp_mesh_release( &mesh );
-    results_add_note(
-        out,
-        "Pressure: after %d steps of 1/60 s, 0.05 kg/m^2, k_edge 2000 N/m, velocities damped by 45/s, no "
-        "gravity. The closed form is the pressure of this mesh scaled evenly to the volume that it has, "
-        "so it moves with the volume error of a line. Substeps beat iterations; the gas and multiplier "
-        "readings mean nothing below some hundred substeps.",
-        plan->settle_steps );
+    results_add_note( out,
+                      "Pressure: after %d steps of 1/60 s, 0.05 kg/m^2, k_edge 2000 N/m, damping 45/s, no gravity. "
+                      "The closed form is that of the mesh scaled evenly to its computed volume.",
+                      plan->settle_steps );
+    results_add_note( out, "Pressure: substeps help more than iterations. The gas and multiplier readings are "
+                           "meaningless below some hundred substeps." );
     return status;
 }
 

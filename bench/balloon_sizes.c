@@ -98,7 +98,8 @@ static void check( const size_comparison* comparison, const size_line* line, res
 {
     if ( !( fabs( line->read.volume_error ) <= BALLOON_TOLERATED_VOLUME ) )
     {
-        results_add_failure( out, "balloon of %d vertices: the volume is %.2f %% beside V_0, more than %.1f %%.",
+        results_add_failure( out,
+                             "balloon of %d vertices: the volume differs from V_0 by %.2f %%, more than %.1f %%.",
                              line->vertices, 100.0 * line->read.volume_error, 100.0 * BALLOON_TOLERATED_VOLUME );
     }
     if ( comparison->implementations[0].halted_at > 0 )
@@ -240,9 +241,9 @@ static void add_chart( int first_row, results* out )
 {
     rows_chart_add( &( rows_chart ){ .first_row = first_row,
                                      .name = "balloon",
-                                     .title = "Balloon: what a vertex costs by size",
+                                     .title = "Balloon: cost per vertex by size",
                                      .x_label = "vertices",
-                                     .y_label = "ns a vertex and substep",
+                                     .y_label = "ns per vertex and substep",
                                      .x = rows_vertices,
                                      .y = ns_of,
                                      .y_linear = true },
@@ -262,7 +263,7 @@ static void claim_flatness( const balloon_plan* plan, const size_line* lines, in
         ms[i] = lines[i].ms[e].median;
     }
     char claim[160];
-    snprintf( claim, sizeof( claim ), "balloon, ns a vertex and substep with %d worker%s are flat within %.0f %%",
+    snprintf( claim, sizeof( claim ), "balloon, ns per vertex and substep with %d worker%s are flat within %.0f %%",
               plan->workers[e], plan->workers[e] == 1 ? "" : "s", 100.0 * ( CLAIM_FLAT - 1.0 ) );
     results_add_claim( out, most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart" );
     if ( plan->level_count > 2 )
@@ -318,10 +319,9 @@ wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* e
         {
             claim_flatness( plan, lines, e, out );
         }
-        results_add_note( out,
-                          "Balloon: volume and pressure are read after the timed steps, with one worker; fine "
-                          "meshes have had fewer of them and hold errors that travel one edge a pass. The closed "
-                          "form is that of the mesh scaled to the volume that it has." );
+        results_add_note( out, "Balloon: volume and pressure are read after the timed steps, with one worker. Fine "
+                               "meshes have run fewer steps and keep errors that travel one edge per pass." );
+        results_add_note( out, "Balloon: the closed form is that of the mesh scaled to its computed volume." );
     }
     return status;
 }

@@ -1,5 +1,5 @@
-// B5 with spacing by curvature (BND-X1): as many points at one spacing beside points that are closer where the body
-// is curved. What counts is how far the normal turns from one point of an edge to the next.
+// Adaptive spacing (extension, not in the boundary particle paper): as many points at one spacing beside points that
+// are closer where the body is curved. What counts is how far the normal turns from one point of an edge to the next.
 #include "boundary_bench.h"
 
 #include "oracle/boundary_oracle.h"
@@ -229,7 +229,8 @@ static wisp_status run_gain( const body* b, float gain, int table, results* out,
         add_row( pair + 1, "as many at one spacing", stats + 1, turn + 1, "", table, out );
         if ( !met )
         {
-            results_add_failure( out, "B5: with a gain of %g normals turn no less than at one spacing.",
+            results_add_failure( out,
+                                 "Adaptive spacing: with a gain of %g normals turn no less than at uniform spacing.",
                                  (double)gain );
         }
     }
@@ -249,8 +250,8 @@ wisp_status boundary_adaptive( const boundary_plan* plan, results* out, wisp_err
     status = status == WISP_OK ? find_normals( &b, error ) : status;
     char title[160];
     snprintf( title, sizeof( title ),
-              "B5: the %s, spacing by curvature beside as many points at one spacing; turn: degrees from one to the "
-              "next on an edge",
+              "Adaptive spacing: the %s, by curvature and with as many points at uniform spacing; turn: degrees "
+              "between points of an edge",
               b.name );
     const int table = results_add_table( out, title, WISP_COUNT( header ), header );
     for ( int i = 0; i < GAINS && status == WISP_OK; ++i )

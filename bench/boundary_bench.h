@@ -1,4 +1,4 @@
-/// The case `boundary`: the figures of the boundary particle source (BND section 9) as experiments, and what points
+/// The case `boundary`: the experiments of the boundary particle paper, and what points
 /// cost.
 #pragma once
 
@@ -31,13 +31,12 @@ wisp_status boundary_bench_run( const boundary_plan* plan, results* out, wisp_er
 
 typedef wisp_status boundary_fn( const boundary_plan* plan, results* out, wisp_error* error );
 
-boundary_fn boundary_inflate; ///< B1: 1 -> 2 -> 1 with a gust: counts follow lengths, points stay on the surface
-boundary_fn boundary_volumes; ///< BND-01: the volume that a multiplier comes to, with a soft skin and the source's
-boundary_fn boundary_counts;  ///< B2, B3: points of an edge, and inside four triangles
-boundary_fn
-    boundary_normals;       ///< B4: the angle between a point's normal and its direction, on finer and finer spheres
-boundary_fn boundary_costs; ///< B5: points, time and memory by spacing; accuracy against cost
-boundary_fn boundary_adaptive; ///< B5: uniform spacing beside spacing by curvature, on the scanned body
-boundary_fn boundary_pulses;   ///< B6: a radius that pulsates: elements in case B, time of A against B, hysteresis
-boundary_fn boundary_steps;    ///< B7: long steps and strong gravity; the layer changes nothing
+boundary_fn boundary_inflate;  ///< 1 -> 2 -> 1 with a gust: counts follow lengths, points stay on the surface
+boundary_fn boundary_volumes;  ///< the volume that each multiplier reaches, with a soft skin and that of the paper
+boundary_fn boundary_counts;   ///< points of an edge, and inside four triangles
+boundary_fn boundary_normals;  ///< the angle between a point's normal and its direction, on finer and finer spheres
+boundary_fn boundary_costs;    ///< points, time and memory by spacing; accuracy against cost
+boundary_fn boundary_adaptive; ///< uniform spacing beside spacing by curvature, on the scanned body
+boundary_fn boundary_pulses;   ///< a radius that pulsates: elements in case B, time of A against B, hysteresis
+boundary_fn boundary_steps;    ///< long steps and strong gravity; the layer changes nothing
 boundary_fn boundary_pictures; ///< what layers look like, if there is a folder for it

@@ -1,4 +1,4 @@
-// B5: how many points a spacing gives, what they cost, and how densely they stand for the surface.
+// Measure how many points a spacing gives, their cost, and how densely they cover the surface.
 #include "boundary_cover.h"
 #include "boundary_bench.h"
 #include "rows_chart.h"
@@ -17,7 +17,7 @@ enum
 
 static const char* const way_names[WAYS] = { "in place", "anew" };
 
-// The table of the contract (BND-14), by an independent script in double precision: on edges, and inside.
+// Expected counts on edges and inside triangles, by an independent script in double precision.
 static const struct
 {
     float spacing;
@@ -197,8 +197,8 @@ static void add_counts( const cost_run* run, const layer_cost* cost, int table, 
     cells_end_row( &row, table, out );
     if ( !exact || !cost->same_hash )
     {
-        results_add_failure( out, "B5: points at d = %g m, %s, %s.", d, cost->law->name,
-                             exact ? "depend on the workers, or on whether they were sampled anew"
+        results_add_failure( out, "Cost of points: at d = %g m, %s, %s.", d, cost->law->name,
+                             exact ? "points depend on the number of workers, or on whether they were sampled again"
                                    : "are not those expected" );
     }
 }
@@ -244,7 +244,7 @@ static void add_accuracy( const layer_cost* cost, int table, results* out )
     cells_end_row( &row, table, out );
     if ( !met )
     {
-        results_add_failure( out, "B5: a gap of %.4f m on an edge at d = %g m, %s.", cost->cover.gap, d,
+        results_add_failure( out, "Coverage: a gap of %.4f m on an edge at d = %g m, %s.", cost->cover.gap, d,
                              cost->law->name );
     }
 }
@@ -281,40 +281,49 @@ static void write_tables( const cost_run* run, results* out )
     const int w = run->plan->workers[run->plan->worker_count - 1];
     char in_place[40], anew[40], title[160];
     snprintf( in_place, sizeof( in_place ), "in place, %d workers", w );
-    snprintf( anew, sizeof( anew ), "anew, %d workers", w );
-    const char* const costs[] = { "d",  "spacing",         "points",          "in place",        in_place, "anew",
-                                  anew, "anew / in place", "1 worker / more", "bytes per point", "MB" };
-    static const char* const accuracy[] = { "d",      "spacing",     "gap, mm", "gap / d", "cover, mm", "cover / d",
-                                            "points", "in place ms", "anew ms", "MB",      "met" };
+    snprintf( anew, sizeof( anew ), "resampled, %d workers", w );
+    const char* const costs[] = { "d",
+                                  "spacing",
+                                  "points",
+                                  "in place",
+                                  in_place,
+                                  "resampled",
+                                  anew,
+                                  "resampled / in place",
+                                  "1 worker / more",
+                                  "bytes per point",
+                                  "MB" };
+    static const char* const accuracy[] = { "d",         "spacing", "gap, mm",     "gap / d",      "cover, mm",
+                                            "cover / d", "points",  "in place ms", "resampled ms", "MB",
+                                            "met" };
     int table =
-        results_add_table( out, "B5: points of the reference sphere by spacing, m", WISP_COUNT( counts ), counts );
+        results_add_table( out, "Points of the reference sphere by spacing, m", WISP_COUNT( counts ), counts );
     for ( int i = 0; i < run->count; ++i )
     {
         add_rows( run, run->costs + i, out );
         add_counts( run, run->costs + i, table, out );
     }
-    snprintf( title, sizeof( title ),
-              "B5: what they cost: ns a point, medians of the pass that makes them, 1 worker "
-              "where nothing is said; memory" );
+    snprintf(
+        title, sizeof( title ),
+        "Cost of points: ns per point, medians of the pass that makes them, 1 worker where not stated; memory" );
     table = results_add_table( out, title, WISP_COUNT( costs ), costs );
     for ( int i = 0; i < run->count; ++i )
     {
         add_costs( run, run->costs + i, table, out );
     }
-    table = results_add_table(
-        out,
-        "B5: accuracy against cost: the largest gap along edges, and the farthest place of a triangle from "
-        "the points on it; 1 worker",
-        WISP_COUNT( accuracy ), accuracy );
+    table = results_add_table( out,
+                               "Coverage against cost: the largest gap along edges, and the largest distance from a "
+                               "place on a triangle to its points; 1 worker",
+                               WISP_COUNT( accuracy ), accuracy );
     for ( int i = 0; i < run->count; ++i )
     {
         add_accuracy( run->costs + i, table, out );
     }
     add_chart( run, first_row, out );
-    results_add_note( out,
-                      "B5: in place: no count changes (case A); anew: every element is sampled anew in every step "
-                      "(case B). same: the hash of points, normals and recipes is that of every way and worker "
-                      "count. bytes: all of a layer, points twice. cover is of 325 places of each triangle." );
+    results_add_note( out, "Cost of points: in place: no count changes (case A). resampled: every element is sampled "
+                           "again in every step (case B). bytes: the whole layer, points twice." );
+    results_add_note( out, "Coverage: distances are measured at 325 places of each triangle. same: points, normals "
+                           "and recipes have one hash in both cases and for every worker count." );
 }
 
 static double area_of( const wisp_mesh* mesh, wisp_error* error )

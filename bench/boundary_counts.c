@@ -1,4 +1,4 @@
-// B2 and B3: how many points an edge and a triangle get, and where they stand.
+// Check how many points an edge and a triangle get, and where they are.
 #include "boundary_bench.h"
 
 #include "oracle/boundary_oracle.h"
@@ -40,7 +40,7 @@ static void add_count_row( const char* what, const layer_law* law, float spacing
     }
 }
 
-// ---- B2 ----
+// ---- points of an edge ----
 
 #define EDGE_SPACING 0.5f // so that all lengths below are floats
 
@@ -97,8 +97,9 @@ static wisp_status edges( results* out, wisp_error* error )
     static const float fractions[EDGES] = { 0.3f, 1.0f, 1.5f, 2.0f, 3.7f };
     static const int expected[LAYER_LAWS][EDGES] = { { 0, 0, 0, 1, 2 }, { 0, 0, 1, 1, 3 }, { 0, 0, 1, 1, 3 } };
     static const char* const header[] = { "spacing", "L/d 0.3", "1", "1.5", "2", "3.7", "expected", "met" };
-    const int table = results_add_table( out, "B2: points of an edge by its length over the spacing",
-                                         WISP_COUNT( header ), header );
+    const int table =
+        results_add_table( out, "Edge points: number of points of an edge by its length over the spacing",
+                           WISP_COUNT( header ), header );
     wisp_status status = WISP_OK;
     for ( int law = 0; law < LAYER_LAWS && status == WISP_OK; ++law )
     {
@@ -120,14 +121,14 @@ static wisp_status edges( results* out, wisp_error* error )
                        "contract", out );
         if ( status == WISP_OK && !met )
         {
-            results_add_failure( out, "B2: the points of an edge, %s, are not those of the contract.",
+            results_add_failure( out, "Edge points: the points of an edge, %s, differ from the expected ones.",
                                  layer_laws[law].name );
         }
     }
     return status;
 }
 
-// ---- B3 ----
+// ---- points inside a triangle ----
 
 enum
 {
@@ -286,7 +287,7 @@ static void add_kind( const wisp_boundary_view* view, const wisp_boundary_def* d
     add_count_row( kinds[kind].name, &layer_laws[law], def->spacing, look.points, look.expected, "oracle", out );
     if ( !met )
     {
-        results_add_failure( out, "B3: the %s triangle, %s, d = %g m, is not filled as the contract has it.",
+        results_add_failure( out, "Inner points: the %s triangle, %s, d = %g m, has other points than expected.",
                              kinds[kind].name, layer_laws[law].name, (double)def->spacing );
     }
 }
@@ -301,7 +302,7 @@ static wisp_status triangles( results* out, wisp_error* error )
     make_triangles( points, corners );
     const wisp_mesh mesh = { points, corners, 3 * KINDS * COPIES, KINDS * COPIES };
     const int table = results_add_table( out,
-                                         "B3: points inside triangles, in rows along the shortest side, from any "
+                                         "Inner points: in rows along the shortest side of a triangle, from any "
                                          "corner and 1024 m away; expected by the oracle",
                                          WISP_COUNT( header ), header );
     wisp_status status = WISP_OK;

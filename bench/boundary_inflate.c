@@ -1,4 +1,4 @@
-// B1: the sample run of the source, one balloon that swells, meets a gust and shrinks again.
+// Run the example of the boundary particle paper: a balloon swells, meets a gust and shrinks again.
 #include "boundary_bench.h"
 
 #include "wisp/module/components.h"
@@ -17,7 +17,7 @@ enum
     END = SHRINKS + RAMP + REST,
 };
 
-// Velocities from the key of the source, m/s.
+// Velocities from the key of the boundary particle paper's program, m/s.
 static const double gust[3] = { 0.5, 0.25, 0.5 };
 
 static const int shown[] = { 1, REST, REST + RAMP / 2, SWOLLEN, GUST, GUST + 1, SHRINKS, SHRINKS + RAMP / 2, END };
@@ -177,16 +177,15 @@ static wisp_status report( inflation* run, results* out, wisp_error* error )
         results_put( &row->error, "differing_steps", run->differing );
     }
     results_add_note( out,
-                      "B1: after the gust the centre moved %.4f m; expected from the hits of vertices %.4f m. Of %d "
-                      "steps %d have points that are not the oracle's; no point was farther than %.2g m from the "
-                      "surface.",
+                      "Inflation: after the gust the centre moved %.4f m; vertex hits predict %.4f m. Of %d steps %d "
+                      "have other points than the oracle; the farthest point was %.2g m from the surface.",
                       run->moved, run->moved_expected, END, run->differing, run->max_off );
     // places are rounded to 1e-7 of their size in every step, and the centre moves by 4 %: 1 % of that is far above
     if ( run->differing > 0 || run->balloon.halted_at > 0 ||
          !( fabs( run->moved / run->moved_expected - 1.0 ) < 0.01 ) )
     {
-        results_add_failure( out,
-                             "B1: points left the surface or their counts, or the gust did not move the balloon." );
+        results_add_failure(
+            out, "Inflation: points left the surface, counts differ, or the gust did not move the balloon." );
     }
     return WISP_OK;
 }
@@ -208,7 +207,7 @@ wisp_status boundary_inflate( const boundary_plan* plan, results* out, wisp_erro
                                           "inner", "expected",   "in case B, %", "error, um",       "met" };
     inflation run = { .plan = plan };
     run.table = results_add_table( out,
-                                   "B1: the reference sphere inflated 1 -> 2 -> 1, d 0.1, steps of 1/60 s of 5 "
+                                   "Inflation: the reference sphere grows to 2 and shrinks to 1, d 0.1, 1/60 s, 5 "
                                    "iterations, distances 0.9, volume 1; counts expected by the oracle",
                                    WISP_COUNT( header ), header );
     wisp_status status = enter( &run, error );

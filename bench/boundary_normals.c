@@ -1,4 +1,4 @@
-// B4: how far normals of points are from those of the sphere that the mesh stands for.
+// Measure how far normals of points are from those of the sphere that the mesh stands for.
 #include "boundary_bench.h"
 
 #include <math.h>
@@ -116,11 +116,10 @@ wisp_status boundary_normals( const boundary_plan* plan, results* out, wisp_erro
 {
     static const char* const header[] = { "sphere",    "vertices",    "edge points", "inner points",    "edge, mean",
                                           "edge, max", "inner, mean", "inner, max",  "turn a gap, max", "met" };
-    const int table =
-        results_add_table( out,
-                           "B4: degrees between a point's normal and its direction on spheres of 2.5 m, "
-                           "d 0.025; expected to fall with the mesh",
-                           WISP_COUNT( header ), header );
+    const int table = results_add_table( out,
+                                         "Normals: degrees between a point's normal and its direction on spheres of "
+                                         "2.5 m, d 0.025; should fall on finer meshes",
+                                         WISP_COUNT( header ), header );
     wisp_status status = WISP_OK;
     double before = INFINITY;
     for ( int i = 0; i < plan->sphere_count && status == WISP_OK; ++i )
@@ -136,9 +135,9 @@ wisp_status boundary_normals( const boundary_plan* plan, results* out, wisp_erro
         }
         if ( status == WISP_OK && !met )
         {
-            results_add_failure( out,
-                                 "B4: normals on the sphere of %d slices are no nearer to it than on a coarser one.",
-                                 plan->segments[i] );
+            results_add_failure(
+                out, "Normals: on the sphere of %d slices they are no more accurate than on a coarser one.",
+                plan->segments[i] );
         }
         before = mean;
     }

@@ -1,4 +1,4 @@
-// B6: what it costs that counts change: a radius that pulsates, with and without hysteresis.
+// Measure the cost of changing counts: a radius that pulsates, with and without hysteresis.
 #include "boundary_bench.h"
 
 #include <math.h>
@@ -175,15 +175,15 @@ static void add_pulse( pulse* p, const stats_summary times[2], int workers, int 
     add_pulse_row( p, &ms, workers, out );
 }
 
-// None changes in a surface that stands still, all where all is asked for, and fewer with hysteresis. Without it counts
-// follow from positions alone: after whole periods a layer is what it was.
+// None changes in a surface that stands still, all where all is asked for, and fewer with hysteresis. Without it
+// counts follow from positions alone: after whole periods a layer is what it was.
 static void check_pulses( const pulse all[PULSES], results* out )
 {
     if ( all[STILL].changed != 0.0 || all[ALL_ANEW].changed != 1.0 )
     {
         results_add_failure( out,
-                             "B6: of a surface that stands still %g of the elements are sampled anew, and %g where "
-                             "all are asked for.",
+                             "Pulsating radius: %g of the elements of a static surface are sampled again, and %g "
+                             "where all are requested.",
                              all[STILL].changed, all[ALL_ANEW].changed );
     }
     for ( int i = 2; i < PULSES; ++i )
@@ -191,12 +191,14 @@ static void check_pulses( const pulse all[PULSES], results* out )
         const pulse *p = all + i, *without = p - ( i - 2 ) % 3;
         if ( p == without && p->hash != all[STILL].hash )
         {
-            results_add_failure( out, "B6: after whole periods of +- %g %% the layer is not what it was.",
-                                 100.0 * p->amplitude );
+            results_add_failure(
+                out, "Pulsating radius: after whole periods of +- %g %% the layer differs from the first one.",
+                100.0 * p->amplitude );
         }
         if ( p->changed > without->changed )
         {
-            results_add_failure( out, "B6: at %g %% hysteresis of %g changes more elements than none.",
+            results_add_failure( out,
+                                 "Pulsating radius: at %g %% a hysteresis of %g changes more elements than none.",
                                  100.0 * p->amplitude, (double)p->hysteresis );
         }
     }
@@ -204,14 +206,13 @@ static void check_pulses( const pulse all[PULSES], results* out )
 
 static void write_pulses( const boundary_plan* plan, pulse all[PULSES], results* out )
 {
-    static const char* const header[] = { "surface",      "+- %",       "hysteresis",     "points",
-                                          "in case B, %", "at most, %", "points kept, %", "ms",
-                                          "p90",          "of still",   "of all anew",    "hash" };
-    const int table =
-        results_add_table( out,
-                           "B6: a radius that pulsates in 60 steps, d 0.05: elements whose counts change, "
-                           "and time of the pass that makes the points",
-                           WISP_COUNT( header ), header );
+    static const char* const header[] = { "surface",      "+- %",       "hysteresis",       "points",
+                                          "in case B, %", "at most, %", "points kept, %",   "ms",
+                                          "p90",          "of still",   "of all resampled", "hash" };
+    const int table = results_add_table( out,
+                                         "Pulsating radius, 60 steps, d 0.05: elements whose counts change, and time "
+                                         "of the pass that makes the points",
+                                         WISP_COUNT( header ), header );
     const stats_summary times[2] = { layer_pass_ms( &all[STILL].implementation.surface, "boundary.points" ),
                                      layer_pass_ms( &all[ALL_ANEW].implementation.surface, "boundary.points" ) };
     for ( int i = 0; i < PULSES; ++i )
@@ -219,11 +220,11 @@ static void write_pulses( const boundary_plan* plan, pulse all[PULSES], results*
         add_pulse( all + i, times, plan->workers[0], table, out );
     }
     check_pulses( all, out );
-    results_add_note( out,
-                      "B6: shares are of %d steps after the first; hysteresis in spacings. points kept: of elements "
-                      "that have as many points as the step before. A step in which any count changes moves the "
-                      "points of all elements behind it.",
-                      plan->pulse_steps );
+    results_add_note(
+        out,
+        "Pulsating radius: fractions are of %d steps after the first; hysteresis is in spacings. points kept: of "
+        "elements with the same count as a step before. A changed count moves the points of all elements behind it.",
+        plan->pulse_steps );
 }
 
 wisp_status boundary_pulses( const boundary_plan* plan, results* out, wisp_error* error )

@@ -90,8 +90,9 @@ static void pulsate( layer_implementation* implementation )
     }
 }
 
-// A layer that is set as it was keeps its recipes where counts come out the same. Another hysteresis drops all of them;
-// so little of it changes no count, but of lengths that are a whole number of spacings within the rounding of a float.
+// A layer that is set as it was keeps its recipes where counts come out the same. Another hysteresis drops all of
+// them; so little of it changes no count, but of lengths that are a whole number of spacings within the rounding of a
+// float.
 static wisp_status sample_anew( layer_implementation* implementation, wisp_error* error )
 {
     wisp_boundary_def def = implementation->def;
@@ -294,7 +295,7 @@ bool layer_check_is_met( const layer_check* check )
            check->farthest <= rounding && check->off_surface <= rounding;
 }
 
-// ---- the balloon of the source ----
+// ---- the balloon of the boundary particle paper ----
 
 layer_balloon layer_default_balloon( void )
 {
@@ -308,7 +309,7 @@ wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, con
     surface_generator generator = surface_default_generator( &wisp_balloon_module, fabric );
     generator.second = &wisp_boundary_module;
     generator.vertex_mass = 1.0f;
-    // the engine's implicit step of a rate that keeps what the source's decay keeps, whatever the step
+    // the engine's implicit step of a rate that keeps the same velocity as the paper's decay, for any step
     generator.damping = (float)( expm1( (double)LAYER_DECAY * (double)setting->seconds ) / (double)setting->seconds );
     generator.iterations = LAYER_ITERATIONS;
     generator.seconds = setting->seconds;
@@ -322,7 +323,7 @@ wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, con
     def.volume_stiffness = 1.0f;
     def.gas_ratio = setting->multiplier;
     def.min_gas_ratio = 0.001f;
-    def.buoyancy = def.keep_angular_momentum = false; // the source knows neither
+    def.buoyancy = def.keep_angular_momentum = false; // neither is in the paper
     def.drag_coefficient = 0.0f;
     wisp_status status = surface_implementation_create( &generator, out, error );
     if ( status != WISP_OK )

@@ -1,12 +1,12 @@
-/// Surfaces with a layer of boundary particles: that stand still, pulsate, or are the balloon of the source; and what its
-/// equations in double precision say about the same positions.
+/// Surfaces with a layer of boundary particles: that stand still, pulsate, or are the balloon of the boundary
+/// particle paper; and what its equations in double precision say about the same positions.
 #pragma once
 
 #include "balloon_scene.h"
 
 #include "boundary/boundary.h"
 
-#define LAYER_RADIUS 2.5f ///< m, of the source's sphere
+#define LAYER_RADIUS 2.5f ///< m, of the paper's sphere
 #define LAYER_SEGMENTS 30 ///< slices and stacks of it
 #define LAYER_SPACING 0.1f
 #define LAYER_ITERATIONS 5
@@ -17,7 +17,7 @@
 
 /// A sphere of `segments` slices and as many stacks, its poles on the y axis.
 wisp_status layer_sphere( int segments, float radius, wisp_mesh* out, wisp_error* error );
-/// Cook without bend links: the source has none.
+/// Cook without bend links: the boundary particle paper has none.
 wisp_status layer_cook( const wisp_mesh* mesh, wisp_fabric** out, wisp_error* error );
 
 /// Points at a spacing by one of the laws that are compared.
@@ -81,7 +81,7 @@ bool layer_check_is_met( const layer_check* check );
 wisp_status layer_volume( surface_implementation* implementation, const wisp_mesh* mesh, double* volume,
                           wisp_error* error );
 
-/// The balloon of the source. Start from layer_default_balloon().
+/// The balloon of the boundary particle paper. Start from layer_default_balloon().
 typedef struct layer_balloon
 {
     float skin;       ///< stiffness of the distances

@@ -1,11 +1,11 @@
-// BND-01 and B7: what the balloon under a layer comes to, by stiffness, step and gravity.
+// Measure the balloon under a layer, by stiffness, step and gravity.
 #include "boundary_bench.h"
 
 #include "oracle/boundary_oracle.h"
 
 #include <math.h>
 
-// The volume of a soft skin is that of its gas within so much (BND-01).
+// Tolerance of the volume of a soft skin against that of its gas.
 static const double SOFT_TOLERANCE = 0.02;
 static const float SOFT_SKIN = 0.01f;
 
@@ -28,9 +28,9 @@ static void free_sphere( sphere* s )
     wisp_mesh_release( &s->mesh );
 }
 
-// ---- BND-01 ----
+// ---- volume by stiffness ----
 
-// The same balloon in double; the order of its distances is the source's, ours is by colours.
+// The same balloon in double; its distances are in the order of the paper, Wisp's by colours.
 static double oracle_volume( const layer_balloon* setting, int steps )
 {
     balloon_mesh mesh;
@@ -96,7 +96,7 @@ static wisp_status run_volume( const boundary_plan* plan, const sphere* s, const
     }
     if ( !met )
     {
-        results_add_failure( out, "BND-01: with stiffness %g the multiplier %g gave %.4f rest volumes.",
+        results_add_failure( out, "Volume: with stiffness %g the multiplier %g gave %.4f rest volumes.",
                              (double)setting->skin, (double)setting->multiplier, reached );
     }
     return WISP_OK;
@@ -108,7 +108,7 @@ wisp_status boundary_volumes( const boundary_plan* plan, results* out, wisp_erro
                                           "error, %", "oracle",    "expected",   "met" };
     static const float multipliers[] = { 0.5f, 1.0f, 2.0f, 3.0f };
     char title[160];
-    snprintf( title, sizeof( title ), "BND-01: rest volumes that a multiplier comes to after %d steps of 1/60 s",
+    snprintf( title, sizeof( title ), "Volume: rest volumes reached by each multiplier after %d steps of 1/60 s",
               plan->settle_steps );
     const int table = results_add_table( out, title, WISP_COUNT( header ), header );
     sphere s;
@@ -124,7 +124,7 @@ wisp_status boundary_volumes( const boundary_plan* plan, results* out, wisp_erro
     return status;
 }
 
-// ---- B7 ----
+// ---- long steps and strong gravity ----
 
 typedef struct hang
 {
@@ -205,7 +205,7 @@ static void add_hang( const layer_balloon* setting, int steps, const hang* with,
     }
     if ( !is_finite || !same )
     {
-        results_add_failure( out, "B7: at %d steps per second and %g m/s^2 the balloon %s.", rate,
+        results_add_failure( out, "Long steps: at %d steps per second and %g m/s^2 the balloon %s.", rate,
                              (double)setting->gravity,
                              same ? "did not stay finite" : "has other positions with a layer than without" );
     }
@@ -219,9 +219,10 @@ wisp_status boundary_steps( const boundary_plan* plan, results* out, wisp_error*
     static const int rates[] = { 240, 120, 60, 30, 20 };
     static const float gravities[] = { 0.98f, 9.8f, 98.0f };
     char title[160];
-    snprintf( title, sizeof( title ),
-              "B7: the reference sphere hung by its top for %.1f s, by step and gravity, with and without a layer",
-              plan->hang_seconds );
+    snprintf(
+        title, sizeof( title ),
+        "Long steps: the reference sphere hung by its top for %.1f s, by step and gravity, with and without a layer",
+        plan->hang_seconds );
     const int table = results_add_table( out, title, WISP_COUNT( header ), header );
     sphere s;
     wisp_status status = make_sphere( &s, error );
@@ -241,8 +242,9 @@ wisp_status boundary_steps( const boundary_plan* plan, results* out, wisp_error*
         }
     }
     free_sphere( &s );
-    results_add_note( out, "B7: stiffness without units depends on the step, so the sphere sags by another amount at "
-                           "each; that it stays finite and keeps its volume is what the paper claims. The paper's "
-                           "own program has gravity switched off." );
+    results_add_note(
+        out,
+        "Long steps: stiffness without units depends on the step, so the sag differs. The boundary particle paper "
+        "claims that the sphere stays finite and keeps its volume; its own program switches gravity off." );
     return status;
 }

@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-// Below so many seconds the largest race and levels are left out, the irregular mesh is coarser, fewer steps are measured and
-// converged runs have half the substeps.
+// Below so many seconds the largest race and levels are left out, the irregular mesh is coarser, fewer steps are
+// measured and converged runs have half the substeps.
 #define FULL_SECONDS 40.0
 
 cloth_plan cloth_default_plan( const bench_options* options )
@@ -50,7 +50,7 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
         const char* what;
         double fraction; // of the case that is done when it begins
     } tables[] = {
-        { cloth_comparison, "cloth against plain C", 0.0 },
+        { cloth_comparison, "cloth against scalar C", 0.0 },
         { cloth_hang, "hanging cloth", 0.3 },
         { cloth_levels, "cloth with levels and tethers", 0.5 },
         { cloth_levels_of_balloon, "balloon with levels", 0.8 },
@@ -76,12 +76,11 @@ wisp_status cloth_bench( const bench_options* options, results* out, wisp_error*
     const wisp_status status = cloth_bench_run( &plan, out, error );
     if ( status == WISP_OK && bench_seconds( options ) < FULL_SECONDS )
     {
-        results_add_note(
-            out,
-            "Cloth: a case of this little time leaves out the race of 512 a side and the levels of 128, has an "
-            "irregular mesh of %d a side instead of 64 and measures %d steps instead of 100; converged runs have "
-            "%d times the substeps instead of 16.",
-            plan.irregular_size, plan.scenario.measured_steps, plan.reference_factor );
+        results_add_note( out,
+                          "Cloth: short of time, the comparison of 512 per side and the levels of 128 are left out. "
+                          "The irregular mesh has %d per side instead of 64, %d steps are measured instead of 100, "
+                          "and references have %d times the substeps instead of 16.",
+                          plan.irregular_size, plan.scenario.measured_steps, plan.reference_factor );
     }
     return status;
 }

@@ -1,4 +1,4 @@
-// ns a constraint and pass, beside the plain C version that goes through the links in the order of the mesh.
+// ns per constraint and pass, beside the plain C version that goes through the links in the order of the mesh.
 #include "cloth_bench.h"
 #include "rows_chart.h"
 
@@ -93,7 +93,7 @@ static wisp_status enter_plain( const cloth_scene* scene, plain_comparison* plai
          !plain_cloth_create( &plain->cloth, mesh->points, mesh->vertex_count, mesh->triangles, mesh->triangle_count,
                               1.0f, CLOTH_BEND_STIFFNESS ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version of %d vertices",
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d vertices",
                           mesh->vertex_count );
     }
     plain_cloth_pin( &plain->cloth, scene->pins[0] );
@@ -237,7 +237,7 @@ static void check_after( const cloth_plan* plan, const comparison* r, const comp
 {
     if ( !is_plain_finite( &r->plain ) )
     {
-        results_add_failure( out, "cloth %d: plain C is not finite after one step.", line->n );
+        results_add_failure( out, "cloth %d: scalar C is not finite after one step.", line->n );
     }
     for ( int e = 0; e < plan->worker_count; ++e )
     {
@@ -336,8 +336,8 @@ static int begin_table( const cloth_plan* plan, results* out )
     cells row = { .count = 0 };
     cells_put( &row, "n" );
     cells_put( &row, "links" );
-    cells_put( &row, "plain links" );
-    cells_put( &row, "plain step" );
+    cells_put( &row, "scalar links" );
+    cells_put( &row, "scalar step" );
     for ( int e = 0; e < plan->worker_count; ++e )
     {
         cells_put( &row, "%d %s links", plan->workers[e], bench_workers_word( plan->workers[e] ) );
@@ -349,7 +349,7 @@ static int begin_table( const cloth_plan* plan, results* out )
     cells_put( &row, "error m" );
     cells_put( &row, "samples" );
     cells_put( &row, "hash" );
-    return cells_begin_table( &row, "Cloth against plain C in mesh order: ns a constraint and pass, 10 substeps",
+    return cells_begin_table( &row, "Cloth against scalar C in mesh order: ns per constraint and pass, 10 substeps",
                               out );
 }
 
@@ -386,7 +386,7 @@ static void claim_flatness( const cloth_plan* plan, const comparison_line* lines
         most = fmax( most, ns( &lines[i], lines[i].links_ms[e] ) );
     }
     char claim[160];
-    snprintf( claim, sizeof( claim ), "ns a constraint and pass with %d %s are flat within %.0f %% over all sizes",
+    snprintf( claim, sizeof( claim ), "ns per constraint and pass with %d %s are flat within %.0f %% over all sizes",
               plan->workers[e], bench_workers_word( plan->workers[e] ), 100.0 * ( CLAIM_FLAT - 1.0 ) );
     results_add_claim( out, most <= CLAIM_FLAT * least, claim, 100.0 * ( most / least - 1.0 ), " % apart" );
 }
@@ -397,7 +397,7 @@ static void claim_ratio( const cloth_plan* plan, const comparison_line* line, in
     double ratio = line->ms[PLAIN_PASS].median / line->links_ms[e];
     char claim[160];
     snprintf( claim, sizeof( claim ),
-              "n = %d with %d %s: a pass over the links is at least %.0f times faster than plain C", line->n,
+              "n = %d with %d %s: a pass over the links is at least %.0f times faster than scalar C", line->n,
               plan->workers[e], bench_workers_word( plan->workers[e] ), least );
     results_add_claim( out, ratio >= least, claim, ratio, " times" );
 }
@@ -411,9 +411,9 @@ static void add_chart( int first_row, results* out )
 {
     rows_chart_add( &( rows_chart ){ .first_row = first_row,
                                      .name = "cloth.race",
-                                     .title = "Cloth against plain C: a step's time for each constraint and pass",
+                                     .title = "Cloth against scalar C: time per constraint and pass of a step",
                                      .x_label = "vertices",
-                                     .y_label = "ns a constraint and pass",
+                                     .y_label = "ns per constraint and pass",
                                      .x = rows_vertices,
                                      .y = ns_of,
                                      .y_linear = true },
@@ -434,14 +434,13 @@ static void add_claims( const cloth_plan* plan, const comparison_line* lines, re
         claim_flatness( plan, lines, e, out );
     }
     results_add_note(
-        out,
-        "Cloth against plain C: `links` is the pass over the links alone, of plain C ten passes in a "
-        "row, of ours from the profile; `step` is a whole step, divided by the same number of links and "
-        "passes. Every step of plain C starts from the state of the engine after %d steps, so that it is "
-        "sound whatever the order of the mesh does to the scene in the long run. The error is the "
-        "largest distance to the same step in double precision; tolerated are %.0f float roundings of "
-        "the farthest coordinate.",
-        START_STEPS, CLOTH_TOLERATED_ROUNDINGS );
+        out, "Cloth against scalar C: `links` is the pass over the links alone: ten passes in a row of scalar C, the "
+             "profile of Wisp. `step` is a whole step over the same number of links and passes." );
+    results_add_note( out,
+                      "Cloth against scalar C: every step of scalar C starts from the state of Wisp after %d steps. "
+                      "The error is the largest distance to the same step in double precision, at most %.0f float "
+                      "roundings of the farthest coordinate.",
+                      START_STEPS, CLOTH_TOLERATED_ROUNDINGS );
 }
 
 wisp_status cloth_comparison( const cloth_plan* plan, results* out, wisp_error* error )

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// What others needed on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4 GHz,
-/// gcc 12.2), each with its best settings for ten passes a step. NaN: not measured.
+/// What others needed on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4
+/// GHz, gcc 12.2), each with its best settings for ten passes a step. NaN: not measured.
 typedef struct peer_times
 {
     int n;
@@ -150,7 +150,7 @@ static wisp_status follow_plain( const cloth_plan* plan, const cloth_scene* scen
     if ( !plain_cloth_create( &cloth, scene->mesh.points, scene->mesh.vertex_count, scene->mesh.triangles,
                               scene->mesh.triangle_count, 1.0f, CLOTH_BEND_STIFFNESS ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version of %d vertices",
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d vertices",
                           scene->mesh.vertex_count );
     }
     plain_cloth_pin( &cloth, scene->pins[0] );
@@ -164,11 +164,11 @@ static wisp_status follow_plain( const cloth_plan* plan, const cloth_scene* scen
     }
     if ( lost_at > 0 )
     {
-        results_add_note( out, "Plain C in mesh order, n = %d: blew up at step %d.", scene->n, lost_at );
+        results_add_note( out, "Scalar C in mesh order, n = %d: blew up at step %d.", scene->n, lost_at );
     }
     else
     {
-        results_add_note( out, "Plain C in mesh order, n = %d: largest stretch %.1f %% at the end.", scene->n,
+        results_add_note( out, "Scalar C in mesh order, n = %d: largest stretch %.1f %% at the end.", scene->n,
                           100.0 * plain_stretch( &cloth ) );
     }
     plain_cloth_destroy( &cloth );
@@ -202,15 +202,16 @@ wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error 
                                      .x = rows_vertices,
                                      .y = rows_ms },
                     out );
-    results_add_note( out, "* on the reference machine, two virtual cores of an AVX-512 Xeon at about 3.4 GHz, gcc "
-                           "12.2, each engine with its best settings for ten passes a step (NvCloth 10 iterations; "
-                           "PositionBasedDynamics 1 step of 10; Jolt 5.5, 10 substeps, 0.001 kg a vertex, damping "
-                           "0.1/s). The largest NvCloth is 255 x 255. At zero compliance Jolt's cloth of 64 and 128 "
-                           "blows up at every substep count tried." );
+    results_add_note( out,
+                      "* on the reference machine: two virtual cores of an AVX-512 Xeon at 3.4 GHz, gcc 12.2, best "
+                      "settings of each engine for ten passes per step. The largest NvCloth is 255 x 255." );
     results_add_note(
         out,
-        "Hanging cloth: stretch is averaged over a look every %d steps. Nothing damps the scene, so the "
-        "share of the potential energy released in the first %d steps that is lost is the solver's.",
-        plan->scenario.turn_steps, plan->scenario.warm_steps );
+        "* NvCloth: 10 iterations; PositionBasedDynamics: 1 step of 10; Jolt 5.5: 10 substeps, 0.001 kg per vertex, "
+        "damping 0.1/s. At zero compliance Jolt's cloth of 64 and 128 blows up at every substep count." );
+    results_add_note( out,
+                      "Hanging cloth: stretch is the mean of samples every %d steps. The scene has no damping, so "
+                      "the potential energy lost of that released in the first %d steps is the solver's.",
+                      plan->scenario.turn_steps, plan->scenario.warm_steps );
     return status;
 }

@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-// "From 4" and "from 8": the finest coarse level keeps every fourth or eighth vertex of a row instead of every second one.
+// "From 4" and "from 8": the finest coarse level keeps every fourth or eighth vertex of a row instead of every second
+// one.
 static const cloth_setting settings[] = {
     { "10", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 },
     { "10, list sweep", 10, 1, false, false, WISP_SOLVE_ORDER_LIST, 0 },
@@ -92,7 +93,8 @@ static wisp_status find_reference( const cloth_plan* plan, const cloth_scene* sc
     return status;
 }
 
-// The cheapest line that stretches no more than NvCloth with ten passes does, beside its time, and what that costs in energy.
+// The cheapest line that stretches no more than NvCloth with ten passes does, beside its time, and what that costs in
+// energy.
 static void claim_equal_error( const cloth_plan* plan, const level_table* table, int n, results* out )
 {
     const int e = plan->worker_count - 1;
@@ -117,10 +119,9 @@ static void claim_equal_error( const cloth_plan* plan, const level_table* table,
     const scenario_stats *f = &best->stats, *plain = &table->lines[PLAIN_SETTING].stats;
     char claim[400];
     snprintf( claim, sizeof( claim ),
-              "n = %d, 12 times less time than NvCloth (%.3f ms, one thread, stretch %.0f / %.2f %%, reference "
-              "machine) for "
-              "no more stretch, by the cheapest of the settings above: %s, %d %s, %.4f ms, %.1f / %.2f %%; it loses "
-              "%.1f %% of the energy and is %.2f m off the path, ten plain substeps %.1f %% and %.2f m",
+              "n = %d, 12 times faster than NvCloth (%.3f ms, stretch %.0f / %.2f %%, reference machine) for no more "
+              "stretch: %s, %d %s, %.4f ms, %.1f / %.2f %%, energy lost %.1f %%, path error %.2f m; ten substeps "
+              "alone %.1f %%, %.2f m",
               n, peer.ms, peer.stretch_max, peer.stretch_mean, best->name, plan->workers[e],
               bench_workers_word( plan->workers[e] ), f->ms[e].median, 100.0 * f->stretch_max,
               100.0 * f->stretch_mean, 100.0 * f->energy_lost, f->path, 100.0 * plain->energy_lost, plain->path );
@@ -179,12 +180,13 @@ wisp_status cloth_levels( const cloth_plan* plan, results* out, wisp_error* erro
     {
         status = levels_of( plan, plan->irregular_size, true, out, error );
     }
-    results_add_note( out,
-                      "Levels and tethers: path error and lost energy are of the warm-up, the fall, because what has "
-                      "fallen folds and folds are chaotic. The path error is the root mean square distance of all "
-                      "vertices to the converged run, which has %d times the substeps of the first line and is plain "
-                      "double precision in the order of the same fabric. Nothing damps the scene, so lost energy is "
-                      "the solver's; fewer substeps lose more. `front`: no other line is both faster and nearer.",
-                      plan->reference_factor );
+    results_add_note( out, "Levels and tethers: path error and lost energy cover the fall only, because folds are "
+                           "chaotic. The scene has no damping, so lost energy is the solver's; fewer substeps lose "
+                           "more. `front`: no other line is both faster and more accurate." );
+    results_add_note(
+        out,
+        "Levels and tethers: path error is the root mean square distance of all vertices to the reference, which has "
+        "%d times the substeps of the first line, in double precision and in the order of the same fabric.",
+        plan->reference_factor );
     return status;
 }

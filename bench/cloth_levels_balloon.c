@@ -156,13 +156,13 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
                   figure->name, figure->mesh.vertex_count, (double)FILL );
         level_table_write( plan, &table, title, out );
         level_table_charts( plan, &table, "cloth.levels.balloon", first_row, figure->name, out );
+        results_add_note( out,
+                          "Levels on a balloon: the reference is Wisp with %d substeps; its volume differs by %.3f "
+                          "%% from the gas's volume V_0, as it should, because the skin resists.",
+                          converged.substeps, 100.0 * line.volume_error );
         results_add_note(
-            out,
-            "Levels on a balloon: the converged run is the engine itself at %d substeps, its volume "
-            "%.3f %% beside the gas's volume V_0, where it belongs because the skin resists. Levels only "
-            "resist stretching, so they hold an inflated skin back, and the figure is held by its feet so that they "
-            "cannot carry it away: a balloon has no switch for them.",
-            converged.substeps, 100.0 * line.volume_error );
+            out, "Levels on a balloon: levels only resist stretching, so they hold an inflated skin back. The body "
+                 "is held by its feet so that they cannot carry it away; a balloon has no switch for levels." );
     }
     path_record_destroy( &reference );
     return status;

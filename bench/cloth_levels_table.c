@@ -141,19 +141,19 @@ void level_table_charts( const cloth_plan* plan, const level_table* table, const
         .x_label = "ms per step",
         .x = rows_ms,
         .is_front = true,
-        .caption = "Ringed: no other way is both faster and nearer.",
+        .caption = "Ringed: no other way is both faster and more accurate.",
     };
     // An inflated skin is stretched because it is full.
     if ( !table->has_volume )
     {
-        snprintf( title, sizeof( title ), "What levels and tethers buy, %s: mean stretch", where );
+        snprintf( title, sizeof( title ), "Levels and tethers, %s: mean stretch against time", where );
         chart.y_label = "mean stretch, %";
         chart.y = mean_stretch_of;
         rows_chart_add( &chart, out );
     }
     if ( table->reference_name )
     {
-        snprintf( title, sizeof( title ), "What levels and tethers buy, %s: distance to the converged run", where );
+        snprintf( title, sizeof( title ), "Levels and tethers, %s: distance to the reference against time", where );
         chart.y_label = "path error, m";
         chart.y = path_of;
         rows_chart_add( &chart, out );

@@ -35,7 +35,8 @@ static wisp_vec3* pulled_points( const cloth_scene* scene )
     return points;
 }
 
-// The same step again and again, from the same state. Columns that only the plan asks for are there once it is compiled.
+// The same step again and again, from the same state. Columns that only the plan asks for are there once it is
+// compiled.
 static wisp_status repeat_step( surface_implementation* implementation, wisp_error* error )
 {
     if ( wisp_world_plan_passes( implementation->world ) < 0 )
@@ -108,7 +109,7 @@ static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points,
     if ( !plain_cloth_create( &cloth, mesh->points, mesh->vertex_count, mesh->triangles, mesh->triangle_count, 1.0f,
                               CLOTH_BEND_STIFFNESS ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version" );
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version" );
     }
     plain_cloth_pin( &cloth, scene->pins[0] );
     plain_cloth_pin( &cloth, scene->pins[1] );
@@ -147,7 +148,7 @@ static double time_to_reach( const sweep_stats* f, double residual )
 
 static void add_table( const cloth_scene* scene, const sweep_stats stats[3], results* out )
 {
-    static const char* const names[3] = { "plain C", "colours", "list" };
+    static const char* const names[3] = { "scalar C", "colours", "list" };
     char title[160];
     snprintf( title, sizeof( title ),
               "Residual after k passes of one step, n = %d pulled by %.0f %%: ms and stretch max / mean %%, 1 worker",
@@ -172,11 +173,11 @@ static void add_table( const cloth_scene* scene, const sweep_stats stats[3], res
         cells_end_row( &row, table, out );
     }
     double requested = stats[1].residual[3];
-    results_add_note(
-        out,
-        "Error against time: the mean residual that colours have after %d passes in %.2f ms is reached by "
-        "the list in %.2f ms and by plain C in the order of the mesh in %.2f ms.",
-        passes[3], stats[1].ms[3], time_to_reach( &stats[2], requested ), time_to_reach( &stats[0], requested ) );
+    results_add_note( out,
+                      "Error against time: colours reach their mean residual after %d passes in %.2f ms, the list in "
+                      "%.2f ms, scalar C in the order of the mesh in %.2f ms.",
+                      passes[3], stats[1].ms[3], time_to_reach( &stats[2], requested ),
+                      time_to_reach( &stats[0], requested ) );
 }
 
 wisp_status cloth_sweeps( const cloth_plan* plan, results* out, wisp_error* error )

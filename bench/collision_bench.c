@@ -1,5 +1,5 @@
-// Case `collision`: what a mesh body costs when it is searched by a tree of Embree's and by voxels, and that both find
-// what brute force finds. A single voxel around the whole mesh is brute force: it looks at every triangle.
+// Case `collision`: what a mesh body costs when it is searched by a tree of Embree's and by voxels, and that both
+// find what brute force finds. A single voxel around the whole mesh is brute force: it looks at every triangle.
 #include "bench.h"
 
 #include "bench_world.h"
@@ -304,7 +304,7 @@ static wisp_status run_contest( contest* c, int level, double seconds, int table
         }
         if ( status == WISP_OK && !same )
         {
-            results_add_failure( out, "At %d triangles the answers of the %s are not those of the others.",
+            results_add_failure( out, "At %d triangles the answers of the %s differ from the others.",
                                  c->mesh.triangle_count, searches[k].name );
         }
         wisp_collision_mesh_release( c->implementations[k].tree );
@@ -318,12 +318,12 @@ static wisp_status run_contests( const bench_options* options, results* out, wis
     static const int levels[] = { 4, 5, 6 };
     char title[160];
     snprintf( title, sizeof( title ),
-              "A body of triangles, searched for %d points and %d paths: times in ns a question, medians, 1 thread",
+              "Mesh body searched for %d points and %d paths: ns per query, medians, 1 thread",
               QUESTIONS + FAR_QUESTIONS, 2 * QUESTIONS );
     cells header = { .count = 0 };
     static const char* const names[] = {
         "triangles", "search", "build ms", "update ms", "bytes per triangle", "near",
-        "far",       "step",   "path",     "looked at", "near found",         "same"
+        "far",       "step",   "path",     "visited",   "near found",         "same"
     };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
@@ -342,13 +342,12 @@ static wisp_status run_contests( const bench_options* options, results* out, wis
         status = run_contest( c, levels[i], 0.07 * bench_seconds( options ), table, out, error );
     }
     free( c );
-    results_add_note(
-        out, "near: within an edge of the surface, looking for an edge; far: anywhere, looking as far as it "
-             "takes; step: half an edge near the surface; path: from outside to the middle. update: all points "
-             "move, the tree is refitted, voxels are listed anew." );
+    results_add_note( out, "near: within an edge length of the surface, searched as far; far: anywhere, without "
+                           "limit; step: half an edge near the surface; path: from outside to the centre. update: "
+                           "all points move; the tree is refitted, voxels are listed again." );
     results_add_note( out,
-                      "looked at: triangles a near question. same: all answers agree bit for bit between tree and "
-                      "voxels, and those to %d questions of each kind with brute force.",
+                      "visited: triangles per near query. same: tree and voxels agree bit for bit, and with brute "
+                      "force for %d queries of each kind.",
                       SAMPLE );
     return status;
 }
@@ -498,8 +497,7 @@ static wisp_status compare_cloth( const wisp_mesh* body, wisp_fabric* fabric, re
         }
         if ( status == WISP_OK && !same )
         {
-            results_add_failure( out,
-                                 "Cloth on a body that is searched by %s has other contacts than by brute force.",
+            results_add_failure( out, "Cloth on a body searched by %s has other contacts than by brute force.",
                                  searches[k].name );
         }
     }

@@ -111,23 +111,25 @@ static void add_notes( const compare_scene* scene, const compare_reference* refe
         doubt += reference->looks[k].doubt * reference->looks[k].doubt / ( reference->look_count - 2 );
         slack = reference->looks[k].look.slack > slack ? reference->looks[k].look.slack : slack;
     }
-    results_add_note(
-        out,
-        "Comparison `%s`: the reference is %s in double precision, %g steps per second, every step solved by "
-        "Newton's method to %.1e of the weight's impulse; half as many steps differ by %.3g mm in the "
-        "window and %.3g mm at rest. Up to %.0f of %d edges are slack in the window.",
-        scene->physics.name, reference->order > 1.5 ? "BDF2" : "implicit Euler", reference->rate, reference->residual,
-        1e3 * sqrt( doubt ), 1e3 * reference->looks[reference->look_count - 1].doubt, slack, scene->edge_count );
+    results_add_note( out,
+                      "Comparison `%s`: the reference is %s in double precision, %g steps per second, solved by "
+                      "Newton's method to %.1e of the weight's impulse.",
+                      scene->physics.name, reference->order > 1.5 ? "BDF2" : "implicit Euler", reference->rate,
+                      reference->residual );
+    results_add_note( out,
+                      "Comparison: with half as many steps the reference differs by %.3g mm in the window and %.3g "
+                      "mm at rest. Up to %.0f of %d edges are slack in the window.",
+                      1e3 * sqrt( doubt ), 1e3 * reference->looks[reference->look_count - 1].doubt, slack,
+                      scene->edge_count );
     for ( int i = 0; i < plan->variant_count; ++i )
     {
         if ( plan->variants[i].is_limit )
         {
-            results_add_note(
-                out,
-                "Comparison `%s`: what %s still has, %.3g mm, is the model's and the rounding of floats. Its "
-                "edges resist compression as they do stretching, those of Noh and Jung do not%s.",
-                scene->physics.name, plan->variants[i].name, 1e3 * stats[i].path,
-                scene->physics.has_ball ? ", and it bends by angles between triangles" : "" );
+            results_add_note( out,
+                              "Comparison `%s`: the last error of %s, %.3g mm, comes from the model and float "
+                              "rounding. Its edges resist compression too, unlike those of Noh and Jung%s.",
+                              scene->physics.name, plan->variants[i].name, 1e3 * stats[i].path,
+                              scene->physics.has_ball ? ", and it bends by angles between triangles" : "" );
         }
     }
 }
@@ -169,9 +171,9 @@ wisp_status compare_bench_run( const compare_plan* plan, results* out, wisp_erro
                         compare_physics_of( plan->scenarios[i] ).name );
         status = compare_one( plan, plan->scenarios[i], plan->seconds / plan->scenario_count, out, error );
     }
-    results_add_note(
-        out, "Comparison: a frame is 1/60 s. pbd and xpbd have so many substeps of one pass in it, implicit steps "
-             "of its own length, named with its integrator, tolerance and linear solves a step. pbd has no "
-             "stiffness in SI units. No link is damped, all velocity dies at 2/s; friction 0.3 / 0.2, margin 5 mm." );
+    results_add_note( out, "Comparison: a frame is 1/60 s. pbd and xpbd are named by their substeps of one pass; "
+                           "implicit steps by length, integrator, tolerance and linear solves per step." );
+    results_add_note( out, "Comparison: pbd has no stiffness in SI units. Links are not damped; velocity is damped "
+                           "by 2/s; friction 0.3 / 0.2, margin 5 mm." );
     return status;
 }

@@ -71,13 +71,13 @@ static wisp_status check_frame( const unsigned char* bytes, size_t size, const c
     }
     if ( vertices < 3 || vertices > COMPARE_VERTICES_MAX || looks < 2 || looks > COMPARE_LOOKS_MAX )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 16: %u vertices and %u looks are out of range", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 16: %u vertices and %u samples are out of range", name,
                           vertices, looks );
     }
     const size_t requested = file_size( (int)vertices, (int)looks );
     if ( size != requested )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: %u looks at %u vertices take %zu bytes, there are %zu", name,
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: %u samples of %u vertices take %zu bytes, there are %zu", name,
                           looks, vertices, requested, size );
     }
     at = bytes + size - TAIL;
@@ -147,7 +147,7 @@ wisp_status compare_reference_parse( const void* bytes, size_t size, const char*
     {
         if ( !take_look( &at, k, out ) )
         {
-            status = wisp_fail( error, WISP_BAD_INPUT, "%s: look %d has a number that is out of range", name, k );
+            status = wisp_fail( error, WISP_BAD_INPUT, "%s: sample %d has a number that is out of range", name, k );
         }
     }
     if ( status != WISP_OK )
@@ -181,16 +181,15 @@ wisp_status compare_reference_check( const compare_reference* reference, const c
     if ( reference->vertex_count != scene->base.mesh.vertex_count || reference->mesh_hash != scene->hash )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: it is of another mesh, of %d vertices; `./dev reference` makes it anew", name,
+                          "%s: it is of another mesh, of %d vertices; `./dev reference` writes it again", name,
                           reference->vertex_count );
     }
     if ( reference->look_count != scene->physics.look_count + 1 ||
          memcmp( reference->info, info, sizeof( info ) ) != 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
-                          "%s: it is of another material or scene than `%s`; `./dev reference` "
-                          "makes it anew",
-                          name, scene->physics.name );
+                          "%s: it is of another material or scene than `%s`; `./dev reference` writes it again", name,
+                          scene->physics.name );
     }
     return WISP_OK;
 }

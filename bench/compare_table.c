@@ -34,7 +34,7 @@ static int begin_table( const compare_plan* plan, const compare_scene* scene, re
     cells_put( &row, "hash" );
     char title[160];
     snprintf( title, sizeof( title ),
-              "Comparison `%s`: ms a frame, distance to the reference from %.2f to %.2f s, and figures at %g s",
+              "Comparison `%s`: ms per frame, distance to the reference from %.2f to %.2f s, and values at %g s",
               scene->physics.name, (double)COMPARE_LOOK_SECONDS,
               (double)COMPARE_LOOK_SECONDS * ( scene->physics.look_count - 1 ), (double)scene->physics.rest_seconds );
     return cells_begin_table( &row, title, out );
@@ -50,7 +50,7 @@ static void add_reference_line( const compare_plan* plan, const compare_scene* s
         square += reference->looks[k].doubt * reference->looks[k].doubt / ( scene->physics.look_count - 1 );
         worst = fmax( worst, reference->looks[k].doubt );
     }
-    cells_put( &row, "Newton in double 1/%g (its doubt)", reference->rate );
+    cells_put( &row, "Newton in double 1/%g (uncertainty)", reference->rate );
     for ( int w = 0; w < 2 * plan->worker_count; ++w )
     {
         cells_put( &row, "-" );
@@ -171,7 +171,8 @@ static double fastest( const compare_plan* plan, const compare_stats* f )
     return ms;
 }
 
-// The fastest variant of a method whose error is not above the limit, or the nearest one whose time is not. -1: there is none.
+// The fastest variant of a method whose error is not above the limit, or the nearest one whose time is not. -1: there
+// is none.
 static int best_of( const compare_plan* plan, const compare_stats* stats, compare_method method, bool by_time,
                     double limit )
 {
@@ -208,7 +209,7 @@ static void add_summary( const compare_plan* plan, const compare_scene* scene, c
 {
     static const double budgets_ms[] = { 0.5, 1.0, 2.0, 4.0 }, targets_mm[] = { 10.0, 3.0, 1.0, 0.3 };
     cells row = { .count = 0 };
-    cells_put( &row, "%s, at most", by_time ? "RMS mm" : "ms a frame" );
+    cells_put( &row, "%s, at most", by_time ? "RMS mm" : "ms per frame" );
     for ( int m = 0; m < COMPARE_METHOD_COUNT; ++m )
     {
         cells_put( &row, "%s %s", compare_method_names[m], by_time ? "ms" : "RMS mm" );

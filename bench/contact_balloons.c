@@ -95,19 +95,19 @@ static void add_line( const contact_comparison* comparison, const contact_run* r
 
 static void check( const contact_comparison* comparison, const contact_run* run, const press_look* l, results* out )
 {
-    static const double MAX_OVERLAP = 0.01; // of the radius (BAL-X1)
+    static const double MAX_OVERLAP = 0.01; // of the radius
     contact_comparison_check( comparison, run, out );
     const bool is_tight = run->way.is_off == false && run->way.primitives == WISP_CONTACT_TRIANGLES;
     if ( is_tight && l->most > MAX_OVERLAP * (double)PRESS_RADIUS )
     {
-        results_add_failure( out, "BAL-X1, %s, %s: balloons overlap by %.2f %% of the radius.", comparison->name,
-                             run->way.name, 100.0 * l->most / (double)PRESS_RADIUS );
+        results_add_failure( out, "Contact of balloons, %s, %s: balloons overlap by %.2f %% of the radius.",
+                             comparison->name, run->way.name, 100.0 * l->most / (double)PRESS_RADIUS );
     }
     // each row gives one side what it takes from the other; sums of a hundred thousand products in double remain
     if ( run->tally.unbalanced > 1e-9 * fmax( run->tally.impulse, 1.0 ) )
     {
-        results_add_failure( out, "BAL-X1, %s, %s: forces are not opposite by %.1e N s.", comparison->name,
-                             run->way.name, run->tally.unbalanced );
+        results_add_failure( out, "Contact of balloons, %s, %s: opposite forces differ by %.1e N s.",
+                             comparison->name, run->way.name, run->tally.unbalanced );
     }
 }
 
@@ -167,16 +167,14 @@ wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error
     {
         results_add_note(
             out,
-            "Contact, balloons: overlap: how much nearer than the thickness, or how deep in another balloon, a "
-            "vertex is, in %% of the radius, after the last step and at most; by signed distances, looked "
-            "at every %d steps. wall: how far from the axis vertices of the first balloon touch the "
-            "other; uneven: root mean square of their distances from a plane.",
+            "Contact, balloons: overlap, in %% of the radius: how far a vertex is below the thickness or inside "
+            "another balloon, in the last step and at most, by signed distances every %d steps.",
             LOOK_EVERY );
-        results_add_note(
-            out,
-            "Contact, balloons: force: on the first balloon of the pair, which is pressed by plates; impulse: of "
-            "all pairs in the last step; unbalanced: what forces on both sides did not cancel, at "
-            "most; speed: of the fastest vertex after the last step." );
+        results_add_note( out, "Contact, balloons: wall: distance from the axis of the vertices of the first balloon "
+                               "that touch the other; uneven: root mean square of their distances from a plane." );
+        results_add_note( out, "Contact, balloons: force: on the first balloon of the pair, pressed by plates; "
+                               "impulse: of all pairs in the last step; unbalanced: largest sum of opposite forces; "
+                               "speed: of the fastest vertex after the last step." );
     }
     return status;
 }

@@ -85,12 +85,14 @@ wisp_status contact_bench( const bench_options* options, results* out, wisp_erro
     const wisp_status status = contact_bench_run( &plan, out, error );
     if ( status == WISP_OK && bench_seconds( options ) < BRIEF_SECONDS )
     {
-        results_add_note(
-            out,
-            "Contact: a case of this little time searches sheets of %d and %d a side and spheres of two coarser "
-            "levels, leaves out the largest, folds a cloth of %d a side for %d steps and presses balloons a level "
-            "coarser for %d.",
-            plan.sheet_sides[0], plan.sheet_sides[1], plan.fold_side, plan.fold_steps, plan.balloon_steps );
+        results_add_note( out,
+                          "Contact: short of time, sheets of %d and %d per side and spheres two levels coarser are "
+                          "searched, without the largest.",
+                          plan.sheet_sides[0], plan.sheet_sides[1] );
+        results_add_note( out,
+                          "Contact: short of time, a cloth of %d per side folds for %d steps, and balloons one level "
+                          "coarser are pressed for %d.",
+                          plan.fold_side, plan.fold_steps, plan.balloon_steps );
     }
     return status;
 }

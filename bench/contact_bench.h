@@ -1,5 +1,5 @@
-/// The case `contact`: what finding pairs costs, what accuracy costs, and how balloons press on each other (BND-X4,
-/// BAL-X1, TRI-X2).
+/// The case `contact`: what finding pairs costs, what accuracy costs, and how balloons press on each other
+/// (extensions, not in the papers).
 #pragma once
 
 #include "bench.h"
@@ -23,8 +23,8 @@ typedef struct contact_plan
     const bench_options* options; ///< for progress and pictures
 } contact_plan;
 
-/// Below 600 seconds the cloth has 24 vertices a side and not 64, and balloons are a level coarser; below 40
-/// seconds it has 16 and balloons are another level coarser, runs are shorter, of what is searched the largest size is left
+/// Below 600 seconds the cloth has 24 vertices a side and not 64, and balloons are a level coarser; below 40 seconds
+/// it has 16 and balloons are another level coarser, runs are shorter, of what is searched the largest size is left
 /// out, the next one is smaller, and brute force stops earlier.
 contact_plan contact_default_plan( const bench_options* options );
 

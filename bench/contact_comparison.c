@@ -254,7 +254,7 @@ void contact_comparison_check( const contact_comparison* comparison, const conta
 {
     if ( run->same_hash == false )
     {
-        results_add_failure( out, "%s, %s: the result depends on the workers, or on whether it is looked at.",
+        results_add_failure( out, "%s, %s: the result depends on the number of workers, or on sampling.",
                              comparison->name, run->way.name );
     }
     if ( run->tally.halted_at > 0 )

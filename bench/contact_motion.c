@@ -1,5 +1,5 @@
-// What motion costs: the same cloth folds over a ball that rests, and over one that swings slowly or fast. Pairs are found by
-// how near they are and how fast they come nearer, so what moves against itself costs more.
+// What motion costs: the same cloth folds over a ball that rests, and over one that swings slowly or fast. Pairs are
+// found by how near they are and how fast they come nearer, so what moves against itself costs more.
 #include "contact_bench.h"
 
 #include <math.h>
@@ -44,7 +44,7 @@ static int begin_table( const contact_comparison* comparison, results* out )
 {
     char title[160];
     snprintf( title, sizeof( title ),
-              "Contact, what motion costs: cloth of %d vertices folding over a ball, %d steps of %d substeps",
+              "Contact, cost of motion: cloth of %d vertices folding over a ball, %d steps of %d substeps",
               comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "ball" );
@@ -72,13 +72,12 @@ static void write_table( const contact_comparison* comparison, const contact_run
         contact_comparison_check( comparison, runs + i, out );
         if ( runs[i].way.is_off == false && runs[i].tally.max_intersections > 0 )
         {
-            results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.",
+            results_add_failure( out, "Contact of cloth, %s: %d edges pass through triangles, expected 0.",
                                  runs[i].way.name, runs[i].tally.max_intersections );
         }
     }
-    results_add_note(
-        out, "Contact, motion: the cloth falls in the first second whatever the ball does, which the mean has "
-             "and the median has not. displacement: largest of the ball in a substep." );
+    results_add_note( out, "Contact, motion: in the first second the cloth falls whatever the ball does; the mean "
+                           "includes this, the median does not. displacement: largest of the ball in a substep." );
 }
 
 wisp_status contact_motion( const contact_plan* plan, results* out, wisp_error* error )

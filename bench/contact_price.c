@@ -48,10 +48,10 @@ static void add_line( const contact_comparison* comparison, const contact_run* r
 static int begin_table( const contact_comparison* comparison, results* out )
 {
     char title[160];
-    snprintf( title, sizeof( title ),
-              "Contact, the price of accuracy: cloth of %d vertices folding over a moving ball, %d steps of %d "
-              "substeps",
-              comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
+    snprintf(
+        title, sizeof( title ),
+        "Contact, the cost of accuracy: cloth of %d vertices folding over a moving ball, %d steps of %d substeps",
+        comparison->scene->mesh.vertex_count, comparison->steps, CONTACT_SUBSTEPS );
     cells header = { .count = 0 };
     cells_put( &header, "way" );
     static const char* const names[] = { "steps",
@@ -76,7 +76,7 @@ static void check( const contact_comparison* comparison, const contact_run* run,
     contact_comparison_check( comparison, run, out );
     if ( is_tight && run->tally.max_intersections > 0 )
     {
-        results_add_failure( out, "TRI-X2, %s: %d edges pass through triangles, and none should.", run->way.name,
+        results_add_failure( out, "Contact of cloth, %s: %d edges pass through triangles, expected 0.", run->way.name,
                              run->tally.max_intersections );
     }
 }
@@ -104,11 +104,11 @@ static void add_chart( const contact_comparison* comparison, int first_row, resu
                                      .name = comparison->name,
                                      .workers = comparison->teams->workers[comparison->teams->count - 1],
                                      .min_steps = comparison->steps,
-                                     .title = "Contact, the price of accuracy: a cloth that folds on itself",
+                                     .title = "Contact, the cost of accuracy: a cloth that folds on itself",
                                      .x_label = "ms per step, mean",
                                      .y_label = "steps that end with intersections, %",
-                                     .caption = "Ringed: no other way is both faster and misses less. A way that ran "
-                                                "out of time has no mean to compare.",
+                                     .caption = "Ringed: no other way is both faster and more accurate. A way that "
+                                                "ran out of time has no mean to compare.",
                                      .x = mean_ms_of,
                                      .y = crossed_steps_of,
                                      .y_linear = true,
@@ -129,17 +129,16 @@ static void write_table( const contact_comparison* comparison, const contact_run
     add_chart( comparison, first_row, out );
     if ( runs[BY_TREE].steps == runs[STANDARD].steps && runs[BY_TREE].hash != runs[STANDARD].hash )
     {
-        results_add_failure( out, "The cloth folds otherwise when its pairs are found by the tree." );
+        results_add_failure( out, "The cloth folds differently when its pairs are found by the tree." );
     }
-    results_add_note(
-        out, "Contact, price: samples stand so many thicknesses apart. time / margin 2: the mean over that of the "
-             "default, with one worker, where both made all steps. pairs, contacts, searches: means a step; "
-             "intersections: edges through "
-             "triangles, exact, after the last step, at most, and how many steps ended with some." );
-    results_add_note( out, "Contact, price: the gap of samples is theirs; "
-                           "them is not seen. limited displacements: vertices whose displacement was shortened, all "
-                           "substeps. Figures are of a "
-                           "world of their own; same: it and those that were timed end alike." );
+    results_add_note( out, "Contact, cost: spacing of samples is in thicknesses. time / margin 2: the mean over that "
+                           "of the default with one worker, where both made all steps." );
+    results_add_note( out,
+                      "Contact, cost: pairs, contacts, searches: means per step. intersections: edges through "
+                      "triangles, by exact tests: after the last step, at most, and steps that ended with some." );
+    results_add_note( out, "Contact, cost: the gap of samples is between samples; the surface between them is not "
+                           "measured. limited displacements: vertices shortened by the guard, all substeps. same: "
+                           "the measured world ends like the timed ones." );
 }
 
 wisp_status contact_price( const contact_plan* plan, results* out, wisp_error* error )

@@ -350,7 +350,7 @@ static int begin_table( const contact_plan* plan, results* out )
 {
     cells header = { .count = 0 };
     static const char* const first[] = { "source", "what", "queries", "boxes", "search" };
-    static const char* const last[] = { "pairs", "looked at", "same" };
+    static const char* const last[] = { "pairs", "visited", "same" };
     for ( int i = 0; i < WISP_COUNT( first ); ++i )
     {
         cells_put( &header, "%s", first[i] );
@@ -361,7 +361,7 @@ static int begin_table( const contact_plan* plan, results* out )
         cells_put( &header, "build ms, %d w", w );
         cells_put( &header, "refit ms, %d w", w );
         cells_put( &header, "query ms, %d w", w );
-        cells_put( &header, "ns a query, %d w", w );
+        cells_put( &header, "ns per query, %d w", w );
     }
     for ( int i = 0; i < WISP_COUNT( last ); ++i )
     {
@@ -403,12 +403,11 @@ wisp_status contact_queries( const contact_plan* plan, results* out, wisp_error*
         status = run_mesh( c, sizes[i % plan->size_count], plan->query_seconds / count, table, out, error );
     }
     free( c );
-    results_add_note( out,
-                      "Contact, queries: boxes have moved by their reach since the tree was built, then it is "
-                      "refitted; the grid is "
-                      "built for every search. Brute force runs where it compares no more than %.0e boxes. (auto): "
-                      "the default. looked at: boxes a query.",
-                      plan->max_brute );
+    results_add_note(
+        out,
+        "Contact, queries: after boxes moved by their reach the tree is refitted; the grid is rebuilt for every "
+        "search. Brute force runs up to %.0e comparisons. (auto): the default. visited: boxes per query.",
+        plan->max_brute );
     results_add_note(
         out,
         "Contact, queries: same: the lists of all, with every worker count, agree to the last pair and in order, and "

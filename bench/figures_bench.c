@@ -32,11 +32,10 @@ wisp_status figures_run( figures_fn* const* experiments, int count, const bench_
     }
     if ( status == WISP_OK )
     {
-        results_add_note(
-            out,
-            "Figures: the scanned body is the %s, %d vertices, scaled to the area of a sphere of 0.15 m; "
-            "where nothing else is said steps of 1/60 s, 10 x 2, 0.02 kg/m^2, k_edge 2000 N/m, helium.",
-            page.figure_name, page.figure.vertex_count );
+        results_add_note( out,
+                          "Figures: the scanned body is the %s, %d vertices, scaled to the area of a sphere of 0.15 "
+                          "m. Unless stated: steps of 1/60 s, 10 x 2, 0.02 kg/m^2, k_edge 2000 N/m, helium.",
+                          page.figure_name, page.figure.vertex_count );
     }
     wisp_mesh_release( &page.figure );
     return status;

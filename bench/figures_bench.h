@@ -1,5 +1,5 @@
-/// The case `figures`: the figures of the balloon source (BAL section 8), of the guide hair source (GUI section 6) and
-/// of the triangle cloth source (figures_drape.h) as experiments, each with a measured check.
+/// The case `figures`: the figures of the balloon paper, of Park and Kim 2024 and
+/// of Noh and Jung (figures_drape.h) as experiments, each with a measured check.
 #pragma once
 
 #include "balloon_scene.h"
@@ -33,14 +33,15 @@ figures_fn figures_spin;            ///< F6: an outlet beside the centre, tracks
 figures_fn figures_rise_and_reverse; ///< F7: rises in free air, comes back when the outlet opens
 figures_fn figures_real_time;        ///< F8: milliseconds a step against vertices
 
-figures_fn figures_ghost_centre; ///< GUI Fig. 1: the mean of the ghosts is their target
-figures_fn figures_ghost_sway;   ///< GUI Fig. 2a: ghosts sway more where the velocity changes more
-figures_fn figures_ghost_block;  ///< GUI Fig. 2b: with the elastic weight alone a group moves as a block
-figures_fn figures_ghost_apart;  ///< GUI Fig. 2c: with the weight of the centre it does not
-figures_fn figures_ghost_curves; ///< GUI Fig. 3: curves have fewer sharp turns
-figures_fn figures_ghost_spread; ///< GUI E4: the spread of a group is what is wanted
+figures_fn figures_ghost_centre; ///< Park and Kim 2024, Fig. 1: the mean of the ghosts is their target
+figures_fn figures_ghost_sway;   ///< Park and Kim 2024, Fig. 2a: ghosts sway more where the velocity changes more
 figures_fn
-    figures_ghost_pairing; ///< GUI E6: ghosts with twice as many vertices, by the nearest vertex and by arc length
+    figures_ghost_block; ///< Park and Kim 2024, Fig. 2b: with the elastic weight alone a group moves as a block
+figures_fn figures_ghost_apart;  ///< Park and Kim 2024, Fig. 2c: with the weight of the centre it does not
+figures_fn figures_ghost_curves; ///< Park and Kim 2024, Fig. 3: curves have fewer sharp turns
+figures_fn figures_ghost_spread; ///< the spread of a group is the requested one (extension)
+figures_fn
+    figures_ghost_pairing; ///< extension: ghosts with twice as many vertices, by the nearest vertex and by arc length
 
 /// Run some of the experiments. @param pictures folder, or null
 wisp_status figures_run( figures_fn* const* experiments, int count, const bench_options* options, results* out,

@@ -12,7 +12,7 @@
 // Hem and folds of the quad mesh should be so near to those of the triangle mesh.
 #define QUAD_AIM 0.1
 
-// The source's frames.
+// The frames of Noh and Jung.
 static const int sequence[SEQUENCE_COUNT] = { 1, 480, 961, 1201, 1440 };
 
 enum
@@ -46,7 +46,7 @@ static void add_shot( drape_plan* plan, int frame, figures_album* album )
     }
 }
 
-// @param figure_frame in which the source shows it; 0: it does not
+// @param figure_frame in which Noh and Jung show it; 0: none
 static wisp_status run_one( const figures_case* page, drape_mesh* mesh, int which, bool has_sequence,
                             int figure_frame, wisp_error* error )
 {
@@ -105,13 +105,13 @@ static void add_rest_row( figures_case* page, const char* id, const char* mesh, 
     char experiment[160];
     snprintf( experiment, sizeof( experiment ), "%s dropped on a ball, k %.0f N/m, after %.3g s", mesh,
               (double)stiffnesses[which], page->quick ? FRAMES_QUICK * (double)FRAME : DRAPE_REST_SECONDS );
-    figures_add(
-        page, id, experiment, "at rest (kinetic energy below 1e-4 of its largest), no vertex ever deeper than 1 mm",
-        drape_is_at_rest( run ) && run->min_gap > -DRAPE_DEPTH,
-        "%.1e left; phi at least %.2f mm, at rest %.2f (edges' middles %.2f); longest edge +%.1f %%; hem at %.3f m, "
-        "lowest %.3f; %.0f iterations a step",
-        left( run ), 1e3 * run->min_gap, 1e3 * run->end.gap, 1e3 * run->end.gap_between, 100.0 * run->end.strain,
-        run->end.hem_mean, run->end.min_hem, run->iterations );
+    figures_add( page, id, experiment,
+                 "at rest (kinetic energy below 1e-4 of its largest), no vertex ever deeper than 1 mm",
+                 drape_is_at_rest( run ) && run->min_gap > -DRAPE_DEPTH,
+                 "%.1e left; phi at least %.2f mm, at rest %.2f (edge midpoints %.2f); longest edge +%.1f %%; hem at "
+                 "%.3f m, lowest %.3f; %.0f iterations per step",
+                 left( run ), 1e3 * run->min_gap, 1e3 * run->end.gap, 1e3 * run->end.gap_between,
+                 100.0 * run->end.strain, run->end.hem_mean, run->end.min_hem, run->iterations );
 }
 
 // Does every value fall below the one before? @return the number of the first that does not; count if all do
@@ -150,7 +150,7 @@ static void add_stiffness_rows( figures_case* page, const drape_result* runs )
     char experiment[80];
     snprintf( experiment, sizeof( experiment ), "the same, k from %.0f to %.0f N/m in %d runs",
               (double)stiffnesses[which[0]], (double)stiffnesses[which[count - 1]], count );
-    figures_add( page, "Noh and Jung 8", experiment,
+    figures_add( page, "Noh and Jung, Fig. 8", experiment,
                  "all come to rest outside; the softer cloth has longer edges and a lower hem",
                  all_rest && firm->end.strain < soft->end.strain && soft->end.hem_mean < firm->end.hem_mean,
                  "longest edge +%.1f to +%.1f %%, falling %s; hem at %.4f to %.4f m", 100.0 * soft->end.strain,
@@ -192,19 +192,19 @@ static void add_quad_row( figures_case* page, int which, const drape_result* tri
     const double fall = apart( start - quads->end.hem_mean, start - triangles->end.hem_mean );
     const double lowest = apart( start - quads->end.min_hem, start - triangles->end.min_hem );
     char experiment[80];
-    snprintf( experiment, sizeof( experiment ), "quads beside triangles, k %.0f N/m", (double)stiffnesses[which] );
-    figures_add( page, "Noh and Jung 10", experiment, "the hem within 10 %: its height, and the way it came down",
+    snprintf( experiment, sizeof( experiment ), "quads against triangles, k %.0f N/m", (double)stiffnesses[which] );
+    figures_add( page, "Noh and Jung, Fig. 10", experiment,
+                 "the hem within 10 %: its height, and the way it came down",
                  fabs( height ) < QUAD_AIM && fabs( fall ) < QUAD_AIM && fabs( lowest ) < QUAD_AIM,
                  "mean height %+.1f %%; way down of the mean %+.1f %%, of the lowest %+.1f %%", 100.0 * height,
                  100.0 * fall, 100.0 * lowest );
     const int more = quads->end.folds - triangles->end.folds;
-    results_add_note(
-        page->out,
-        "Noh and Jung 10, k %.0f N/m: the border has %d folds of quads and %d of triangles, %+.0f %%: the aim of 10 "
-        "%% is %s.",
-        (double)stiffnesses[which], quads->end.folds, triangles->end.folds,
-        100.0 * apart( quads->end.folds, triangles->end.folds ),
-        abs( more ) <= QUAD_AIM * triangles->end.folds ? "met" : "not met" );
+    results_add_note( page->out,
+                      "Noh and Jung, Fig. 10, k %.0f N/m: the border has %d folds of quads and %d of triangles, "
+                      "%+.0f %%: the target of 10 %% is %s.",
+                      (double)stiffnesses[which], quads->end.folds, triangles->end.folds,
+                      100.0 * apart( quads->end.folds, triangles->end.folds ),
+                      abs( more ) <= QUAD_AIM * triangles->end.folds ? "met" : "not met" );
 }
 
 // ---- the page ----
@@ -233,10 +233,10 @@ static wisp_status write_pictures( figures_case* page, const drape_pair* pair, w
         const figures_album* album;
         const char *name, *caption;
     } sheets[] = {
-        { &pair->triangles.rest, "tri8_rest", "Noh and Jung 8, 958 vertices of triangles at rest" },
+        { &pair->triangles.rest, "tri8_rest", "Noh and Jung, Fig. 8, 958 vertices of triangles at rest" },
         { &pair->triangles.sweep, "tri8_sweep", "Noh and Jung 8, stiffness of 50 to 350 N/m" },
         { &pair->triangles.frames, "tri9_frames", "Noh and Jung 9, frames of triangles" },
-        { &pair->quads.rest, "tri10_rest", "Noh and Jung 10, 25 x 25 vertices of quads at rest" },
+        { &pair->quads.rest, "tri10_rest", "Noh and Jung, Fig. 10, 25 x 25 vertices of quads at rest" },
         { &pair->quads.frames, "tri11_frames", "Noh and Jung 11, frames of quads" },
     };
     wisp_status status = WISP_OK;
@@ -250,18 +250,18 @@ static wisp_status write_pictures( figures_case* page, const drape_pair* pair, w
 static void add_rows( figures_case* page, const drape_pair* pair )
 {
     const drape_result *triangles = pair->triangles.runs, *quads = pair->quads.runs;
-    add_rest_row( page, "Noh and Jung 8", "958 vertices of triangles", FIRM, &triangles[FIRM] );
-    add_rest_row( page, "Noh and Jung 8", "958 vertices of triangles", SOFT, &triangles[SOFT] );
+    add_rest_row( page, "Noh and Jung, Fig. 8", "958 vertices of triangles", FIRM, &triangles[FIRM] );
+    add_rest_row( page, "Noh and Jung, Fig. 8", "958 vertices of triangles", SOFT, &triangles[SOFT] );
     add_stiffness_rows( page, triangles );
-    add_sequence_row( page, "Noh and Jung 9", "frames of triangles, k 100 N/m", &triangles[SOFT] );
-    add_rest_row( page, "Noh and Jung 10", "25 x 25 vertices of quads", FIRM, &quads[FIRM] );
+    add_sequence_row( page, "Noh and Jung, Fig. 9", "frames of triangles, k 100 N/m", &triangles[SOFT] );
+    add_rest_row( page, "Noh and Jung, Fig. 10", "25 x 25 vertices of quads", FIRM, &quads[FIRM] );
     add_quad_row( page, FIRM, &triangles[FIRM], &quads[FIRM] );
     if ( !page->quick )
     {
-        add_rest_row( page, "Noh and Jung 10", "25 x 25 vertices of quads", SOFT, &quads[SOFT] );
+        add_rest_row( page, "Noh and Jung, Fig. 10", "25 x 25 vertices of quads", SOFT, &quads[SOFT] );
         add_quad_row( page, SOFT, &triangles[SOFT], &quads[SOFT] );
     }
-    add_sequence_row( page, "Noh and Jung 11", "frames of quads, k 200 N/m", &quads[FIRM] );
+    add_sequence_row( page, "Noh and Jung, Fig. 11", "frames of quads, k 200 N/m", &quads[FIRM] );
 }
 
 wisp_status figures_drape( figures_case* page, wisp_error* error )
@@ -282,10 +282,10 @@ wisp_status figures_drape( figures_case* page, wisp_error* error )
                             &pair->triangles.runs[SOFT] );
         drape_add_sequence( page, "Noh and Jung 11: quads, k 200 N/m", sequence_count( page ),
                             &pair->quads.runs[FIRM] );
-        drape_add_runs( page, "Noh and Jung 8: 958 vertices of triangles on the ball", stiffnesses, STIFFNESS_COUNT,
-                        pair->triangles.runs );
-        drape_add_runs( page, "Noh and Jung 10: 25 x 25 vertices of quads on the ball", stiffnesses, STIFFNESS_COUNT,
-                        pair->quads.runs );
+        drape_add_runs( page, "Noh and Jung, Fig. 8: 958 vertices of triangles on the ball", stiffnesses,
+                        STIFFNESS_COUNT, pair->triangles.runs );
+        drape_add_runs( page, "Noh and Jung, Fig. 10: 25 x 25 vertices of quads on the ball", stiffnesses,
+                        STIFFNESS_COUNT, pair->quads.runs );
         drape_add_terms( page );
         status = write_pictures( page, pair, error );
     }

@@ -1,4 +1,4 @@
-/// The figures of the triangle cloth source (TRI section 7): a cloth that falls onto a ball, and what its engine makes of
+/// The figures of Noh and Jung: a cloth that falls onto a ball, and what its engine makes of
 /// energy, of long steps, of accuracy and of finer meshes.
 #pragma once
 
@@ -6,16 +6,17 @@
 #include "triangle_scene.h"
 
 figures_fn
-    figures_drape; ///< TRI Fig. 8 to 11: at rest on the ball for stiffness 50 to 350, frames, beside the quad mesh
-figures_fn figures_drape_steps;   ///< TRI section 8: the stiffest cloth in steps of 1/100, 1/60 and 1/30 s
-figures_fn figures_free_flight;   ///< TRI section 3.3: energy does not grow, and falls faster with more damping
-figures_fn figures_hang_accuracy; ///< TRI section 12: what tolerance, repeats and shorter steps gain and cost
-figures_fn figures_hang_refined;  ///< TRI X3: stiffness of the sheet makes a finer mesh the same cloth
+    figures_drape; ///< Noh and Jung, Fig. 8 to 11: at rest for stiffness 50 to 350, frames, against the quad mesh
+figures_fn figures_drape_steps; ///< the stiffest cloth in steps of 1/100, 1/60 and 1/30 s
+figures_fn
+    figures_free_flight; ///< Noh and Jung, section 3.3: energy does not grow, and falls faster with more damping
+figures_fn figures_hang_accuracy; ///< extension: gain and cost of tolerance, iterations and shorter steps
+figures_fn figures_hang_refined;  ///< extension: stiffness of the sheet makes a finer mesh the same cloth
 
-/// A cloth is at rest when this share of the largest kinetic energy is left (TRI section 11) ...
+/// A cloth is at rest when this share of the largest kinetic energy is left ...
 #define DRAPE_REST 1e-4
 #define DRAPE_REST_SECONDS 15.0 ///< ... after so long
-/// A vertex may be so deep in the ball, m (TRI section 11).
+/// Largest allowed depth of a vertex in the ball, m.
 #define DRAPE_DEPTH 1e-3
 
 // ---- looking at it ----

@@ -24,18 +24,20 @@ static void put_shape( cells* row, const drape_look* look )
 
 void drape_add_terms( figures_case* page )
 {
+    results_add_note( page->out,
+                      "Cloth on a ball: 1 m x 1 m, 0.2 kg/m2, falls 0.15 m onto a ball of 0.25 m at height 0.6 m." );
     results_add_note(
         page->out,
-        "Cloth on a ball: 1 m x 1 m of 0.2 kg/m2 falls 0.15 m onto a ball of 0.25 m whose middle is at 0.6 m; "
-        "k_b 1e-6 N m2, k_d 0.02 N s/m, margin 5 mm, friction 0.3 and 0.2, no collision of the cloth with itself.%s",
+        "Cloth on a ball: k_b 1e-6 N m2, k_d 0.02 N s/m, margin 5 mm, friction 0.3 and 0.2, no self-collision.%s",
         page->quick ? " A quick run ends after frame 480, long steps after 6 s, and has fewer stiffnesses and steps."
                     : "" );
     results_add_note(
         page->out,
-        "phi: least distance of a vertex from the ball's surface, negative inside; between: of the edges' middles. "
-        "edge: the longest, against its rest length. hem: mean and least height of the border. folds: how often "
-        "the border's distance from the ball's axis has a maximum 1 cm above what is beside it, after a mean "
-        "over 18 cm. ms per step: the mean of a run alone, not taken in turns." );
+        "phi: least distance of a vertex from the ball's surface, negative inside; between: of edge midpoints. edge: "
+        "the longest, against its rest length. hem: mean and least height of the border." );
+    results_add_note( page->out,
+                      "folds: maxima of the border's distance from the ball's axis, 1 cm above their surroundings, "
+                      "after a mean over 18 cm. ms per step: the mean of one run alone, not timed in turns." );
 }
 
 void drape_add_sequence( figures_case* page, const char* title, int shot_count, const drape_result* run )
@@ -129,9 +131,9 @@ wisp_status figures_drape_steps( figures_case* page, wisp_error* error )
         snprintf( expected, sizeof( expected ),
                   "finite; kinetic energy after %d s below 1e-4 of its largest; no vertex ever deeper than 1 mm",
                   seconds );
-        figures_add(
-            page, "Noh and Jung 8", experiment, expected, drape_is_at_rest( &run ) && run.min_gap > -DRAPE_DEPTH,
-            "%.1e left, phi at least %.2f mm, %.0f iterations a step", left, 1e3 * run.min_gap, run.iterations );
+        figures_add( page, "Long steps", experiment, expected, drape_is_at_rest( &run ) && run.min_gap > -DRAPE_DEPTH,
+                     "%.1e left, phi at least %.2f mm, %.0f iterations per step", left, 1e3 * run.min_gap,
+                     run.iterations );
     }
     drape_border_free( &border );
     triangle_scene_free( &scene );

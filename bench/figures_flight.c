@@ -149,8 +149,8 @@ wisp_status figures_four_forces( figures_case* page, wisp_error* error )
 #define RELEASE_STEPS_MAX 1200
 // The outlet stops when no gas is left above V_rest; the skin then comes to rest.
 #define REST_STEPS 120
-// Of the largest overpressure. A crumpled skin comes to rest near its rest shape and not in it, so a little tension stays
-// however long one waits.
+// Of the largest overpressure. A crumpled skin comes to rest near its rest shape and not in it, so a little tension
+// stays however long one waits.
 #define END_FRACTION 0.02
 
 typedef struct release
@@ -326,7 +326,7 @@ wisp_status figures_spin( figures_case* page, wisp_error* error )
     {
         bool grows = runs[0].spin < runs[1].spin && runs[1].spin < runs[2].spin &&
                      runs[0].mass_flow < runs[1].mass_flow && runs[1].mass_flow < runs[2].mass_flow;
-        figures_add( page, "F6", "outlet beside the centre, 0.2, 0.5 and 1 cm2", "a larger outflow spins faster",
+        figures_add( page, "F6", "outlet off centre, 0.2, 0.5 and 1 cm2", "a larger outflow spins faster",
                      grows && runs[0].spin > 0.0, "%.2f, %.2f, %.2f g/s; %.1f, %.1f, %.1f rad/s in 0.2 s",
                      1e3 * runs[0].mass_flow, 1e3 * runs[1].mass_flow, 1e3 * runs[2].mass_flow, runs[0].spin,
                      runs[1].spin, runs[2].spin );
@@ -456,9 +456,10 @@ wisp_status figures_real_time( figures_case* page, wisp_error* error )
     {
         // A time is no failure: whether it is real time is for the machine to say.
         stats_line line = stats_fit_line( vertices, ms, SIZES );
-        figures_add( page, "F8", "spheres of 642, 2 562, 10 242, 40 962 vertices, all forces and figures, 1 worker",
-                     "milliseconds a step, near linear", true, "%.2f, %.2f, %.2f, %.2f ms; R^2 = %.4f", ms[0], ms[1],
-                     ms[2], ms[3], line.r_squared );
+        figures_add( page, "F8",
+                     "spheres of 642, 2 562, 10 242, 40 962 vertices, all forces and statistics, 1 worker",
+                     "milliseconds per step, near linear", true, "%.2f, %.2f, %.2f, %.2f ms; R^2 = %.4f", ms[0],
+                     ms[1], ms[2], ms[3], line.r_squared );
     }
     return status;
 }

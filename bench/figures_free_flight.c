@@ -1,5 +1,6 @@
-// TRI section 3.3: a cloth that is stretched, spins and flies free. What is conserved is the energy of the rows: their
-// masses, the stretch of TRI eq. 5 and the potential of eq. 12. The implicit step and damping may only take from it.
+// Noh and Jung, section 3.3: a cloth that is stretched, spins and flies free. What is conserved is the energy of the
+// rows: their masses, the stretch of eq. 5 and the potential of eq. 12. The implicit step and damping may only take
+// from it.
 #include "figures_drape.h"
 
 #include "cells.h"
@@ -18,7 +19,7 @@ enum
 };
 
 #define STRETCHED 1.1f
-// Above the first energy: TRI-25.
+// Allowed rise above the first energy.
 #define GROWTH_ALLOWED 0.01
 
 static const wisp_vec3 spin = { 1.0f, 4.0f, 0.5f }; // rad/s
@@ -226,7 +227,7 @@ static wisp_status free_cloth_make( int vertices, free_cloth* out, wisp_error* e
 
 enum
 {
-    CHECKED = 3, // of the flights below: in steps as the source has them, with more and more damping
+    CHECKED = 3, // of the flights below: in steps of the paper, with more and more damping
     FLIGHT_COUNT = 5,
 };
 
@@ -277,7 +278,7 @@ static void add_row( figures_case* page, int vertices, const flight* flights )
     char experiment[120];
     snprintf( experiment, sizeof( experiment ),
               "%d vertices stretched by 10 %%, spinning, free, 1000 steps, k_d 0.002, 0.02, 0.2", vertices );
-    figures_add( page, "Noh and Jung 3.3", experiment,
+    figures_add( page, "Noh and Jung, sect. 3.3", experiment,
                  "energy never 1 % above the first; less is left with more damping",
                  is_finite && growth < GROWTH_ALLOWED && falls_faster,
                  "at most %+.1f %%; %.1e, %.1e, %.1e of it left; between two steps it rose by %.2f %% of the first",
@@ -291,11 +292,10 @@ static void add_rises( figures_case* page, const flight* f )
     const double after = f->looks[0], growth = f->last / after - 1.0;
     if ( growth > GROWTH_ALLOWED )
     {
-        results_add_note(
-            page->out,
-            "Noh and Jung 3.3: with k_d %g N s/m in steps of %g s what is left after 1 s, %.1e J, does not die away: "
-            "it is %.1e J after %d s.",
-            (double)f->damping, (double)f->seconds, after, f->last, SECONDS );
+        results_add_note( page->out,
+                          "Noh and Jung, section 3.3: with k_d %g N s/m in steps of %g s the energy left after 1 s, "
+                          "%.1e J, does not vanish: it is %.1e J after %d s.",
+                          (double)f->damping, (double)f->seconds, after, f->last, SECONDS );
     }
 }
 
@@ -328,10 +328,9 @@ wisp_status figures_free_flight( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         add_row( page, vertices, flights );
-        results_add_note(
-            page->out,
-            "Noh and Jung 3.3, energy: kinetic with the masses of the rows, stretch (eq. 5) and bend (eq. 12). "
-            "largest rise: above an earlier value, as a share of the first." );
+        results_add_note( page->out,
+                          "Noh and Jung, section 3.3, energy: kinetic with the masses of the rows, stretch (eq. 5) "
+                          "and bend (eq. 12). largest rise: above an earlier value, as a fraction of the first." );
     }
     free_cloth_free( &cloth );
     return status;

@@ -145,18 +145,18 @@ wisp_status figures_ghost_curves( figures_case* page, wisp_error* error )
             f[1].spline.sharp, f[2].line.sharp, f[2].bezier.sharp, f[2].spline.sharp, f[0].line.largest,
             f[0].bezier.largest, f[0].spline.largest, f[1].line.largest, f[1].bezier.largest, f[1].spline.largest,
             f[2].line.largest, f[2].bezier.largest, f[2].spline.largest );
-        status = figures_hair_write( page, &album, "gui_3_curves",
+        status = figures_hair_write( page, &album, "guide_hair_3_curves",
                                      "Park and Kim 2024, Fig. 3, segments, eq. 6 and Catmull-Rom", error );
     }
     figures_hair_free( &album );
     return status;
 }
 
-// ---- E6 ----
+// ---- pairing of unequal vertex counts ----
 
 #define GHOST_NODES ( 2 * TUFT_NODES )
 
-// The source's pairing: a ghost's vertex goes where the nearest vertex of the target at rest goes.
+// Pairing of Park and Kim 2024: a ghost's vertex goes where the nearest vertex of the target at rest goes.
 static void pair_nearest( const tuft* t, const wisp_vec3* target, wisp_vec3* out )
 {
     for ( int i = 0; i < strands_shape_size( &t->ghosts ); ++i )
@@ -207,7 +207,7 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
     bool refused = false;
     wisp_ghosts_def follow = tuft_without_weights();
     follow.resample = true;
-    follow.frame = WISP_GHOST_FRAME_OFF; // as the source has it
+    follow.frame = WISP_GHOST_FRAME_OFF; // as in Park and Kim 2024
     wisp_status status = tuft_make( GROUP, GHOST_NODES, &t, error );
     status = status == WISP_OK ? is_refused( &t, &refused, error ) : status;
     status = status == WISP_OK ? tuft_enter( &t, &follow, error ) : status;
@@ -230,13 +230,14 @@ wisp_status figures_ghost_pairing( figures_case* page, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        figures_add( page, "Park and Kim 2024, E6",
-                     "ghosts of 20 vertices about a target of 10, by the nearest vertex and by X1",
-                     "refused without X1; nearest pairing has kinks, X1 takes them away",
+        figures_add( page, "Pairing (extension)",
+                     "ghosts of 20 vertices about a target of 10, by the nearest vertex and by arc length",
+                     "refused without pairing by arc length; nearest pairing has kinks, arc length has none",
                      refused && kinks[1] < 0.7 * kinks[0], "%s; largest turn %.1f and %.1f degrees",
                      refused ? "refused" : "NOT refused", kinks[0], kinks[1] );
-        status = figures_hair_write( page, &album, "gui_e6_pairing",
-                                     "Park and Kim 2024, E6, pairing of unequal vertex counts", error );
+        status =
+            figures_hair_write( page, &album, "guide_hair_pairing",
+                                "Pairing of unequal vertex counts (extension, not in Park and Kim 2024)", error );
     }
     figures_hair_free( &album );
     tuft_free( &t );

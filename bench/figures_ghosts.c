@@ -70,7 +70,7 @@ wisp_status figures_ghost_centre( figures_case* page, wisp_error* error )
                      "one target with 3, 4 and 5 ghosts, no weights, 60 steps of a shaken head",
                      "the mean of the ghosts is the target at every node, to float rounding", worst < TUFT_ROUNDING,
                      "at most %.1e m apart", worst );
-        status = figures_hair_write( page, &album, "gui_1_centre",
+        status = figures_hair_write( page, &album, "guide_hair_1_centre",
                                      "Park and Kim 2024, Fig. 1, ghosts about their target", error );
     }
     figures_hair_free( &album );
@@ -155,14 +155,15 @@ wisp_status figures_ghost_sway( figures_case* page, wisp_error* error )
         // a displacement of dt |v| > 0.8 mm is known to 3e-7 m
         double tolerance = 2.0 * TUFT_ROUNDING / ( (double)STRANDS_STEP * MIN_SPEED );
         figures_add(
-            page, "Park and Kim 2024, Fig. 2a", "1:1, head swung from side to side, elastic weight off and on",
+            page, "Park and Kim 2024, Fig. 2a",
+            "1:1, head swung from side to side, without and with the elastic weight",
             "y - b is zero at rest and at the root; over tau |v| it rises with the change of velocity",
             f.root == 0.0 && f.rest < TUFT_ROUNDING && turning > 2.0 * steady && f.wrong < tolerance &&
                 f.turning_count > 0,
             "%.0e m at rest, %.0e at the root; %.3f where v turns by less than 30 degrees, %.3f where by more; "
             "at most %.1e from 0.5 - 0.5 cos",
             f.rest, f.root, steady, turning, f.wrong );
-        status = figures_hair_write( page, &album, "gui_2a_sway",
+        status = figures_hair_write( page, &album, "guide_hair_2a_sway",
                                      "Park and Kim 2024, Fig. 2a, difference lines of a lone ghost", error );
     }
     figures_hair_free( &album );
@@ -253,7 +254,7 @@ wisp_status figures_ghost_block( figures_case* page, wisp_error* error )
         figures_add( page, "Park and Kim 2024, Fig. 2b", "1:4, the elastic weight alone",
                      "all four ghosts are displaced alike: the block problem", f.apart < 2.0 * TUFT_ROUNDING,
                      "displacements at most %.1e m apart", f.apart );
-        status = figures_hair_write( page, &album, "gui_2b_block",
+        status = figures_hair_write( page, &album, "guide_hair_2b_block",
                                      "Park and Kim 2024, Fig. 2b, a group that moves as a block", error );
     }
     figures_hair_free( &album );
@@ -281,14 +282,14 @@ wisp_status figures_ghost_apart( figures_case* page, wisp_error* error )
                      "%.1f and %.1f %% of pairs in order; V %.4f, %.4f, %.4f cm2; up to %.2f and %.2f mm apart", half,
                      whole, 1e4 * f[0].spread, 1e4 * f[1].spread, 1e4 * f[2].spread, 1e3 * f[1].apart,
                      1e3 * f[2].apart );
-        status = figures_hair_write( page, &album, "gui_2c_centre",
+        status = figures_hair_write( page, &album, "guide_hair_2c_centre",
                                      "Park and Kim 2024, Fig. 2c, a group that sways apart", error );
     }
     figures_hair_free( &album );
     return status;
 }
 
-// ---- E4 ----
+// ---- spread of a group ----
 
 wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
 {
@@ -325,11 +326,11 @@ wisp_status figures_ghost_spread( figures_case* page, wisp_error* error )
     if ( status == WISP_OK )
     {
         // offsets of 4 mm at 0.4 m are known to 1e-5 of themselves
-        figures_add( page, "Park and Kim 2024, E4", "spread control, Vbar / v_0 of 0.25, 1 and 2.5",
-                     "V is Vbar at every node", worst < 1e-3, "V / v_0 = %.4f, %.4f, %.4f; at most %.1e off",
+        figures_add( page, "Spread (extension)", "spread control, Vbar / v_0 of 0.25, 1 and 2.5",
+                     "V is Vbar at every node", worst < 1e-3, "V / v_0 = %.4f, %.4f, %.4f; error at most %.1e",
                      ratio[0], ratio[1], ratio[2], worst );
-        status =
-            figures_hair_write( page, &album, "gui_e4_spread", "Park and Kim 2024, E4, spread of a group", error );
+        status = figures_hair_write( page, &album, "guide_hair_spread",
+                                     "Spread of a group (extension, not in Park and Kim 2024)", error );
     }
     figures_hair_free( &album );
     return status;

@@ -1,5 +1,5 @@
-// TRI section 12: what the accuracy of a step costs. A level cloth is held along one side and swings for half a second; then
-// its vertices are compared with those of a run in much finer steps.
+// Measure the cost of the accuracy of a step (extension, not in Noh and Jung). A level cloth is held along one side
+// and swings for half a second; then its vertices are compared with those of a run in much finer steps.
 #include "figures_hang.h"
 
 #include "cells.h"
@@ -87,7 +87,7 @@ static int begin_table( figures_case* page, int vertices )
                                          "tolerance",  "to fine mm", "most mm",      "to exact mm",
                                          "iterations", "ms in all",  "left to Euler" };
     char title[120];
-    snprintf( title, sizeof( title ), "Noh and Jung 12: what accuracy costs, %d vertices swinging for 0.5 s",
+    snprintf( title, sizeof( title ), "Accuracy of a step: cost of accuracy, %d vertices swinging for 0.5 s",
               vertices );
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
@@ -148,11 +148,11 @@ static wisp_status vary_tolerance( swing_page* s, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        figures_add( s->page, "Noh and Jung 12", "tolerance of a solve from 1e-2 to 1e-6, step 0.01 s",
+        figures_add( s->page, "Accuracy (extension)", "tolerance of a solve from 1e-2 to 1e-6, step 0.01 s",
                      "from 1e-4 on a solve adds less than a hundredth of the step's own error",
                      most < 0.01 * came[TOLERANCE_COUNT - 1].to_fine.mean &&
                          came[DEFAULT].to_exact.mean < came[0].to_exact.mean,
-                     "%.2f, %.3f, %.3f, %.3f, %.3f mm beside %.1f mm", 1e3 * came[0].to_exact.mean,
+                     "%.2f, %.3f, %.3f, %.3f, %.3f mm against %.1f mm", 1e3 * came[0].to_exact.mean,
                      1e3 * came[1].to_exact.mean, 1e3 * came[2].to_exact.mean, 1e3 * came[3].to_exact.mean,
                      1e3 * came[4].to_exact.mean, 1e3 * came[TOLERANCE_COUNT - 1].to_fine.mean );
     }
@@ -171,7 +171,7 @@ static wisp_status vary_repeats( swing_page* s, wisp_error* error )
     if ( status == WISP_OK )
     {
         const double fine[REPEAT_COUNT] = { came[0].to_fine.mean, came[1].to_fine.mean, came[2].to_fine.mean };
-        figures_add( s->page, "Noh and Jung 12", "1, 2 and 4 solves a step, step 0.01 s, tolerance 1e-6",
+        figures_add( s->page, "Accuracy (extension)", "1, 2 and 4 solves per step, step 0.01 s, tolerance 1e-6",
                      "the second helps, the fourth changes less than a tenth of that",
                      fine[1] < fine[0] && fabs( fine[2] - fine[1] ) < 0.1 * ( fine[0] - fine[1] ),
                      "%.2f, %.2f, %.2f mm from the fine run", 1e3 * fine[0], 1e3 * fine[1], 1e3 * fine[2] );
@@ -211,7 +211,7 @@ static wisp_status vary_steps( swing_page* s, wisp_error* error )
         {
             is_nearer = is_nearer && second[i].to_fine.mean < first[i].to_fine.mean && second[i].first_order == 0.0;
         }
-        figures_add( s->page, "Noh and Jung 12", "steps of 0.02 to 0.00125 s, Euler and BDF2",
+        figures_add( s->page, "Accuracy (extension)", "steps of 0.02 to 0.00125 s, Euler and BDF2",
                      "errors fall with orders near 1 and 2 (above 0.9 and 1.7); BDF2 is nearer at every step that it "
                      "does not leave to Euler",
                      is_nearer && order1 > 0.9 && order2 > 1.7,
@@ -241,13 +241,12 @@ wisp_status figures_hang_accuracy( figures_case* page, wisp_error* error )
     status = status == WISP_OK ? vary_steps( &s, error ) : status;
     if ( status == WISP_OK )
     {
-        results_add_note(
-            page->out,
-            "Noh and Jung 12: a level cloth held along one side swings down. Distances of vertices after 0.5 s: root "
-            "of the "
-            "mean square, and the most; fine: BDF2 in steps of %g s, two solves, tolerance 1e-6, %.0f iterations; "
-            "exact: one Euler solve a step to 1e-7.",
-            (double)fine.seconds, s.fine.iterations );
+        results_add_note( page->out, "Accuracy of a step: a level cloth held along one side swings down. "
+                                     "Distances of vertices after 0.5 s: root mean square and largest." );
+        results_add_note( page->out,
+                          "fine: BDF2 in steps of %g s, two solves, tolerance 1e-6, %.0f iterations; exact: one "
+                          "Euler solve per step to 1e-7.",
+                          (double)fine.seconds, s.fine.iterations );
     }
     free( s.fine.points );
     free( s.exact.points );

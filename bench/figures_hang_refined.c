@@ -1,5 +1,5 @@
-// TRI X3: does a finer mesh stay the same cloth? Stiffness that belongs to the sheet gives each link its share; stiffness
-// that belongs to links does not.
+// Check that a finer mesh stays the same cloth (extension, not in Noh and Jung). Stiffness that belongs to the sheet
+// gives each link its share; stiffness that belongs to links does not.
 #include "figures_hang.h"
 
 #include "cells.h"
@@ -122,9 +122,10 @@ static int begin_table( figures_case* page, int count )
     }
     cells_put( &header, "iterations" );
     cells_put( &header, "ms per step" );
-    return cells_begin_table(
-        &header, "Noh and Jung X3: the sag by number of vertices, k_s 200 N/m, D 5e-6 N m where nothing else is said",
-        page->out );
+    return cells_begin_table( &header,
+                              "Finer meshes: the sag by number of vertices, k_s 200 N/m, D 5e-6 N m unless stated "
+                              "(extension, not in Noh and Jung)",
+                              page->out );
 }
 
 static void add_line( figures_case* page, int table, int form, wisp_implicit_stiffness stiffness, const sag_row* row )
@@ -157,11 +158,12 @@ static double largest_change( const sag_row* row )
     return most;
 }
 
-// No link is pressed where a cloth is pulled both ways, or arcs do not give way: this is what the shares are made for.
+// No link is pressed where a cloth is pulled both ways, or arcs do not give way: this is what the shares are made
+// for.
 static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag_row* link )
 {
     const int finest = sheet[ROUND].count - 1;
-    figures_add( page, "Noh and Jung X3", "`sheet`, level, held all round, 250 vertices and more",
+    figures_add( page, "Finer meshes (extension)", "`sheet`, level, held all round, 250 vertices and more",
                  "sags within 3 % of each other", largest_change( &sheet[ROUND] ) < 0.03,
                  "%.2f to %.2f mm, %.1f %% apart; with `link` %.1f %%", 1e3 * sheet[ROUND].sag[0],
                  1e3 * sheet[ROUND].sag[finest], 100.0 * largest_change( &sheet[ROUND] ),
@@ -172,7 +174,8 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
                  stiffness = (double)wisp_default_implicit_cloth_def().stretch_stiffness;
     const double strip = (double)TRIANGLE_DENSITY * (double)TRIANGLE_GRAVITY * side * side / ( 2.0 * stiffness );
     const double apart = sheet[STIFF].sag[finest] / strip - 1.0;
-    figures_add( page, "Noh and Jung X3", "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
+    figures_add( page, "Finer meshes (extension)",
+                 "`sheet`, hung by one side, diagonals that do not give way (D 5e-2 N m)",
                  "sags within 5 % of each other, and within 15 % of a strip's in closed form",
                  largest_change( &sheet[STIFF] ) < 0.05 && fabs( apart ) < 0.15,
                  "%.2f to %.2f mm, at most %.1f %% apart; strip %.2f mm, %+.1f %%; with `link` %.1f %%",
@@ -180,22 +183,22 @@ static void add_pulled_rows( figures_case* page, const sag_row* sheet, const sag
                  1e3 * strip, 100.0 * apart, 100.0 * largest_change( &link[STIFF] ) );
 }
 
-// Edges take no pressure. A cloth that is pulled one way narrows until its diagonals hold it, and a short arc holds more.
+// Edges take no pressure. A cloth that is pulled one way narrows until its diagonals hold it, and a short arc holds
+// more.
 static void add_narrow_rows( figures_case* page, const sag_row* sheet, const sag_row* link )
 {
     const sag_row *corners = &sheet[CORNERS], *limp = &sheet[SIDE];
-    figures_add( page, "Noh and Jung X3", "`sheet`, hung by two corners, 1000 and 4000 vertices",
+    figures_add( page, "Finer meshes (extension)", "`sheet`, hung by two corners, 1000 and 4000 vertices",
                  "sags within 5 % of each other", fabs( change( corners, 1 ) ) < 0.05,
                  "%.1f and %.1f mm, %+.1f %%; with `link` %.1f and %.1f mm", 1e3 * corners->sag[1],
                  1e3 * corners->sag[2], 100.0 * change( corners, 1 ), 1e3 * link[CORNERS].sag[1],
                  1e3 * link[CORNERS].sag[2] );
-    results_add_note(
-        page->out,
-        "Noh and Jung X3, not within a few percent of 4000 vertices: hung by two corners 250 (%+.1f %%); hung by one "
-        "side "
-        "250 and 1000 (%+.1f %%, %+.1f %%). Edges take no pressure: a cloth that is pulled one way narrows until "
-        "its diagonals hold it, and how much they hold depends on how long they are.",
-        100.0 * change( corners, 0 ), 100.0 * change( limp, 0 ), 100.0 * change( limp, 1 ) );
+    results_add_note( page->out,
+                      "Finer meshes, more than a few percent from 4000 vertices: hung by two corners 250 (%+.1f %%); "
+                      "hung by one side 250 and 1000 (%+.1f %%, %+.1f %%).",
+                      100.0 * change( corners, 0 ), 100.0 * change( limp, 0 ), 100.0 * change( limp, 1 ) );
+    results_add_note( page->out, "Finer meshes: edges take no pressure, so a pulled cloth narrows until its "
+                                 "diagonals hold it, and how much they hold depends on their length." );
 }
 
 wisp_status figures_hang_refined( figures_case* page, wisp_error* error )

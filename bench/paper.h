@@ -15,7 +15,7 @@
 typedef struct paper_line
 {
     int strands, vertices;
-    double source_ms, source_fps; ///< NaN where the source has no such size
+    double source_ms, source_fps; ///< NaN where the paper has no such size
 
     stats_summary ms[PAPER_VARIANTS_MAX]; ///< plain C, then ours
     double fraction[3];               ///< of the parallel variant's step: freeze, align, clump; the rest is the rest

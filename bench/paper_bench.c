@@ -1,4 +1,4 @@
-// The case `paper`: the tables of the sources that have one, in turn, each with its share of the time.
+// The case `paper`: the tables of Kim 2026 and of Noh and Jung, in turn, each with a part of the time.
 #include "bench.h"
 #include "paper_triangle.h"
 

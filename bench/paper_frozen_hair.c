@@ -20,7 +20,7 @@
 typedef struct paper_size
 {
     int strands;
-    double source_ms, source_fps;     ///< NaN: not in the source
+    double source_ms, source_fps;     ///< NaN: not in Kim 2026
     double quick_weight, full_weight; ///< of the time that is left for this size and the larger ones; 0: left out
 } paper_size;
 
@@ -163,7 +163,7 @@ static void check_errors( const paper_table* table, const paper_line* line, resu
             results_add_failure( out,
                                  "%d strands: %s with %d workers is %.3g m from %s, more than the tolerated %.3g m.",
                                  line->strands, paper_variant_name( v ), table->workers[v], line->error[v],
-                                 line->by_oracle ? "the double oracle" : "plain C", line->tolerance );
+                                 line->by_oracle ? "the double oracle" : "scalar C", line->tolerance );
         }
     }
 }

@@ -160,7 +160,7 @@ wisp_status paper_plain_create( const paper_scene* scene, plain_frozen_hair* out
     if ( !plain_frozen_hair_create( out, groom->strand_count, groom->offsets, &groom->points[0].x, NULL, NULL, NULL,
                                     &options ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version of %d strands",
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d strands",
                           groom->strand_count );
     }
     return WISP_OK;
@@ -171,7 +171,7 @@ wisp_status paper_plain_replay( plain_frozen_hair* hair, uint64_t event, wisp_er
     hair->options.event = event;
     return plain_frozen_hair_run( hair )
                ? WISP_OK
-               : wisp_fail( error, WISP_BAD_INPUT, "the plain C version refused the scene of the benchmark" );
+               : wisp_fail( error, WISP_BAD_INPUT, "the scalar C version refused the scene of the benchmark" );
 }
 
 wisp_status paper_plain_step( void* context, wisp_error* error )

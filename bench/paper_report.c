@@ -4,14 +4,14 @@
 #include <math.h>
 #include <stdarg.h>
 
-// What this table has to show, at the largest size of the source and over all sizes.
+// Targets of this table, at the largest size of Kim 2026 and over all sizes.
 #define CONTRACT_SIZE 2
 #define CONTRACT_NEIGHBOURS 10.0
 #define CONTRACT_RATIO 8.0
 #define CONTRACT_MS 1.0
 #define CONTRACT_R_SQUARED 0.98
 
-// The sizes that the source has too come first.
+// The sizes of Kim 2026 come first.
 #define SOURCE_SIZES 3
 
 // ---- cells from left to right ----
@@ -71,12 +71,12 @@ static int add_header( const paper_table* table, results* out )
     cell( &row, "vertices" );
     cell( &row, "Kim 2026 ms" );
     cell( &row, "FPS" );
-    cell( &row, "plain C ms" );
+    cell( &row, "scalar C ms" );
     for ( int v = 1; v < table->variant_count; ++v )
     {
         cell( &row, "%d %s ms", table->workers[v], bench_workers_word( table->workers[v] ) );
     }
-    cell( &row, "speedup over plain C" );
+    cell( &row, "speedup over scalar C" );
     cell( &row, "freeze %%" );
     cell( &row, "align %%" );
     cell( &row, "clump %%" );
@@ -85,11 +85,12 @@ static int add_header( const paper_table* table, results* out )
     cell( &row, "error m" );
     cell( &row, "error/h" );
     cell( &row, "against" );
-    cell( &row, "plain's m" );
+    cell( &row, "scalar C m" );
     cell( &row, "bytes per vertex" );
     cell( &row, "hash" );
-    return results_add_table( out, "Frozen hair, Table 1: 20 vertices a strand, all stages, a command each step",
-                              row.count, row.cells );
+    return results_add_table(
+        out, "Frozen hair, Kim 2026, Table 1: 20 vertices per strand, all stages, a command in each step", row.count,
+        row.cells );
 }
 
 static void add_line( const paper_table* table, const paper_line* line, int number, results* out )
@@ -114,7 +115,7 @@ static void add_line( const paper_table* table, const paper_line* line, int numb
     number_cell( &row, line->neighbours, 1 );
     small_cell( &row, line->error[last] );
     small_cell( &row, line->error[last] / table->clump_radius );
-    cell( &row, "%s", line->by_oracle ? "oracle" : "plain" );
+    cell( &row, "%s", line->by_oracle ? "oracle" : "scalar C" );
     small_cell( &row, line->error[0] );
     number_cell( &row, line->bytes, 0 );
     cell( &row, "%016llx", (unsigned long long)line->hash );
@@ -135,7 +136,7 @@ static stats_line fit( const paper_table* table, int variant, int size_count )
     return stats_fit_line( thousands, ms, size_count );
 }
 
-// A variant below 0 is the source.
+// A variant below 0 is Kim 2026.
 static void add_fit( const paper_table* table, int variant, int size_count, int number, results* out )
 {
     stats_line line = fit( table, variant, size_count );
@@ -146,11 +147,11 @@ static void add_fit( const paper_table* table, int variant, int size_count, int 
     }
     else if ( variant == 0 )
     {
-        cell( &row, "plain C" );
+        cell( &row, "scalar C" );
     }
     else
     {
-        cell( &row, "ours, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
+        cell( &row, "Wisp, %d %s", table->workers[variant], bench_workers_word( table->workers[variant] ) );
     }
     cell( &row, "%d .. %d", table->lines[0].vertices, table->lines[size_count - 1].vertices );
     cell( &row, "%.3f", line.intercept );
@@ -161,7 +162,7 @@ static void add_fit( const paper_table* table, int variant, int size_count, int 
 
 static void add_fits( const paper_table* table, results* out )
 {
-    const char* const header[] = { "who", "vertices", "ms at none", "ms per 1000", "R^2" };
+    const char* const header[] = { "implementation", "vertices", "ms at 0", "ms per 1000", "R^2" };
     int number = results_add_table( out, "Time against vertices: straight lines by least squares", 5, header );
     add_fit( table, -1, SOURCE_SIZES, number, out );
     for ( int v = 0; v < table->variant_count; ++v )
@@ -187,17 +188,16 @@ static void add_contract( const paper_table* table, results* out )
     int last = table->variant_count - 1;
     double ratio = line->ms[0].median / line->ms[last].median;
     double ms = line->ms[last].median;
-    results_add_note(
-        out,
-        "Contract at %d x 20 with %d %s: %.1f neighbours a vertex (at least %.0f: %s), %.1f times faster "
-        "than plain C (at least %.0f: %s), %.3f ms (below %.0f ms: %s).",
-        line->strands, table->workers[last], bench_workers_word( table->workers[last] ), line->neighbours,
-        CONTRACT_NEIGHBOURS, met( line->neighbours >= CONTRACT_NEIGHBOURS ), ratio, CONTRACT_RATIO,
-        met( ratio >= CONTRACT_RATIO ), ms, CONTRACT_MS, met( ms < CONTRACT_MS ) );
+    results_add_note( out,
+                      "Target at %d x 20 with %d %s: %.1f neighbours per vertex (at least %.0f: %s), %.1f times "
+                      "faster than scalar C (at least %.0f: %s), %.3f ms (below %.0f ms: %s).",
+                      line->strands, table->workers[last], bench_workers_word( table->workers[last] ),
+                      line->neighbours, CONTRACT_NEIGHBOURS, met( line->neighbours >= CONTRACT_NEIGHBOURS ), ratio,
+                      CONTRACT_RATIO, met( ratio >= CONTRACT_RATIO ), ms, CONTRACT_MS, met( ms < CONTRACT_MS ) );
     for ( int v = 1; v < table->variant_count; ++v )
     {
         double r_squared = fit( table, v, table->size_count ).r_squared;
-        results_add_note( out, "Contract with %d %s: time against vertices is a line, R^2 = %.5f (above %.2f: %s).",
+        results_add_note( out, "Target with %d %s: time against vertices is a line, R^2 = %.5f (above %.2f: %s).",
                           table->workers[v], bench_workers_word( table->workers[v] ), r_squared, CONTRACT_R_SQUARED,
                           met( r_squared > CONTRACT_R_SQUARED ) );
     }
@@ -206,20 +206,19 @@ static void add_contract( const paper_table* table, results* out )
     {
         fewest = fmin( fewest, table->lines[i].neighbours );
     }
-    results_add_note( out,
-                      "Density: clump radius h = %.1f mm, at least %.1f neighbours a vertex at every size (10: %s).",
-                      1e3 * table->clump_radius, fewest, met( fewest >= CONTRACT_NEIGHBOURS ) );
+    results_add_note(
+        out, "Density: clump radius h = %.1f mm, at least %.1f neighbours per vertex at every size (10: %s).",
+        1e3 * table->clump_radius, fewest, met( fewest >= CONTRACT_NEIGHBOURS ) );
 }
 
 static void add_reading( const paper_table* table, results* out )
 {
+    results_add_note( out, "The machine of Kim 2026 is unknown: compare slopes, not absolute times. Kim 2026 states "
+                           "0.91 ms + 2.74 ms per 1000 vertices." );
     results_add_note( out,
-                      "The source's machine is unknown: compare slopes, not absolutes. The source states 0.91 ms + "
-                      "2.74 ms per 1000 vertices." );
-    results_add_note( out,
-                      "Errors are the largest distance of a vertex, in m and in clump radii h: to the double oracle "
-                      "up to %d %03d vertices, beyond to plain C, which is float too. Tolerated are %.0f float "
-                      "roundings of the scene's farthest coordinate.",
+                      "Errors are the largest distance of a vertex, in m and in clump radii h, to the double oracle "
+                      "up to %d %03d vertices and to scalar C (float) beyond. At most %.0f float roundings of the "
+                      "farthest coordinate are allowed.",
                       table->oracle_vertices_max / 1000, table->oracle_vertices_max % 1000,
                       PAPER_TOLERATED_ROUNDINGS );
     for ( int i = 0; i < table->size_count; ++i )
@@ -227,18 +226,18 @@ static void add_reading( const paper_table* table, results* out )
         const paper_line* line = &table->lines[i];
         if ( line->plain_once )
         {
-            results_add_note( out, "Plain C at %d strands was timed once, by the run that gave the reference.",
+            results_add_note( out, "Scalar C at %d strands was timed once, by the run that gave the reference.",
                               line->strands );
         }
         else
         {
-            results_add_note( out,
-                              "Samples at %d strands: %d of plain C, %d of ours with %d %s; p10 to p90 of ours "
-                              "%.3f to %.3f ms.",
-                              line->strands, line->ms[0].count, line->ms[table->variant_count - 1].count,
-                              table->workers[table->variant_count - 1],
-                              bench_workers_word( table->workers[table->variant_count - 1] ),
-                              line->ms[table->variant_count - 1].p10, line->ms[table->variant_count - 1].p90 );
+            results_add_note(
+                out,
+                "Samples at %d strands: %d of scalar C, %d of Wisp with %d %s; p10 to p90 of Wisp %.3f to %.3f ms.",
+                line->strands, line->ms[0].count, line->ms[table->variant_count - 1].count,
+                table->workers[table->variant_count - 1],
+                bench_workers_word( table->workers[table->variant_count - 1] ),
+                line->ms[table->variant_count - 1].p10, line->ms[table->variant_count - 1].p90 );
         }
     }
 }
@@ -257,7 +256,7 @@ static void add_chart( results* out )
                                      .title = "Frozen hair, all stages: time against size",
                                      .x_label = "vertices",
                                      .y_label = "ms per step",
-                                     .caption = "The source's machine is unknown: compare slopes, not heights.",
+                                     .caption = "The machine of Kim 2026 is unknown: compare slopes, not heights.",
                                      .x = rows_vertices,
                                      .y = rows_ms },
                     out );

@@ -11,9 +11,9 @@
 /// A cloth that falls onto the ball.
 typedef struct triangle_drop
 {
-    int vertices; ///< of an irregular triangle mesh; 0: the source's quad mesh
+    int vertices; ///< of an irregular triangle mesh; 0: the quad mesh of Noh and Jung
     float stretch_stiffness;
-    double source_ms; ///< NaN where the source has no such cloth
+    double source_ms; ///< NaN where Noh and Jung have no such cloth
     int steps;
     bool is_timed; ///< else only its iterations are of interest
     bool grows;    ///< a row of the table of growth

@@ -70,7 +70,7 @@ static wisp_status enter( const triangle_plan* plan, const triangle_drop* drop, 
     wisp_status status = triangle_scene_make( drop->vertices, &run->scene, error );
     triangle_setting setting = triangle_default_setting();
     setting.cloth.stretch_stiffness = drop->stretch_stiffness;
-    setting.cloth.max_newton_iterations = 1; // the source solves once a step, however fine the mesh
+    setting.cloth.max_newton_iterations = 1; // Noh and Jung solve once per step, for any mesh
     for ( int e = 0; e <= run->timed_count && status == WISP_OK; ++e )
     {
         setting.requests_stats = e == run->timed_count;
@@ -244,7 +244,7 @@ static void check( const triangle_plan* plan, const drop_run* run, const triangl
     {
         results_add_failure( out, "Cloth of %d vertices, k_s %.0f: %d %s%s give hash %016llx, %d gives %016llx.",
                              line->vertices, (double)line->drop->stretch_stiffness, workers,
-                             bench_workers_word( workers ), is_watched ? " with figures" : "",
+                             bench_workers_word( workers ), is_watched ? " with statistics" : "",
                              (unsigned long long)hash, plan->workers[0], (unsigned long long)line->hash );
     }
     if ( run->implementations[e].halted_at > 0 )
@@ -388,11 +388,10 @@ wisp_status paper_triangle_cloth( const bench_options* options, results* out, wi
     const wisp_status status = paper_triangle_run( &plan, out, error );
     if ( status == WISP_OK && bench_seconds( options ) < FULL_SECONDS )
     {
-        results_add_note(
-            out,
-            "Triangle cloth: a case of this little time leaves out 40 000 and 100 000 vertices, and falls for %d "
-            "steps instead of 300.",
-            plan.drops[0].steps );
+        results_add_note( out,
+                          "Triangle cloth: short of time, 40 000 and 100 000 vertices are left out, and the cloth "
+                          "falls for %d steps instead of 300.",
+                          plan.drops[0].steps );
     }
     return status;
 }

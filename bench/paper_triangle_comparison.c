@@ -1,5 +1,5 @@
-// A cloth that hangs by two corners, solved by the engine and by plain C in turns: the same links, forces, tolerance and
-// steps, one worker each.
+// A cloth that hangs by two corners, solved by the engine and by plain C in turns: the same links, forces, tolerance
+// and steps, one worker each.
 #include "paper_triangle.h"
 
 #include "plain/implicit_cloth_plain.h"
@@ -52,7 +52,7 @@ static wisp_status make_plain( const wisp_mesh* mesh, const wisp_implicit_cloth_
     if ( !plain_implicit_cloth_create( out, mesh->points, mesh->vertex_count, mesh->triangles, mesh->triangle_count,
                                        &material ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version of %d vertices",
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d vertices",
                           mesh->vertex_count );
     }
     plain_implicit_cloth_pin( out, pins[0] );
@@ -194,7 +194,7 @@ static wisp_status conclude( hang_comparison* comparison, triangle_hang* hang, r
     }
     if ( watched_hash != hang->hash )
     {
-        results_add_failure( out, "Hanging cloth of %d vertices: with figures hash %016llx, without %016llx.",
+        results_add_failure( out, "Hanging cloth of %d vertices: with statistics hash %016llx, without %016llx.",
                              hang->vertices, (unsigned long long)watched_hash, (unsigned long long)hang->hash );
     }
     measure_distance( &comparison->plain, points, hang );
@@ -270,7 +270,7 @@ wisp_status triangle_hang_all( const triangle_plan* plan, triangle_hang* hangs, 
     wisp_status status = WISP_OK;
     for ( int i = 0; i < plan->hang_count && status == WISP_OK; ++i )
     {
-        bench_progress( plan->options, 0.8 + 0.2 * i / plan->hang_count, "triangle cloth against plain C" );
+        bench_progress( plan->options, 0.8 + 0.2 * i / plan->hang_count, "triangle cloth against scalar C" );
         status = comparison_one( plan->hangs[i].vertices, plan->hangs[i].steps, &hangs[i], out, error );
     }
     return status;

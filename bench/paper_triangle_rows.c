@@ -44,7 +44,7 @@ static int begin_table( const triangle_plan* plan, results* out )
     cells_put( &row, "iterations, mean / max" );
     for ( int w = 0; w < plan->worker_count; ++w )
     {
-        cells_put( &row, "%d %s ns a vertex, iteration", plan->workers[w], bench_workers_word( plan->workers[w] ) );
+        cells_put( &row, "%d %s ns per vertex, iteration", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
     cells_put( &row, "us per vertex" );
     cells_put( &row, "ns per link" );
@@ -52,7 +52,7 @@ static int begin_table( const triangle_plan* plan, results* out )
     cells_put( &row, "unsolved / indefinite" );
     cells_put( &row, "hash" );
     return cells_begin_table( &row,
-                              "Triangle cloth, Table 1: cloth of 1 m x 1 m falls onto a ball, whole step with "
+                              "Triangle cloth, Noh and Jung, Table 1: 1 m x 1 m falls onto a ball, whole step with "
                               "collision, dt 0.01 s, one solve",
                               out );
 }
@@ -126,8 +126,8 @@ static void add_ratio( const triangle_plan* plan, const triangle_line* triangles
 static void add_ratios( const triangle_plan* plan, const triangle_line* lines, results* out )
 {
     static const char* const names[] = {
-        "k_s N/m",     "workers", "us per vertex",  "ratio",     "ratio, Noh and Jung",
-        "ns per link", "ratio",   "links a vertex", "iterations"
+        "k_s N/m",     "workers", "us per vertex",    "ratio",     "ratio, Noh and Jung",
+        "ns per link", "ratio",   "links per vertex", "iterations"
     };
     cells header = { .count = 0 };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
@@ -188,7 +188,7 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
 {
     char title[160];
     snprintf( title, sizeof( title ),
-              "Growth of conjugate gradients at fixed material: iterations a step, steps %d to %d of the fall",
+              "Growth of conjugate gradients at fixed material: iterations per step, steps %d to %d of the fall",
               plan->touch_step + 1, plan->touch_step + plan->growth_steps );
     static const char* const names[] = { "vertices",     "iterations", "iterations / first",
                                          "sqrt of size", "of that",    "exponent here" };
@@ -229,13 +229,13 @@ static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, re
     static const char* const names[] = { "vertices",
                                          "links",
                                          "steps",
-                                         "plain C ms mean",
+                                         "scalar C ms mean",
                                          "median",
                                          "1 worker ms",
                                          "median",
-                                         "speedup over plain C",
-                                         "iterations plain / ours",
-                                         "unsolved plain / ours",
+                                         "speedup over scalar C",
+                                         "iterations scalar C / Wisp",
+                                         "unsolved scalar C / Wisp",
                                          "apart at most m",
                                          "rms m",
                                          "hash" };
@@ -245,7 +245,8 @@ static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, re
         cells_put( &header, "%s", names[i] );
     }
     const int table = cells_begin_table(
-        &header, "Triangle cloth against plain C: hangs by two corners, k_s 200, 1 worker, the same tolerance", out );
+        &header, "Triangle cloth against scalar C: hangs by two corners, k_s 200, 1 worker, the same tolerance",
+        out );
     for ( int i = 0; i < plan->hang_count; ++i )
     {
         const triangle_hang* h = &hangs[i];
@@ -280,7 +281,7 @@ static void claim_iterations( const triangle_plan* plan, const triangle_line* li
         if ( isfinite( most ) && line->drop->is_timed )
         {
             char claim[160];
-            snprintf( claim, sizeof( claim ), "%d vertices, %d %s: an iteration costs at most %.0f ns a vertex",
+            snprintf( claim, sizeof( claim ), "%d vertices, %d %s: an iteration costs at most %.0f ns per vertex",
                       line->vertices, plan->workers[w], bench_workers_word( plan->workers[w] ), most );
             results_add_claim( out, line->iteration_ns[w] <= most, claim, line->iteration_ns[w], " ns" );
         }
@@ -289,27 +290,21 @@ static void claim_iterations( const triangle_plan* plan, const triangle_line* li
 
 static void add_reading( const triangle_plan* plan, const triangle_line* lines, results* out )
 {
+    results_add_note( out,
+                      "Noh and Jung: Core 2 Duo without a clock rate; masses, lengths, ball and solver are not "
+                      "given. Per step of 0.01 s with collision: 1.014 s for 958 particles, 0.516 s for 625. Compare "
+                      "the ratio per particle, %.2f, not absolute times.",
+                      SOURCE_RATIO );
+    results_add_note( out, "Wisp: 0.2 kg/m^2, k_b 1e-6 N m^2, k_d 0.02 N s/m, ball of radius 0.25 m, margin 5 mm, "
+                           "friction 0.3 and 0.2, tolerance 1e-4, one substep, steps from the start of the fall." );
     results_add_note(
-        out,
-        "The source's machine is a Core 2 Duo without a clock rate, and its masses, lengths, ball and solver are not "
-        "given: 1.014 s a frame for 958 particles and 0.516 s for 625, a frame being a step of 0.01 s with "
-        "collision. "
-        "Compare the ratio a particle, %.2f, not absolutes.",
-        SOURCE_RATIO );
+        out, "Times are of all steps; us per vertex, ns per link and speedup over Noh and Jung are means with 1 "
+             "worker. Iterations come from a separate run with statistics, whose hash must be the same." );
+    results_add_note( out, "ns per vertex and iteration: the whole solver pass with assembly; the median over steps "
+                           "with at least a quarter of the most iterations." );
     results_add_note(
-        out,
-        "Ours: 0.2 kg/m^2, k_b 1e-6 N m^2, k_d 0.02 N s/m, ball of radius 0.25 m, margin 5 mm, friction 0.3 and 0.2, "
-        "tolerance 1e-4, one substep, steps from the start of the fall. Times are of all steps; us per vertex, ns "
-        "per "
-        "link "
-        "and speedup over Noh and Jung are means with 1 worker. ns a vertex and iteration are of the whole pass that "
-        "solves, "
-        "assembly included: the median over steps with at least a quarter of the most iterations. Iterations come "
-        "from a run of their own with figures, whose hash must be the same." );
-    results_add_note(
-        out,
-        "Plain C assembles a matrix of 3 x 3 blocks in float and has the same links, forces, preconditioner, first "
-        "guess and tolerance; two solves to 1e-4 differ by as much, and folding cloth lets differences grow." );
+        out, "Scalar C assembles a float matrix of 3 x 3 blocks; links, forces, preconditioner, first guess and "
+             "tolerance are the same. Two solves to 1e-4 differ by as much, and differences grow in folding cloth." );
     for ( int i = 0; i < plan->drop_count; ++i )
     {
         if ( lines[i].unsolved + lines[i].indefinite > 0 )
@@ -324,7 +319,7 @@ static void add_reading( const triangle_plan* plan, const triangle_line* lines, 
 
 static double mean_ms_of( const results_row* row )
 {
-    // The source states one time, which is its mean.
+    // Noh and Jung state one time, the mean.
     return strcmp( row->variant, "source" ) == 0 ? row->ms_median : rows_size( row, "ms_mean" );
 }
 

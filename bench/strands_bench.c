@@ -49,7 +49,7 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
         const char* what;
         double fraction; // of the case that is done when it begins
     } tables[] = {
-        { strands_comparison, "strands against plain C", 0.0 },
+        { strands_comparison, "strands against scalar C", 0.0 },
         { strands_closed_forms, "strands against closed forms", 0.6 },
         { strands_independence, "strands at other rates", 0.65 },
         { strands_energy, "stretch and energy", 0.7 },

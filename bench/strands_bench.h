@@ -48,7 +48,7 @@ wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_e
 wisp_status strands_independence( const strands_plan* plan, results* out, wisp_error* error );
 /// Stretch and energy of a falling chain by solver and substeps.
 wisp_status strands_energy( const strands_plan* plan, results* out, wisp_error* error );
-/// Guides and ghosts against simulating all (GUI E5).
+/// Guides and ghosts against full simulation (extension, not in Park and Kim 2024).
 wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* error );
 
 // ---- ways to solve ----
@@ -65,6 +65,6 @@ typedef struct strands_setting
 /// Dynamics of a setting in the scene of the race.
 wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting );
 
-/// m/N of bends by distances: at ten substeps about a fifth of the error is taken away, as the stiffness 0.2 of the other
-/// engines does; being a compliance it stays the same material at other substeps.
+/// m/N of bends by distances: at ten substeps about a fifth of the error is taken away, as the stiffness 0.2 of the
+/// other engines does; being a compliance it stays the same material at other substeps.
 #define STRANDS_BEND_COMPLIANCE 68.0f

@@ -577,18 +577,18 @@ wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_e
             }
         }
     }
+    results_add_note(
+        out,
+        "Closed forms: a period is timed from one passage through the middle to the next from the same side, and "
+        "compared at the amplitude it has by then. Pendulum, chains and rods are %.1f m long, the catenary 1 m.",
+        SWING_LENGTH );
     results_add_note( out,
-                      "Closed forms: a swing is timed from one passage through the middle to the next from the same "
-                      "side; the period of "
-                      "a pendulum is compared with that of the amplitude it has by then. Pendulum, chains and rods "
-                      "are %.1f m long, "
-                      "the catenary 1 m. `direct` bends as a rod of %d vertices, `links` as distances over two "
-                      "segments, which have no "
-                      "clamp and store energy in the fourth power of the angle, so that they follow no rod. A hair "
-                      "at rest was given "
-                      "%.0f s to get there; the tension is the mean of 1 s. Laid out: strands too far from their "
-                      "lengths for the direct "
-                      "solve, over all steps.",
-                      SWING_LENGTH, ROD_VERTICES, plan->settle_seconds );
+                      "Closed forms: `direct` bends as a rod of %d vertices. `links` are distances over two segments "
+                      "without a clamp, with energy in the fourth power of the angle, so they follow no rod.",
+                      ROD_VERTICES );
+    results_add_note( out,
+                      "Closed forms: a hair at rest had %.0f s to settle; the tension is the mean of 1 s. Reset: "
+                      "strands too far from their lengths for the direct solve, over all steps.",
+                      plan->settle_seconds );
     return status;
 }

@@ -114,7 +114,7 @@ static wisp_status make_plain( const strands_shape* shape, int which, plain_stra
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     if ( !plain_strands_create( out, shape->points, shape->strand_count, shape->vertices, def.line_density ) )
     {
-        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the plain C version of %d strands",
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the scalar C version of %d strands",
                           shape->strand_count );
     }
     out->bend_compliance = STRANDS_BEND_COMPLIANCE;
@@ -337,7 +337,7 @@ wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_err
             size->plain[p] = plain[p];
             size->plain[p].ms[0].median = NAN;
         }
-        bench_progress( plan->options, 0.1 * i, "strands against plain C" );
+        bench_progress( plan->options, 0.1 * i, "strands against scalar C" );
         double left = fmax( deadline - wisp_clock_seconds(), 0.0 ) / ( plan->size_count - i );
         status = run_size( plan, &t, left, size, out, error );
     }

@@ -5,8 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-/// What others needed on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4 GHz,
-/// gcc 12.2), each with its best settings for ten passes a step. They cannot be taken again here. NaN: not measured.
+/// What others needed on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4
+/// GHz, gcc 12.2), each with its best settings for ten passes a step. They cannot be taken again here. NaN: not
+/// measured.
 typedef struct peer_times
 {
     int strands;
@@ -63,7 +64,7 @@ static int begin_table( const strands_plan* plan, results* out )
         cells_put( &row, "%d %s ns per vertex and substep", plan->workers[w],
                    bench_workers_word( plan->workers[w] ) );
     }
-    cells_put( &row, "speedup over plain C" );
+    cells_put( &row, "speedup over scalar C" );
     cells_put( &row, "stretch %%, max / mean" );
     cells_put( &row, "error %%" );
     cells_put( &row, "strand resets" );
@@ -213,7 +214,7 @@ static void add_kernels( const strands_plan* plan, const strands_comparison_size
         cells_put( &header, "%d %s ns", plan->workers[w], bench_workers_word( plan->workers[w] ) );
     }
     char title[160];
-    snprintf( title, sizeof( title ), "Kernels alone: ns a vertex and substep, %d strands x 20, from the profile",
+    snprintf( title, sizeof( title ), "Kernels alone: ns per vertex and substep, %d strands x 20, from the profile",
               size->strands );
     int table = cells_begin_table( &header, title, out );
     for ( int s = 0; s < size->setting_count; ++s )
@@ -263,14 +264,15 @@ static void claim_kernels( const strands_plan* plan, const strands_comparison_si
         if ( setting->stretch == WISP_STRAND_STRETCH_DIRECT && setting->passes == 1 )
         {
             double stretch = pass_ns( size, s, "strands.stretch", 0 );
-            snprintf( claim, sizeof( claim ),
-                      "%d strands, 1 worker: a Newton pass of the tridiagonal stretch costs at most %.1f ns a vertex",
-                      size->strands, CLAIM_STRETCH_NS );
+            snprintf(
+                claim, sizeof( claim ),
+                "%d strands, 1 worker: a Newton pass of the tridiagonal stretch costs at most %.1f ns per vertex",
+                size->strands, CLAIM_STRETCH_NS );
             results_add_claim( out, stretch <= CLAIM_STRETCH_NS, claim, stretch, " ns" );
         }
         double whole = ns( size->strands, setting->substeps, size->ours[s].ms[0].median );
         snprintf( claim, sizeof( claim ),
-                  "%d strands, 1 worker, %s, %d substeps: a whole substep costs at most %.1f ns a vertex",
+                  "%d strands, 1 worker, %s, %d substeps: a whole substep costs at most %.1f ns per vertex",
                   size->strands, setting->name, setting->substeps, CLAIM_SUBSTEP_NS );
         results_add_claim( out, whole <= CLAIM_SUBSTEP_NS, claim, whole, " ns" );
     }
@@ -310,21 +312,21 @@ static void claim_peers( const strands_plan* plan, const strands_comparison_size
 
 static void add_notes( const strands_plan* plan, results* out )
 {
+    results_add_note( out, "* on another machine: two virtual cores of an AVX-512 Xeon at 3.4 GHz, gcc 12.2, best "
+                           "settings of each engine for ten passes per step of 1/60 s." );
+    results_add_note( out, "* NvCloth's strands stretch 7.6 %% at most and 2.4 %% in the mean. Claims against "
+                           "NvCloth compare with these constants and hold on that machine only." );
+    results_add_note( out,
+                      "Strands: every strand has its own direction, %.2f m per segment, hair of 80 um. Stretch is "
+                      "the mean of samples every 5 steps of up to %d steps.",
+                      (double)STRANDS_SPACING, plan->scenario_steps );
+    results_add_note( out,
+                      "Strands: the reference is the same scene with direct stretch and the same bend, %d substeps, "
+                      "at %d steps of 1/60 s (later the motion is chaotic): root mean square distance of the first "
+                      "%d strands in %% of their length.",
+                      STRANDS_REFERENCE_SUBSTEPS, STRANDS_REFERENCE_STEPS, STRANDS_REFERENCE_STRANDS );
     results_add_note(
-        out,
-        "* on another machine: two virtual cores of an AVX-512 Xeon at about 3.4 GHz, gcc 12.2, each engine "
-        "with its best settings for ten passes a step of 1/60 s; NvCloth's strands stretch 7.6 %% at most and 2.4 %% "
-        "in the mean. Claims against NvCloth compare with these constants and hold on that machine only." );
-    results_add_note(
-        out,
-        "Strands: every strand points in a direction of its own, %.2f m a segment, hair of 80 um. Stretch is the "
-        "average over a look every 5 steps of up to %d steps. The reference is the same scene by the direct stretch "
-        "and "
-        "the same bend with %d substeps, at %d steps of 1/60 s (later the motion is chaotic): root mean square "
-        "distance of the first %d strands in %% of their length. Plain C is judged on these strands once. It has no "
-        "rods, so rods have no such speedup.",
-        (double)STRANDS_SPACING, plan->scenario_steps, STRANDS_REFERENCE_SUBSTEPS, STRANDS_REFERENCE_STEPS,
-        STRANDS_REFERENCE_STRANDS );
+        out, "Strands: scalar C is measured on these strands once. It has no rods, so rods have no such speedup." );
 }
 
 // ---- charts ----
@@ -341,20 +343,18 @@ static void add_charts( const strands_plan* plan, int first_row, results* out )
         char title[160];
         snprintf( title, sizeof( title ), "Strands x 20 vertices with %d %s: time against size", plan->workers[w],
                   bench_workers_word( plan->workers[w] ) );
-        rows_chart_add(
-            &( rows_chart ){ .first_row = first_row,
-                             .name = "strands.race",
-                             .workers = plan->workers[w],
-                             .also = "substeps",
-                             .also_unit = "substeps",
-                             .title = title,
-                             .x_label = "strands",
-                             .y_label = "ms per step",
-                             .x = strands_of,
-                             .y = rows_ms,
-                             .caption = "A line that rises by a decade for a decade of strands costs the same for "
-                                        "every strand." },
-            out );
+        rows_chart_add( &( rows_chart ){ .first_row = first_row,
+                                         .name = "strands.race",
+                                         .workers = plan->workers[w],
+                                         .also = "substeps",
+                                         .also_unit = "substeps",
+                                         .title = title,
+                                         .x_label = "strands",
+                                         .y_label = "ms per step",
+                                         .x = strands_of,
+                                         .y = rows_ms,
+                                         .caption = "Along a line of slope 1 the cost per strand is constant." },
+                        out );
     }
 }
 

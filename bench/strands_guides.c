@@ -1,4 +1,5 @@
-// What guides and ghosts cost and what they miss (GUI E5): all strands simulated against 1, 4 and 16 ghosts a guide.
+// Measure cost and error of guides and ghosts (extension, not in Park and Kim 2024): all strands simulated against 1,
+// 4 and 16 ghosts a guide.
 #include "strands_bench.h"
 #include "strands_head.h"
 
@@ -180,8 +181,8 @@ static int begin_table( const strands_plan* plan, results* out )
     cells_put( &row, "RMS error mm" );
     cells_put( &row, "RMS error without sway mm" );
     cells_put( &row, "hash" );
-    return cells_begin_table( &row, "Guides and ghosts against simulating all (Park and Kim 2024, E5), head shaken",
-                              out );
+    return cells_begin_table(
+        &row, "Guides and ghosts against full simulation (extension of Park and Kim 2024), head shaken", out );
 }
 
 static void add_line( const strands_plan* plan, const guides_run* run, const guides_row* row, int table,
@@ -237,11 +238,11 @@ static void add_claim( const strands_plan* plan, const guides_run* run, results*
     {
         char claim[160];
         snprintf( claim, sizeof( claim ),
-                  "%d ghost vertices a frame, 1 : %d with %d workers, guides included: under %.0f ms", vertices,
+                  "%d ghost vertices per frame, 1 : %d with %d workers, guides included: under %.0f ms", vertices,
                   row->ratio, plan->workers[1], CLAIM_FRAME_MS );
         results_add_claim( out, row->ms[1].median < CLAIM_FRAME_MS, claim, row->ms[1].median, " ms" );
         snprintf( claim, sizeof( claim ),
-                  "%d ghost vertices a frame with %d workers, the ghosts alone: under %.0f ms", vertices,
+                  "%d ghost vertices per frame with %d workers, the ghosts alone: under %.0f ms", vertices,
                   plan->workers[1], CLAIM_FRAME_MS );
         results_add_claim( out, row->follow_ms[1] < CLAIM_FRAME_MS, claim, row->follow_ms[1], " ms" );
     }
@@ -320,12 +321,12 @@ wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* 
         leave( run );
         free( run );
     }
+    results_add_note( out, "Guides: rods with ten substeps on a head that is moved and turned from side to side. "
+                           "Every strand has its own length and wave; a guide is the mean of its ghosts." );
     results_add_note( out,
-                      "Guides: rods with ten substeps on a head that is moved and turned from side to side; every "
-                      "strand has a length and a wave of its own, a guide is the mean of its ghosts. RMS is the "
-                      "root mean square distance of all vertices to the same strands all simulated, over looks "
-                      "every %d steps; `without sway` has no weights, so what is left is what guides miss. Times "
-                      "include the guides and the vertices in the user's order.",
+                      "Guides: RMS is the root mean square distance of all vertices to full simulation, over samples "
+                      "every %d steps. `without sway` has no weights: the rest is the error of the guides. Times "
+                      "include guides and vertices in the user's order.",
                       LOOK_STEPS );
     return status;
 }

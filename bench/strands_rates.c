@@ -125,10 +125,10 @@ wisp_status strands_independence( const strands_plan* plan, results* out, wisp_e
             results_put( &machine->error, "tip_elastica_percent", off );
         }
     }
-    results_add_note( out, "The hair is straight without load, clamped horizontally and falls under its weight "
-                           "(G = 64). The first row is the converged run that the others are compared with; the "
-                           "elastica is the closed form of the continuous hair, so it shows what the number of "
-                           "vertices costs. Distances are in %% of the length." );
+    results_add_note( out, "Clamped hair: straight without load, clamped horizontally, falls under its weight (G = "
+                           "64). The first row is the reference. Distances are in %% of the length." );
+    results_add_note( out, "Clamped hair: the elastica is the closed form of the continuous hair, so it shows the "
+                           "error of the number of vertices." );
     return status;
 }
 
@@ -286,12 +286,11 @@ wisp_status strands_energy( const strands_plan* plan, results* out, wisp_error* 
     }
     if ( status == WISP_OK )
     {
-        results_add_note(
-            out,
-            "Energy: %d chains without bending or damping. What is lost of the potential energy released "
-            "in 1 s is the solver's; with %d substeps (the reference, direct) it is %.2f %%. Risen is the "
-            "largest energy above that of the start.",
-            STRANDS_REFERENCE_STRANDS, STRANDS_REFERENCE_SUBSTEPS, 100.0 * converged.lost );
+        results_add_note( out,
+                          "Energy: %d chains without bending or damping. Lost potential energy of that released in 1 "
+                          "s is the solver's; with %d substeps (the reference, direct) it is %.2f %%. Risen: the "
+                          "largest energy above the first.",
+                          STRANDS_REFERENCE_STRANDS, STRANDS_REFERENCE_SUBSTEPS, 100.0 * converged.lost );
     }
     free( reference );
     strands_shape_free( &shape );

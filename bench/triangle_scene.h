@@ -1,12 +1,12 @@
-/// The scene of the triangle cloth source: a square of cloth, 1 m wide, above a ball; as an irregular triangle mesh, or as
-/// quads with first and second neighbours. Without the ball it hangs, or flies.
+/// The scene of the triangle cloth source: a square of cloth, 1 m wide, above a ball; as an irregular triangle mesh,
+/// or as quads with first and second neighbours. Without the ball it hangs, or flies.
 #pragma once
 
 #include "surface_implementation.h"
 
 #include "implicit_cloth/implicit_cloth.h"
 
-#define TRIANGLE_VERTICES 958 ///< of the source's triangle mesh
+#define TRIANGLE_VERTICES 958 ///< of the triangle mesh of Noh and Jung
 #define TRIANGLE_QUAD_SIDE 25 ///< of its quad mesh
 #define TRIANGLE_WIDTH 1.0f   ///< m
 #define TRIANGLE_DENSITY 0.2f ///< kg/m^2

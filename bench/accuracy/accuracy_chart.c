@@ -54,12 +54,11 @@ static void add_time_chart( const accuracy_report* report, results* out )
     char title[160], error[80], x_label[64];
     accuracy_error_label( scene, error, sizeof( error ) );
     snprintf( title, sizeof( title ), "Accuracy `%s`: error against time", report->entry->name );
-    snprintf( x_label, sizeof( x_label ), "ms a %s", accuracy_ms_name( scene ) );
+    snprintf( x_label, sizeof( x_label ), "ms per %s", accuracy_ms_name( scene ) );
     const int chart = results_add_chart( out, title, x_label, error );
     make_logarithmic( out, chart,
-                      "Nearer to the reference is lower, faster is further left; each by its faster worker count. "
-                      "Marked: the Pareto front, no "
-                      "other setting is as near and as fast and better in one of the two." );
+                      "Lower is more accurate, further left is faster. Each setting has its faster worker count. "
+                      "Marked: the Pareto front, where no other setting is both faster and more accurate." );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         if ( accuracy_begins_series( scene, i ) )
@@ -114,8 +113,8 @@ static void add_parameter_chart( const accuracy_report* report, const char* para
     snprintf( title, sizeof( title ), "Accuracy `%s`: error against %s", report->entry->name, parameter_name );
     const int chart = results_add_chart( out, title, parameter_name, error );
     make_logarithmic( out, chart,
-                      "A line of slope 1 is of first order: half the parameter is half the error. Where a line "
-                      "turns flat, something else than this parameter is left. Marked: the Pareto front." );
+                      "Slope 1 is first order: half the parameter, half the error. A line that turns flat has "
+                      "reached an error that does not depend on this parameter. Marked: the Pareto front." );
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         const accuracy_setting* first = &scene->settings[i];

@@ -16,7 +16,8 @@ enum
 
 // Recipes are written with nine digits.
 #define FACT_TOLERANCE 1e-8
-// Floats of a mesh that another mathematical library has made differ in their last bits, and so does what is weighed of them.
+// Floats of a mesh that another mathematical library has made differ in their last bits, and so does what is weighed
+// of them.
 #define START_TOLERANCE 1e-6
 #define START_NAME "weighted mean of the start, m"
 
@@ -158,9 +159,8 @@ static wisp_status take_generator( json_t* root, const char* name, accuracy_refe
     wisp_status status = take_number( root, "wisp_reference", 0.0, 1e9, name, &version, error );
     if ( status == WISP_OK && version != ACCURACY_REFERENCE_VERSION )
     {
-        status =
-            wisp_fail( error, WISP_BAD_INPUT, "%s: version %g is not known, only %d; `./dev reference` makes it anew",
-                       name, version, ACCURACY_REFERENCE_VERSION );
+        status = wisp_fail( error, WISP_BAD_INPUT, "%s: version %g, expected %d; `./dev reference` writes it again",
+                            name, version, ACCURACY_REFERENCE_VERSION );
     }
     status = status == WISP_OK ? take_texts( root, name, out, error ) : status;
     status = status == WISP_OK ? take_number( root, "substeps", 1.0, 1e9, name, &substeps, error ) : status;
@@ -282,12 +282,13 @@ static wisp_status check_fact( const accuracy_fact* requested, const accuracy_re
                        ? WISP_OK
                        : wisp_fail(
                              error, WISP_BAD_INPUT,
-                             "%s: `%s` is %.9g, but %.9g in the scene; `./dev reference --scene %s` makes it anew",
+                             "%s: `%s` is %.9g, but %.9g in the scene; `./dev reference --scene %s` writes it again",
                              name, requested->name, value, requested->value, reference->scene );
         }
     }
-    return wisp_fail( error, WISP_BAD_INPUT, "%s: there is no fact `%s`; `./dev reference --scene %s` makes it anew",
-                      name, requested->name, reference->scene );
+    return wisp_fail( error, WISP_BAD_INPUT,
+                      "%s: there is no fact `%s`; `./dev reference --scene %s` writes it again", name,
+                      requested->name, reference->scene );
 }
 
 static wisp_status check_scene( const accuracy_reference* reference, const accuracy_reference* requested,
@@ -306,7 +307,7 @@ static wisp_status check_scene( const accuracy_reference* reference, const accur
     if ( status == WISP_OK && reference->number_count != requested->number_count )
     {
         status = wisp_fail( error, WISP_BAD_INPUT,
-                            "%s: it has %d numbers, the scene %d; `./dev reference --scene %s` makes it anew", name,
+                            "%s: it has %d numbers, the scene %d; `./dev reference --scene %s` writes it again", name,
                             reference->number_count, requested->number_count, reference->scene );
     }
     return status;

@@ -115,17 +115,15 @@ static void check( const contest* c, int setting, int workers, const accuracy_ru
     const char* word = bench_workers_word( workers );
     if ( run->halted_at != seen->halted_at )
     {
-        results_add_failure( c->out,
-                             "accuracy.%s, %s: with %d %s it was halted at step %d, but at step %d with one that was "
-                             "looked at (0: never).",
-                             scene, name, workers, word, run->halted_at, seen->halted_at );
+        results_add_failure(
+            c->out,
+            "accuracy.%s, %s: with %d %s the run halted at step %d, but the sampled run at step %d (0: never).",
+            scene, name, workers, word, run->halted_at, seen->halted_at );
     }
     else if ( run->hash != seen->hash )
     {
         results_add_failure(
-            c->out,
-            "accuracy.%s, %s: hash %016llx with %d %s, expected %016llx, which one worker gave that was "
-            "looked at.",
+            c->out, "accuracy.%s, %s: hash %016llx with %d %s, expected %016llx of the sampled run with one worker.",
             scene, name, (unsigned long long)run->hash, workers, word, (unsigned long long)seen->hash );
     }
 }

@@ -69,7 +69,7 @@ static int begin_summary( const summary* s, results* out )
 {
     char error[80], title[160];
     accuracy_error_label( s->report->scene, error, sizeof( error ) );
-    const char* best = s->is_by_error ? "cheapest" : "nearest";
+    const char* best = s->is_by_error ? "fastest" : "most accurate";
     cells row = { .count = 0 };
     cells_put( &row, "%s, at most", s->is_by_error ? error : "ms" );
     cells_put( &row, "method" );
@@ -78,7 +78,7 @@ static int begin_summary( const summary* s, results* out )
     cells_put( &row, "times the %s", best );
     cells_put( &row, "%s", s->is_by_error ? error : "ms" );
     cells_put( &row, "workers" );
-    snprintf( title, sizeof( title ), "Accuracy `%s`, at equal %s: the %s setting of every method that gets there",
+    snprintf( title, sizeof( title ), "Accuracy `%s`, at equal %s: the %s setting of every method within it",
               s->report->entry->name, s->is_by_error ? "error" : "time", best );
     return cells_begin_table( &row, title, out );
 }
@@ -241,32 +241,29 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     char error[80];
     accuracy_error_label( scene, error, sizeof( error ) );
     results_add_note( out,
-                      "Accuracy `%s`: the error (%s) is against %s. Times are medians of as many steps as the column "
-                      "`timed` says. What was halted left its bounds and has neither error nor times.",
+                      "Accuracy `%s`: the error (%s) is measured against %s. Times are medians; the column `timed` "
+                      "has the number of steps. Halted runs have no error and no times.",
                       report->entry->name, error, scene->reference );
     if ( !scene->has_no_rivals )
     {
         results_add_note( out,
-                          "Accuracy `%s`, `front`: no other setting is as near and as fast and better in one of the "
-                          "two; that is %d of "
-                          "%d. The faster worker count of a setting counts, here, at equal error and at equal time.",
+                          "Accuracy `%s`, `front`: no other setting is both faster and more accurate; %d of %d are "
+                          "on it. Each setting counts with its faster number of workers.",
                           report->entry->name, front_count( report ), scene->setting_count );
     }
     if ( scene->doubt > 0.0 )
     {
-        results_add_note(
-            out,
-            "Accuracy `%s`: the reference has a doubt of %.3g %s; what is nearer than that has not been "
-            "measured, and is left out of observed orders.",
-            report->entry->name, scene->doubt, scene->error_unit );
+        results_add_note( out,
+                          "Accuracy `%s`: The reference is uncertain by %.3g %s; smaller errors are not resolved. "
+                          "Observed orders leave them out.",
+                          report->entry->name, scene->doubt, scene->error_unit );
     }
     if ( report->left_out > 0 )
     {
-        results_add_note(
-            out,
-            "Accuracy `%s`: a quick run has %d of %d settings: of every series the coarsest and the one in "
-            "the middle, of the first series the finest too.",
-            report->entry->name, scene->setting_count, scene->setting_count + report->left_out );
+        results_add_note( out,
+                          "Accuracy `%s`: a quick run has %d of %d settings: the coarsest and the middle one of "
+                          "every series, and the finest of the first.",
+                          report->entry->name, scene->setting_count, scene->setting_count + report->left_out );
     }
     if ( scene->note )
     {

@@ -30,7 +30,7 @@ static int begin_table( const accuracy_report* report, results* out )
     }
     cells_put( &row, "hash" );
     char title[160];
-    snprintf( title, sizeof( title ), "Accuracy `%s`: %s, ms a %s", report->entry->name, report->entry->title,
+    snprintf( title, sizeof( title ), "Accuracy `%s`: %s, ms per %s", report->entry->name, report->entry->title,
               accuracy_ms_name( scene ) );
     return cells_begin_table( &row, title, out );
 }

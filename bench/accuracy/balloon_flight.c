@@ -1,8 +1,8 @@
-// A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the stored flight
-// of the oracle, which is the same equations in double precision. The engine itself is no reference there: what gravity adds to a place
-// within such a substep is below the rounding of a float. Every flight begins with the same shape, which is stored with the reference:
-// that of a balloon at rest which has been filled at small substeps. What begins out of balance rings, and nothing but the length
-// of the substeps decides how long.
+// A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the
+// stored flight of the oracle, which is the same equations in double precision. The engine itself is no reference
+// there: what gravity adds to a place within such a substep is below the rounding of a float. Every flight begins
+// with the same shape, which is stored with the reference: that of a balloon at rest which has been filled at small
+// substeps. What begins out of balance rings, and nothing but the length of the substeps decides how long.
 #include "balloon_flight_run.h"
 
 #include <math.h>
@@ -134,10 +134,8 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
     (void)options;
     (void)seconds; // it is short
     *out = ( accuracy_scene ){
-        .note =
-            "drag, spin and pressure of other forms are other flights, and their error is what the form makes of it. "
-            "Momentum is closed up to forces being known once a step, and up to rounding: what gravity adds to a "
-            "place in 1/9600 s is a few roundings of a float, and every iteration rounds once more.",
+        .note = "other forms of drag, spin and pressure give other flights; their error is the difference of the "
+                "model. Momentum closes up to forces evaluated once per step and float rounding.",
         .error_name = "distance of the centre's path",
         .error_unit = "mm",
         .measure_names = FLIGHT_MEASURES,

@@ -1,5 +1,6 @@
-// A sphere that is filled with gas, against the closed form of its mesh (balloon_reference.h). Its gas is that of the constraint, of
-// compliance V_0 / P_atm, so that how the solver converges is not hidden by p V = n R T, which is a measure of its own.
+// A sphere that is filled with gas, against the closed form of its mesh (balloon_reference.h). Its gas is that of the
+// constraint, of compliance V_0 / P_atm, so that how the solver converges is not hidden by p V = n R T, which is a
+// measure of its own.
 #include "accuracy_surface.h"
 
 #include "balloon_bench.h"
@@ -106,8 +107,9 @@ static inflate_setting usual_inflation( int substeps, int iterations )
                                 WISP_SOLVER_XPBD, WISP_SOLVER_XPBD, WISP_BALLOON_PRESSURE_VIRIAL };
 }
 
-// Links and gas answer with their compliance up to a share h^2 k / m of it that an iteration leaves: second order, where
-// that is a small share, so coarser substeps are of no series. The reading by the gas law passes the reference on its way to where p V = n R T and the compliance differ, p / P_atm: no order.
+// Links and gas answer with their compliance up to a share h^2 k / m of it that an iteration leaves: second order,
+// where that is a small share, so coarser substeps are of no series. The reading by the gas law passes the reference
+// on its way to where p V = n R T and the compliance differ, p / P_atm: no order.
 static void add_substeps( accuracy_scene* scene, bool quick )
 {
     static const int substeps[] = { 10, 25, 50, 100, 200, 400, 800 };
@@ -139,8 +141,8 @@ static void add_iterations( accuracy_scene* scene )
     }
 }
 
-// The finer the mesh, the lighter a vertex and the more of the pull an iteration leaves undone. Finer spheres are not quite
-// regular either: they bulge where their links are short.
+// The finer the mesh, the lighter a vertex and the more of the pull an iteration leaves undone. Finer spheres are not
+// quite regular either: they bulge where their links are short.
 static void add_meshes( accuracy_scene* scene )
 {
     const inflate_scene* own = scene->context;
@@ -160,7 +162,7 @@ static void add_meshes( accuracy_scene* scene )
     }
 }
 
-// The source's forms: shares of an error, which have no unit and no compliance.
+// The forms of the balloon paper: a stiffness in (0, 1], which has no unit and no compliance.
 static void add_forms( accuracy_scene* scene )
 {
     static const int substeps[] = { 1, 10, 50 };
@@ -254,11 +256,9 @@ wisp_status accuracy_balloon_inflate( const bench_options* options, double secon
     *out = ( accuracy_scene ){
         .reference = "closed form of the mesh: p = sum(k l^2)(s - 1)/(3 V_rest s^2) = P_atm (V_0 - V)/V_0",
         .note =
-            "gas has p V = n R T and the constraint the compliance V_0 / P_atm, so that the reading by the gas law "
-            "ends "
-            "p / P_atm above the others, 2 to 3 %. The column `at its own volume` is the reading against the closed "
-            "form of the volume that it has, however wrong that is.",
-        .error_name = "pressure beside the closed form",
+            "pressure by the gas law ends p / P_atm above the other readings (2 to 3 %), because the constraint has "
+            "compliance V_0 / P_atm. `at its own volume` compares with the closed form at the computed volume.",
+        .error_name = "pressure against the closed form",
         .error_unit = "%",
         .measure_names = { "virial Pa", "multiplier Pa", "gas law Pa", "closed form Pa", "scale error %",
                            "at its own volume %", "p V = n R T %" },

@@ -1,5 +1,5 @@
-// Two balloons pressed together between plates, kept apart by boundary particles or by their triangles: what the spacing of
-// the particles costs, and what passes between them.
+// Two balloons pressed together between plates, kept apart by boundary particles or by their triangles: what the
+// spacing of the particles costs, and what passes between them.
 #include "contact_overlap.h"
 #include "scene_tools.h"
 
@@ -31,7 +31,8 @@ enum
     MEASURES,
 };
 
-// The most of all looks, but contacts and an overlap of the last one: a pair that is pressed hard may slip aside by then.
+// The most of all looks, but contacts and an overlap of the last one: a pair that is pressed hard may slip aside by
+// then.
 static wisp_status look( const presses* all, contact_world* world, accuracy_run* out, wisp_error* error )
 {
     contact_overlap overlap = { 0 };
@@ -115,9 +116,8 @@ wisp_status accuracy_boundary_contact( const bench_options* options, double seco
     (void)options;
     presses* all = calloc( 1, sizeof( presses ) );
     *out = ( accuracy_scene ){
-        .reference =
-            "nothing comes nearer to the other surface than the thickness; vertices against triangles, by signed "
-            "distances that contact has no part in",
+        .reference = "vertices stay at least the thickness away from the triangles of the other surface; measured by "
+                     "signed distances, independent of contact",
         .error_name = "overlap at most",
         .error_unit = "mm",
         .measure_names = { "at the end mm", "missed vertices %", "intersections at most", "contacts" },

@@ -1,4 +1,5 @@
-// The list of closed forms and its scene. A form with several values is a series whose parameter is the substep or the edge of a mesh.
+// The list of closed forms and its scene. A form with several values is a series whose parameter is the substep or
+// the edge of a mesh.
 #include "closed_forms.h"
 
 #include <math.h>
@@ -31,8 +32,8 @@ typedef struct closed_form
     double order;
 } closed_form;
 
-// Places and velocities of a substep are taken one after the other: first order. At rest only what an iteration leaves of
-// h^2 k / m is wrong: second. So are volume and area of a mesh.
+// Places and velocities of a substep are taken one after the other: first order. At rest only what an iteration
+// leaves of h^2 k / m is wrong: second. So are volume and area of a mesh.
 static const closed_form forms[] = {
     { "fall of a cloth in 0.5 s, m", closed_fall, 0.5, 0.0, SUBSTEPS, { 1, 2, 5, 20, 80, 320 }, 6, 1.0 },
     { "angular momentum of a cloth after 0.5 s, N m s",
@@ -129,10 +130,9 @@ wisp_status accuracy_closed_forms( const bench_options* options, double seconds,
     (void)seconds; // small bodies: a few seconds for all
     *out = ( accuracy_scene ){
         .reference = "the closed form of its series",
-        .note = "every series is an experiment of its own. On one iteration a substep what hangs at rest is softer "
-                "than its "
-                "compliance by h^2 k / m; what converges to something else than its closed form is the sphere, whose "
-                "triangles never become equilateral.",
+        .note = "each series is a separate experiment. With one iteration per substep, hanging bodies are softer "
+                "than their compliance by h^2 k / m. The sphere converges to another value: its triangles never "
+                "become equilateral.",
         .has_no_rivals = true,
         .error_name = "distance to the closed form",
         .error_unit = "%",

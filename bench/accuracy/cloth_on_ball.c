@@ -1,5 +1,5 @@
-// The comparison's cloth falls onto a ball: its scene, its reference in double precision and its ways to solve it, by the parts of
-// `cloth --compare`.
+// The comparison's cloth falls onto a ball: its scene, its reference in double precision and its ways to solve it, by
+// the parts of `cloth --compare`.
 #include "accuracy_surface.h"
 
 #include "compare_bench.h"
@@ -163,7 +163,7 @@ static void add_setting( accuracy_scene* scene, const compare_variant* variant )
     {
         snprintf( series, sizeof( series ), "xpbd" );
     }
-    // neither converges to the source's model
+    // neither converges to the model of Noh and Jung
     accuracy_join_series( setting, series, "step, s", (double)COMPARE_FRAME / variant->substeps, NAN );
     snprintf( setting->method, sizeof( setting->method ), "%s", compare_method_names[variant->method] );
 }
@@ -216,10 +216,11 @@ static void describe( const ball_scene* own, accuracy_scene* out )
         square += own->reference.looks[k].doubt * own->reference.looks[k].doubt / ( looks - 1 );
     }
     out->doubt = 1e3 * sqrt( square );
-    snprintf( out->reference, sizeof( out->reference ),
-              "%s in double precision, %g steps a second, each by Newton's method, at %d looks from %.2f to %.2f s",
-              own->reference.order > 1.5 ? "BDF2" : "implicit Euler", own->reference.rate, looks - 1,
-              (double)COMPARE_LOOK_SECONDS, (double)COMPARE_LOOK_SECONDS * ( looks - 1 ) );
+    snprintf(
+        out->reference, sizeof( out->reference ),
+        "%s in double precision, %g steps per second, each by Newton's method, at %d samples from %.2f to %.2f s",
+        own->reference.order > 1.5 ? "BDF2" : "implicit Euler", own->reference.rate, looks - 1,
+        (double)COMPARE_LOOK_SECONDS, (double)COMPARE_LOOK_SECONDS * ( looks - 1 ) );
 }
 
 wisp_status accuracy_cloth_on_ball( const bench_options* options, double seconds, accuracy_scene* out,
@@ -228,12 +229,8 @@ wisp_status accuracy_cloth_on_ball( const bench_options* options, double seconds
     (void)seconds;
     *out = ( accuracy_scene ){
         .note =
-            "the reference is of the implicit model. Edges of xpbd and pbd resist compression as they do stretching, "
-            "so what "
-            "those converge to is another cloth. They are named with their substeps of one pass in a frame; pbd "
-            "has no "
-            "stiffness in SI units. Implicit steps are named with their rate, integrator, tolerance and linear "
-            "solves a step.",
+            "the reference is implicit; edges of xpbd and pbd also resist compression and converge to another cloth. "
+            "Names give substeps per frame, or rate, integrator, tolerance and solves. pbd has no SI stiffness.",
         .error_name = "RMS distance to the reference",
         .error_unit = "mm",
         .ms_name = "frame of 1/60 s",

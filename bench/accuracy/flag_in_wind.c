@@ -1,5 +1,5 @@
-// The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer cloth, whose path
-// converges with fewer substeps.
+// The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer
+// cloth, whose path converges with fewer substeps.
 #include "accuracy_surface.h"
 #include "flag_in_wind.h"
 
@@ -264,13 +264,9 @@ wisp_status accuracy_flag( const bench_options* options, double seconds, accurac
     (void)seconds;
     *out = ( accuracy_scene ){ .error_name = "RMS distance to the reference",
                                .error_unit = "mm",
-                               .note = "flapping is chaotic: the error is of the path in the first 0.2 s, before it; "
-                                       "energy and stretch are averages from "
-                                       "0.2 to 1 s, of which the energy's still differ by tens of percent between "
-                                       "converged runs. Bending is by the angle or isometric, "
-                                       "of the same rigidity. Tethers and levels are another model, which stays away "
-                                       "from the reference however short "
-                                       "a substep is.",
+                               .note = "flapping is chaotic, so the path error covers the first 0.2 s only; energy "
+                                       "and stretch are means from 0.2 to 1 s. Energy differs by tens of percent "
+                                       "between converged runs. Tethers and levels are other models.",
                                .measure_names = { "kinetic energy against the reference's, %", "stretch max, %",
                                                   "stretch mean, %" },
                                .measure_count = 3,

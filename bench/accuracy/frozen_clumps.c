@@ -1,5 +1,5 @@
-// Frozen hair that clumps: what the cap of neighbours leaves out, what fewer and longer steps of clumping miss, and what the
-// printed choices change.
+// Frozen hair that clumps: what the cap of neighbours leaves out, what fewer and longer steps of clumping miss, and
+// what the printed choices change.
 #include "frozen_clumps.h"
 #include "scene_tools.h"
 
@@ -223,14 +223,12 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
     (void)seconds; // its reference is of this many strands
     clumps* all = calloc( 1, sizeof( clumps ) );
     *out = ( accuracy_scene ){
-        .note =
-            "the doubt is that of the flow, whose vertices gain and lose neighbours; the reference of the look is "
-            "exact up "
-            "to rounding.",
+        .note = "the uncertainty is that of the flow, where vertices gain and lose neighbours; the reference of the "
+                "appearance is exact up to rounding.",
         .error_name = "distance to the reference",
         .error_unit = "um",
         .ms_name = "command",
-        .measure_names = { "farthest um", "to its own oracle um", "neighbours a vertex", "capped %" },
+        .measure_names = { "farthest um", "to its own oracle um", "neighbours per vertex", "capped %" },
         .measure_count = MEASURES,
         .context = all,
         .run = run_clumps,

@@ -317,22 +317,17 @@ wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds
 {
     (void)options;
     (void)seconds; // its meshes are what it is about
-    *out = ( accuracy_scene ){
-        .error_name = "RMS distance to the reference",
-        .error_unit = "mm",
-        .note =
-            "n is vertices a side; substeps are of one pass, and passes of one substep, "
-            "of 1/60 s. A coarse mesh is compared at its own "
-            "vertices, the finest at every second; its error and that of long substeps have opposite signs and may "
-            "cancel. Tethers, levels and pbd (edges of stiffness 1, no bending) are other "
-            "models: what they converge to is not this reference.",
-        .measure_names = { "stretch max, %", "stretch mean, %", "energy lost, %" },
-        .measure_count = 3,
-        .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
-        .context = calloc( 1, sizeof( hang_scene ) ),
-        .run = run,
-        .destroy = destroy
-    };
+    *out = ( accuracy_scene ){ .error_name = "RMS distance to the reference",
+                               .error_unit = "mm",
+                               .note = "n: vertices per side; the finest mesh is compared at every second one. "
+                                       "Errors of a coarse mesh and of long substeps may cancel. Tethers, levels and "
+                                       "pbd (stiffness 1, no bending) are other models and converge elsewhere.",
+                               .measure_names = { "stretch max, %", "stretch mean, %", "energy lost, %" },
+                               .measure_count = 3,
+                               .settings = calloc( SETTINGS_MAX, sizeof( accuracy_setting ) ),
+                               .context = calloc( 1, sizeof( hang_scene ) ),
+                               .run = run,
+                               .destroy = destroy };
     if ( !out->settings || !out->context )
     {
         free( out->settings );

@@ -1,4 +1,5 @@
-// Chains that hang and swing a little: both slowest modes against their closed forms, by substeps, sweeps and vertices.
+// Chains that hang and swing a little: both slowest modes against their closed forms, by substeps, sweeps and
+// vertices.
 #include "scene_tools.h"
 #include "strands_scene.h"
 
@@ -13,8 +14,8 @@
 #define MANY_CHAINS 256
 #define FULL_SECONDS 15.0
 
-// Periods over sqrt( L/g ): of ten equal masses by the roots of a Laguerre polynomial, and of what they tend to, by the
-// zeros of J0.
+// Periods over sqrt( L/g ): of ten equal masses by the roots of a Laguerre polynomial, and of what they tend to, by
+// the zeros of J0.
 static const double laguerre_period[] = { 5.352609, 2.326381 };
 static const double continuous_period[] = { 5.2254811, 2.2764842 };
 
@@ -184,7 +185,8 @@ static double period_of( const double* aside )
     return count == 3 ? times[2] - times[0] : NAN;
 }
 
-// How much less far the slowest mode is aside than at the start, when it comes back: the largest value of the second half.
+// How much less far the slowest mode is aside than at the start, when it comes back: the largest value of the second
+// half.
 static double amplitude_lost( const double* aside )
 {
     double most = 0.0;
@@ -330,9 +332,8 @@ wisp_status accuracy_strands_chain( const bench_options* options, double seconds
     (void)options;
     chains* all = calloc( 1, sizeof( chains ) );
     *out = ( accuracy_scene ){
-        .reference =
-            "closed forms: periods of ten equal masses by the roots of a Laguerre polynomial; by vertices, those of "
-            "a continuous chain by the zeros of J0",
+        .reference = "closed forms: the period of ten equal masses from the roots of a Laguerre polynomial; of a "
+                     "continuous chain from the zeros of J0",
         .error_name = "period of the slowest mode",
         .error_unit = "%",
         .measure_names = { "second period %", "amplitude lost %", "stretch max %" },

@@ -1,5 +1,6 @@
-// Rods of three lengths that bend under their own weight, against the heavy elastica: they fall from the horizontal, which is
-// also the direction of their clamp, and come to rest where vertices and substeps take them. What still moves then is jitter.
+// Rods of three lengths that bend under their own weight, against the heavy elastica: they fall from the horizontal,
+// which is also the direction of their clamp, and come to rest where vertices and substeps take them. What still
+// moves then is jitter.
 #include "elastica.h"
 #include "scene_tools.h"
 #include "strands_scene.h"
@@ -218,8 +219,9 @@ wisp_status accuracy_strands_elastica( const bench_options* options, double seco
     (void)options;
     rods* all = calloc( 1, sizeof( rods ) );
     *out = ( accuracy_scene ){
-        .reference = "closed form: the heavy elastica; root mean square over all vertices, of the length, after 3 s",
-        .error_name = "off the elastica",
+        .reference =
+            "closed form: the heavy elastica; root mean square over all vertices in units of length, after 3 s",
+        .error_name = "distance to the elastica",
         .error_unit = "%",
         .measure_names = { "G = 1 %", "G = 10 %", "G = 100 %", "jitter um/s", "stretch max %" },
         .measure_count = MEASURES,

@@ -1,5 +1,5 @@
-// Guides and ghosts against simulating all: what fewer guides miss on a head that is shaken, beside what fewer substeps of all
-// strands miss for the same time.
+// Guides and ghosts against simulating all: what fewer guides miss on a head that is shaken, beside what fewer
+// substeps of all strands miss for the same time.
 #include "scene_tools.h"
 #include "strands_guides.h"
 
@@ -183,7 +183,7 @@ static void put_ratios( accuracy_scene* scene, const char* series, shake_way way
         snprintf( name, sizeof( name ), "1 : %d, %s", way.ratio, series );
         accuracy_setting* setting = put_way( scene, name, way );
         snprintf( name, sizeof( name ), "%s, %d substeps", series, way.substeps );
-        accuracy_join_series( setting, name, "strands a guide", way.ratio, NAN );
+        accuracy_join_series( setting, name, "strands per guide", way.ratio, NAN );
         snprintf( setting->method, sizeof( setting->method ), "guides, %s", series );
     }
 }

@@ -1,5 +1,5 @@
-// Hair that begins at rest: it should stay where it is, and not flicker. What goes away from its shape, and what moves at the
-// end, is the error of a setting.
+// Hair that begins at rest: it should stay where it is, and not flicker. What goes away from its shape, and what
+// moves at the end, is the error of a setting.
 #include "scene_tools.h"
 #include "strands_head.h"
 
@@ -45,7 +45,8 @@ typedef struct rests
 
 // ---- hair ----
 
-// Hanging helices, each turned by an angle of its own: what hangs is in stable balance, if it is stiff enough for its curls.
+// Hanging helices, each turned by an angle of its own: what hangs is in stable balance, if it is stiff enough for its
+// curls.
 static wisp_status make_curls( int strand_count, int vertices, strands_shape* out, wisp_error* error )
 {
     const wisp_status status = strands_shape_create( strand_count, vertices, out, error );
@@ -173,10 +174,10 @@ static wisp_status begin( accuracy_scene* out, wisp_error* error )
 {
     rests* all = calloc( 1, sizeof( rests ) );
     *out = ( accuracy_scene ){
-        .reference = "the shape that it was given, about 20 cm long; root mean square over all vertices after 2 s",
+        .reference = "the given shape, about 20 cm long; root mean square over all vertices after 2 s",
         .error_name = "drift from the start",
         .error_unit = "mm",
-        .measure_names = { "farthest mm", "jitter mm/s", "stretch max %", "laid out a strand" },
+        .measure_names = { "farthest mm", "jitter mm/s", "stretch max %", "resets per strand" },
         .measure_count = MEASURES,
         .context = all,
         .run = run_rest,

@@ -235,7 +235,7 @@ wisp_status accuracy_strands_swing( const bench_options* options, double seconds
     *out = ( accuracy_scene ){
         .error_name = "distance to the reference",
         .error_unit = "mm",
-        .measure_names = { "stretch max %", "stretch mean %", "energy drift %", "laid out a strand" },
+        .measure_names = { "stretch max %", "stretch mean %", "energy drift %", "resets per strand" },
         .measure_count = MEASURES,
         .context = f,
         .run = run_fall,

@@ -86,7 +86,7 @@ static void check( const contest* c, results* out )
     check_pair( c, OFF, NOT_REGISTERED, out );
     if ( strcmp( c->plan[ON], c->plan[OFF] ) == 0 )
     {
-        results_add_failure( out, "%s: it is on, and its plan is the one without it", c->effect->name );
+        results_add_failure( out, "%s: its plan is the same with the effect on and off", c->effect->name );
     }
 }
 
@@ -180,13 +180,12 @@ static diagonal begin_chart( results* out )
     if ( chart != NULL )
     {
         chart->x_log = chart->y_log = true;
-        snprintf(
-            chart->caption, sizeof( chart->caption ),
-            "What lies on the line costs the same whether modules that nobody asks for are registered or not." );
+        snprintf( chart->caption, sizeof( chart->caption ),
+                  "On the line, the cost is the same with and without unused modules registered." );
     }
     d.line = results_add_series( out, d.chart, "the same", true );
     d.on = results_add_series( out, d.chart, "the effect is on", false );
-    d.off = results_add_series( out, d.chart, "it is off, or not registered", false );
+    d.off = results_add_series( out, d.chart, "off, or not registered", false );
     return d;
 }
 
@@ -235,13 +234,14 @@ static void end_contest( contest* c )
 
 static void add_notes( results* out )
 {
-    results_add_note( out,
-                      "Effects: bytes are those beyond the registry, which holds every registered module's state; "
-                      "'used' is what remains of the registry without modules that do not act. Climate, frozen hair "
-                      "and strand look hear a new command before every step, which is in their times." );
-    results_add_note( out, "Effects: times of a machine that others use differ by chance. What a step executes is "
-                           "counted, not timed, by ./dev bench instructions: for every effect, on and off, the same "
-                           "number with every module as with only those in use." );
+    results_add_note( out, "Effects: bytes are those beyond the registry, which holds the state of every registered "
+                           "module. 'used' is the registry without modules that do not act." );
+    results_add_note( out, "Effects: environment, frozen hair and strand appearance receive a new command before "
+                           "every step; their times include it." );
+    results_add_note(
+        out,
+        "Effects: times vary by chance on a shared machine. `./dev bench instructions` counts instructions: each "
+        "effect, on and off, executes the same number with every module registered as with only the used ones." );
 }
 
 wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error* error )

@@ -1,4 +1,5 @@
-// Effects in worlds of their own, and together in one: what they cost adds up, and none moves otherwise beside others.
+// Effects in worlds of their own, and together in one: what they cost adds up, and none moves otherwise beside
+// others.
 #include "effects/effects_bench.h"
 
 #include "cells.h"
@@ -13,8 +14,8 @@
 
 static const char* const part_names[PARTS] = { "cloth", "balloon", "strands", "frozen_hair" };
 
-// A world, and the processor's time of its last steps. It has one worker, so that time is all that a step costs, and who else
-// uses the machine is not in it.
+// A world, and the processor's time of its last steps. It has one worker, so that time is all that a step costs, and
+// who else uses the machine is not in it.
 typedef struct implementation_world
 {
     effect_world world;
@@ -121,7 +122,7 @@ static void add_line( gathering* g, int implementation, double sum, int table, r
 static void conclude( gathering* g, results* out )
 {
     static const char* const HEADER[] = {
-        "world", "vertices", "passes", "ms", "% of the sum", "ms of the processor", "same bits beside others"
+        "world", "vertices", "passes", "ms", "% of the sum", "ms of the processor", "same bits in one world"
     };
     const int table = results_add_table( out, "Effects: a world of four, and each alone, one worker",
                                          WISP_COUNT( HEADER ), HEADER );
@@ -139,19 +140,19 @@ static void conclude( gathering* g, results* out )
     {
         if ( g->alone[i] != g->beside[i] )
         {
-            results_add_failure( out, "Effects: %s moves otherwise beside others than alone", part_names[i] );
+            results_add_failure( out, "Effects: %s moves differently in one world with others than alone",
+                                 part_names[i] );
         }
     }
     const double ratio = g->ms[PARTS].median / sum, used = g->processor[PARTS].median / processor;
-    results_add_note(
-        out,
-        "Effects: four alone take %.4f ms together, in one world %.4f ms: %.3f of the sum, and %.3f by "
-        "the processor's time, which nobody else is in%s",
-        sum, g->ms[PARTS].median, ratio, used,
-        fabs( ratio - 1.0 ) <= TOLERANCE
-            ? "."
-            : ". The first is more than a tenth away from 1: on a machine that others use, or whose caches "
-              "hold one of them and not all four, this is no defect." );
+    results_add_note( out,
+                      "Effects: four alone take %.4f ms in sum, in one world %.4f ms: %.3f of the sum, and %.3f by "
+                      "processor time%s",
+                      sum, g->ms[PARTS].median, ratio, used,
+                      fabs( ratio - 1.0 ) <= TOLERANCE
+                          ? "."
+                          : ". More than a tenth from 1 is no defect on a shared machine, or where caches hold one "
+                            "of them but not all four." );
 }
 
 wisp_status effects_together( const effects_plan* plan, results* out, wisp_error* error )

@@ -97,8 +97,9 @@ wisp_status converge( const converge_plan* plan, accuracy_reference* reference, 
         fprintf( stderr, "%s: converged %s\n", reference->scene, reference->converged );
         if ( !( reference->doubt <= plan->tolerance ) )
         {
-            status = wisp_fail( error, WISP_CONFLICT, "it did not converge: its doubt is %.3g mm, more than %.3g",
-                                1e3 * reference->doubt, 1e3 * plan->tolerance );
+            status =
+                wisp_fail( error, WISP_CONFLICT, "it did not converge: its uncertainty is %.3g mm, more than %.3g",
+                           1e3 * reference->doubt, 1e3 * plan->tolerance );
         }
     }
     for ( int k = 0; k < RUNS; ++k )

@@ -1,5 +1,5 @@
-// Makes the reference files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate, the finer one is
-// kept, with the distance between the two beside every look. Then those of `wisp bench accuracy`.
+// Makes the reference files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate, the
+// finer one is kept, with the distance between the two beside every look. Then those of `wisp bench accuracy`.
 #include "accuracy_references.h"
 #include "reference_run.h"
 
@@ -78,7 +78,7 @@ static void print_looks( const compare_scene* scene, const compare_reference* re
 {
     printf( "%s: mesh of %d vertices, seed %d, hash %016llx\n", scene->physics.name, reference->vertex_count,
             COMPARE_SEED, (unsigned long long)reference->mesh_hash );
-    printf( "  time s   height m   strain %%    energy J   slack   doubt mm\n" );
+    printf( "  time s   height m   strain %%    energy J   slack   uncertainty mm\n" );
     for ( int k = 0; k < reference->look_count; ++k )
     {
         const compare_reference_look* l = &reference->looks[k];

@@ -67,8 +67,8 @@ static wisp_status make_cloth( const compare_scene* scene, const reference_plan*
     return status;
 }
 
-// Without gravity, in steps so long that nothing is left of motion: the flat cloth comes to where its edges balance. What
-// the files keep of that is floats, and everybody begins there, so the reference does as well.
+// Without gravity, in steps so long that nothing is left of motion: the flat cloth comes to where its edges balance.
+// What the files keep of that is floats, and everybody begins there, so the reference does as well.
 static wisp_status balance( newton* n, wisp_error* error )
 {
     enum
@@ -150,7 +150,7 @@ static wisp_status run( newton* n, const compare_scene* scene, const reference_p
         status = go_on( n, scene, (double)physics->rest_seconds - now, plan->rest_rate, error );
     }
     look( scene, n->cloth, (double)physics->rest_seconds, physics->look_count, out, points );
-    fprintf( stderr, "%s, %g steps a second: %ld steps, %.2f systems a step, residual %.1e, %ld unconverged\n",
+    fprintf( stderr, "%s, %g steps per second: %ld steps, %.2f systems per step, residual %.1e, %ld unconverged\n",
              physics->name, plan->rate, n->steps, (double)n->solves / (double)n->steps, n->worst, n->unconverged );
     return status;
 }

@@ -1,4 +1,5 @@
-// The case `stability`: every cell has a line, and fails the run if it breaks and is not known to, or is known to and holds.
+// The case `stability`: every cell has a line, and fails the run if it breaks and is not known to, or is known to and
+// holds.
 #include "cells.h"
 #include "stability.h"
 
@@ -39,7 +40,7 @@ static void put_engine( const stability_outcome* o, cells* row )
     }
     else if ( o->laid > 0 )
     {
-        cells_put( row, "laid out %llu", (unsigned long long)o->laid );
+        cells_put( row, "reset %llu", (unsigned long long)o->laid );
     }
     else if ( o->unsolved > 0 )
     {
@@ -144,7 +145,7 @@ static void judge_against_list( tally* t, const char* name, const stability_outc
     else if ( is_as_known == false )
     {
         ++t->failed;
-        results_add_failure( t->out, "stability, %s: holds, so the limit is gone: take it off the list", name );
+        results_add_failure( t->out, "stability, %s: holds now; remove it from the list of known limits", name );
     }
     t->known += broke && is_as_known ? 1 : 0;
     t->held += broke == false && v->frames == 0 && o->score.halted == 0 ? 1 : 0;
@@ -269,8 +270,8 @@ wisp_status stability_bench( const bench_options* options, results* out, wisp_er
         status = run_list( &t, list, count, lists[i].title, error );
     }
     results_add_note( out,
-                      "stability: %d cells, %d hold, %d recover, %d are halted, %d break as docs/limits.md says, %d "
-                      "fail, %d have numbers that are none",
+                      "stability: %d cells: %d hold, %d recover, %d are halted, %d break as docs/limits.md says, %d "
+                      "fail, %d have NaN or infinity",
                       t.cells, t.held, t.recovered, t.halted, t.known, t.failed, t.not_finite );
     return status;
 }

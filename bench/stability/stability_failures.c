@@ -1,4 +1,5 @@
-// The nine known failures of other engines, each claimed not to happen here: cells that compare several runs of a cloth.
+// The nine known failures of other engines, each claimed not to happen here: cells that compare several runs of a
+// cloth.
 #include "stability_cloth.h"
 
 #include "collision/collision.h"
@@ -117,8 +118,8 @@ static wisp_status fine_and_light( int way, int workers, stability_outcome* out,
     }
     const wisp_status status = run_all( setups, 3, workers, reports, out, error );
     const double difference = spread( reports, 3 );
-    stability_claim( out, difference < 0.05, "13, 25 and 49 a side hang to %.3f, %.3f and %.3f m", reports[0].lowest,
-                     reports[1].lowest, reports[2].lowest );
+    stability_claim( out, difference < 0.05, "13, 25 and 49 per side hang to %.3f, %.3f and %.3f m",
+                     reports[0].lowest, reports[1].lowest, reports[2].lowest );
     return status;
 }
 
@@ -137,7 +138,7 @@ static wisp_status free_fall( int way, int workers, stability_outcome* out, wisp
     *out = r.outcome;
     // it falls on and on: the speed in the end is no jitter
     out->verdict = out->verdict.broke == STABILITY_LIMIT_JITTER ? ( stability_verdict ){ 0 } : out->verdict;
-    stability_claim( out, off < 0.02 && r.strain < 1e-3, "%.1e m off a closed form, strain %.1e", off, r.strain );
+    stability_claim( out, off < 0.02 && r.strain < 1e-3, "%.1e m from a closed form, strain %.1e", off, r.strain );
     return status;
 }
 

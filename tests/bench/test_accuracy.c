@@ -269,7 +269,8 @@ static void with_one_worker_nothing_runs_twice( void** state )
 static void who_takes_more_than_its_share_sits_out( void** state )
 {
     (void)state;
-    // the share is 0.1 s: one run of the first, more of at least one of the others, none of the halted one after its first
+    // the share is 0.1 s: one run of the first, more of at least one of the others, none of the halted one after its
+    // first
     fake.cost = 0.15;
     results all = run_fake( 1.0, 2 );
     assert_int_equal( fake.timed[0][0], 1 );
@@ -281,7 +282,7 @@ static void who_takes_more_than_its_share_sits_out( void** state )
     }
     assert_true( others > 2 * ( FAKE_HALTS - 1 ) );
     assert_int_equal( fake.timed[FAKE_HALTS][1], 1 );
-    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms a step" );
+    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_string_equal( named_cell( table, 1, "timed" ), "3" );
     results_free( &all );
 }
@@ -290,7 +291,7 @@ static void the_table_has_times_errors_measures_and_the_front( void** state )
 {
     (void)state;
     results all = run_fake( 1e-9, 2 );
-    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms a step" );
+    const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_int_equal( table->row_count, 1 + FAKE_SETTINGS );
     assert_string_equal( named_cell( table, 2, "setting" ), "setting 1" );
     assert_string_equal( named_cell( table, 2, "1 worker ms" ), "4.00" );
@@ -393,7 +394,7 @@ static void charts_have_a_series_each_and_mark_the_front( void** state )
     assert_int_equal( all.chart_count, 2 );
     const results_chart* time = &all.charts[0];
     assert_true( time->x_log && time->y_log );
-    assert_string_equal( time->x_label, "ms a step" );
+    assert_string_equal( time->x_label, "ms per step" );
     assert_int_equal( time->series_count, 2 );
     assert_string_equal( time->series[0].name, "falling" );
     assert_string_equal( time->series[1].name, "other settings" );

@@ -75,7 +75,8 @@ static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state 
     assert_true( finer.error > 5.0 * regular.error );
 }
 
-// At rest the constraint has P_atm ( V_0 - V ) / V_0 and the reading by the gas law P_atm ( V_0 - V ) / V: p / P_atm more.
+// At rest the constraint has P_atm ( V_0 - V ) / V_0 and the reading by the gas law P_atm ( V_0 - V ) / V: p / P_atm
+// more.
 static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 {
     (void)state;
@@ -85,7 +86,8 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
     assert_true( more > 0.02 );
 }
 
-// A share of an error is no stiffness: more substeps make the source's skin rigid, and its size goes away from the reference.
+// A stiffness in (0, 1] depends on the substep: more substeps make the skin of the balloon paper rigid, away from the
+// reference.
 static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
 {
     (void)state;

@@ -1,4 +1,5 @@
-// Stored references of `wisp bench accuracy`: files that nobody vouches for, and whether those of data/reference are whole.
+// Stored references of `wisp bench accuracy`: files that nobody vouches for, and whether those of data/reference are
+// whole.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -380,7 +381,7 @@ static void a_generator_that_says_what_none_can_is_refused_by_the_word( void** s
         const char *part, *by, *said;
     } wrong[] = {
         { "\"wisp_reference\": 2", "\"wisp_reference\": 3",
-          "version 3 is not known, only 2; `./dev reference` makes it anew" },
+          "version 3, expected 2; `./dev reference` writes it again" },
         { "\"wisp_reference\": 2", "\"wisp_references\": 2", "`wisp_reference` must be a number" },
         { "\"scene\": \"pretended\"", "\"scene\": 7", "`scene` must be a text of 1 to 31 printable characters" },
         { "\"pretended\"", "\"\"", "`scene` must be" },

@@ -1,4 +1,5 @@
-// The case `boundary` at sizes of moments: its checks hold, its tables have what the contract asks for, and what is wrong is seen.
+// The case `boundary` at sizes of moments: its checks hold, its tables have what the contract asks for, and what is
+// wrong is seen.
 #include "bench_tables.h"
 
 #include "boundary_bench.h"
@@ -35,22 +36,22 @@ static void no_check_of_the_case_fails( void** state )
     const results* all = *state;
     expect_good( all );
     assert_fits_terminal( all );
-    assert_column( find_table( all, "B1" ), "met", "yes" );
-    assert_column( find_table( all, "BND-01" ), "met", "yes" );
-    assert_column( find_table( all, "B2" ), "met", "yes" );
-    assert_column( find_table( all, "B3" ), "met", "yes" );
-    assert_column( find_table( all, "B4" ), "met", "yes" );
-    assert_column( find_table( all, "B5: accuracy" ), "met", "yes" );
+    assert_column( find_table( all, "Inflation" ), "met", "yes" );
+    assert_column( find_table( all, "Volume" ), "met", "yes" );
+    assert_column( find_table( all, "Edge points" ), "met", "yes" );
+    assert_column( find_table( all, "Inner points" ), "met", "yes" );
+    assert_column( find_table( all, "Normals" ), "met", "yes" );
+    assert_column( find_table( all, "Coverage against cost" ), "met", "yes" );
 }
 
 static void counts_stand_beside_those_of_the_contract( void** state )
 {
-    const results_table* table = find_table( *state, "B5: points of" );
+    const results_table* table = find_table( *state, "Points of the reference sphere" );
     assert_int_equal( table->row_count, 1 + 2 * LAYER_LAWS );
     assert_column( table, "exact", "yes" );
     assert_column( table, "same", "yes" );
     const int edge = column_of( table, "edge" ), inner = column_of( table, "inner" ), by = column_of( table, "by" );
-    // BND-14: 0.2 even and exact, then 0.1
+    // table of the README of the boundary particle paper: 0.2 even and exact, then 0.1
     assert_string_equal( cell( table, 1, edge ), "930" );
     assert_string_equal( cell( table, 2, edge ), "3360" );
     assert_string_equal( cell( table, 1 + LAYER_LAWS, edge ), "5160" );
@@ -62,7 +63,7 @@ static void counts_stand_beside_those_of_the_contract( void** state )
 
 static void edges_have_a_line_a_law( void** state )
 {
-    const results_table* table = find_table( *state, "B2" );
+    const results_table* table = find_table( *state, "Edge points" );
     assert_int_equal( table->row_count, 1 + LAYER_LAWS );
     assert_string_equal( cell( table, 1, 6 ), "0, 0, 0, 1, 2" );
     assert_string_equal( cell( table, 2, 6 ), "0, 0, 1, 1, 3" );
@@ -70,7 +71,7 @@ static void edges_have_a_line_a_law( void** state )
 
 static void a_pulse_changes_more_than_standing_still_and_less_than_everything( void** state )
 {
-    const results_table* table = find_table( *state, "B6" );
+    const results_table* table = find_table( *state, "Pulsating radius" );
     const int changed = column_of( table, "in case B, %" );
     assert_string_equal( cell( table, 1, 0 ), "still" );
     assert_string_equal( cell( table, 1, changed ), "0.00" );
@@ -86,7 +87,7 @@ static void a_pulse_changes_more_than_standing_still_and_less_than_everything( v
 
 static void long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing( void** state )
 {
-    const results_table* table = find_table( *state, "B7" );
+    const results_table* table = find_table( *state, "Long steps" );
     assert_int_equal( table->row_count, 1 + 15 );
     assert_column( table, "finite", "yes" );
     assert_column( table, "same without a layer", "yes" );

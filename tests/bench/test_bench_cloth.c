@@ -1,5 +1,5 @@
-// The cases of cloth, balloon and figures at sizes of moments: which tables and rows they make, that both sides of a race
-// compute the same, and that what is wrong fails the run.
+// The cases of cloth, balloon and figures at sizes of moments: which tables and rows they make, that both sides of a
+// race compute the same, and that what is wrong fails the run.
 #include "bench_tables.h"
 
 #include "balloon_bench.h"
@@ -44,7 +44,7 @@ static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** st
     wisp_error error = { 0 };
     expect_ok( cloth_comparison( &plan, &all, &error ), &error );
     assert_false( all.failed );
-    const results_table* table = find_table( &all, "Cloth against plain C" );
+    const results_table* table = find_table( &all, "Cloth against scalar C" );
     assert_int_equal( table->row_count, 1 + 2 );
     assert_string_equal( cell( table, 2, 0 ), "12" );
     assert_int_equal( strlen( cell( table, 1, table->column_count - 1 ) ), 16 );

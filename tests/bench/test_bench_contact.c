@@ -47,8 +47,8 @@ static void no_check_of_the_case_fails( void** state )
     expect_good( all );
     assert_fits_terminal( all );
     assert_column( find_table( all, "Contact, queries" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, the price" ), "same", "yes" );
-    assert_column( find_table( all, "Contact, what motion costs" ), "same", "yes" );
+    assert_column( find_table( all, "Contact, the cost" ), "same", "yes" );
+    assert_column( find_table( all, "Contact, cost of motion" ), "same", "yes" );
     assert_column( find_table( all, "Contact, two balloons" ), "same", "yes" );
     assert_column( find_table( all, "Contact, ten balloons" ), "same", "yes" );
 }
@@ -84,7 +84,7 @@ static void a_tree_is_refitted_and_a_grid_is_not( void** state )
 
 static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the price" );
+    const results_table* table = find_table( *state, "Contact, the cost" );
     assert_true( number( table, row_of( table, "none" ), "max intersections" ) > 0.0 );
     assert_string_equal( named_cell( table, row_of( table, "none" ), "pairs" ), "-" );
     assert_string_equal( named_cell( table, row_of( table, "exact, margin 2" ), "max intersections" ), "0" );
@@ -93,14 +93,14 @@ static void what_is_not_kept_apart_crosses_and_what_is_does_not( void** state )
 
 static void the_tree_folds_the_cloth_as_the_grid_does( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the price" );
+    const results_table* table = find_table( *state, "Contact, the cost" );
     assert_string_equal( named_cell( table, row_of( table, "exact, margin 2, tree" ), "hash" ),
                          named_cell( table, row_of( table, "exact, margin 2" ), "hash" ) );
 }
 
 static void a_larger_margin_has_more_pairs( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, the price" );
+    const results_table* table = find_table( *state, "Contact, the cost" );
     const double one = number( table, row_of( table, "exact, margin 1" ), "pairs" );
     const double two = number( table, row_of( table, "exact, margin 2" ), "pairs" );
     const double four = number( table, row_of( table, "exact, margin 4" ), "pairs" );
@@ -109,8 +109,8 @@ static void a_larger_margin_has_more_pairs( void** state )
 
 static void a_ball_at_its_pace_folds_the_cloth_as_in_the_other_table( void** state )
 {
-    const results_table* table = find_table( *state, "Contact, what motion costs" );
-    const results_table* price = find_table( *state, "Contact, the price" );
+    const results_table* table = find_table( *state, "Contact, cost of motion" );
+    const results_table* price = find_table( *state, "Contact, the cost" );
     const int rest = row_of( table, "ball at rest" ), pace = row_of( table, "its pace" ),
               twice = row_of( table, "twice its pace" );
     assert_string_equal( named_cell( table, pace, "hash" ),
@@ -131,7 +131,8 @@ static void balloons_overlap_only_where_nothing_keeps_them_apart( void** state )
 {
     const results_table* table = find_table( *state, "Contact, two balloons" );
     assert_true( number( table, row_of( table, "none" ), "max overlap, %" ) > 5.0 );
-    assert_true( number( table, row_of( table, "exact, margin 2" ), "max overlap, %" ) < 1.0 ); // BAL-X1
+    assert_true( number( table, row_of( table, "exact, margin 2" ), "max overlap, %" ) <
+                 1.0 ); // extension, not in the balloon paper
     assert_true( number( table, row_of( table, "exact, margin 2" ), "force N" ) > 0.0 );
 }
 
@@ -145,8 +146,8 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
         motion_rows += strcmp( all->rows[i].name, "contact.motion" ) == 0 ? 1 : 0;
         assert_true( all->rows[i].steps > 0 && isfinite( all->rows[i].ms_median ) );
     }
-    assert_int_equal( rows, 2 * ( find_table( all, "Contact, the price" )->row_count - 1 ) );
-    assert_int_equal( motion_rows, 2 * ( find_table( all, "Contact, what motion costs" )->row_count - 1 ) );
+    assert_int_equal( rows, 2 * ( find_table( all, "Contact, the cost" )->row_count - 1 ) );
+    assert_int_equal( motion_rows, 2 * ( find_table( all, "Contact, cost of motion" )->row_count - 1 ) );
 }
 
 // ---- limits ----

@@ -1,5 +1,5 @@
-// The case of strands at sizes of moments: that plain C computes what the engine computes, that the scene is the one that
-// the tables speak of, and which rows they have.
+// The case of strands at sizes of moments: that plain C computes what the engine computes, that the scene is the one
+// that the tables speak of, and which rows they have.
 #include "bench_tables.h"
 
 #include "figures_bench.h"
@@ -437,15 +437,15 @@ static void pictures_of_ghosts_are_written( void** state )
     options.pictures = ".";
     results all = { 0 };
     wisp_error error = { 0 };
-    remove( "gui_2c_centre.png" );
+    remove( "guide_hair_2c_centre.png" );
     expect_ok( figures_run( one, 1, &options, &all, &error ), &error );
-    FILE* file = fopen( "gui_2c_centre.png", "rb" );
+    FILE* file = fopen( "guide_hair_2c_centre.png", "rb" );
     assert_non_null( file );
     assert_int_equal( fgetc( file ), 0x89 );
     fclose( file );
-    remove( "gui_2c_centre.png" );
+    remove( "guide_hair_2c_centre.png" );
     assert_int_equal( all.picture_count, 1 );
-    assert_string_equal( all.pictures[0].path, "./gui_2c_centre.png" );
+    assert_string_equal( all.pictures[0].path, "./guide_hair_2c_centre.png" );
     results_free( &all );
 }
 

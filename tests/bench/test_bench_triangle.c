@@ -1,4 +1,5 @@
-// Table 1 of the triangle cloth at sizes of moments: which tables and rows it makes, and that what is wrong fails the run.
+// Table 1 of the triangle cloth at sizes of moments: which tables and rows it makes, and that what is wrong fails the
+// run.
 #include "bench_tables.h"
 
 #include "paper_triangle.h"
@@ -61,7 +62,7 @@ static void growth_has_a_line_a_size_and_an_exponent( void** state )
 static void plain_c_hangs_beside_the_engine( void** state )
 {
     const results* all = *state;
-    const results_table* table = find_table( all, "Triangle cloth against plain C" );
+    const results_table* table = find_table( all, "Triangle cloth against scalar C" );
     assert_int_equal( table->row_count, 1 + 1 );
     for ( int i = 0; i < all->row_count; ++i )
     {
