@@ -340,9 +340,9 @@ static void levels_that_would_say_the_same_are_said_once( void** state )
     const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
     assert_int_equal( time->row_count, 1 + 2 + 2 + 1 );
     assert_string_equal( named_cell( time, 1, "ms, at most" ), "500" );
-    assert_string_equal( named_cell( time, 1, "nearest setting" ), "setting 0" );
+    assert_string_equal( named_cell( time, 1, "most accurate setting" ), "setting 0" );
     assert_string_equal( named_cell( time, 3, "ms, at most" ), "2" );
-    assert_string_equal( named_cell( time, 3, "nearest setting" ), "setting 1" );
+    assert_string_equal( named_cell( time, 3, "most accurate setting" ), "setting 1" );
     assert_string_equal( named_cell( time, 5, "ms, at most" ), "0.5" );
     results_free( &all );
 }
@@ -353,24 +353,24 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
     // errors 1 to 4: within 5 mm the loner is the fastest, with half the time of the series
-    assert_string_equal( named_cell( table, 1, "cheapest setting" ), "setting 3" );
-    assert_string_equal( named_cell( table, 2, "cheapest setting" ), "setting 2" );
-    assert_string_equal( named_cell( table, 2, "times the cheapest" ), "2.00" );
+    assert_string_equal( named_cell( table, 1, "fastest setting" ), "setting 3" );
+    assert_string_equal( named_cell( table, 2, "fastest setting" ), "setting 2" );
+    assert_string_equal( named_cell( table, 2, "times the fastest" ), "2.00" );
 
     // within 2 mm only the series gets there, with its second setting
     const int at_two = row_of( table, "2" );
     assert_string_equal( table->cells[( at_two + 1 ) * table->column_count], "1" );
     assert_string_equal( named_cell( table, at_two, "method" ), "falling" );
-    assert_string_equal( named_cell( table, at_two, "cheapest setting" ), "setting 1" );
+    assert_string_equal( named_cell( table, at_two, "fastest setting" ), "setting 1" );
     assert_string_equal( named_cell( table, at_two, "ms" ), "2.00" );
-    assert_string_equal( named_cell( table, at_two, "times the cheapest" ), "1.00" );
+    assert_string_equal( named_cell( table, at_two, "times the fastest" ), "1.00" );
 
     // times 4, 2, 1 and 0.5 ms: within 1 ms the series has an error of 3 mm, and the loner one of 4
     const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
     const int at_one = row_of( time, "1" );
-    assert_string_equal( named_cell( time, at_one, "nearest setting" ), "setting 2" );
-    assert_string_equal( named_cell( time, at_one + 1, "nearest setting" ), "setting 3" );
-    assert_string_equal( named_cell( time, at_one + 1, "times the nearest" ), "1.33" );
+    assert_string_equal( named_cell( time, at_one, "most accurate setting" ), "setting 2" );
+    assert_string_equal( named_cell( time, at_one + 1, "most accurate setting" ), "setting 3" );
+    assert_string_equal( named_cell( time, at_one + 1, "times the most accurate" ), "1.33" );
     results_free( &all );
 }
 

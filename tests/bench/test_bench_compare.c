@@ -152,10 +152,10 @@ static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( v
         { 16, { 0, 0, 0, 0 }, "0 vertices" },
         { 16, { 255, 255, 255, 255 }, "4294967295 vertices" },
         { 16, { 1, 0, 1, 0 }, "65537 vertices" },
-        { 20, { 0, 0, 0, 0 }, "0 looks" },
+        { 20, { 0, 0, 0, 0 }, "0 samples" },
         { 20, { 255, 255, 255, 127 }, "out of range" },
-        { 16, { 6, 0, 0, 0 }, "3 looks at 6 vertices take" },
-        { 20, { 4, 0, 0, 0 }, "4 looks at 5 vertices take" },
+        { 16, { 6, 0, 0, 0 }, "3 samples of 6 vertices take" },
+        { 20, { 4, 0, 0, 0 }, "4 samples of 5 vertices take" },
     };
     float points[LOOKS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
@@ -179,7 +179,7 @@ static void numbers_that_no_cloth_has_are_refused_by_look( void** state )
         reference.looks[1].look.energy = kind == 3 ? (double)NAN : 0.0;
         reference.looks[1].time = kind == 4 ? 0.0 : 0.05;
         file_bytes file = written( &reference );
-        expect_refused( file.bytes, file.size, "look 1 has a number that is out of range" );
+        expect_refused( file.bytes, file.size, "sample 1 has a number that is out of range" );
         free( file.bytes );
     }
 }

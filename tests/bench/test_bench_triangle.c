@@ -31,7 +31,7 @@ static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
     const results* all = *state;
     expect_good( all );
     assert_fits_terminal( all );
-    const results_table* table = find_table( all, "Triangle cloth, Table 1" );
+    const results_table* table = find_table( all, "Triangle cloth, Noh and Jung, Table 1" );
     assert_int_equal( table->row_count, 1 + 2 );
     assert_string_equal( cell( table, 1, 0 ), "triangles" );
     assert_string_equal( cell( table, 1, 5 ), "1.014" );

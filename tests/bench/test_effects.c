@@ -366,7 +366,7 @@ static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
     const int last = row_of( together, "together" );
     for ( int r = 1; r < last; ++r )
     {
-        assert_string_equal( named_cell( together, r, "same bits beside others" ), "yes" );
+        assert_string_equal( named_cell( together, r, "same bits in one world" ), "yes" );
     }
     int vertices = 0;
     for ( int r = 1; r < last; ++r )
