@@ -33,7 +33,7 @@ typedef struct size_comparison
     bench_variant variants[SCENARIO_IMPLEMENTATIONS_MAX];
 } size_comparison;
 
-// Figures cost passes of their own, so they are asked for only when the times are taken.
+// Statistics add passes, so they are requested only after the times are taken.
 static wisp_status enter( const balloon_plan* plan, int level, size_comparison* comparison, wisp_error* error )
 {
     comparison->setting = balloon_setting_in_vacuum();

@@ -18,7 +18,7 @@ typedef struct bench_options
     void* progress_user;
 } bench_options;
 
-/// Options as the program has them when nobody asks for others.
+/// Default options of the program.
 bench_options bench_default_options( void );
 /// The case's time in seconds after its defaults.
 double bench_seconds( const bench_options* options );
@@ -54,8 +54,8 @@ typedef struct bench_variant
 typedef struct bench_effort
 {
     double seconds;  ///< stop after the first round that ends past this time ...
-    int rounds_min;  ///< ... but not before so many
-    int samples_max; ///< stop early when every variant has so many
+    int rounds_min;  ///< ... but not before this many
+    int samples_max; ///< stop early when every variant has this many
 } bench_effort;
 
 /// Time variants in turns A B C A B C ..., so that whatever slows the machine down for a while slows all of them. A

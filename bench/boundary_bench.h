@@ -14,7 +14,7 @@ typedef struct boundary_plan
 {
     float spacings[BOUNDARY_SIZES_MAX]; ///< m, of points on the reference sphere
     int spacing_count;
-    int segments[BOUNDARY_SIZES_MAX], sphere_count; ///< rising: spheres whose normals are looked at
+    int segments[BOUNDARY_SIZES_MAX], sphere_count; ///< rising: spheres whose normals are measured
     int pulse_steps;                                ///< of a pulsation that is counted, multiples of LAYER_PERIOD
     int settle_steps;                               ///< of a balloon whose volume is read
     double hang_seconds;                            ///< simulated, of a balloon that hangs

@@ -161,7 +161,7 @@ static void add_rows( const cost_run* run, const layer_cost* cost, results* out 
     }
 }
 
-// @return null where the contract has no number
+// @return null where no count is expected
 static const int* contract_counts( const layer_cost* cost )
 {
     for ( int i = 0; i < WISP_COUNT( contract ); ++i )

@@ -6,7 +6,7 @@
 typedef struct layer_cover
 {
     double gap; ///< m, the largest between neighbours along an edge, its ends included
-    /// m, the farthest that a place of a triangle, of those looked at, is from the points and corners on it
+    /// m, the largest distance of a sampled place of a triangle from the points and corners on it
     double reach;
 } layer_cover;
 

@@ -175,7 +175,7 @@ static void add_pulse( pulse* p, const stats_summary times[2], int workers, int 
     add_pulse_row( p, &ms, workers, out );
 }
 
-// None changes in a surface that stands still, all where all is asked for, and fewer with hysteresis. Without it
+// No element changes on a static surface, all change if requested, and fewer with hysteresis. Without it
 // counts follow from positions alone: after whole periods a layer is what it was.
 static void check_pulses( const pulse all[PULSES], results* out )
 {

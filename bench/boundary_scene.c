@@ -179,7 +179,7 @@ static double3 point_of( const float* quads, size_t at )
     return double3_make( (double)quads[at], (double)quads[at + 1], (double)quads[at + 2] );
 }
 
-// Unlike fmax() it does not step over what is no number.
+// Unlike fmax() it keeps NaN.
 static double larger( double so_far, double next )
 {
     return next > so_far || isnan( next ) ? next : so_far;

@@ -38,7 +38,7 @@ typedef struct layer_implementation
 {
     surface_implementation surface;
     wisp_boundary_def def;
-    bool is_anew;    ///< every step samples everything anew: case B everywhere
+    bool is_anew;    ///< every step samples all elements again: case B everywhere
     bool has_little; ///< of two definitions that give the same points, the one that it has now
     /// Of the radius: the surface is 1 + amplitude sin( 2 pi step / LAYER_PERIOD ) times as large. 0: it stands still
     double amplitude;

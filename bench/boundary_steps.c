@@ -76,7 +76,7 @@ static wisp_status run_volume( const boundary_plan* plan, const sphere* s, const
     const bool soft = setting->skin == SOFT_SKIN;
     const bool met = !halted && isfinite( off ) && ( !soft || fabs( off ) < SOFT_TOLERANCE );
     cells row = { .count = 0 };
-    cells_put( &row, "%s", soft ? "soft" : "source" );
+    cells_put( &row, "%s", soft ? "soft" : "paper" );
     cells_put_number( &row, (double)setting->skin, 2 );
     cells_put_number( &row, (double)setting->multiplier, 1 );
     cells_put_number( &row, reached, 4 );

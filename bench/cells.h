@@ -13,7 +13,7 @@ typedef struct cells
 
 /// A cell of at most 63 bytes; what is longer is cut.
 void cells_put( cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
-/// A number with so many digits behind the point; "-" if it is not finite, which stands for a number that there is not.
+/// Put a number with the given decimals; "-" if it is not finite.
 void cells_put_number( cells* row, double value, int digits );
 /// Two numbers with a stroke between them: the largest and the mean of something.
 void cells_put_pair( cells* row, double first, int first_digits, double second, int second_digits );

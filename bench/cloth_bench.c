@@ -4,8 +4,8 @@
 
 #include <math.h>
 
-// Below so many seconds the largest race and levels are left out, the irregular mesh is coarser, fewer steps are
-// measured and converged runs have half the substeps.
+// Below this time in seconds the largest comparison and levels are left out, the irregular mesh is coarser, fewer
+// steps are measured and converged runs have half the substeps.
 #define FULL_SECONDS 40.0
 
 cloth_plan cloth_default_plan( const bench_options* options )

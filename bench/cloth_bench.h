@@ -14,16 +14,16 @@
 /// Sizes and steps. cloth_default_plan() has those of the case; tests have smaller ones.
 typedef struct cloth_plan
 {
-    int comparison_sizes[CLOTH_SIZES_MAX], comparison_count; ///< against plain C
+    int comparison_sizes[CLOTH_SIZES_MAX], comparison_count; ///< against scalar C
     int hang_sizes[CLOTH_SIZES_MAX], hang_count;             ///< beside other engines
     int level_sizes[CLOTH_SIZES_MAX], level_count;           ///< levels and tethers
     int irregular_size;                                      ///< the same on an irregular mesh
     bool has_balloon;                                        ///< and on a balloon
     int sweep_size;                                          ///< residuals of sweeps
     scenario_plan scenario;
-    int reference_factor;       ///< the converged run has so many times the substeps of the first setting
-    int reference_vertices_max; ///< no converged run beyond so many vertices
-    int oracle_vertices_max;    ///< no double precision step beyond so many
+    int reference_factor;       ///< ratio of its substeps to those of the first setting
+    int reference_vertices_max; ///< no reference beyond this many vertices
+    int oracle_vertices_max;    ///< no double precision step beyond this many
     double comparison_seconds;  ///< of all sizes together
     int workers[SCENARIO_IMPLEMENTATIONS_MAX], worker_count;
     const bench_options* options; ///< for progress
@@ -36,7 +36,7 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 
 // ---- the tables ----
 
-/// ns a constraint and pass beside plain C in mesh order, and the claims about it.
+/// ns a constraint and pass beside scalar C in mesh order, and the claims about it.
 wisp_status cloth_comparison( const cloth_plan* plan, results* out, wisp_error* error );
 /// ms a step beside other engines.
 wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error );

@@ -1,4 +1,4 @@
-// ns per constraint and pass, beside the plain C version that goes through the links in the order of the mesh.
+// ns per constraint and pass, beside the scalar C version that goes through the links in the order of the mesh.
 #include "cloth_bench.h"
 #include "rows_chart.h"
 
@@ -14,8 +14,8 @@
 #define CLAIM_FLAT 1.4
 
 #define SAMPLES_MAX 300
-// Every step of plain C starts from the state that the engine has reached after so many: what is timed is then sound,
-// whatever the order of the mesh does to the scene in the long run.
+// Every step of scalar C starts from the state that the engine has reached after so many: what is timed is then
+// sound, whatever the order of the mesh does to the scene in the long run.
 #define START_STEPS 12
 
 enum
@@ -28,7 +28,7 @@ enum
 
 static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
 
-/// Plain C, and the state that each of its steps starts from.
+/// Scalar C, and the state that each of its steps starts from.
 typedef struct plain_comparison
 {
     plain_cloth cloth;
@@ -53,7 +53,7 @@ typedef struct comparison
     bench_variant variants[VARIANTS_MAX];
 } comparison;
 
-// ---- plain C ----
+// ---- scalar C ----
 
 static void set_back( plain_comparison* plain )
 {
@@ -203,7 +203,7 @@ static wisp_status step_all( const cloth_plan* plan, comparison* r, int steps, w
     return status;
 }
 
-// One step for the oracle, the others for the state that plain C starts from.
+// One step for the oracle, the others for the state that scalar C starts from.
 static wisp_status judge( const cloth_plan* plan, comparison* r, comparison_line* line, results* out,
                           wisp_error* error )
 {

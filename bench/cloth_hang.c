@@ -1,4 +1,5 @@
-// The hanging cloth beside other engines. Their figures cannot be taken again here: they are constants with a source.
+// The hanging cloth beside other engines. Their figures cannot be taken again here: they are constants with a
+// reference.
 #include "cloth_bench.h"
 #include "rows_chart.h"
 
@@ -26,7 +27,7 @@ static const peer_times peers[] = {
 
 static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
 
-// Plain C is run through the whole scenario only up to here: it takes seconds beyond.
+// Scalar C is run through the whole scenario only up to here: it takes seconds beyond.
 #define PLAIN_SIZE_MAX 64
 
 static int begin_table( const cloth_plan* plan, results* out )
@@ -126,7 +127,7 @@ static wisp_status hang( const cloth_plan* plan, const cloth_scene* scene, wisp_
     return status;
 }
 
-// ---- plain C through the scenario ----
+// ---- scalar C through the scenario ----
 
 static double plain_stretch( const plain_cloth* cloth )
 {

@@ -108,7 +108,7 @@ static void predict( cloth_reference* reference, double h )
     }
 }
 
-// Eq. 6 of the balloon source times stiffness; with a compliance, xpbd of one pass, whose multiplier begins at 0.
+// Eq. 6 of the balloon paper times stiffness; with a compliance, xpbd of one pass, whose multiplier begins at 0.
 static void project( cloth_reference* reference, double h )
 {
     for ( int i = 0; i < reference->link_count; ++i )

@@ -87,7 +87,7 @@ static wisp_status run_sweep( const cloth_scene* scene, wisp_solve_order solve_o
     return status;
 }
 
-// ---- plain C ----
+// ---- scalar C ----
 
 static void look_at_plain( const plain_cloth* cloth, double* mean, double* largest )
 {

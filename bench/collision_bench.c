@@ -164,7 +164,7 @@ typedef struct implementation
     int rounds;
 } implementation;
 
-// Build it anew, move it, and ask everything, with a clock beside.
+// Build it again, move it, and time all queries.
 static wisp_status run_round( implementation* e, const wisp_mesh* mesh, const questions* q, wisp_error* error )
 {
     double at[TIMES + 1];

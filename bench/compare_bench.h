@@ -1,5 +1,5 @@
-/// `wisp bench cloth --compare`: one cloth, one material, three solvers: milliseconds a frame against the distance to a converged
-/// run in double precision.
+/// `wisp bench cloth --compare`: one cloth, one material, three solvers: milliseconds a frame against the distance to
+/// a converged run in double precision.
 #pragma once
 
 #include "bench.h"
@@ -29,7 +29,7 @@ typedef struct compare_variant
     float tolerance; ///< implicit: of a linear solve
     int repeats;     ///< implicit: linear solves a step
     bool bdf2;       ///< implicit
-    bool is_limit;   ///< so many substeps that what is left of the error is the model's: no part of the summaries
+    bool is_limit;   ///< enough substeps that the remaining error is the model's: left out of the summaries
     bool has_rest;   ///< goes on until the scene is at rest
 } compare_variant;
 
@@ -78,7 +78,7 @@ wisp_status compare_enter( const compare_scene* scene, wisp_fabric* fabric, cons
 wisp_status compare_cook( const compare_scene* scene, wisp_fabric** out, wisp_error* error );
 
 /// All variants through one scene, in turns.
-/// @param seconds no new round after so many @param figures [variant_count]
+/// @param seconds no new round after this time @param figures [variant_count]
 wisp_status compare_scene_run( const compare_plan* plan, const compare_scene* scene,
                                const compare_reference* reference, double seconds, compare_stats* stats, results* out,
                                wisp_error* error );

@@ -1,5 +1,5 @@
-/// The reference file of a comparison: where every vertex of a converged run in double precision is at every look. Made by
-/// bench/reference, read by the benchmark.
+/// The reference file of a comparison: where every vertex of a converged run in double precision is at every look.
+/// Made by bench/reference, read by the benchmark.
 ///
 ///     bytes                    what, all of it little-endian
 ///     8                        "WISPTRUT"
@@ -41,7 +41,7 @@ typedef struct compare_reference
 /// The numbers that a reference and a scene must agree in.
 void compare_reference_info( const compare_physics* physics, double info[COMPARE_INFO] );
 
-/// Read bytes that nobody vouches for.
+/// Read untrusted bytes.
 /// @param name what the message calls them
 /// @return WISP_BAD_INPUT too short, too long, not a reference, or broken; WISP_NO_MEMORY; out is then empty
 wisp_status compare_reference_parse( const void* bytes, size_t size, const char* name, compare_reference* out,

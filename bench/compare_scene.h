@@ -1,5 +1,5 @@
-/// The scenes of `wisp bench cloth --compare`: the triangle scene's cloth of 958 vertices, one material in SI units, solved for
-/// by whoever can. What is here is what all solvers and the reference are told alike.
+/// The scenes of `wisp bench cloth --compare`: the triangle scene's cloth of 958 vertices, one material in SI units,
+/// solved for by whoever can. What is here is what all solvers and the reference are told alike.
 #pragma once
 
 #include "triangle_scene.h"
@@ -29,7 +29,7 @@ typedef struct compare_physics
     float damping_link; ///< N s/m, k_d of every link, which only the reference and implicit cloth have
     int look_count;     ///< of the window: at 0, and then every COMPARE_LOOK_SECONDS
     int timed_look;     ///< times are taken after this look: before it hardly anything happens
-    float rest_seconds; ///< when it is looked at once more
+    float rest_seconds; ///< time of the last sample
 } compare_physics;
 
 compare_physics compare_physics_of( compare_scenario scenario );

@@ -2,9 +2,9 @@
 
 #include <stdlib.h>
 
-// Below so many seconds everything is smaller and shorter.
+// Below this time in seconds all sizes and runs are smaller.
 #define BRIEF_SECONDS 40.0
-// From so many on the cloth that folds is that of the pictures.
+// From this time in seconds on, the folding cloth is that of the pictures.
 #define FINE_SECONDS 240.0
 
 contact_plan contact_default_plan( const bench_options* options )

@@ -17,7 +17,7 @@ typedef struct contact_teams
 /// What the figures of all steps come to.
 typedef struct contact_tally
 {
-    double pairs, contacts, searches; ///< means a step; NaN where nobody meets
+    double pairs, contacts, searches; ///< means per step; NaN without contact
     int intersections_last, max_intersections, crossed_steps;
     float min_gap;     ///< of the thickness, of all steps; infinite where no pair was near
     int64_t limited;   ///< sum

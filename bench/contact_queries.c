@@ -28,7 +28,7 @@ static const struct
 
 typedef enum query_time
 {
-    BUILD, // the grid, which is made anew for each search; the tree from nothing
+    BUILD, // the grid, which is built for each search; the tree from nothing
     REFIT, // the tree, when boxes have moved
     QUERY,
     QUERY_TIMES,
@@ -36,7 +36,7 @@ typedef enum query_time
 
 static const char* const time_names[QUERY_TIMES] = { "build", "refit", "query" };
 
-/// One way to search with so many workers.
+/// One search method with a number of workers.
 typedef struct query_implementation
 {
     int search, team; // numbers
@@ -74,7 +74,7 @@ static wisp_aabb_args job_of( const query_input_boxes* query_input, int time, wi
     };
 }
 
-// A tree is built anew if other boxes than before can be met: once there is one more.
+// A tree is built again when the set of boxes changes: here when there is one more.
 static wisp_status build_tree( query_implementation* e, const wisp_parallel* parallel, wisp_aabb_args args,
                                wisp_error* error )
 {

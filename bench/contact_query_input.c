@@ -102,7 +102,7 @@ static wisp_aabb box_around( const wisp_vec3* points, const int32_t* corners, in
     return box;
 }
 
-// Boxes around so many corners each, or around single points without a list.
+// Boxes around this many corners each, or around single points without a list.
 static void fill( const query_input_mesh* mesh, const wisp_vec3* points, const int32_t* corners, int size, int count,
                   float wide, wisp_aabb* out )
 {

@@ -67,7 +67,7 @@ void contact_scene_free( contact_scene* scene )
 static wisp_status open_world( const contact_scene* scene, const contact_setting* setting, const wisp_module* effect,
                                contact_world* out, wisp_error* error )
 {
-    // who keeps nothing apart and is not looked at does without the module
+    // without contact and without samples the module is not needed
     const bool has_contact = setting->way.is_off == false || setting->requests_stats;
     const wisp_module* const modules[] = { effect, &wisp_collision_module, &wisp_contact_module };
     *out = ( contact_world ){ .scene = scene, .pace = 1.0f - setting->way.ball_held };
@@ -92,7 +92,7 @@ static wisp_status open_world( const contact_scene* scene, const contact_setting
     return status == WISP_OK ? WISP_OK : bench_world_fail( out->world, status, error );
 }
 
-// A participant that meets nobody is a way to count intersections where nothing is kept apart.
+// A participant that collides with nothing still counts intersections.
 static wisp_status enter_contact( const contact_setting* setting, contact_world* out, wisp_entity surface )
 {
     wisp_contact_def def = wisp_default_contact_def();

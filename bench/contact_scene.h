@@ -73,7 +73,7 @@ typedef struct contact_setting
     bool requests_stats; ///< of contact and of motion; without them a step is as a user has it
 } contact_setting;
 
-/// Where a body is after so many steps, or parts of one.
+/// Position of a body after a number of steps, which may be fractional.
 typedef wisp_vec3 contact_place_fn( int mover, float steps );
 
 typedef struct contact_world
@@ -85,7 +85,7 @@ typedef struct contact_world
     wisp_quat turns[2];    ///< how they stand
     int mover_count;
     contact_place_fn* place;    ///< of the movers
-    float pace;                 ///< of the movers: so many of their steps go by in one
+    float pace;                 ///< of the movers: their steps per step of the scene
     const contact_scene* scene; ///< the caller's, who keeps it until the world is gone
     int steps;
     int halted_at; ///< the step at which a surface left its bounds; 0: none did

@@ -5,7 +5,7 @@
 
 enum
 {
-    PRIMITIVES = 4000, // at least so many for the whole curve
+    PRIMITIVES = 4000, // at least this many for the whole curve
 };
 
 typedef struct elastica_place

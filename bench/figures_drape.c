@@ -1,4 +1,4 @@
-// Figures 8 to 11 of the triangle cloth source: the cloth on the ball, of triangles and of quads.
+// Figures 8 to 11 of Noh and Jung: the cloth on the ball, of triangles and of quads.
 #include "figures_drape.h"
 
 #include <math.h>

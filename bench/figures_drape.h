@@ -52,7 +52,7 @@ wisp_status drape_look_at( const triangle_scene* scene, const drape_border* bord
 
 #define DRAPE_SHOTS_MAX 8
 
-/// A frame that is looked at, and kept in an album unless that is null.
+/// Sample a frame, and keep it in an album unless that is null.
 typedef struct drape_shot
 {
     int frame; ///< from 1

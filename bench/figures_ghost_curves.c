@@ -1,4 +1,4 @@
-// The figures of the guide hair source about lines: the curves that draw strands, and ghosts with more vertices.
+// The figures of Park and Kim 2024 about lines: the curves that draw strands, and ghosts with more vertices.
 #include "figures_tuft.h"
 
 #include <math.h>

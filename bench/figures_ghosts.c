@@ -1,4 +1,4 @@
-// The figures of the guide hair source about ghosts: how they stand around their targets and how they sway.
+// The figures of Park and Kim 2024 about ghosts: how they stand around their targets and how they sway.
 #include "figures_tuft.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/// Cloth of the triangle cloth source without a ball: it hangs, and its shape after a time is compared.
+/// Cloth of Noh and Jung without a ball: it hangs, and its shape after a time is compared.
 #pragma once
 
 #include "figures_drape.h"

@@ -1,4 +1,4 @@
-/// A tuft for the figures of the guide hair source: one target, ghosts around it, seen with and without their weights.
+/// A tuft for the figures of Park and Kim 2024: one target, ghosts around it, seen with and without their weights.
 #pragma once
 
 #include "figures_hair.h"

@@ -1,4 +1,4 @@
-/// Table 1 of the frozen-hair source: what was measured at each size, and the tables made from it.
+/// Table 1 of Kim 2026: what was measured at each size, and the tables made from it.
 #pragma once
 
 #include "bench.h"
@@ -7,8 +7,8 @@
 #define PAPER_SIZES 6
 #define PAPER_VARIANTS_MAX 3
 
-/// What float may lose to double: so many roundings (FLT_EPSILON) of the farthest coordinate. Positions are sums of
-/// coordinates, and four iterations hand errors on to neighbours; plain C and the engine stay below 10.
+/// Allowed difference of float from double, in roundings (FLT_EPSILON) of the farthest coordinate. Positions are sums
+/// of coordinates, and four iterations hand errors on to neighbours; scalar C and the engine stay below 10.
 #define PAPER_TOLERATED_ROUNDINGS 32.0
 
 /// One size of the table, measured.
@@ -17,15 +17,15 @@ typedef struct paper_line
     int strands, vertices;
     double source_ms, source_fps; ///< NaN where the paper has no such size
 
-    stats_summary ms[PAPER_VARIANTS_MAX]; ///< plain C, then ours
+    stats_summary ms[PAPER_VARIANTS_MAX]; ///< scalar C, then ours
     double fraction[3];               ///< of the parallel variant's step: freeze, align, clump; the rest is the rest
     double neighbours;                ///< a vertex
     double bytes;                     ///< a vertex, of the parallel variant's world
-    bool by_oracle;                   ///< errors are distances to the double oracle, else to plain C
+    bool by_oracle;                   ///< errors are distances to the double oracle, else to scalar C
     double error[PAPER_VARIANTS_MAX]; ///< m, largest distance; NaN where a variant is the reference itself
     double tolerance;                 ///< m
     uint64_t hash;
-    bool plain_once; ///< plain C was timed a single time
+    bool plain_once; ///< scalar C was timed a single time
 } paper_line;
 
 typedef struct paper_table

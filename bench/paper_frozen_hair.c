@@ -12,7 +12,7 @@
 // All variants are compared at one event of the command, whatever events their timed steps had.
 #define COMPARED_EVENT 7
 #define SAMPLES_MAX 400
-// A round with everybody's warm-up takes about so many times a step of plain C.
+// Cost of a round with all warm-ups, in steps of scalar C.
 #define ROUND_OF_PLAIN 2.0
 // Ours alone has enough samples after this time.
 #define ONCE_SECONDS 1.0
@@ -35,7 +35,7 @@ typedef struct paper_comparison
     paper_scene scene;
     plain_frozen_hair plain;
     bool has_plain;
-    paper_world worlds[PAPER_VARIANTS_MAX]; ///< by variant; 0 is plain C and has none
+    paper_world worlds[PAPER_VARIANTS_MAX]; ///< by variant; 0 is scalar C and has none
     bench_variant variants[PAPER_VARIANTS_MAX];
     double* oracle; ///< [vertices][3] or null
 } paper_comparison;
@@ -113,7 +113,7 @@ static wisp_status run_oracle( paper_comparison* comparison, wisp_error* error )
                               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
 }
 
-// Everybody runs the same event. Plain C comes first because it may be the reference of the others.
+// Everybody runs the same event. Scalar C comes first because it may be the reference of the others.
 static wisp_status judge( const paper_table* table, paper_comparison* comparison, paper_line* line, results* out,
                           wisp_error* error )
 {
@@ -195,7 +195,7 @@ static wisp_status check_repeat( const paper_table* table, paper_comparison* com
 
 // ---- times ----
 
-// Where not even one more round of plain C fits, the run that gave the reference is its sample: a first run, whose
+// Where not even one more round of scalar C fits, the run that gave the reference is its sample: a first run, whose
 // page faults are below a hundredth of it at this size.
 static wisp_status time_comparison( const paper_table* table, paper_comparison* comparison, paper_line* line,
                                     bool quick, double seconds, wisp_error* error )

@@ -133,7 +133,7 @@ void paper_world_destroy( paper_world* implementation )
     *implementation = ( paper_world ){ 0 };
 }
 
-// ---- plain C ----
+// ---- scalar C ----
 
 static float or_default( float value, float fallback )
 {

@@ -1,4 +1,4 @@
-/// The scene of Table 1, and who races on it: plain C and the engine, with the double oracle as the judge.
+/// The scene of Table 1, and who races on it: scalar C and the engine, with the double oracle as the judge.
 #pragma once
 
 #include "bench_world.h"

@@ -143,7 +143,7 @@ static void add_fit( const paper_table* table, int variant, int size_count, int 
     cell_row row = { .count = 0 };
     if ( variant < 0 )
     {
-        cell( &row, "source" );
+        cell( &row, "Kim 2026" );
     }
     else if ( variant == 0 )
     {

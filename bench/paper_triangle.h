@@ -1,4 +1,4 @@
-/// Table 1 of the triangle cloth source: what was measured of each cloth, and the tables made from it.
+/// Table 1 of Noh and Jung: what was measured of each cloth, and the tables made from it.
 #pragma once
 
 #include "bench.h"
@@ -25,11 +25,11 @@ typedef struct triangle_plan
     triangle_drop drops[TRIANGLE_ROWS_MAX];
     int drop_count;
     int touch_step; ///< growth is counted from this step on, in which the smallest cloth of the table meets the ball ...
-    int growth_steps; ///< ... for so many, which every row of growth has
+    int growth_steps; ///< ... for this many, which every row of growth has
     struct
     {
         int vertices, steps;
-    } hangs[TRIANGLE_ROWS_MAX]; ///< against plain C
+    } hangs[TRIANGLE_ROWS_MAX]; ///< against scalar C
     int hang_count;
     int workers[TRIANGLE_WORKERS_MAX], worker_count;
     const bench_options* options; ///< for progress
@@ -54,14 +54,14 @@ typedef struct triangle_line
     uint64_t hash;
 } triangle_line;
 
-/// A hanging cloth beside plain C, one worker each.
+/// A hanging cloth beside scalar C, one worker each.
 typedef struct triangle_hang
 {
     int vertices, links, steps;
     stats_summary plain_ms, ms;
     double plain_mean_ms, mean_ms;
     double plain_iterations, iterations; ///< a step
-    int64_t plain_unsolved;              ///< steps of plain C that did not end at their tolerance
+    int64_t plain_unsolved;              ///< steps of scalar C that did not end at their tolerance
     uint64_t unsolved, indefinite;
     double max_distance, distance_rms; ///< m, between both at the end
     uint64_t hash;
@@ -74,7 +74,7 @@ wisp_status paper_triangle_cloth( const bench_options* options, results* out, wi
 
 /// Let cloths fall. @param lines [drop_count]
 wisp_status triangle_drop_all( const triangle_plan* plan, triangle_line* lines, results* out, wisp_error* error );
-/// Let them hang beside plain C. @param hangs [hang_count]
+/// Let them hang beside scalar C. @param hangs [hang_count]
 wisp_status triangle_hang_all( const triangle_plan* plan, triangle_hang* hangs, results* out, wisp_error* error );
 
 /// Tables, rows and messages.

@@ -1,4 +1,4 @@
-// Table 1 of the triangle cloth source: cloths fall onto a ball, worker counts step by step in turns, in one run.
+// Table 1 of Noh and Jung: cloths fall onto a ball, worker counts step by step in turns, in one run.
 #include "paper_triangle.h"
 
 #include "triangle_scene.h"
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Below so many seconds all cloths make fewer steps, and the two largest are left out, which take 25 s by themselves.
+// Below this time in seconds all cloths make fewer steps, and the two largest are left out, which take 25 s by
+// themselves.
 #define FULL_SECONDS 25.0
 // Implementations change places after about so much time.
 #define TURN_MS 20.0

@@ -1,4 +1,4 @@
-// A cloth that hangs by two corners, solved by the engine and by plain C in turns: the same links, forces, tolerance
+// A cloth that hangs by two corners, solved by the engine and by scalar C in turns: the same links, forces, tolerance
 // and steps, one worker each.
 #include "paper_triangle.h"
 
@@ -76,7 +76,7 @@ static wisp_status enter( int vertices, int steps, hang_comparison* comparison, 
     find_corners( &comparison->scene.mesh, comparison->pins );
     triangle_setting setting = triangle_default_setting();
     setting.has_ball = false;
-    setting.cloth.max_newton_iterations = 1; // plain C solves once a step
+    setting.cloth.max_newton_iterations = 1; // scalar C solves once a step
     setting.pins = comparison->pins;
     setting.pin_count = 2;
     status = triangle_enter( &comparison->scene, &setting, &comparison->ours, error );

@@ -1,4 +1,4 @@
-// The tables of the triangle cloth: Table 1 of its source, triangles beside quads, growth with the mesh, plain C.
+// The tables of the triangle cloth: Table 1 of Noh and Jung, triangles against quads, growth with the mesh, scalar C.
 #include "paper_triangle.h"
 
 #include "cloth_bench.h"
@@ -9,7 +9,7 @@
 
 // What this table has to show.
 #define SOURCE_RATIO 1.28         // a particle: 1.058 ms of triangles over 0.826 ms of quads
-#define CLAIM_LARGE 10000         // from so many vertices on an iteration costs at most ...
+#define CLAIM_LARGE 10000         // from this many vertices on, an iteration costs at most ...
 #define CLAIM_ITERATION_NS 20.0   // ... with 1 worker, a vertex
 #define CLAIM_ITERATION_NS_2 12.0 // ... with 2
 #define CLAIM_GROWTH 0.5          // iterations grow with this power of the vertex count at most
@@ -222,7 +222,7 @@ static void add_growth( const triangle_plan* plan, const triangle_line* lines, r
     }
 }
 
-// ---- plain C ----
+// ---- scalar C ----
 
 static void add_hangs( const triangle_plan* plan, const triangle_hang* hangs, results* out )
 {

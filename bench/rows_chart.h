@@ -11,7 +11,7 @@ typedef struct rows_chart
 {
     int first_row;         ///< rows before it belong to others
     const char* name;      ///< of the rows it takes
-    int workers;           ///< only rows with so many; 0: all, and the names of series say how many
+    int workers;           ///< only rows with this many; 0: all, and the names of series say how many
     int min_steps;         ///< rows with fewer samples are left out of the drawing
     const char* also;      ///< a size whose value tells series of one variant apart, such as "substeps"; may be null
     const char* also_unit; ///< what follows that value

@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-// Below so many seconds fewer steps lead up to the times.
+// Below this time in seconds fewer steps lead up to the times.
 #define FULL_SECONDS 40.0
 
 strands_plan strands_default_plan( const bench_options* options )

@@ -16,7 +16,7 @@ typedef struct strands_plan
     int scenario_strands;     ///< more strands than these stop at STRANDS_REFERENCE_STEPS
     int few_settings_strands; ///< more strands than these race with the first few settings only
     int few_settings;
-    int plain_strands;             ///< more strands than these race without plain C
+    int plain_strands;             ///< more strands than these race without scalar C
     double comparison_seconds;     ///< of all sizes together
     int head_sides[2], head_count; ///< strands along each side of a head, multiples of 4: guides and ghosts
     int head_ratios_min;           ///< the larger head is run with this many ghosts a guide and more
@@ -30,7 +30,7 @@ typedef struct strands_plan
 /// Chaotic motion tells nothing about a solver: distances to the reference are taken after a quarter of a second.
 #define STRANDS_REFERENCE_STEPS 15
 #define STRANDS_REFERENCE_SUBSTEPS 160
-/// Strands do not touch, so the first so many stand for all of them.
+/// Strands do not touch, so this many first ones represent all of them.
 #define STRANDS_REFERENCE_STRANDS 512
 
 strands_plan strands_default_plan( const bench_options* options );
@@ -40,7 +40,7 @@ wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_erro
 
 // ---- the tables ----
 
-/// Solvers by size against plain C, beside other engines; then the kernels alone.
+/// Solvers by size against scalar C, beside other engines; then the kernels alone.
 wisp_status strands_comparison( const strands_plan* plan, results* out, wisp_error* error );
 /// Closed forms: error beside time.
 wisp_status strands_closed_forms( const strands_plan* plan, results* out, wisp_error* error );

@@ -1,4 +1,4 @@
-// Strands in turns with plain C: the same scene, in one run.
+// Strands in turns with scalar C: the same scene, in one run.
 #include "strands_comparison.h"
 
 #include "plain/strands_plain.h"
@@ -226,7 +226,7 @@ static wisp_status judge( const strands_plan* plan, const reference* t, comparis
     return status;
 }
 
-// Plain C is too slow to be followed at every size: the strands of the reference stand for all.
+// Scalar C is too slow to be followed at every size: the strands of the reference stand for all.
 static wisp_status judge_plain( const strands_plan* plan, const reference* t, strands_line* lines, wisp_error* error )
 {
     strands_shape shape = { 0 };

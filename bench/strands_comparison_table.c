@@ -1,4 +1,4 @@
-// The tables of the race of strands: ours and plain C beside other engines, and the kernels alone.
+// The tables of the race of strands: ours and scalar C beside other engines, and the kernels alone.
 #include "rows_chart.h"
 #include "strands_comparison.h"
 
@@ -126,7 +126,7 @@ static void add_plain_line( const strands_plan* plan, const strands_comparison_s
     cells_end_row( &row, table, out );
 }
 
-// Links race with the sweeps of plain C, the others with its tridiagonal system.
+// Links race with the sweeps of scalar C, the others with its tridiagonal system.
 static const strands_line* rival( const strands_comparison_size* size, int setting )
 {
     bool sweeps = strands_comparison_settings[setting].stretch == WISP_STRAND_STRETCH_LINKS;

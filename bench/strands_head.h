@@ -5,8 +5,8 @@
 
 #include "guide_hair/guide_hair.h"
 
-/// Hanging strands, `side` x `side` roots on the side of a head, each with a length and a wave of its own. Blocks of roots
-/// are neighbours.
+/// Hanging strands, `side` x `side` roots on the side of a head, each with a length and a wave of its own. Blocks of
+/// roots are neighbours.
 wisp_status hair_head_make_hair( int side, int vertices, strands_shape* out, wisp_error* error );
 /// The means of blocks of 1, 2 x 2 or 4 x 4 strands: guides in the middle of their ghosts.
 /// @param ratio ghosts a guide: 1, 4 or 16; the side must be a multiple of the block's
@@ -18,7 +18,7 @@ typedef struct hair_head_generator
     const strands_shape* ghosts; ///< null: there are none
     wisp_ghosts_def follow;      ///< targets are filled in
     wisp_strand_dynamics_def dynamics;
-    bool shows_moving; ///< the simulated strands can be looked at beside their ghosts
+    bool shows_moving; ///< the simulated strands can be compared with their ghosts
     int substeps, workers;
 } hair_head_generator;
 

@@ -97,7 +97,7 @@ static wisp_status warm_one( surface_implementation* implementation, int steps, 
     return status;
 }
 
-// The first implementation is looked at on its way; the others do the same steps.
+// The first implementation is sampled during its steps; the others do the same steps.
 static wisp_status warm( surface_implementation* implementations, int count, const scenario_plan* plan,
                          const path_record* reference, path_record* record, look_sums* sums, wisp_error* error )
 {

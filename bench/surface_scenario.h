@@ -1,4 +1,4 @@
-/// A scenario: so many steps to warm up, so many measured, the same for every worker count, with looks at the state.
+/// A scenario: steps to warm up and measured steps, the same for every worker count, with samples of the state.
 #pragma once
 
 #include "results.h"
@@ -9,7 +9,7 @@
 typedef struct scenario_plan
 {
     int warm_steps, measured_steps;
-    int turn_steps; ///< implementations take turns of so many; the first step of a turn refills the caches and is not counted
+    int turn_steps; ///< steps per turn; the first step of a turn refills the caches and is not counted
 } scenario_plan;
 
 /// Where all vertices were at the looks of the warm-up: what falls has not folded yet, and folds are chaotic. No two

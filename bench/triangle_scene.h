@@ -1,4 +1,4 @@
-/// The scene of the triangle cloth source: a square of cloth, 1 m wide, above a ball; as an irregular triangle mesh,
+/// The scene of Noh and Jung: a square of cloth, 1 m wide, above a ball; as an irregular triangle mesh,
 /// or as quads with first and second neighbours. Without the ball it hangs, or flies.
 #pragma once
 

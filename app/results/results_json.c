@@ -236,7 +236,7 @@ wisp_status results_write_gbench( const results* all, FILE* stream, wisp_error* 
     json_t* benchmarks = json_array();
     for ( int i = 0; i < all->row_count; ++i )
     {
-        // Rows without samples of ours, such as a source's printed times, are no benchmark runs.
+        // Rows without samples, such as times printed in a paper, are not benchmark runs.
         if ( all->rows[i].steps > 0 && isfinite( all->rows[i].ms_median ) )
         {
             int index = (int)json_array_size( benchmarks );

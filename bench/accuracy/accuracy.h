@@ -1,5 +1,5 @@
-/// The case `accuracy`: what accuracy costs in time. A scene is run by many settings; every run has its time, its error and its
-/// hash, the Pareto front is marked, and settings are compared at equal time and at equal error.
+/// The case `accuracy`: what accuracy costs in time. A scene is run by many settings; every run has its time, its
+/// error and its hash, the Pareto front is marked, and settings are compared at equal time and at equal error.
 #pragma once
 
 #include "bench.h"
@@ -23,16 +23,17 @@ typedef struct accuracy_run
 {
     double error; ///< against the scene's reference, in the scene's unit; NaN if it was halted
     double measures[ACCURACY_MEASURES_MAX]; ///< what the scene looks at besides, in its order
-    uint64_t hash; ///< of the state at the end: the same for every worker count, looked at or not
-    int halted_at; ///< step; 0: never
-    double* ms;    ///< of each step: fill with accuracy_keep_ms(); the first of a run is not counted
+    uint64_t hash;                          ///< of the final state: the same for every worker count, sampled or not
+    int halted_at;                          ///< step; 0: never
+    double* ms; ///< of each step: fill with accuracy_keep_ms(); the first of a run is not counted
     int ms_count, ms_capacity;
 } accuracy_run;
 
 /// Keep the time of a step. @return WISP_NO_MEMORY
 wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 
-/// A scene with its reference and its settings. Made by an accuracy_scene_fn, which also makes or reads the reference.
+/// A scene with its reference and its settings. Made by an accuracy_scene_fn, which also makes or reads the
+/// reference.
 typedef struct accuracy_scene
 {
     char reference[200]; ///< what the error is measured against: "closed form: ...", "16 times the substeps: ..."
@@ -49,7 +50,7 @@ typedef struct accuracy_scene
     int setting_count;
     void* context; ///< what run() needs
     /// Run a setting from its start to its end, keeping the time of every step.
-    /// @param is_looked_at error and measures are asked for; otherwise only times, hash and halted_at
+    /// @param is_looked_at error and measures are requested; otherwise only times, hash and halted_at
     wisp_status ( *run )( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                           wisp_error* error );
     void ( *destroy )( void* context ); ///< null: nothing to do

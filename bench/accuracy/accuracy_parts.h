@@ -9,7 +9,7 @@
 typedef struct accuracy_stats
 {
     accuracy_run seen;                      ///< the looked-at run, whose times are not used
-    stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that nobody looked at; NaN if it was halted
+    stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that are not sampled; NaN if it was halted
 } accuracy_stats;
 
 /// A scene with all that was seen of it.
@@ -28,13 +28,13 @@ typedef struct accuracy_report
     bool* on_front; ///< of error and min_ms
 } accuracy_report;
 
-/// Keep what a quick run has: settings of no series, of each series the coarsest and the one in the middle, of the first series
-/// the finest too. Fine ends take most of the time.
+/// Keep what a quick run has: settings of no series, of each series the coarsest and the one in the middle, of the
+/// first series the finest too. Fine ends take most of the time.
 /// @param numbers [setting_count] receives for each setting that is kept where it stood
 void accuracy_thin( accuracy_scene* scene, int* numbers );
 
-/// Each setting once looked at, then rounds in turns, each setting with every worker count, while there is time, and at least
-/// one. A hash that differs from that of the looked-at run is a failure in the results.
+/// Each setting once looked at, then rounds in turns, each setting with every worker count, while there is time, and
+/// at least one. A hash that differs from that of the looked-at run is a failure in the results.
 /// @param share of the case's progress, where the scene begins and how much it is
 /// @param figures [setting_count] receives
 wisp_status accuracy_run_settings( const accuracy_report* report, double seconds, const bench_options* options,
@@ -57,7 +57,8 @@ const char* accuracy_ms_name( const accuracy_scene* scene );
 void accuracy_error_label( const accuracy_scene* scene, char* text, int size );
 /// "2 workers"
 void accuracy_workers_label( int workers, char* text, int size );
-/// A number with so many significant digits, without an exponent as long as that is readable; "-" if it is not finite.
+/// Format a number with the given significant digits, without an exponent as long as that is readable; "-" if it is
+/// not finite.
 void accuracy_put_digits( cells* row, double value, int digits );
 /// Settings that are one candidate: their method, or series, or name.
 const char* accuracy_method_of( const accuracy_setting* setting );

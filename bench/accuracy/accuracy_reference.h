@@ -1,6 +1,7 @@
-/// The reference of a scene that has no closed form: a converged run, made by bench/reference and stored in data/reference as two files.
-/// NAME.json is the recipe, for people and for the reader: what ran, in which precision, how finely, when it counts as converged,
-/// what is still missing, the facts of the scene that it was made of, and the hash of the numbers. NAME.truth has the numbers:
+/// The reference of a scene that has no closed form: a converged run, made by bench/reference and stored in
+/// data/reference as two files. NAME.json is the recipe, for people and for the reader: what ran, in which precision,
+/// how finely, when it counts as converged, what is still missing, the facts of the scene that it was made of, and
+/// the hash of the numbers. NAME.truth has the numbers:
 ///
 ///     bytes                what, all of it little-endian
 ///     8                    "WISPTRUT"
@@ -41,20 +42,22 @@ typedef struct accuracy_reference
 
 /// Another fact. @param name with its unit
 void accuracy_reference_put( accuracy_reference* reference, const char* name, double value );
-/// Where a scene begins, as one fact: a mean of all coordinates with weights of their own, m. Another mesh has another one.
+/// Where a scene begins, as one fact: a mean of all coordinates with weights of their own, m. Another mesh has
+/// another one.
 void accuracy_reference_put_start( accuracy_reference* reference, const wisp_vec3* points, int count );
 void accuracy_reference_free( accuracy_reference* reference );
 
 /// Where the benchmark's references are.
 const char* accuracy_reference_folder( void );
 
-/// Read the reference of a scene from files that nobody vouches for, and check that it is of this scene as it is now.
+/// Read the reference of a scene from untrusted files, and check that it belongs to the present scene.
 /// @param wanted scene, facts and number_count
 /// @return WISP_IO_ERROR a file is not there; WISP_BAD_INPUT one is broken, of another version or of another scene;
 ///         WISP_NO_MEMORY; out is then empty
 wisp_status accuracy_reference_read( const char* folder, const accuracy_reference* requested, accuracy_reference* out,
                                      wisp_error* error );
-/// The recipe alone, from bytes; `number_count` and the hash are those that it speaks of. @param name what messages call them
+/// The recipe alone, from bytes; `number_count` and the hash are those that it speaks of. @param name what messages
+/// call them
 wisp_status accuracy_reference_parse_generator( const char* bytes, size_t size, const char* name,
                                                 accuracy_reference* out, uint64_t* hash, wisp_error* error );
 /// The numbers alone, [number_count] of a recipe.

@@ -1,4 +1,5 @@
-/// What scenes of surfaces share besides scene_tools.h: steps that are timed, up to a halt, and figures where asked for.
+/// What scenes of surfaces share besides scene_tools.h: steps that are timed, up to a halt, and statistics where
+/// requested.
 #pragma once
 
 #include "scene_tools.h"
@@ -19,6 +20,6 @@ wisp_status accuracy_step_surface( surface_implementation* implementation, int s
 /// Figures of the last step; they must have been wanted before it.
 wisp_status accuracy_read_motion_stats( surface_implementation* implementation, wisp_motion_stats* out,
                                         wisp_error* error );
-/// Ask for WISP_MOTION_STATS if somebody looks. @param is_looked_at false: nothing happens
+/// Request WISP_MOTION_STATS if the run is sampled. @param is_looked_at false: nothing happens
 wisp_status accuracy_request_motion_stats( surface_implementation* implementation, bool is_looked_at,
                                            wisp_error* error );

@@ -1,5 +1,5 @@
-/// A balloon without symmetry that is let go, as the scenes `balloon_flight` and `balloon_meshes` have it: the body, a flight, and
-/// how far two flights are from each other.
+/// A balloon without symmetry that is let go, as the scenes `balloon_flight` and `balloon_meshes` have it: the body,
+/// a flight, and how far two flights are from each other.
 #pragma once
 
 #include "accuracy_surface.h"
@@ -40,7 +40,7 @@ void flight_free_body( flight_body* body );
 /// In air, with an open outlet beside the centre.
 balloon_setting flight_setting( int substeps, int iterations );
 
-/// Let it go. @param path receives where it was, null: nobody looks
+/// Release the balloon. @param path receives its positions; null: not sampled
 wisp_status flight_fly( const flight_body* body, balloon_setting setting, int workers, accuracy_run* out,
                         flight_path* path, wisp_error* error );
 
@@ -59,8 +59,8 @@ enum
 /// Substeps of a flight of `balloon_meshes`.
 extern const int flight_paces[FLIGHT_PACES];
 
-// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the end speed, spin
-// and volume.
+// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the
+// end speed, spin and volume.
 
 /// Of `balloon_flight`: a flight, and [vertices][3] m behind it, where flights begin.
 accuracy_reference flight_reference( const flight_body* body );
@@ -69,7 +69,7 @@ accuracy_reference flight_meshes_reference( const flight_body* finest );
 void flight_put_path( const flight_path* path, double* numbers );
 flight_path flight_take_path( const double* numbers );
 
-/// Put the distance to the reference, in mm, and the measures below into a run that was looked at.
+/// Put the distance to the reference, in mm, and the measures below into a sampled run.
 void flight_judge( const flight_path* path, const flight_path* reference, accuracy_run* out );
 #define FLIGHT_MEASURES                                                                                              \
     {                                                                                                                \

@@ -1,5 +1,5 @@
-/// The parts of the scene `closed_forms`: experiments that each have a closed form (references: closed forms), on cloth, balloons
-/// and what they slide on.
+/// The parts of the scene `closed_forms`: experiments that each have a closed form (references: closed forms), on
+/// cloth, balloons and what they slide on.
 #pragma once
 
 #include "accuracy_surface.h"
@@ -57,7 +57,7 @@ surface_generator closed_generator( const closed_run* run );
 /// Cook the mesh and put it into a world as a cloth. Whatever fails, closed_leave() is to be called.
 wisp_status closed_enter( const closed_run* run, surface_generator generator, const wisp_cloth_def* cloth,
                           closed_body* body, wisp_error* error );
-/// So many steps, then the hash; strain and quality if somebody looks. @param quality may be null
+/// Step, then take the hash; strain and quality if requested. @param quality may be null
 wisp_status closed_advance( closed_run* run, closed_body* body, int steps, wisp_motion_stats* motion_stats,
                             wisp_error* error );
 void closed_leave( closed_body* body );

@@ -13,7 +13,7 @@ enum
 {
     FINEST = HANGING_CLOTH_MESHES - 1,
     MAX_SUBSTEPS = 40,
-    SUBSTEPS_OF_MESHES = 160, // so many that what is left of the error is the mesh's
+    SUBSTEPS_OF_MESHES = 160, // enough that the remaining error is the mesh's
 };
 
 const int hanging_cloth_sizes[HANGING_CLOTH_MESHES] = { 9, 17, 33, 65 };

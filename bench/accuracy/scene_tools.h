@@ -3,7 +3,7 @@
 
 #include "accuracy.h"
 
-/// Room for so many settings; there are none yet.
+/// Reserve settings; their count stays 0.
 wisp_status accuracy_reserve_settings( accuracy_scene* scene, int count, wisp_error* error );
 /// The next setting, of no series. There must be room. @param name printf
 accuracy_setting* accuracy_put_setting( accuracy_scene* scene, const char* name, ... )

@@ -310,7 +310,7 @@ static void put_sweeps( accuracy_scene* scene )
     }
 }
 
-// The order of the discrete Laplacian; at so many substeps little is left of the other error.
+// The order of the discrete Laplacian; at this number of substeps the other error is small.
 static void put_vertices( accuracy_scene* scene )
 {
     static const int tried[] = { 4, 8, 16, 32, 64 };

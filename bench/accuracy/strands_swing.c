@@ -7,7 +7,7 @@
 
 #define FALL_STEPS 60
 #define FALL_LOOK 5
-// Below so many seconds fewer strands fall; strands do not touch, so the figures stay.
+// Below this time in seconds fewer strands fall; strands do not touch, so the statistics stay.
 #define FULL_SECONDS 15.0
 #define MANY_STRANDS 1024
 #define FEW_STRANDS 256

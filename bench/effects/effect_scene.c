@@ -20,7 +20,7 @@
 
 #define GRAVITY ( ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } )
 #define STRAND_SPACING 0.0005f ///< m
-#define GUIDES_FRACTION 8      ///< one guide for so many ghosts
+#define GUIDES_FRACTION 8      ///< ghosts per guide
 
 typedef wisp_status host_fn( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error );
 typedef wisp_status set_fn( wisp_world* world, const effect_scene* scene );

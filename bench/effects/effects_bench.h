@@ -1,4 +1,4 @@
-/// The case `effects`: an effect that nobody asks for costs nothing, and effects that share a world cost their sum.
+/// The case `effects`: an effect that is not requested costs nothing, and effects that share a world cost their sum.
 #pragma once
 
 #include "bench.h"
@@ -15,8 +15,8 @@ typedef struct effects_plan
     const bench_options* options;
 } effects_plan;
 
-/// Every effect: on, with every module and with those in use; off; and not registered. A failure where plan, bits or memory
-/// differ though they must not.
+/// Every effect: on, with every module and with those in use; off; and not registered. A failure where plan, bits or
+/// memory differ though they must not.
 wisp_status effects_compare( const effects_plan* plan, results* out, wisp_error* error );
 /// Some effects in worlds of their own and in one together. A failure where one moves otherwise beside others.
 wisp_status effects_together( const effects_plan* plan, results* out, wisp_error* error );

@@ -12,7 +12,7 @@ enum
 {
     ON,             // every module is registered
     ON_USED,        // only those that the scene uses
-    OFF,            // every module, and nobody asks for the effect
+    OFF,            // every module, and the effect is not requested
     NOT_REGISTERED, // the same without its module, and without all others that are not used
     WAYS,
 };

@@ -1,5 +1,5 @@
-/// Cloth by links as a plain C program has it: arrays of float3, links in the order of the mesh, one after another on one
-/// thread. The engine is raced against this on the same scene.
+/// Cloth by links as a scalar C program has it: arrays of float3, links in the order of the mesh, one after another
+/// on one thread. The engine is raced against this on the same scene.
 #pragma once
 
 #include "wisp/base.h"
@@ -20,7 +20,7 @@ typedef struct plain_cloth
     float* inverse_mass; ///< 1/kg, 0 is pinned
     plain_link*
         links; ///< structural edges, then opposite vertices of interior edges, both in the order of the triangles
-    int edge_count;    ///< the first so many links are edges
+    int edge_count;    ///< this many first links are edges
     wisp_vec3 gravity; ///< m/s^2
     int substeps, passes;
 } plain_cloth;

@@ -1,6 +1,7 @@
-/// Frozen hair as a competent programmer writes it in plain C: one thread, float, an array of points in strand order,
-/// a hash grid rebuilt every clumping iteration. This is what the engine is raced against, and it is not slow on
-/// purpose: there is no allocation in a repeated run, and nothing is computed twice that a plain program would keep.
+/// Frozen hair as a competent programmer writes it in scalar C: one thread, float, an array of points in strand
+/// order, a hash grid rebuilt every clumping iteration. This is what the engine is raced against, and it is not slow
+/// on purpose: there is no allocation in a repeated run, and nothing is computed twice that a plain program would
+/// keep.
 ///
 /// Same equations, defaults and random numbers as the oracle in tests/oracle. Fixed here: direction from the mean,
 /// reach by the tip, base shape at rest, epsilon 0.

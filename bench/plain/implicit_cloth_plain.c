@@ -1,4 +1,4 @@
-// The plain C implicit cloth: a step.
+// The scalar C implicit cloth: a step.
 #include "implicit_cloth_plain.h"
 
 #include <math.h>
@@ -41,7 +41,8 @@ typedef struct pull
     float along; // N/m
 } pull;
 
-// The load of an arc over its chord y, in k_b / L^2: -12 where it is straight. @param slope receives its derivative by y
+// The load of an arc over its chord y, in k_b / L^2: -12 where it is straight. @param slope receives its derivative
+// by y
 static double arc_load( double y, double* slope )
 {
     double u = fmin( sqrt( 6.0 * ( 1.0 - y ) ), 3.14159265358979 );

@@ -1,6 +1,6 @@
-/// Cloth by an implicit step as a plain C program has it: springs in the order of the mesh, a matrix of 3 x 3 blocks in
-/// compressed rows that is assembled in every step, conjugate gradients with the blocks of its diagonal inverted. One
-/// thread, float, sums of products in double. The engine is raced against this on the same scene.
+/// Cloth by an implicit step as a scalar C program has it: springs in the order of the mesh, a matrix of 3 x 3 blocks
+/// in compressed rows that is assembled in every step, conjugate gradients with the blocks of its diagonal inverted.
+/// One thread, float, sums of products in double. The engine is raced against this on the same scene.
 #pragma once
 
 #include "wisp/base.h"

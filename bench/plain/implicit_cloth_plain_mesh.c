@@ -1,4 +1,4 @@
-// The plain C implicit cloth before its first step: springs of a mesh, rows of the matrix, masses, memory.
+// The scalar C implicit cloth before its first step: springs of a mesh, rows of the matrix, masses, memory.
 #include "implicit_cloth_plain.h"
 
 #include <math.h>

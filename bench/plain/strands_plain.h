@@ -1,6 +1,6 @@
-/// Strands as a plain C program has them: an array of float3, one strand after another on one thread, root pinned. They
-/// keep their length by a sweep of distances or by the tridiagonal system of the whole strand, and bend by distances
-/// between vertices two apart. The engine is raced against this on the same scene.
+/// Strands as a scalar C program has them: an array of float3, one strand after another on one thread, root pinned.
+/// They keep their length by a sweep of distances or by the tridiagonal system of the whole strand, and bend by
+/// distances between vertices two apart. The engine is raced against this on the same scene.
 #pragma once
 
 #include "wisp/base.h"

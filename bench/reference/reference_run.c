@@ -68,7 +68,7 @@ static wisp_status make_cloth( const compare_scene* scene, const reference_plan*
 }
 
 // Without gravity, in steps so long that nothing is left of motion: the flat cloth comes to where its edges balance.
-// What the files keep of that is floats, and everybody begins there, so the reference does as well.
+// What the files keep of that is floats, and every solver starts there, so the reference does too.
 static wisp_status balance( newton* n, wisp_error* error )
 {
     enum

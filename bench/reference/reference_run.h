@@ -7,7 +7,7 @@ typedef struct reference_plan
 {
     triangle_oracle_integrator integrator;
     double rate;      ///< steps a second in the window
-    double rest_rate; ///< and after it, until the scene is looked at once more
+    double rest_rate; ///< after it, until the last sample
     bool has_rest;    ///< else the last look is left at 0
 } reference_plan;
 

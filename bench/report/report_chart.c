@@ -80,7 +80,7 @@ void report_put_tooltip( const results_chart* chart, int series, const results_p
         fputs( chart->series[series].name[0] ? ": " : "", stream );
         report_put_text( point->label, stream );
     }
-    // Bars are numbered by x, which tells nobody anything.
+    // Bars are numbered by x, which has no meaning for a reader.
     for ( int i = chart->is_bars ? 1 : 0; i < 2; ++i )
     {
         fputc( '\n', stream );

@@ -1,4 +1,5 @@
-/// Hard cases: cells of a matrix, each a scene that is run for some seconds, watched in every frame and judged by limits.
+/// Hard cases: cells of a matrix, each a scene that is run for some seconds, watched in every frame and judged by
+/// limits.
 #pragma once
 
 #include "bench.h"
@@ -26,7 +27,7 @@ typedef struct stability_look
 /// What breaks a cell. INFINITY: no limit.
 typedef struct stability_limits
 {
-    double energy;       ///< J above what there was when nobody pushed any more
+    double energy;       ///< J above the energy after the last push
     double jitter;       ///< m/s, the highest speed in the last frames
     double breach;       ///< at most, after the frames that are driven
     int driven_frames;   ///< in which something is pushed or pulled from outside: its work is not known
@@ -62,7 +63,7 @@ typedef struct stability_score
     int frames; ///< looks after the one before the first step
     stability_look last;
     double strain_max;
-    double energy_start; ///< J, when nobody pushed any more
+    double energy_start; ///< J, after the last push
     double energy_rise;  ///< J above it, at most; NaN: not known
     double jitter;
     double speed_max;
@@ -86,7 +87,7 @@ stability_verdict stability_judge( const stability_score* score, const stability
 
 // ---- a cell while it runs ----
 
-/// A scene that is stepped and looked at. Filled by who builds it, freed by its close().
+/// A scene that is stepped and sampled. The function that builds it fills it; its close() frees it.
 typedef struct stability_trial
 {
     stability_limits limits;
@@ -181,7 +182,7 @@ typedef struct stability_named
 {
     const char* name;
     bool quick;
-    bool is_long; ///< a soak, only if asked for
+    bool is_long; ///< a long run, only if requested
     int kind;     ///< what its run makes of it
     wisp_status ( *run )( int kind, int workers, stability_outcome* out, wisp_error* error );
 } stability_named;

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#define SHEET_STIFFNESS 200.0f // N/m, of the implicit cloth where nobody asks for another
+#define SHEET_STIFFNESS 200.0f // N/m, default of the implicit cloth
 
 // ---- position-based ----
 

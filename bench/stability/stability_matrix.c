@@ -1,5 +1,6 @@
-// From axes to cells. The full product would be thousands of runs a way; what breaks engines is an axis at its end, or
-// two at once. So each axis is swept alone from a base that everybody should bear, and all pairs of ends are tried.
+// From axes to cells. The full product would be thousands of runs a way; what breaks engines is an axis at its end,
+// or two at once. So each axis is swept alone from a base that every solver should hold, and all pairs of ends are
+// run.
 #include "stability.h"
 
 #include <stdio.h>

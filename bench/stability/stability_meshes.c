@@ -1,5 +1,5 @@
-// Topology that breaks others. The doctor names the element; the engine cooks what it can, refuses what it cannot with a
-// message, and what it takes stays finite.
+// Topology that breaks others. The doctor names the element; the engine cooks what it can, refuses what it cannot
+// with a message, and what it takes stays finite.
 #include "stability_cloth.h"
 #include "stability_strands.h"
 
@@ -142,7 +142,7 @@ static wisp_status enter( int ailment, int workers, stability_surface* s, wisp_e
     return status;
 }
 
-// Strain of an edge without length is no number and no limit: what is asked of such cloth is that it stays finite and rests.
+// Strain of an edge without length is NaN and has no limit: such cloth must stay finite and come to rest.
 static wisp_status look( void* context, int frame, stability_look* out, wisp_error* error )
 {
     const wisp_status status = stability_surface_look( context, frame, out, error );
@@ -194,7 +194,8 @@ static wisp_status look_at_strands( void* context, int frame, stability_look* ou
     return status;
 }
 
-// Segments without length: in the middle, and of a strand that is a point. Each owes its length of a thousandth of the mean.
+// Segments without length: in the middle, and of a strand that is a point. Each owes its length of a thousandth of
+// the mean.
 static wisp_status run_strands( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module };

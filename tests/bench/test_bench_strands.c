@@ -1,4 +1,4 @@
-// The case of strands at sizes of moments: that plain C computes what the engine computes, that the scene is the one
+// The case of strands at sizes of moments: that scalar C computes what the engine computes, that the scene is the one
 // that the tables speak of, and which rows they have.
 #include "bench_tables.h"
 
@@ -30,7 +30,7 @@ static strands_plan small_plan( void )
     return plan;
 }
 
-// ---- plain C ----
+// ---- scalar C ----
 
 enum
 {
@@ -299,7 +299,7 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
     assert_fits_terminal( &all );
     const results_table* table = find_table( &all, "Strands x 20 vertices" );
 
-    // two of plain C a size, all six settings at 20 strands and two at 100
+    // two of scalar C a size, all six settings at 20 strands and two at 100
     assert_int_equal( table->row_count, 1 + 2 + 6 + 2 + 2 );
     int nvcloth = column_of( table, "NvCloth 1 / 2 threads ms*" ), hash = column_of( table, "hash" );
     assert_string_equal( cell( table, 3, 1 ), "direct, bend links" );

@@ -1,5 +1,5 @@
-// The plain C cloth against each equation in double precision: a race is worth something only if both sides compute the
-// same thing.
+// The scalar C cloth against each equation in double precision: a race is worth something only if both sides compute
+// the same thing.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>

@@ -1,4 +1,4 @@
-// The plain C version of frozen hair equals the double-precision oracle within what float can hold, so that a race
+// The scalar C version of frozen hair equals the double-precision oracle within what float can hold, so that a race
 // against it is a race against the same method.
 //
 // Stage 1 is held to a bound written down term by term (deform_bound). The later stages amplify whatever error enters

@@ -1,5 +1,5 @@
-// The plain C implicit cloth against the double oracle and the engine: a race is worth something only if both sides compute
-// the same thing.
+// The scalar C implicit cloth against the double oracle and the engine: a race is worth something only if both sides
+// compute the same thing.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -180,7 +180,7 @@ static void a_hanging_cloth_moves_as_that_of_the_engine( void** state )
     assert_int_equal( surface_implementation_points( &ours, &points, &error ), WISP_OK );
     for ( int v = 0; v < VERTICES; ++v )
     {
-        // twice as far as plain C may be from the oracle
+        // twice as far as scalar C may be from the oracle
         assert_true( double3_distance( widened( plain.position[v] ), widened( points[v] ) ) <
                      64.0 * (double)FLT_EPSILON );
     }
