@@ -48,7 +48,7 @@ void base_release( const wisp_allocator* allocator, void* block, size_t size )
     }
 }
 
-bool base_buffer_reserve( const wisp_allocator* allocator, base_buffer* buffer, size_t bytes )
+bool base_buffer_reserve( const wisp_allocator* allocator, wisp_buffer* buffer, size_t bytes )
 {
     if ( bytes <= buffer->size )
     {
@@ -68,12 +68,12 @@ bool base_buffer_reserve( const wisp_allocator* allocator, base_buffer* buffer, 
         memcpy( data, buffer->data, buffer->size );
         base_release( allocator, buffer->data, buffer->size );
     }
-    *buffer = ( base_buffer ){ .data = data, .size = size };
+    *buffer = ( wisp_buffer ){ .data = data, .size = size };
     return true;
 }
 
-void base_buffer_release( const wisp_allocator* allocator, base_buffer* buffer )
+void base_buffer_release( const wisp_allocator* allocator, wisp_buffer* buffer )
 {
     base_release( allocator, buffer->data, buffer->size );
-    *buffer = ( base_buffer ){ 0 };
+    *buffer = ( wisp_buffer ){ 0 };
 }

@@ -20,17 +20,10 @@ void* base_allocate( const wisp_allocator* allocator, size_t size, size_t alignm
 /// @param size as it was asked for
 void base_release( const wisp_allocator* allocator, void* block, size_t size );
 
-/// A block that grows and keeps its contents. Zero-initialised means empty.
-typedef struct base_buffer
-{
-    void* data;  ///< aligned to BASE_BUFFER_ALIGNMENT; null while empty
-    size_t size; ///< bytes that may be used, at least as many as were ever reserved
-} base_buffer;
-
-/// Make room for at least so many bytes. Grows by half its size or more, so that repeated small requests copy little.
-/// New bytes are not initialised.
+/// Make room for at least `bytes` and keep the contents. The buffer grows by half its size or more, so that repeated
+/// small requests copy little. Its data is aligned to BASE_BUFFER_ALIGNMENT; new bytes are not initialised.
 /// @return false when memory is short; the buffer is then as it was
-bool base_buffer_reserve( const wisp_allocator* allocator, base_buffer* buffer, size_t bytes );
+bool base_buffer_reserve( const wisp_allocator* allocator, wisp_buffer* buffer, size_t bytes );
 
 /// Give the memory back; the buffer is empty and may be used again.
-void base_buffer_release( const wisp_allocator* allocator, base_buffer* buffer );
+void base_buffer_release( const wisp_allocator* allocator, wisp_buffer* buffer );

@@ -27,8 +27,8 @@ typedef struct schedule_state
     int32_t* colour;                // [most constraints of a tile]
     int32_t* member;                // [most constraints of a tile] places by colour, -1 once emitted
     int32_t* begin;                 // [most constraints of a tile + WORD_COLOURS + 2] of a colour in member
-    base_buffer emitted;            // constraints, -1 pads
-    base_buffer attached;           // groups of a tile that wait for its end
+    wisp_buffer emitted;            // constraints, -1 pads
+    wisp_buffer attached;           // groups of a tile that wait for its end
     int slot_count;                 // emitted
     int32_t *tile_end, *colour_end; // in slots, in tiles
     int tile_count, colour_count;   // closed

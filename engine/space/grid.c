@@ -14,21 +14,13 @@ enum
 
 bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes )
 {
-    if ( bytes <= buffer->size )
-    {
-        return true;
-    }
-    base_buffer grown = { buffer->data, buffer->size };
     // the next frame may need a little more
-    bool enough = base_buffer_reserve( allocator, &grown, bytes + bytes / 4 );
-    *buffer = ( wisp_buffer ){ grown.data, grown.size };
-    return enough;
+    return bytes <= buffer->size || base_buffer_reserve( allocator, buffer, bytes + bytes / 4 );
 }
 
 void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator )
 {
-    base_buffer_release( allocator, &( base_buffer ){ buffer->data, buffer->size } );
-    *buffer = ( wisp_buffer ){ NULL, 0 };
+    base_buffer_release( allocator, buffer );
 }
 
 void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )

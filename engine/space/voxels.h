@@ -24,9 +24,9 @@ typedef struct voxels
     int blocks[3];
     int voxel_count, block_count, build_count;
     bool coarse;        ///< larger than asked for
-    base_buffer begins; ///< int32_t [voxel_count + 1]
-    base_buffer lists;  ///< int32_t, triangles of one voxel after another, ascending in each
-    base_buffer masks;  ///< uint64_t [block_count], a bit for each voxel that has a triangle
+    wisp_buffer begins; ///< int32_t [voxel_count + 1]
+    wisp_buffer lists;  ///< int32_t, triangles of one voxel after another, ascending in each
+    wisp_buffer masks;  ///< uint64_t [block_count], a bit for each voxel that has a triangle
 } voxels;
 
 /// List the triangles of a surface again.

@@ -214,7 +214,7 @@ bool collision_forget_body( collision_state* state, wisp_entity entity )
     for ( int i = 0; i < state->body_count; ++i )
     {
         collision_body* body = state->bodies + i;
-        if ( body->entity.index == entity.index && body->entity.generation == entity.generation )
+        if ( wisp_entity_equal( body->entity, entity ) )
         {
             wisp_collision_mesh_release( body->tree );
             state->body_count -= 1;
@@ -268,8 +268,8 @@ wisp_status wisp_add_collider( wisp_world* world, const wisp_collider_def* def, 
     {
         return status;
     }
-    if ( collision_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
-                            sizeof( collision_body ) ) == false )
+    if ( wisp_world_reserve( world, (void**)&state->bodies, &state->body_capacity, state->body_count,
+                             sizeof( collision_body ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d colliders", state->body_count + 1 );
     }

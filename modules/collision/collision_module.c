@@ -4,8 +4,6 @@
 #include "collision_passes.h"
 #include "particle_contacts.h"
 
-#include <string.h>
-
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
 #define COLLISION_CONTACT_COLUMNS( X )                                                                               \
     X( int32_t, count, 1 ) /* contacts found; at most WISP_COLLISION_CONTACTS are stored */                          \
@@ -95,7 +93,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->motion, state->collider },
             .writes = { state->collider },
             .run = collision_carry,
-            .user = state,
         },
         {
             .name = "collision.find",
@@ -106,7 +103,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = collision_find,
-            .user = state,
         },
         {
             .name = "collision.project",
@@ -117,7 +113,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .writes = { state->contact, WISP_PARTICLE_POSITION },
             .run = collision_project,
-            .user = state,
         },
         {
             .name = "collision.stats",
@@ -128,7 +123,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
             .run = collision_measure,
-            .user = state,
         },
         {
             .name = "collision.contact_input",
@@ -138,7 +132,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_CONTACTS },
             .run = collision_sense,
-            .user = state,
         },
         {
             .name = "collision.contact_stats",
@@ -148,7 +141,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->active, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
             .run = collision_measure_touch,
-            .user = state,
         },
         {
             .name = "collision.strands",
@@ -159,7 +151,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
                        WISP_STRAND_PREVIOUS },
             .writes = { state->strand_contact, WISP_STRAND_POSITION, WISP_STRAND_PREVIOUS },
             .run = collision_touch_strands,
-            .user = state,
         },
         {
             .name = "collision.strand_stats",
@@ -169,7 +160,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->strand_contact, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
             .writes = { state->stats },
             .run = collision_measure_strands,
-            .user = state,
         },
         {
             // It reads positions, so it runs after passes that start an appearance without reading them. Among passes
@@ -181,7 +171,6 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
             .writes = { state->carried, WISP_STRAND_POSITION },
             .run = collision_keep_out,
-            .user = state,
         },
         {
             .name = "collision.carried_stats",
@@ -191,15 +180,9 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .reads = { state->settings, state->carried, WISP_STRAND_POSITION },
             .writes = { state->stats },
             .run = collision_measure_carried,
-            .user = state,
         },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        status = wisp_declare_pass( r, passes + i );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), state );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -216,35 +199,10 @@ static wisp_status declare( wisp_registry* r )
 
 const wisp_module wisp_collision_module = { .name = "collision", .declare = declare };
 
-// ---- shared helpers ----
-
 wisp_status collision_find_state( wisp_world* world, collision_state** out )
 {
     *out = wisp_world_module_state( world, "collision" );
     return *out != NULL
                ? WISP_OK
                : wisp_world_fail( world, WISP_CONFLICT, "the module collision is not registered in this world" );
-}
-
-bool collision_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element )
-{
-    if ( count < *capacity )
-    {
-        return true;
-    }
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    int more = *capacity > 0 ? 2 * *capacity : 4;
-    void* grown = allocator->allocate( allocator->user, (size_t)more * element, 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( *array != NULL )
-    {
-        memcpy( grown, *array, (size_t)count * element );
-        allocator->release( allocator->user, *array, (size_t)*capacity * element );
-    }
-    *array = grown;
-    *capacity = more;
-    return true;
 }

@@ -12,8 +12,7 @@ bool collision_forget_participant( collision_state* state, wisp_entity participa
 {
     for ( int i = 0; i < state->participant_count; ++i )
     {
-        if ( state->participants[i].index == participant.index &&
-             state->participants[i].generation == participant.generation )
+        if ( wisp_entity_equal( state->participants[i], participant ) )
         {
             state->participant_count -= 1;
             memmove( state->participants + i, state->participants + i + 1,
@@ -105,24 +104,12 @@ wisp_collision_def wisp_default_collision_def( void )
 
 static wisp_status check_def( wisp_world* world, const wisp_collision_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value;
-    } ranges[] = {
-        { "thickness", d->thickness },
-        { "friction_scale", d->friction_scale },
-        { "max_push_out_speed", d->max_push_out_speed },
+    const wisp_number_range ranges[] = {
+        { "thickness", d->thickness, 0.0f, 1e6f },
+        { "friction_scale", d->friction_scale, 0.0f, 1e6f },
+        { "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= 1e6f ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "collision: %s is %g, it must be 0 to 1e6", ranges[i].name,
-                                    (double)ranges[i].value );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "collision", ranges, WISP_COUNT( ranges ) );
 }
 
 static float mean_edge( const wisp_fabric* fabric )
@@ -202,8 +189,8 @@ static collision_settings resolve( const wisp_collision_def* d, float edge, int3
 // Add an entity to the list, with settings that are still zero.
 static wisp_status add_participant( wisp_world* world, collision_state* state, wisp_entity participant )
 {
-    if ( collision_reserve( world, (void**)&state->participants, &state->participant_capacity,
-                            state->participant_count, sizeof( wisp_entity ) ) == false )
+    if ( wisp_world_reserve( world, (void**)&state->participants, &state->participant_capacity,
+                             state->participant_count, sizeof( wisp_entity ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities that collide",
                                 state->participant_count + 1 );

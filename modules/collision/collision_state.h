@@ -57,6 +57,3 @@ typedef struct collision_collider
 
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status collision_find_state( wisp_world* world, collision_state** out );
-
-/// Make room for one more element behind `count`; the array may move. @return false without memory
-bool collision_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element );

@@ -116,7 +116,6 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .writes = { s->pairs },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
             .run = contact_find,
-            .user = s,
         },
         {
             .name = strands ? "contact.push_strands" : "contact.push",
@@ -128,7 +127,6 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .writes = { s->result },
             .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
             .run = contact_project,
-            .user = s,
         },
         {
             .name = strands ? "contact.keep_strands" : "contact.keep",
@@ -139,7 +137,6 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
                        strands ? WISP_STRAND_PREVIOUS : WISP_PARTICLE_PREVIOUS },
             .writes = { strands ? s->components.strand_free : s->components.particle_free },
             .run = contact_keep,
-            .user = s,
         },
         {
             .name = strands ? "contact.strand_stats" : "contact.stats",
@@ -151,15 +148,9 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .writes = { s->stats },
             .foreign = { WISP_PARTICLE_POSITION, beside },
             .run = contact_measure,
-            .user = s,
         },
     };
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < WISP_COUNT( passes ) && status == WISP_OK; ++i )
-    {
-        status = wisp_declare_pass( r, passes + i );
-    }
-    return status;
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare( wisp_registry* r )
@@ -201,23 +192,16 @@ wisp_status contact_find_state( wisp_world* world, contact_state** out )
                : wisp_world_fail( world, WISP_CONFLICT, "the module contact is not registered in this world" );
 }
 
-wisp_status contact_check_range( wisp_world* world, const char* name, float value, float lower, float upper )
-{
-    return value >= lower && value <= upper
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_BAD_INPUT, "contact: %s is %g, it must be %g to %g", name,
-                                  (double)value, (double)lower, (double)upper );
-}
-
 wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* settings )
 {
     WISP_ASSERT( settings->cookie == CONTACT_SETTINGS_COOKIE );
     contact_state* state;
     wisp_status status = contact_find_state( world, &state );
-    status = status == WISP_OK ? contact_check_range( world, "margin", settings->margin, 0.01f, 100.0f ) : status;
-    status = status == WISP_OK
-                 ? contact_check_range( world, "particle_spacing", settings->particle_spacing, 0.0f, 1e6f )
-                 : status;
+    const wisp_number_range ranges[] = {
+        { "margin", settings->margin, 0.01f, 100.0f },
+        { "particle_spacing", settings->particle_spacing, 0.0f, 1e6f },
+    };
+    status = status == WISP_OK ? wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) ) : status;
     if ( status == WISP_OK && ( (unsigned)settings->primitives >= WISP_CONTACT_PRIMITIVES_COUNT ||
                                 (unsigned)settings->search >= WISP_PAIR_SEARCH_COUNT ) )
     {

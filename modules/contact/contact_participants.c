@@ -23,8 +23,7 @@ int contact_find_participant( const contact_state* state, wisp_entity entity )
 {
     for ( int i = 0; i < state->participant_count; ++i )
     {
-        const wisp_entity e = state->participants[i].entity;
-        if ( e.index == entity.index && e.generation == entity.generation )
+        if ( wisp_entity_equal( state->participants[i].entity, entity ) )
         {
             return i;
         }
@@ -109,10 +108,12 @@ static contact_settings resolve( wisp_world* world, wisp_entity participant, con
 
 static wisp_status check_participant( wisp_world* world, wisp_entity participant, const wisp_contact_def* d )
 {
-    wisp_status status = contact_check_range( world, "thickness", d->thickness, 0.0f, 1e6f );
-    status = status == WISP_OK ? contact_check_range( world, "friction", d->friction, 0.0f, 1e6f ) : status;
-    status = status == WISP_OK ? contact_check_range( world, "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f )
-                               : status;
+    const wisp_number_range ranges[] = {
+        { "thickness", d->thickness, 0.0f, 1e6f },
+        { "friction", d->friction, 0.0f, 1e6f },
+        { "max_push_out_speed", d->max_push_out_speed, 0.0f, 1e6f },
+    };
+    wisp_status status = wisp_world_check_ranges( world, "contact", ranges, WISP_COUNT( ranges ) );
     if ( status != WISP_OK )
     {
         return status;
@@ -138,31 +139,6 @@ static wisp_status check_participant( wisp_world* world, wisp_entity participant
 }
 
 // ---- adding and removing ----
-
-static bool make_room( wisp_world* world, contact_state* state )
-{
-    if ( state->participant_count < state->participant_capacity )
-    {
-        return true;
-    }
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    const int more = state->participant_capacity > 0 ? 2 * state->participant_capacity : 8;
-    contact_participant* grown =
-        allocator->allocate( allocator->user, (size_t)more * sizeof( contact_participant ), 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( state->participants != NULL )
-    {
-        memcpy( grown, state->participants, (size_t)state->participant_count * sizeof( contact_participant ) );
-        allocator->release( allocator->user, state->participants,
-                            (size_t)state->participant_capacity * sizeof( contact_participant ) );
-    }
-    state->participants = grown;
-    state->participant_capacity = more;
-    return true;
-}
 
 // Make sure that there is an entity whose passes work on the contact mesh.
 static wisp_status add_mesh_entity( wisp_world* world, contact_state* state, bool strands )
@@ -204,7 +180,8 @@ static wisp_status add_participant( wisp_world* world, contact_state* state, wis
 {
     const bool strands = wisp_world_strands( world, participant ) != NULL;
     const wisp_component positions = strands ? state->components.strand_free : state->components.particle_free;
-    if ( make_room( world, state ) == false )
+    if ( wisp_world_reserve( world, (void**)&state->participants, &state->participant_capacity,
+                             state->participant_count, sizeof( contact_participant ) ) == false )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory for %d entities in contact",
                                 state->participant_count + 1 );

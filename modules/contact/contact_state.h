@@ -56,5 +56,3 @@ int contact_find_participant( const contact_state* state, wisp_entity entity );
 void contact_forget_participant( wisp_world* world, contact_state* state, int number );
 /// Find the state of the module. @return WISP_CONFLICT the module is not registered
 wisp_status contact_find_state( wisp_world* world, contact_state** out );
-/// Refuse a setting out of range, by name.
-wisp_status contact_check_range( wisp_world* world, const char* name, float value, float lower, float upper );

@@ -349,24 +349,12 @@ wisp_strand_grid_def wisp_default_strand_grid_def( void )
 
 static wisp_status check_def( wisp_world* world, const wisp_strand_grid_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, upper;
-    } ranges[] = {
-        { "cell_size", d->cell_size, 1e6f },
-        { "friction", d->friction, 1.0f },
-        { "repulsion", d->repulsion, 1e6f },
+    const wisp_number_range ranges[] = {
+        { "cell_size", d->cell_size, 0.0f, 1e6f },
+        { "friction", d->friction, 0.0f, 1.0f },
+        { "repulsion", d->repulsion, 0.0f, 1e6f },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( !( ranges[i].value >= 0.0f && ranges[i].value <= ranges[i].upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "strand grid: %s is %g, it must be 0 to %g",
-                                    ranges[i].name, (double)ranges[i].value, (double)ranges[i].upper );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "strand grid", ranges, WISP_COUNT( ranges ) );
 }
 
 // Return twice the mean segment, m; a millimetre if all segments have no length.

@@ -39,11 +39,7 @@ wisp_strand_dynamics_def wisp_default_strand_dynamics_def( void )
 
 static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_def* d )
 {
-    const struct
-    {
-        const char* name;
-        float value, lower, upper;
-    } ranges[] = {
+    const wisp_number_range ranges[] = {
         { "stretch", (float)d->stretch, 0.0f, (float)( WISP_STRAND_STRETCH_COUNT - 1 ) },
         { "stretch_passes", (float)d->stretch_passes, 1.0f, 16.0f },
         { "stretch_tolerance", d->stretch_tolerance, 1e-6f, 1.0f },
@@ -66,15 +62,7 @@ static wisp_status check_ranges( wisp_world* world, const wisp_strand_dynamics_d
         { "diameter", d->diameter, 1e-12f, 1e6f },
         { "teleport", d->teleport, 1e-6f, 1e12f },
     };
-    for ( int i = 0; i < WISP_COUNT( ranges ); ++i )
-    {
-        if ( !( ranges[i].value >= ranges[i].lower && ranges[i].value <= ranges[i].upper ) )
-        {
-            return wisp_world_fail( world, WISP_BAD_INPUT, "strands: %s is %g, it must be %g to %g", ranges[i].name,
-                                    (double)ranges[i].value, (double)ranges[i].lower, (double)ranges[i].upper );
-        }
-    }
-    return WISP_OK;
+    return wisp_world_check_ranges( world, "strands", ranges, WISP_COUNT( ranges ) );
 }
 
 static wisp_status check_vector( wisp_world* world, const char* name, wisp_vec3 v, float most )

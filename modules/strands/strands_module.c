@@ -15,18 +15,6 @@
 STRANDS_COMPONENTS( STRANDS_LIST )
 #undef STRANDS_LIST
 
-static wisp_status declare_all( wisp_registry* r, strands_state* s, const wisp_pass* passes, int count )
-{
-    wisp_status status = WISP_OK;
-    for ( int i = 0; i < count && status == WISP_OK; ++i )
-    {
-        wisp_pass pass = passes[i];
-        pass.user = s;
-        status = wisp_declare_pass( r, &pass );
-    }
-    return status;
-}
-
 // Declare the passes before the substeps: the head, and what depends on the length of a substep.
 static wisp_status declare_input( wisp_registry* r, strands_state* s )
 {
@@ -72,7 +60,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .run = strands_mix,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 // From here to the velocities all passes run over groups of strands and are always due, so that a group runs all of
@@ -137,7 +125,7 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .run = strands_hold_pins,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare_forces( wisp_registry* r, strands_state* s )
@@ -183,7 +171,7 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .run = strands_predict,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 // Declare the rod twice: with rest curvature it has frames, a straight one has none. An entity has one of the two.
@@ -198,8 +186,9 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
                    WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
         .writes = { WISP_STRAND_POSITION },
         .run = strands_bend,
+        .user = s,
     };
-    wisp_status status = declare_all( r, s, &rod, 1 );
+    const wisp_status status = wisp_declare_pass( r, &rod );
     rod.name = "strands.rod_curved";
     rod.required[3] = s->curve;
     rod.reads[8] = s->curve;
@@ -207,7 +196,7 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
     rod.writes[1] = s->curve;
     rod.writes[2] = s->tension;
     rod.run = strands_bend_curved;
-    return status == WISP_OK ? declare_all( r, s, &rod, 1 ) : status;
+    return status == WISP_OK ? wisp_declare_pass( r, &rod ) : status;
 }
 
 static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
@@ -261,7 +250,7 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .run = strands_read_velocity,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 // Declare the fused pass. With a rod, other kinds of lengths, contacts or more iterations the passes run one by one.
@@ -311,7 +300,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .is_due = strands_is_faulty,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static wisp_status declare_stats( wisp_registry* r, strands_state* s )
@@ -346,7 +335,7 @@ static wisp_status declare_stats( wisp_registry* r, strands_state* s )
             .run = strands_scatter_speed,
         },
     };
-    return declare_all( r, s, passes, WISP_COUNT( passes ) );
+    return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
 static void release_state( void* memory, const wisp_allocator* allocator )

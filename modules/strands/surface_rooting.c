@@ -171,34 +171,6 @@ static void root_all( wisp_world* world, wisp_entity strands, const strands_stat
     }
 }
 
-static bool is_same( wisp_entity a, wisp_entity b )
-{
-    return a.index == b.index && a.generation == b.generation;
-}
-
-static bool reserve_rooted( wisp_world* world, strands_state* state )
-{
-    if ( state->rooted_count < state->rooted_capacity )
-    {
-        return true;
-    }
-    const wisp_allocator* allocator = wisp_world_allocator( world );
-    const int more = state->rooted_capacity > 0 ? 2 * state->rooted_capacity : 4;
-    wisp_entity* grown = allocator->allocate( allocator->user, (size_t)more * sizeof( wisp_entity ), 64 );
-    if ( grown == NULL )
-    {
-        return false;
-    }
-    if ( state->rooted != NULL )
-    {
-        memcpy( grown, state->rooted, (size_t)state->rooted_count * sizeof( wisp_entity ) );
-        allocator->release( allocator->user, state->rooted, (size_t)state->rooted_capacity * sizeof( wisp_entity ) );
-    }
-    state->rooted = grown;
-    state->rooted_capacity = more;
-    return true;
-}
-
 // Attach both components or none.
 static wisp_status attach_anchor( wisp_world* world, wisp_entity strands, const strands_state* state )
 {
@@ -232,7 +204,8 @@ wisp_status wisp_root_strands( wisp_world* world, wisp_entity strands, wisp_enti
     const wisp_allocator* allocator = wisp_world_allocator( world );
     const size_t bytes = (size_t)view.fabric->triangle_count * sizeof( ball );
     view.balls = allocator->allocate( allocator->user, bytes, 64 );
-    if ( view.balls == NULL || reserve_rooted( world, state ) == false )
+    if ( view.balls == NULL || wisp_world_reserve( world, (void**)&state->rooted, &state->rooted_capacity,
+                                                   state->rooted_count, sizeof( wisp_entity ) ) == false )
     {
         allocator->release( allocator->user, view.balls, bytes );
         return wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to root strands in %d triangles",
@@ -263,14 +236,14 @@ void strands_entity_removed( void* memory, wisp_world* world, wisp_entity entity
     for ( int i = 0; i < state->rooted_count; ++i )
     {
         wisp_entity* surface = wisp_world_column( world, state->rooted[i], state->surface, 0 );
-        if ( surface != NULL && is_same( *surface, entity ) )
+        if ( surface != NULL && wisp_entity_equal( *surface, entity ) )
         {
             *surface = ( wisp_entity ){ 0, 0 };
         }
     }
     for ( int i = 0; i < state->rooted_count; ++i )
     {
-        if ( is_same( state->rooted[i], entity ) )
+        if ( wisp_entity_equal( state->rooted[i], entity ) )
         {
             state->rooted_count -= 1;
             memmove( state->rooted + i, state->rooted + i + 1,

@@ -136,7 +136,7 @@ static void a_buffer_grows_geometrically_and_keeps_its_contents( void** state )
     (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
-    base_buffer buffer = { 0 };
+    wisp_buffer buffer = { 0 };
 
     for ( size_t count = 1; count <= 100000; ++count )
     {
@@ -165,7 +165,7 @@ static void a_buffer_that_is_large_enough_is_left_alone( void** state )
     (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
-    base_buffer buffer = { 0 };
+    wisp_buffer buffer = { 0 };
     assert_true( base_buffer_reserve( &allocator, &buffer, 1000 ) );
     void* data = buffer.data;
 
@@ -182,10 +182,10 @@ static void a_buffer_that_cannot_grow_is_unchanged( void** state )
     (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
-    base_buffer buffer = { 0 };
+    wisp_buffer buffer = { 0 };
     assert_true( base_buffer_reserve( &allocator, &buffer, 100 ) );
     memset( buffer.data, 42, 100 );
-    base_buffer before = buffer;
+    wisp_buffer before = buffer;
 
     host.out_of_memory = true;
     assert_false( base_buffer_reserve( &allocator, &buffer, 101 ) );

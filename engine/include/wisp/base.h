@@ -70,11 +70,11 @@ typedef struct wisp_allocator
     void* user;
 } wisp_allocator;
 
-/// A buffer that keeps its memory between uses.
+/// A buffer that keeps its memory between uses. Zero-initialised means empty.
 typedef struct wisp_buffer
 {
-    void* data;
-    size_t size; ///< bytes
+    void* data;  ///< null while empty
+    size_t size; ///< bytes that may be used
 } wisp_buffer;
 
 typedef enum wisp_log_level
