@@ -94,7 +94,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
     const int length = list->length[slice];
     const int32_t* entries = list->entries + first;
     const float* current = args->current;
-    float* distances = law.measuring ? args->measured->distance + first : NULL;
+    float* distances = law.measuring ? args->pairs->distance + first : NULL;
     for ( int k = 0; k < length; ++k )
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
@@ -120,7 +120,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
 // Whose vertices have left their leash, and how far the furthest is from where it was searched, squared.
 LANE_INLINE lane8 follow( const wisp_adhesion_args* args, int slice, lane8v p, lane8 most )
 {
-    lane8v d = lane8v_sub( p, load_slice( args->searched, slice ) );
+    lane8v d = lane8v_sub( p, load_slice( args->search_position, slice ) );
     lane8 moved = lane8v_dot( d, d );
     args->needs_search[slice] =
         (uint8_t)lane8m_bits( lane8_gt( moved, lane8_set1( args->search_margin * args->search_margin ) ) );
@@ -142,8 +142,8 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
         }
         if ( law.measuring )
         {
-            lane8_store( args->measured->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
-            args->measured->near[slice] = sums.near;
+            lane8_store( args->pairs->weight_sum + (size_t)slice * WISP_SLICE, sums.weights );
+            args->pairs->near[slice] = sums.near;
         }
         lane8v move = lane8v_scale( sums.force, step );
         move = args->min_distance_clamp ? guarded( args, move, sums.nearest ) : move;
@@ -163,12 +163,13 @@ LANE_INLINE float attract_in( const wisp_adhesion_args* args, int slice_first, i
 {
     if ( args->epsilon != 0.0f )
     {
-        return args->measuring
+        return args->stores_pairs
                    ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, true } )
                    : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, true } );
     }
-    return args->measuring ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, false } )
-                           : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, false } );
+    return args->stores_pairs
+               ? attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, true, false } )
+               : attract_slices( args, slice_first, slice_last, ( attract_law ){ planar, false, false } );
 }
 
 float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last )
@@ -208,7 +209,7 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_args* args, const wisp_ne
         lane8 r1 = lane8_sqrt( squared_length( d1, law.planar ) );
         const size_t at = first + (size_t)k * WISP_SLICE;
         lane8 r0 = law.by_iteration ? lane8v_length( lane8v_sub( load_entry( args->current, entry, law.planar ), p ) )
-                                    : lane8_load( args->measured->distance + at );
+                                    : lane8_load( args->pairs->distance + at );
         lane8 change = law.gap == WISP_GAP_REVERSED ? lane8_sub( r0, r1 ) : lane8_sub( r1, r0 );
         change = lane8_mul( change, inverse_h );
         change = law.gap == WISP_GAP_ABSOLUTE ? lane8_abs( change ) : lane8_max( change, zero );
@@ -229,7 +230,7 @@ LANE_INLINE lane8 change_fraction( const wisp_adhesion_args* args, int slice, br
 {
     brake_sums sums = { lane8_zero(), lane8_zero() };
     sums.weights =
-        law.by_iteration ? sums.weights : lane8_load( args->measured->weight_sum + (size_t)slice * WISP_SLICE );
+        law.by_iteration ? sums.weights : lane8_load( args->pairs->weight_sum + (size_t)slice * WISP_SLICE );
     for ( int i = 0; i < args->reference_count; ++i )
     {
         sums = brake_list( args, args->reference + i, slice, law, sums );
@@ -279,7 +280,7 @@ LANE_INLINE float brake_by_gap( const wisp_adhesion_args* args, int slice_first,
 float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last )
 {
     // the default has a plane of its own; the other readings of the brake run in space
-    bool by_iteration = args->measured == NULL;
+    bool by_iteration = args->pairs == NULL;
     if ( by_iteration )
     {
         return brake_by_gap( args, slice_first, slice_last, true, false );

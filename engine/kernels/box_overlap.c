@@ -121,7 +121,7 @@ static void order_many( const int32_t* items, int count, int32_t* out )
     }
 }
 
-void KERNEL( rank_order )( int32_t* items, int count, int32_t* out )
+void KERNEL( sort_items )( int32_t* items, int count, int32_t* out )
 {
     lane8i_storeu( items + count, lane8i_set1( INT32_MAX ) );
     switch ( ( count + WISP_SLICE - 1 ) / WISP_SLICE )

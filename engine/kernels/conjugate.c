@@ -43,7 +43,7 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_args* args, float step,
 }
 
 // The solution moves here, where the direction is in registers anyway: large cloths wait for memory.
-void KERNEL( conjugate_turn )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end )
+void KERNEL( conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end )
 {
     const lane8 a = lane8_set1( step ), b = lane8_set1( fraction );
     for ( int slice = begin; slice < end; ++slice )

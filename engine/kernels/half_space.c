@@ -47,7 +47,7 @@ void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end 
 {
     for ( int k = begin; k < end; k += 8 )
     {
-        half_space h = load_rows( args->rows, args->row16 + k );
+        half_space h = load_rows( args->rows, args->row_x16 + k );
         lane8v p, previous;
         lane8 inverse_mass;
         lane8_load_xyzw( args->position, args->particle_x4 + k, &p.x, &p.y, &p.z, &inverse_mass );
@@ -63,6 +63,6 @@ void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end 
         h.rubbed = rubbed;
 
         lane8_store_xyzw( args->position, args->particle_x4 + k, p.x, p.y, p.z, inverse_mass );
-        store_rows( args->rows, args->row16 + k, &h );
+        store_rows( args->rows, args->row_x16 + k, &h );
     }
 }

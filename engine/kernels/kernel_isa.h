@@ -23,7 +23,7 @@ void KERNEL( interleave )( int32_t* lists, int stride, const int* counts, int sl
                            int32_t* packed );
 void KERNEL( box_overlap )( const wisp_aabb_stream* stream, const int32_t* runs, int run_count,
                             wisp_aabb_group* group );
-void KERNEL( rank_order )( int32_t* items, int count, int32_t* out );
+void KERNEL( sort_items )( int32_t* items, int count, int32_t* out );
 float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last );
 float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last );
 
@@ -39,25 +39,25 @@ void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end,
 void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end );
 int KERNEL( blend_two )( const wisp_blend_args* args, int begin, int end );
 int KERNEL( blend_three )( const wisp_blend_args* args, int begin, int end );
-void KERNEL( hold_edges )( const wisp_hold_args* args, int begin, int end );
-void KERNEL( hold_triangles )( const wisp_hold_args* args, int begin, int end );
+void KERNEL( check_edge_extents )( const wisp_extent_args* args, int begin, int end );
+void KERNEL( check_triangle_extents )( const wisp_extent_args* args, int begin, int end );
 void KERNEL( closest_triangle )( const wisp_closest_args* args, int begin, int end );
 void KERNEL( closest_segments )( const wisp_closest_args* args, int begin, int end );
-void KERNEL( primitive_place )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
-int KERNEL( edges_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
-int KERNEL( points_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
+void KERNEL( place_primitives )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
+int KERNEL( find_near_edges )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
+int KERNEL( find_near_points )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
 bool KERNEL( sum_displacements )( const wisp_displacement_args* args, int begin, int end, double sum[3] );
 void KERNEL( measure_displacements )( const wisp_displacement_args* args, int begin, int end );
-bool KERNEL( exceeds_displacement )( const wisp_displacement_args* args, int begin, int end );
-void KERNEL( closing )( const wisp_approach_args* args, int begin, int end );
-int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int end );
-float KERNEL( apart )( const wisp_separating_axis_args* args );
-void KERNEL( quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
+bool KERNEL( exceeds_prediction )( const wisp_displacement_args* args, int begin, int end );
+void KERNEL( max_approach )( const wisp_approach_args* args, int begin, int end );
+int KERNEL( find_active_pairs )( const wisp_separation_args* args, int begin, int end );
+float KERNEL( separation )( const wisp_separating_axis_args* args );
+void KERNEL( xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                            float upper[4] );
 void KERNEL( half_space )( const wisp_half_space_args* args, int begin, int end );
 void KERNEL( push )( const wisp_push_args* args, int begin, int end );
 void KERNEL( tether )( const wisp_tether_args* args, int begin, int end );
-int KERNEL( first_beyond )( const wisp_bound_args* args, int begin, int end );
+int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
 void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( predict )( const wisp_particle_args* args, int begin, int end );
 int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end );
@@ -69,7 +69,7 @@ void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
 void KERNEL( strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
 void KERNEL( strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
-int KERNEL( strand_first_beyond )( const wisp_strand_bound_args* args, int begin, int end );
+int KERNEL( strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end );
 void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int end );
 void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end );
 int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end );
@@ -77,7 +77,7 @@ void KERNEL( strand_link )( const wisp_strand_link_args* args, int begin, int en
 void KERNEL( strand_follow )( const wisp_strand_follow_args* args, int begin, int end );
 void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
-                                     wisp_strand_reach* reach );
+                                     wisp_strand_bounds* reach );
 void KERNEL( strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
 void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, int end );
 void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
@@ -87,4 +87,4 @@ void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end );
 int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end );
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end );
 double KERNEL( conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
-void KERNEL( conjugate_turn )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
+void KERNEL( conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );

@@ -69,7 +69,7 @@ LANE_INLINE lane8 magnitudes( const float* row )
 
 // A NaN is not below any bound. Eight particles are looked at together; only where they fail, which is once in the life
 // of an entity, are they told apart.
-int KERNEL( first_beyond )( const wisp_bound_args* args, int begin, int end )
+int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int end )
 {
     const lane8 bound = lane8_set1( args->bound );
     for ( int slot = begin; slot < end; slot += 8 )
@@ -189,7 +189,7 @@ void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end )
             }
             lane8 weights[4], parents[4];
             lane8_spread_xyz( weight, weights );
-            lane8_load_quads( mine.moved, mine.parent_x4 + row, parents );
+            lane8_load_quads( mine.displacement, mine.parent_x4 + row, parents );
             for ( int r = 0; r < 4; ++r )
             {
                 sum[r] = lane8_mul_add( weights[r], parents[r], sum[r] );

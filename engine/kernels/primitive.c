@@ -34,7 +34,7 @@ LANE_INLINE void place_triangle( wisp_primitive_pack* row, lane8v a, lane8v b, l
     lane8_store( row->rounding, rounded );
 }
 
-void KERNEL( primitive_place )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end )
+void KERNEL( place_primitives )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end )
 {
     const lane8 half = lane8_set1( 0.5f ), third = lane8_set1( 1.0f / 3.0f );
     for ( int r = begin; r < end; ++r )
@@ -76,7 +76,7 @@ LANE_INLINE lane8 min_of_each( const lane8 v[8] )
     return least;
 }
 
-float KERNEL( apart )( const wisp_separating_axis_args* args )
+float KERNEL( separation )( const wisp_separating_axis_args* args )
 {
     enum
     {

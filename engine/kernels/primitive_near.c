@@ -161,12 +161,12 @@ LANE_INLINE int find_edges( const wisp_primitive_near_args* args, int number, ne
 {
     int32_t queries[MAX_ROWS * LANES + LANES];
     const int query_count = list_queries( args, 2, queries );
-    const lane16 within = lane16_set1( args->within );
+    const lane16 within = lane16_set1( args->max_distance );
     lane16 least = lane16_set1( INFINITY );
-    for ( int r = 0; r < args->row_count; r += 2 )
+    for ( int r = 0; r < args->pack_count; r += 2 )
     {
         const edges16 edges =
-            edges_of( args, args->rows + r, r + 1 < args->row_count ? args->rows + r + 1 : &NOTHING );
+            edges_of( args, args->packs + r, r + 1 < args->pack_count ? args->packs + r + 1 : &NOTHING );
         const int asking = lane16m_all( lane16i_lt( edges.item, lane16i_set1( 0 ) ) ) ? 0 : query_count;
         for ( int i = 0; i < asking; ++i )
         {
@@ -220,7 +220,7 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
     lane8 least = lane8_loadu( args->min_distance );
     for ( int r = 0; r < args->row_count; ++r )
     {
-        const wisp_primitive_pack* row = args->rows + r;
+        const wisp_primitive_pack* row = args->packs + r;
         const lane8m out = lane8i_lt( items_of( args, row, 3 ), lane8i_set1( 0 ) );
         const int asking = lane8m_all( out ) ? 0 : query_count;
         for ( int i = 0; i < asking; ++i )
@@ -250,7 +250,7 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
 LANE_INLINE int keep( const wisp_primitive_near_args* args, const near_hit* hit, int sides,
                       const wisp_primitive_pairs* to, int found )
 {
-    const wisp_primitive_pack *query = args->queries + hit->query / LANES, *row = args->rows + hit->row;
+    const wisp_primitive_pack *query = args->queries + hit->query / LANES, *row = args->packs + hit->row;
     const int32_t* const points[3] = { row->point_x4[0], row->point_x4[1], row->third_x4 };
     const int lane = hit->query % LANES;
     lane8i_storeu( to->of + found, lane8i_set1( args->cluster ) );
@@ -284,12 +284,12 @@ LANE_INLINE int find( const wisp_primitive_near_args* batch, int count, const wi
     return found;
 }
 
-int KERNEL( edges_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to )
+int KERNEL( find_near_edges )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to )
 {
     return find( batch, count, to, true );
 }
 
-int KERNEL( points_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to )
+int KERNEL( find_near_points )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to )
 {
     return find( batch, count, to, false );
 }

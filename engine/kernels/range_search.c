@@ -164,7 +164,8 @@ static search_group find_group( const wisp_range_search_args* args, const search
     for ( ; g.last < count; ++g.last )
     {
         int lowest = at_most( fast[g.last], g.lowest ), highest = at_least( fast[g.last], g.highest );
-        if ( middle[g.last] != middle[first] || slow[g.last] != slow[first] || highest - lowest > 2 * args->reach[0] )
+        if ( middle[g.last] != middle[first] || slow[g.last] != slow[first] ||
+             highest - lowest > 2 * args->cell_reach[0] )
         {
             break;
         }
@@ -182,7 +183,7 @@ typedef struct search_span
 
 static search_span reach_from( const wisp_range_search_args* args, int rank, int lowest, int highest )
 {
-    const int reach = args->reach[rank], dims = args->dims[args->axis[rank]];
+    const int reach = args->cell_reach[rank], dims = args->dims[args->axis[rank]];
     return ( search_span ){ at_least( lowest - reach, 0 ), at_most( highest + reach, dims - 1 ) };
 }
 
@@ -219,7 +220,7 @@ static void search_rows( const wisp_range_search_args* args, search_slice* s, se
 // How long a slice's lists are, and how long the longest.
 static void count_found( const search_slice* s, int limit, wisp_range_search_result* result )
 {
-    const int stride = 2 * limit + WISP_SEARCH_SLACK, skin_stride = limit + WISP_SEARCH_SLACK;
+    const int stride = 2 * limit + WISP_SEARCH_PADDING, skin_stride = limit + WISP_SEARCH_PADDING;
     int capped = 0, near_length = 0, length = 0;
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
@@ -242,8 +243,8 @@ static void append_shell( int limit, wisp_range_search_result* result )
 {
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
-        int32_t* out = result->lists + l * ( 2 * limit + WISP_SEARCH_SLACK ) + result->near_count[l];
-        const int32_t* skin = result->skin + l * ( limit + WISP_SEARCH_SLACK );
+        int32_t* out = result->lists + l * ( 2 * limit + WISP_SEARCH_PADDING ) + result->near_count[l];
+        const int32_t* skin = result->skin + l * ( limit + WISP_SEARCH_PADDING );
         const int count = result->count[l] - result->near_count[l];
         int k = 0;
         do
@@ -257,7 +258,8 @@ static void append_shell( int limit, wisp_range_search_result* result )
 void KERNEL( range_search )( const wisp_range_search_args* args, int slice, int count,
                              wisp_range_search_result* result )
 {
-    const int limit = args->limit, stride = 2 * limit + WISP_SEARCH_SLACK, skin_stride = limit + WISP_SEARCH_SLACK;
+    const int limit = args->limit, stride = 2 * limit + WISP_SEARCH_PADDING,
+              skin_stride = limit + WISP_SEARCH_PADDING;
     search_slice s;
     for ( int l = 0; l < WISP_SLICE; ++l )
     {

@@ -47,7 +47,7 @@ static void add_particles( const wisp_rigid_args* args, const particles8* p, lan
     const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( args->inverse_mass ), p->inverse_mass );
     const lane8 mass = lane8_select( lane8_gt( p->inverse_mass, zero ), times, zero );
     const lane8v r = p->at, heavy = lane8v_scale( r, mass ),
-                 u = lane8v_sub( p->velocity, lane8v_set1( args->drift ) );
+                 u = lane8v_sub( p->velocity, lane8v_set1( args->linear_velocity ) );
     add_to( sums, mass );
     add_vector( sums + 1, heavy );
     add_vector( sums + 4, lane8v_scale( u, mass ) );
@@ -85,7 +85,7 @@ void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp
 
 void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end )
 {
-    const lane8v turning = lane8v_set1( args->turning ), drift = lane8v_set1( args->drift );
+    const lane8v turning = lane8v_set1( args->angular_velocity ), drift = lane8v_set1( args->linear_velocity );
     for ( int slot = begin; slot < end; slot += LANES )
     {
         const particles8 p = particles_of( args, slot );

@@ -67,11 +67,11 @@ LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, 
     lane8_load_xyz( args->velocity, other_x4, &moves.x, &moves.y, &moves.z );
     lane8v across = lane8v_sub( there, row->point );
     const lane8v closing = lane8v_sub( row->velocity, moves );
-    if ( args->place != NULL )
+    if ( args->base_position != NULL )
     {
         lane8v from;
-        lane8_load_xyz( args->place, other_x4, &from.x, &from.y, &from.z );
-        across = lane8v_mul_add( lane8v_sub( from, row->place ), lane8_set1( -args->seconds ), closing );
+        lane8_load_xyz( args->base_position, other_x4, &from.x, &from.y, &from.z );
+        across = lane8v_mul_add( lane8v_sub( from, row->place ), lane8_set1( -args->dt ), closing );
     }
     const lane8 one = lane8_set1( 1.0f ), squared = lane8v_dot( across, across );
     link_lanes l = { .closing = closing };
@@ -80,7 +80,7 @@ LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, 
     l.inverse_length = lane8_div( one, lane8_select( l.directed, l.length, one ) );
     l.direction = lane8v_scale( across, lane8_select( l.directed, l.inverse_length, lane8_zero() ) );
     l.rest = lane8_load( args->links.rest[entry] );
-    l.load = lane8_load( args->links.load[entry] );
+    l.load = lane8_load( args->links.stiffness[entry] );
     const lane8m lost = lane8m_and_not( lane8_gt( l.rest, lane8_zero() ), l.directed );
     row->undirected = lane8_add( row->undirected, lane8_select( lost, one, lane8_zero() ) );
     return l;
@@ -90,7 +90,7 @@ LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, 
 LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int entry, const link_lanes* l, lane8 pull,
                            lane8 along, lane8 across )
 {
-    const lane8 h = lane8_set1( args->seconds ), h2 = lane8_mul( h, h );
+    const lane8 h = lane8_set1( args->dt ), h2 = lane8_mul( h, h );
     const lane8 damping = lane8_mul( h, lane8_load( args->links.damping[entry] ) );
     const lane8 damping_across = args->axial_damping ? lane8_zero() : damping;
     const lane8 k1 = lane8_mul_add( h2, along, damping ), k2 = lane8_mul_add( h2, across, damping_across );
@@ -103,9 +103,9 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
     row->force = lane8v_mul_add( row->force, pull, l->direction );
 
     // the first solve is at v, with all of A; a repeat has the stiffness in its forces and lacks the damping alone
-    const lane8v axis = args->repeat ? l->direction : e;
-    const lane8 on_axis = args->repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
-    const lane8 everywhere = args->repeat ? damping_across : k2;
+    const lane8v axis = args->is_repeat ? l->direction : e;
+    const lane8 on_axis = args->is_repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
+    const lane8 everywhere = args->is_repeat ? damping_across : k2;
     const lane8 closing = lane8_mul( on_axis, lane8v_dot( axis, l->closing ) );
     row->drag = lane8v_sub( row->drag, lane8v_mul_add( lane8v_scale( l->closing, everywhere ), closing, axis ) );
 
@@ -120,7 +120,7 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
 // Who lowers stiffness does so for a substep, so links keep what they are made of.
 LANE_INLINE lane8 no_stiffer( const wisp_spring_args* args, lane8 stiffness )
 {
-    return lane8_min( stiffness, lane8_set1( args->stiffest > 0.0f ? args->stiffest : FLT_MAX ) );
+    return lane8_min( stiffness, lane8_set1( args->max_stiffness > 0.0f ? args->max_stiffness : FLT_MAX ) );
 }
 
 // Only beyond its rest length (Noh and Jung, eq. 6 and 8).
@@ -129,7 +129,7 @@ LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entr
     const link_lanes l = load_link( args, row, entry );
     const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
     const lane8 stiffness = no_stiffer( args, l.load ), zero = lane8_zero();
-    const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->reach ) );
+    const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->compression_margin ) );
     const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
     const lane8 along = lane8_select( resists, stiffness, zero );
     const lane8 pull = lane8_mul( lane8_select( taut, stiffness, zero ), lane8_sub( l.length, l.rest ) );
@@ -144,7 +144,7 @@ LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
     const lane8m slack = lane8m_and( lane8_lt( l.length, l.rest ), l.directed );
     const lane8 inverse_rest = lane8_div( one, lane8_select( slack, l.rest, one ) );
     const arc_load arc = load_arc( lane8_min( lane8_mul( l.length, inverse_rest ), one ) );
-    const lane8 ramp = no_stiffer( args, lane8_load( args->links.ramp[entry] ) );
+    const lane8 ramp = no_stiffer( args, lane8_load( args->links.ramp_stiffness[entry] ) );
     const lane8 buckled = lane8_mul( l.load, arc.load ), straight = lane8_mul( ramp, lane8_sub( l.length, l.rest ) );
     const lane8m ramps = lane8_lt( buckled, straight );
     const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );
@@ -176,12 +176,13 @@ LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
 
 LANE_INLINE void finish_row( const wisp_spring_args* args, row_lanes* row, int slice, lane8 mass )
 {
-    lane8v rhs = lane8v_mul_add( row->drag, lane8_set1( args->seconds ), row->force );
-    if ( args->repeat )
+    lane8v rhs = lane8v_mul_add( row->drag, lane8_set1( args->dt ), row->force );
+    if ( args->is_repeat )
     {
         lane8v start;
         lane8 unused;
-        lane8_load_xyzw_contiguous( args->start + (size_t)slice * 32, &start.x, &start.y, &start.z, &unused );
+        lane8_load_xyzw_contiguous( args->start_velocity + (size_t)slice * 32, &start.x, &start.y, &start.z,
+                                    &unused );
         rhs = lane8v_mul_add( rhs, mass, lane8v_sub( start, row->velocity ) );
     }
     lane8v_store( args->rhs[slice][0], rhs );
@@ -209,10 +210,10 @@ int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end 
         lane8_load_xyzw_contiguous( args->velocity + (size_t)slice * 32, &row.velocity.x, &row.velocity.y,
                                     &row.velocity.z, &unused );
         row.place = row.point;
-        if ( args->place != NULL )
+        if ( args->base_position != NULL )
         {
-            lane8_load_xyzw_contiguous( args->place + (size_t)slice * 32, &row.place.x, &row.place.y, &row.place.z,
-                                        &unused );
+            lane8_load_xyzw_contiguous( args->base_position + (size_t)slice * 32, &row.place.x, &row.place.y,
+                                        &row.place.z, &unused );
         }
         const int32_t* parts = args->links.begin + 2 * (size_t)slice;
         for ( int entry = parts[0]; entry < parts[1]; ++entry )

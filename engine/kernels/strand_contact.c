@@ -62,7 +62,7 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
         .after = spread_pose( args->after ),
         .thickness = lane16_set1( args->thickness ),
         .shallow = lane16_set1( SHALLOW * args->thickness ),
-        .recovery = lane16_set1( args->recovery ),
+        .recovery = lane16_set1( args->max_push_out ),
         .static_friction = lane16_set1( args->static_friction ),
         .kinetic_friction = lane16_set1( args->kinetic_friction ),
     };
@@ -202,16 +202,17 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     lane16v p = lane16v_load( at );
     lane16v local = to_body( &body->after, p );
     const contact_surface s = closest( body, local );
-    lane16m moves = lane16_gt( lane16_load( args->weight + row * WISP_LANES ), lane16_zero() );
+    lane16m moves = lane16_gt( lane16_load( args->inverse_mass + row * WISP_LANES ), lane16_zero() );
     lane16m touches = lane16m_and( moves, lane16_lt( s.distance, body->thickness ) );
     if ( lane16m_any( touches ) == false )
     {
         return;
     }
-    float *pushed = args->pushed + row * WISP_LANES, *left = args->left + row * WISP_LANES;
+    float *pushed = args->normal_correction + row * WISP_LANES, *left = args->remaining_depth + row * WISP_LANES;
     lane16v previous = lane16v_load( from );
     lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
-    const contact_way way = find_way( body, start, s.distance, lane16_load( args->depth + row * WISP_LANES ) );
+    const contact_way way =
+        find_way( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ) );
     lane16v normal = turn( body->after.axis, body->after.w, s.normal );
     lane16v out = lane16v_mul_add( p, way.out, normal );
     lane16v moved = lane16v_mul_add( previous, lane16_add( way.healed, way.calmed ), normal );
@@ -243,10 +244,10 @@ static lane16v larger( lane16v a, lane16v b )
 // Who touched nothing in the iteration before is let be as deep as it is found.
 static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
-    float *pushed = args->pushed + row * WISP_LANES, *left = args->left + row * WISP_LANES;
+    float *pushed = args->normal_correction + row * WISP_LANES, *left = args->remaining_depth + row * WISP_LANES;
     lane16 sum = lane16_load( pushed ), deep = lane16_load( left );
     lane16m held = lane16_gt( lane16_max( sum, deep ), lane16_zero() );
-    lane16_store( args->depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
+    lane16_store( args->allowed_depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
     lane16_store( left, lane16_zero() );
     if ( first_iteration )
     {
@@ -273,7 +274,7 @@ static wisp_vec3 fold( lane16v v, bool to_smallest )
 
 // Vertices that are no number widen nothing: they are the second operand of no comparison.
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
-                                     wisp_strand_reach* reach )
+                                     wisp_strand_bounds* reach )
 {
     const lane16v nowhere = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
     const lane16v beyond = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
@@ -283,15 +284,15 @@ void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int g
     {
         lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
         lane16v q = lane16v_load( args->previous + (size_t)row * STRIDE ), d = lane16v_sub( p, q );
-        lane16m moves = lane16_gt( lane16_load( args->weight + (size_t)row * WISP_LANES ), lane16_zero() );
+        lane16m moves = lane16_gt( lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ), lane16_zero() );
         lower = smaller( lane16v_select( moves, smaller( p, q ), nowhere ), lower );
         upper = larger( lane16v_select( moves, larger( p, q ), beyond ), upper );
         longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
         begin_row( args, (size_t)row, first_iteration );
     }
-    *reach = ( wisp_strand_reach ){ .lower = fold( lower, true ), .upper = fold( upper, false ) };
+    *reach = ( wisp_strand_bounds ){ .lower = fold( lower, true ), .upper = fold( upper, false ) };
     lane16 length = lane16_sqrt( longest );
-    reach->path = fold( ( lane16v ){ length, length, length }, false ).x;
+    reach->max_path = fold( ( lane16v ){ length, length, length }, false ).x;
 }
 
 // ---- one body ----

@@ -92,8 +92,8 @@ static target_rows begin_rows( const wisp_strand_target_args* args, int group )
         .position = args->position + triple,
         .rest = args->rest + triple,
         .velocity = args->velocity != NULL ? args->velocity + triple : NULL,
-        .before = args->before != NULL ? args->before + triple : NULL,
-        .cap = args->cap + row * WISP_LANES,
+        .before = args->previous_velocity != NULL ? args->previous_velocity + triple : NULL,
+        .cap = args->max_sway + row * WISP_LANES,
         .frame = { zero, zero, zero, lane16_set1( 1.0f ) },
     };
     if ( args->root != NULL )
@@ -115,7 +115,7 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
         v = lane16v_load( r->velocity + triple );
     }
     const lane16v before = r->before != NULL && i > 0 ? lane16v_load( r->before + triple ) : v;
-    if ( args->carries_frames && i > 0 )
+    if ( args->transports_frames && i > 0 )
     {
         r->frame =
             carry( r->frame, frame16_turn( r->frame, lane16v_sub( rest, r->last_rest ) ), lane16v_sub( x, r->last ) );
@@ -123,14 +123,14 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     r->last = x;
     r->last_rest = rest;
 
-    const lane16 cap = args->capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
-    const lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->time ) );
+    const lane16 cap = args->is_capped ? lane16_load( r->cap + (size_t)i * WISP_LANES ) : lane16_set1( FLT_MAX );
+    const lane16v sway = args->is_blended ? v : lane16v_scale( v, lane16_set1( args->sway_time ) );
     lane16 limit = cap;
     if ( args->is_blended == false )
     {
         // a node at rest has a sway of zero: any limit serves
         const lane16 length = lane16v_length( sway );
-        limit = args->capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
+        limit = args->is_capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
         tip = lane16_add( lane16_elastic( args->elastic, v, before ), tip );
     }
     const lane16 all[LARGEST_STRIDE] = { x.x,      x.y,      x.z,        tip,        sway.x,     sway.y,
@@ -249,7 +249,7 @@ LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool 
 {
     const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
     const float* offset = mine.offset + (size_t)mine.group_row[group] * 3 * WISP_LANES;
-    float* to = mine.to + (size_t)mine.group_row[group] * 3 * WISP_LANES;
+    float* to = mine.points + (size_t)mine.group_row[group] * 3 * WISP_LANES;
     const int stride = turns ? 12 : 8;
     quad_walk walks[2];
     lane8 scale[2];
@@ -306,7 +306,7 @@ static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_wal
     const lane8 zero = lane8_zero();
     const lane8v none = { zero, zero, zero };
     blended sum = { none, none, none, zero, zero };
-    for ( int k = 0; k < args->link_count; ++k )
+    for ( int k = 0; k < args->target_count; ++k )
     {
         lane8v x, v, before;
         lane8 tip, cap, unused;
@@ -316,7 +316,7 @@ static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_wal
         lane8_load_xyzw( args->table + 12, walks[k].at, &before.x, &before.y, &before.z, &unused );
         const lane8 fraction = lane8_loadu( args->lane_fraction + lane + k * WISP_LANES );
         const lane8v o = load_offset( offset + (size_t)k * 3 * WISP_LANES );
-        const lane8v place = lane8v_add( x, args->turns ? turn_by_node( args->table, walks[k].at, o ) : o );
+        const lane8v place = lane8v_add( x, args->rotates_offsets ? turn_by_node( args->table, walks[k].at, o ) : o );
         sum.base = lane8v_mul_add( sum.base, fraction, place );
         sum.velocity = lane8v_mul_add( sum.velocity, fraction, v );
         sum.before = lane8v_mul_add( sum.before, fraction, before );
@@ -328,7 +328,7 @@ static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_wal
 
 static void blend_half( const wisp_strand_ghost_args* args, int group, int half )
 {
-    const int links = args->link_count, first = group * WISP_LANES + half;
+    const int links = args->target_count, first = group * WISP_LANES + half;
     const int row_count = args->group_row[group + 1] - args->group_row[group];
     const size_t from = (size_t)args->group_row[group] * (size_t)links * 3 * WISP_LANES + (size_t)half;
     const size_t to = (size_t)args->group_row[group] * 3 * WISP_LANES + (size_t)half;
@@ -346,11 +346,11 @@ static void blend_half( const wisp_strand_ghost_args* args, int group, int half 
         const lane8 elastic = lane8_elastic( args->elastic, b.velocity, b.before );
         const lane8 centre = lane8_mul( scale, lane8v_length( load_offset( offset ) ) );
         const lane8 weight = lane8_add( elastic, lane8_add( b.tip, centre ) );
-        const lane8v sway = lane8v_scale( b.velocity, lane8_set1( args->time ) );
+        const lane8v sway = lane8v_scale( b.velocity, lane8_set1( args->sway_time ) );
         const lane8 length = lane8v_length( sway );
         const lane8m moves = lane8_lt( lane8_zero(), length );
         const lane8 limit = lane8_select( moves, lane8_div( b.cap, length ), lane8_zero() );
-        store_place( args->to + to + (size_t)i * 3 * WISP_LANES,
+        store_place( args->points + to + (size_t)i * 3 * WISP_LANES,
                      lane8v_mul_add( b.base, within( weight, limit ), sway ) );
     }
 }

@@ -19,7 +19,7 @@ static motion_terms motion_terms_of( const wisp_strand_motion_args* args )
 
 LANE_INLINE lane16m is_free_row( const wisp_strand_motion_args* args, int row )
 {
-    return lane16_lt( lane16_zero(), lane16_load( args->weight + (size_t)row * WISP_LANES ) );
+    return lane16_lt( lane16_zero(), lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ) );
 }
 
 // v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
@@ -69,9 +69,10 @@ LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin,
     const motion_terms terms = motion_terms_of( args );
     for ( int g = begin; g < end; ++g )
     {
-        const lane16v gain = args->fraction != NULL
-                                 ? lane16v_scale( terms.gain, lane16_load( args->fraction + (size_t)g * WISP_LANES ) )
-                                 : terms.gain;
+        const lane16v gain =
+            args->acceleration_scale != NULL
+                ? lane16v_scale( terms.gain, lane16_load( args->acceleration_scale + (size_t)g * WISP_LANES ) )
+                : terms.gain;
         const int first = args->group_row[g];
         const lane16m is_free = is_free_row( args, first );
         predict_root( args, &terms, gain, g, is_free,
@@ -117,7 +118,7 @@ LANE_INLINE lane16m is_within( const float* row, lane16 bound )
                         lane16_le( lane16_abs( v.z ), bound ) );
 }
 
-int KERNEL( strand_first_beyond )( const wisp_strand_bound_args* args, int begin, int end )
+int KERNEL( strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end )
 {
     const wisp_strand_bound_args mine = *args;
     const lane16 bound = lane16_set1( mine.bound );
@@ -139,7 +140,7 @@ void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int en
     const wisp_strand_damp_args mine = *args;
     const lane16v linear = lane16v_set1( mine.linear ), angular = lane16v_set1( mine.angular );
     const lane16v centre = lane16v_set1( mine.centre );
-    const lane16 keep = lane16_set1( mine.keep );
+    const lane16 keep = lane16_set1( mine.retained_fraction );
     for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
     {
         const size_t at = (size_t)row * STRIDE;
@@ -147,7 +148,8 @@ void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int en
         const lane16v arm = lane16v_sub( lane16v_load( mine.position + at ), centre );
         const lane16v rigid = lane16v_add( linear, lane16v_cross( angular, arm ) );
         const lane16v damped = lane16v_mul_add( rigid, keep, lane16v_sub( v, rigid ) );
-        const lane16m is_free = lane16_lt( lane16_zero(), lane16_load( mine.weight + (size_t)row * WISP_LANES ) );
+        const lane16m is_free =
+            lane16_lt( lane16_zero(), lane16_load( mine.inverse_mass + (size_t)row * WISP_LANES ) );
         lane16v_store( mine.velocity + at, lane16v_select( is_free, damped, v ) );
     }
 }
@@ -177,7 +179,7 @@ void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end 
                 lane16_div( lane16v_dot( u, along ), lane16_max( lane16v_dot( along, along ), tiny ) );
             const lane16v across = lane16v_sub( u, lane16v_scale( along, fraction ) );
             const lane16 reach = lane16_mul( half_drag_dt, lane16_add( length_before, length ) );
-            const lane16 weight = lane16_load( mine.weight + lanes );
+            const lane16 weight = lane16_load( mine.inverse_mass + lanes );
             const lane16 a = lane16_mul( lane16_mul( reach, weight ), lane16v_length( across ) );
             lane16v_store( mine.velocity + at, lane16v_mul_add( v, lane16_div( a, lane16_add( one, a ) ), across ) );
             length_before = length;

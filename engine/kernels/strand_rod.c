@@ -32,14 +32,15 @@ LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 
 {
     const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
     const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( args->acceleration ) );
-    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->weight, row ) ), before, p );
+    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->inverse_mass, row ) ), before, p );
 }
 
 // What turns the acceleration into the way that it took, for that share of it which each strand feels.
 LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
 {
     const lane16 minus_dt2 = lane16_set1( -args->dt * args->dt );
-    return args->fraction != NULL ? lane16_mul( minus_dt2, lanes_of( args->fraction, group ) ) : minus_dt2;
+    return args->acceleration_scale != NULL ? lane16_mul( minus_dt2, lanes_of( args->acceleration_scale, group ) )
+                                            : minus_dt2;
 }
 
 // ---- tension first ----
@@ -64,7 +65,7 @@ static void pull( const wisp_strand_rod_args* args, int group, int first, int la
         }
         float* place = args->position + (size_t)row * STRIDE;
         const lane16v force = lane16v_sub( behind, before );
-        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( args->weight, row ), force ) );
+        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( args->inverse_mass, row ), force ) );
         before = behind;
         p = next;
     }

@@ -42,7 +42,7 @@ LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args,
     const lane16 zero = lane16_zero();
     return ( elimination ){ .p = lane16v_load( args->position + (size_t)first * STRIDE ),
                             .e_before = { zero, zero, zero }, // of what is behind a tip
-                            .w = lane16_load( args->weight + (size_t)first * WISP_LANES ),
+                            .w = lane16_load( args->inverse_mass + (size_t)first * WISP_LANES ),
                             .inverse_before = zero,
                             .multiplier_before = zero };
 }
@@ -51,7 +51,7 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
 {
     const lane16 zero = lane16_zero();
     const lane16v next = lane16v_load( args->position + (size_t)( row + 1 ) * STRIDE ), none = { zero, zero, zero };
-    const lane16 w_next = lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES );
+    const lane16 w_next = lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES );
     const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
@@ -120,7 +120,7 @@ LANE_INLINE void move_row( const wisp_strand_stretch_args* args, substitution* s
                            lane16 limit )
 {
     float* at = args->position + (size_t)row * STRIDE;
-    const lane16 w = lane16_load( args->weight + (size_t)row * WISP_LANES );
+    const lane16 w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
     const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( s->pull, pull ) );
     lane16v_store( at, moved );
     const lane16m exact = is_within( lane16v_sub( moved, s->moved ), s->length, limit );
@@ -207,7 +207,7 @@ static lane16m further_pins( const wisp_strand_stretch_args* args, int first, in
     for ( int row = first + 1; row < last; ++row )
     {
         const lane16m is_vertex = lane16_lt( zero, lane16_load( args->length + (size_t)( row - 1 ) * WISP_LANES ) );
-        const lane16m holds = lane16_le( lane16_load( args->weight + (size_t)row * WISP_LANES ), zero );
+        const lane16m holds = lane16_le( lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ), zero );
         pinned = lane16m_or( pinned, lane16m_and( is_vertex, holds ) );
     }
     return pinned;
@@ -259,7 +259,7 @@ static void lay_out( const wisp_strand_stretch_args* args, lane16m lanes, int fi
         const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
         direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
         put = lane16v_mul_add( put, lane16_load( args->length + (size_t)row * WISP_LANES ), direction );
-        const lane16 weight = lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES );
+        const lane16 weight = lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES );
         const lane16m moves = lane16m_and( lanes, lane16_lt( zero, weight ) );
         lane16v_store( at, lane16v_select( moves, put, p ) );
         lane16v_store( from, lane16v_select( moves, start_of( args, row + 1, put, reach2 ), lane16v_load( from ) ) );
@@ -286,7 +286,7 @@ static int count_lanes( lane16m lanes )
 
 static void clear_tension( const wisp_strand_stretch_args* args, int first, int last )
 {
-    for ( int row = first; row < last && args->tension != NULL && args->keeps_tension == false; ++row )
+    for ( int row = first; row < last && args->tension != NULL && args->accumulates_tension == false; ++row )
     {
         lane16_store( args->tension + (size_t)row * WISP_LANES, lane16_zero() );
     }
@@ -328,7 +328,7 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
-        for ( int pass = 1; pass < args->passes && lane16m_any( inexact[c] ); ++pass )
+        for ( int pass = 1; pass < args->iterations && lane16m_any( inexact[c] ); ++pass )
         {
             pass_over( args, first + c, rows, 1, inexact + c );
         }

@@ -28,7 +28,7 @@ LANE_INLINE sweep begin_sweep( const wisp_strand_link_args* args, int first, int
     {
         const int row = k < stride ? first + k : first;
         s.p[k] = lane16v_load( args->position + (size_t)row * STRIDE );
-        s.w[k] = lane16_load( args->weight + (size_t)row * WISP_LANES );
+        s.w[k] = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
     }
     return s;
 }
@@ -40,7 +40,7 @@ LANE_INLINE void sweep_row( const wisp_strand_link_args* args, const link_rule* 
     const lane16 zero = lane16_zero();
     const size_t lanes = (size_t)row * WISP_LANES, other = lanes + (size_t)stride * WISP_LANES;
     const lane16v pa = s->p[k], pb = lane16v_load( args->position + (size_t)( row + stride ) * STRIDE );
-    const lane16 wa = s->w[k], wb = lane16_load( args->weight + other );
+    const lane16 wa = s->w[k], wb = lane16_load( args->inverse_mass + other );
     const lane16 rest = lane16_load( args->rest + lanes ), weight = lane16_add( wa, wb );
     const lane16v along = lane16v_sub( pa, pb );
     const lane16 squared = lane16v_dot( along, along );
@@ -149,13 +149,14 @@ static void follow_group( const wisp_strand_follow_args* args, lane16 fraction, 
 {
     const lane16 zero = lane16_zero(), least = lane16_set1( MIN_SQUARE );
     lane16v leader = lane16v_load( args->position + (size_t)first * STRIDE );
-    lane16m leader_is_free = lane16_lt( zero, lane16_load( args->weight + (size_t)first * WISP_LANES ) );
+    lane16m leader_is_free = lane16_lt( zero, lane16_load( args->inverse_mass + (size_t)first * WISP_LANES ) );
     for ( int row = first; row + 1 < last; ++row )
     {
         const size_t at = (size_t)row * STRIDE, next = at + STRIDE;
         const lane16v p = lane16v_load( args->position + next ), along = lane16v_sub( p, leader );
         const lane16 squared = lane16v_dot( along, along );
-        const lane16m is_free = lane16_lt( zero, lane16_load( args->weight + (size_t)( row + 1 ) * WISP_LANES ) );
+        const lane16m is_free =
+            lane16_lt( zero, lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES ) );
         const lane16m moves = lane16m_and( is_free, lane16_lt( least, squared ) );
         const lane16 scale =
             lane16_div( lane16_load( args->length + (size_t)row * WISP_LANES ), lane16_sqrt( squared ) );
@@ -175,6 +176,6 @@ void KERNEL( strand_follow )( const wisp_strand_follow_args* args, int begin, in
     const wisp_strand_follow_args mine = *args;
     for ( int g = begin; g < end; ++g )
     {
-        follow_group( &mine, lane16_set1( mine.fraction ), mine.group_row[g], mine.group_row[g + 1] );
+        follow_group( &mine, lane16_set1( mine.leader_correction ), mine.group_row[g], mine.group_row[g + 1] );
     }
 }

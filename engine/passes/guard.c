@@ -25,7 +25,7 @@ static void look( void* context, int begin, int end, int worker )
     (void)worker;
     guard_loop* loop = context;
     const wisp_bound_args args = { loop->position, loop->velocity, BOUND };
-    int slot = loop->kernels->first_beyond( &args, begin * 8, end * 8 );
+    int slot = loop->kernels->find_out_of_bounds( &args, begin * 8, end * 8 );
     int lowest = atomic_load_explicit( &loop->first_bad, memory_order_relaxed );
     while ( slot < end * 8 && slot < lowest &&
             atomic_compare_exchange_weak( &loop->first_bad, &lowest, slot ) == false )

@@ -193,7 +193,7 @@ static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
             loop |= store_bit( i );
             writes |= plan_mask( pass->writes );
             reads |= plan_mask( pass->reads );
-            possible = possible && pass->is_due == NULL && pass->on_change == 0;
+            possible = possible && pass->should_run == NULL && pass->on_change == 0;
             count += 1;
         }
     }
@@ -260,7 +260,7 @@ static void place_pass( plan* p, const wisp_registry* r, int number )
     }
     plan_node* host = latest >= 0 ? p->nodes + latest : NULL;
     bool fuses = host != NULL && latest_count == 1 && pass->domain != WISP_DOMAIN_ENTITY &&
-                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED && pass->is_due == NULL;
+                 host->domain == pass->domain && host->pass_count < PLAN_MAX_FUSED && pass->should_run == NULL;
     if ( fuses )
     {
         host->passes[host->pass_count++] = number;

@@ -135,7 +135,7 @@ static bool is_due( wisp_frame* frame, int number, int slot )
     {
         return false;
     }
-    if ( pass->is_due != NULL && pass->is_due( frame, store_handle( s, slot ), pass->user ) == false )
+    if ( pass->should_run != NULL && pass->should_run( frame, store_handle( s, slot ), pass->user ) == false )
     {
         return false;
     }

@@ -94,7 +94,7 @@ wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* joi
 {
     plan_fusion f = { .name = join->name, .run = join->run, .user = join->user };
     const bool found =
-        find_passes( registry, join->required, &f.required ) && find_passes( registry, join->allows, &f.allows );
+        find_passes( registry, join->required, &f.required ) && find_passes( registry, join->allowed, &f.allows );
     if ( found == false || f.required == 0 || f.run == NULL || registry->join_count == PLAN_MAX_FUSIONS )
     {
         fail_declaration( registry, "too many fusions, or one without declared passes:", join->name );

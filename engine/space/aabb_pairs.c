@@ -109,7 +109,7 @@ static void put_in_order( const pair_search* s, int32_t* items, int count, int32
     const wisp_kernels* kernels = s->args->kernels;
     if ( kernels != NULL && count <= MAX_RANKED )
     {
-        kernels->rank_order( items, count, out );
+        kernels->sort_items( items, count, out );
     }
     else if ( count <= MAX_INSERTED )
     {
@@ -429,7 +429,7 @@ wisp_pair_search wisp_aabb_pairs_choose( const wisp_aabb_args* args )
 static bool make_grid( pair_search* s, wisp_aabb_pairs* pairs, const wisp_allocator* allocator )
 {
     wisp_buffer* made = pairs->buffers + BUFFER_COOKIE;
-    if ( s->args->again )
+    if ( s->args->reuse )
     {
         WISP_ASSERT( made->data != NULL && s->args->queries != NULL );
         memcpy( &s->grid, made->data, sizeof( s->grid ) );
@@ -458,7 +458,7 @@ static wisp_status prepare( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* 
     s->order_count = s->query_count;
     if ( s->search == WISP_PAIR_SEARCH_TREE )
     {
-        wisp_status status = s->args->again ? WISP_OK : box_tree_update( &pairs->tree, allocator, s->args, error );
+        wisp_status status = s->args->reuse ? WISP_OK : box_tree_update( &pairs->tree, allocator, s->args, error );
         s->tree = pairs->tree;
         return status;
     }

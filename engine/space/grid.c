@@ -121,7 +121,7 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
             break;
         }
     }
-    grid->fine = fine;
+    grid->subdivisions = fine;
     grid->dims[fastest] = (int)dims;
     for ( int axis = 0; axis < 3; ++axis )
     {
@@ -140,8 +140,8 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
         double extent = (double)bounds.upper[axis] - (double)bounds.lower[axis];
         max_extent = extent > max_extent ? extent : max_extent;
     }
-    grid->slack = (float)( 4e-7 * max_extent );
-    cell = ( cell + grid->slack ) * 1.000001f;
+    grid->rounding_margin = (float)( 4e-7 * max_extent );
+    cell = ( cell + grid->rounding_margin ) * 1.000001f;
 
     const double most = (double)GRID_CELLS_PER_ITEM * grid->count + 64.0;
     const float requested = cell;
@@ -167,7 +167,7 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
         grid->dims[axis] = (int)dims[axis];
     }
     grid->cell = cell;
-    grid->coarse = cell > 1.5f * requested;
+    grid->is_widened = cell > 1.5f * requested;
     grid->planar = bounds.lower[2] == bounds.upper[2];
     order_axes( grid );
     cut_cells( grid, bounds, fine, most );

@@ -49,8 +49,8 @@ typedef struct neighbour_scratch
 
 static bool take_scratch( const neighbour_search* s, int worker, neighbour_scratch* out )
 {
-    const size_t limit = (size_t)s->query->limit, stride = 2 * limit + WISP_SEARCH_SLACK;
-    const size_t lists = WISP_SLICE * stride, skin = WISP_SLICE * ( limit + WISP_SEARCH_SLACK );
+    const size_t limit = (size_t)s->query->limit, stride = 2 * limit + WISP_SEARCH_PADDING;
+    const size_t lists = WISP_SLICE * stride, skin = WISP_SLICE * ( limit + WISP_SEARCH_PADDING );
     const size_t packed = NEIGHBOURS_SLICES * WISP_SLICE * 2 * limit;
     int32_t* ints = wisp_parallel_scratch( s->parallel, worker, ( lists + skin + packed ) * sizeof( int32_t ) );
     *out = ( neighbour_scratch ){ ints, ints + lists, ints + lists + skin, (int)stride };
@@ -115,7 +115,7 @@ static void search_block( void* context, int begin, int end, int worker )
 // As many cells to each side as a neighbour may be away, rounding included.
 static int count_cells( float radius, const wisp_grid* grid, int fine )
 {
-    float cells = ( radius + grid->slack ) * (float)fine / grid->cell;
+    float cells = ( radius + grid->rounding_margin ) * (float)fine / grid->cell;
     return cells < 1e6f ? (int)ceilf( cells ) : 1000000;
 }
 
@@ -129,7 +129,7 @@ static wisp_range_search_args make_args( const wisp_grid* grid, const wisp_neigh
         .z = grid->z,
         .owner = grid->owner,
         .cell_begin = grid->cell_begin,
-        .reach = { count_cells( radius, grid, grid->fine ), reach, reach },
+        .cell_reach = { count_cells( radius, grid, grid->subdivisions ), reach, reach },
         .near_radius = query->near_radius,
         .skin_radius = query->skin_radius,
         .limit = query->limit,
@@ -203,7 +203,7 @@ wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const wisp_paral
     }
     neighbours->slice_count = slices;
     neighbours->near = ( wisp_neighbour_list ){ s.begin, s.near_length, s.entries };
-    neighbours->within = ( wisp_neighbour_list ){ s.begin, s.length, s.entries };
+    neighbours->all = ( wisp_neighbour_list ){ s.begin, s.length, s.entries };
     neighbours->near_count = s.near_count;
     neighbours->entries = atomic_load( &counts.entries );
     neighbours->capped = atomic_load( &counts.capped );

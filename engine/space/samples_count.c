@@ -292,21 +292,21 @@ static void hold( const samples_update* u, samples_group* g, int begin, int end 
     const bool edges = g == &u->memory->edges;
     const float* each = edges ? u->args->edge_spacing : u->args->triangle_spacing;
     const int first = begin / 8, last = each != NULL ? end / 8 : ( end + 7 ) / 8;
-    const wisp_hold_args args = {
+    const wisp_extent_args args = {
         .position = u->args->position,
         .pair_x4 = (const int32_t( * )[2][8])u->memory->pair_x4,
         .corner_x4 = (const int32_t( * )[3][8])u->memory->corner_x4,
         .spacing = u->args->spacing,
-        .each = each,
+        .element_spacing = each,
         .lower = g->lower,
         .upper = g->upper,
-        .low_height = g->low_height,
-        .high_height = g->high_height,
-        .held = g->held,
+        .lower_height = g->low_height,
+        .upper_height = g->high_height,
+        .unchanged = g->held,
     };
     if ( edges ? edges_are_remembered( u, begin, end ) : triangles_are_remembered( u, begin, end ) )
     {
-        ( edges ? u->kernels->hold_edges : u->kernels->hold_triangles )( &args, first, last );
+        ( edges ? u->kernels->check_edge_extents : u->kernels->check_triangle_extents )( &args, first, last );
     }
 }
 

@@ -79,7 +79,7 @@ static wisp_rigid_sums add_up( const damping_loop* loop, int blocks )
         {
             all.moment[k] += s->moment[k];
             all.momentum[k] += s->momentum[k];
-            all.angular[k] += s->angular[k];
+            all.angular_momentum[k] += s->angular_momentum[k];
         }
         all.xx += s->xx;
         all.yy += s->yy;
@@ -103,7 +103,7 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
     cross_product( s->moment, velocity, angular );
     for ( int k = 0; k < 3; ++k )
     {
-        angular[k] = s->angular[k] - angular[k];
+        angular[k] = s->angular_momentum[k] - angular[k];
     }
     const double xx = s->xx - s->moment[0] * centre[0], yy = s->yy - s->moment[1] * centre[1],
                  zz = s->zz - s->moment[2] * centre[2], xy = s->xy - s->moment[0] * centre[1],
@@ -111,10 +111,10 @@ static void find_motion( const wisp_rigid_sums* s, wisp_rigid_args* args )
     const double inertia[6] = { yy + zz, xx + zz, xx + yy, -xy, -xz, -yz };
     solve_inertia( inertia, angular, turning );
     cross_product( turning, centre, back );
-    args->drift.x += (float)( velocity[0] - back[0] );
-    args->drift.y += (float)( velocity[1] - back[1] );
-    args->drift.z += (float)( velocity[2] - back[2] );
-    args->turning = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
+    args->linear_velocity.x += (float)( velocity[0] - back[0] );
+    args->linear_velocity.y += (float)( velocity[1] - back[1] );
+    args->linear_velocity.z += (float)( velocity[2] - back[2] );
+    args->angular_velocity = ( wisp_vec3 ){ (float)turning[0], (float)turning[1], (float)turning[2] };
 }
 
 static wisp_vec3 vector_at( const float* xyzw, int slot )
@@ -139,7 +139,7 @@ static void measure( damping_loop* loop, const wisp_parallel* parallel )
     wisp_rigid_sums sums[MAX_BLOCKS];
     const int blocks = ( loop->slot_count + loop->block - 1 ) / loop->block;
     loop->args.origin = vector_at( position, first );
-    loop->args.drift = vector_at( loop->args.velocity, first );
+    loop->args.linear_velocity = vector_at( loop->args.velocity, first );
     loop->args.inverse_mass = position[(size_t)first * 4 + 3];
     loop->sums = sums;
     wisp_parallel_for( parallel, blocks, 1, sum_blocks, loop );

@@ -144,7 +144,7 @@ static void project_singles( const wisp_kernels* kernels, project_loop* loop, in
         .previous = loop->previous + (size_t)begin * 4,
         .rows = loop->contact[begin][0].point,
         .particle_x4 = particle_x4,
-        .row16 = row16,
+        .row_x16 = row16,
     };
     kernels->half_space( &args, 0, padded );
 }

@@ -28,7 +28,7 @@ typedef struct strand_loop
 {
     wisp_strand_contact_args args; // without the body
     int group;
-    wisp_strand_reach reach; // of the group
+    wisp_strand_bounds reach; // of the group
 } strand_loop;
 
 static const size_t ROW = 3 * WISP_LANES;
@@ -55,7 +55,7 @@ static float path_seen( const strand_loop* loop, const collision_view* view )
         const wisp_vec3 carried = wisp_transform_to_world( view->after, wisp_transform_to_local( view->before, c ) );
         most = fmaxf( most, collision_length( collision_sub( carried, c ) ) );
     }
-    return most + loop->reach.path;
+    return most + loop->reach.max_path;
 }
 
 static float beside( float x, float lower, float upper )
@@ -91,7 +91,7 @@ static strand_way find_way( const strand_loop* loop, float thickness, float star
     const float outward = fmaxf( 0.0f, now - start - ( began - may ) );
     const float left = fmaxf( 0.0f, may - outward );
     strand_way way;
-    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.recovery - outward ) );
+    way.recovered = fminf( left, fmaxf( 0.0f, loop->args.max_push_out - outward ) );
     way.left = left - way.recovered;
     way.out = fmaxf( 0.0f, thickness - way.left - now );
     way.absorbed = may > COLLISION_SHALLOW * thickness ? outward : 0.0f;
@@ -122,7 +122,7 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     const size_t i = (size_t)row * WISP_LANES + (size_t)lane;
     float *at = loop->args.position + (size_t)row * ROW + lane, *was = loop->args.previous + (size_t)row * ROW + lane;
     const float start = collision_start_gap( view, &plane, from, swept ) + view->thickness;
-    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.depth[i] );
+    const strand_way way = find_way( loop, view->thickness, start, now, loop->args.allowed_depth[i] );
     const wisp_vec3 normal = wisp_quat_rotate( view->after.rotation, plane.normal );
     const wisp_vec3 p = collision_add_scaled( collision_load_lane( at ), way.out, normal );
     const wisp_vec3 previous =
@@ -133,8 +133,8 @@ static void push_vertex( strand_loop* loop, const collision_view* view, int row,
     const wisp_vec3 u = collision_sub( collision_sub( p, previous ), motion );
     collision_store_lane( at, collision_sub( p, friction_of( view, u, normal, push ) ) );
     collision_store_lane( was, previous );
-    loop->args.pushed[i] += push;
-    loop->args.left[i] = fmaxf( loop->args.left[i], way.left );
+    loop->args.normal_correction[i] += push;
+    loop->args.remaining_depth[i] = fmaxf( loop->args.remaining_depth[i], way.left );
 }
 
 static void push_row( strand_loop* loop, const collision_view* view, int row )
@@ -146,7 +146,7 @@ static void push_row( strand_loop* loop, const collision_view* view, int row )
     bool is_near[WISP_LANES];
     for ( int l = 0; l < WISP_LANES; ++l )
     {
-        if ( !( loop->args.weight[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
+        if ( !( loop->args.inverse_mass[(size_t)row * WISP_LANES + (size_t)l] > 0.0f ) )
         {
             continue;
         }
@@ -218,11 +218,11 @@ void collision_touch_strands( wisp_frame* frame, const wisp_span* span, void* us
         .group_row = wisp_frame_strands( frame, span->entity )->group_row,
         .position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_STRAND_PREVIOUS, 0 ),
-        .weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
-        .pushed = wisp_frame_column( frame, span->entity, state->strand_contact, 0 ),
-        .depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
-        .left = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
-        .recovery = span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame ) : 0.0f,
+        .inverse_mass = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 ),
+        .normal_correction = wisp_frame_column( frame, span->entity, state->strand_contact, 0 ),
+        .allowed_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 1 ),
+        .remaining_depth = wisp_frame_column( frame, span->entity, state->strand_contact, 2 ),
+        .max_push_out = span->iteration == 0 ? settings->max_push_out_speed * wisp_frame_dt( frame ) : 0.0f,
     };
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     for ( loop.group = span->begin; loop.group < span->end; ++loop.group )

@@ -145,7 +145,7 @@ static void find_active( void* context, int begin, int end, int worker )
         .active = s->bounds->active,
     };
     s->bounds->active_count[begin / PAIRS_PER_BLOCK] =
-        wisp_frame_kernels( loop->work->frame )->separation_due( &args, begin, end );
+        wisp_frame_kernels( loop->work->frame )->find_active_pairs( &args, begin, end );
 }
 
 // Compact the active pairs of all blocks.

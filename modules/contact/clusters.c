@@ -389,7 +389,7 @@ wisp_aabb contact_box_around( const contact_work* work, const contact_cluster* c
     float lower[4], upper[4];
     wisp_aabb box;
     wisp_frame_kernels( work->frame )
-        ->quad_range( s->intersection_free, NULL, s->clusters->points + cluster->first_point, cluster->point_count,
+        ->xyzw_range( s->intersection_free, NULL, s->clusters->points + cluster->first_point, cluster->point_count,
                       lower, upper );
     memcpy( box.lower, lower, sizeof( box.lower ) );
     memcpy( box.upper, upper, sizeof( box.upper ) );
@@ -425,8 +425,8 @@ static void place_clusters( void* context, int begin, int end, int worker )
         for ( int kind = 0; kind < 3; ++kind )
         {
             const int row = c->items[p].kind_row[kind];
-            kernels->primitive_place( work->contact_mesh->intersection_free, c->primitives, kind + 1, row,
-                                      row + c->items[p].rows[kind] );
+            kernels->place_primitives( work->contact_mesh->intersection_free, c->primitives, kind + 1, row,
+                                       row + c->items[p].rows[kind] );
         }
         sum_normals( c, p );
     }

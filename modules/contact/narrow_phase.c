@@ -138,7 +138,7 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
     wisp_primitive_pairs to;
     contact_take_room( batch, &to );
     batch->count +=
-        ( kind == CONTACT_EDGES ? kernels->edges_near : kernels->points_near )( arg_list, job_count, &to );
+        ( kind == CONTACT_EDGES ? kernels->find_near_edges : kernels->find_near_points )( arg_list, job_count, &to );
 }
 
 // Return the separation of two clusters along the line between their boxes or across one of them, m.
@@ -157,7 +157,7 @@ static float separation_of( const wisp_kernels* kernels, const contact_contact_m
     {
         args.axis[2][k] = ( box->lower[k] + box->upper[k] ) - ( other->lower[k] + other->upper[k] );
     }
-    return kernels->apart( &args );
+    return kernels->separation( &args );
 }
 
 // Test the pairs of clusters [first, first + count) of a task.

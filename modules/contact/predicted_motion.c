@@ -153,7 +153,7 @@ static void find_ways( void* context, int begin, int end, int worker )
         memset( s->motion->is_missed + begin, 0, (size_t)( end - begin ) );
         return;
     }
-    const bool is_missed = kernels->exceeds_displacement( &args, begin, end );
+    const bool is_missed = kernels->exceeds_prediction( &args, begin, end );
     for ( int p = begin; p < end && is_missed; ++p )
     {
         measure_way( s, p );
@@ -186,7 +186,7 @@ static contact_way expected_way_of( const contact_work* work, const contact_clus
     const contact_contact_mesh* s = work->contact_mesh;
     float lower[4], upper[4];
     wisp_frame_kernels( work->frame )
-        ->quad_range( s->motion->ahead, NULL, s->clusters->points + cluster->first_point, cluster->point_count, lower,
+        ->xyzw_range( s->motion->ahead, NULL, s->clusters->points + cluster->first_point, cluster->point_count, lower,
                       upper );
     return middle_of( lower, upper, contact_larger( upper[3], 0.0f ) );
 }
@@ -196,7 +196,7 @@ static contact_way gone_way_of( const contact_work* work, const contact_cluster*
     const contact_contact_mesh* s = work->contact_mesh;
     float lower[4], upper[4];
     wisp_frame_kernels( work->frame )
-        ->quad_range( s->now, s->intersection_free, s->clusters->points + cluster->first_point, cluster->point_count,
+        ->xyzw_range( s->now, s->intersection_free, s->clusters->points + cluster->first_point, cluster->point_count,
                       lower, upper );
     return middle_of( lower, upper, 0.0f );
 }

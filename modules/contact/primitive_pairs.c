@@ -104,7 +104,7 @@ static void find_closings( const contact_work* work, contact_kind kind, contact_
         .are_edges = kind == CONTACT_EDGES,
         .max_approach = batch->closing,
     };
-    wisp_frame_kernels( work->frame )->closing( &args, 0, pad_to_eight( batch, count ) );
+    wisp_frame_kernels( work->frame )->max_approach( &args, 0, pad_to_eight( batch, count ) );
 }
 
 static bool may_meet( const contact_batch* batch, int i )

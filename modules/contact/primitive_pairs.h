@@ -55,7 +55,7 @@ typedef struct contact_batch
 /// Point a kernel's output behind the pairs of a batch.
 static inline void contact_take_room( contact_batch* batch, wisp_primitive_pairs* out )
 {
-    out->of = batch->of + batch->count;
+    out->id = batch->of + batch->count;
     out->first = batch->first + batch->count;
     out->second = batch->second + batch->count;
     for ( int k = 0; k < 4; ++k )

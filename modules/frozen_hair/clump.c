@@ -133,7 +133,7 @@ static void iterate( clump_run* run, int iteration )
     args->current = run->current;
     args->tentative = run->tentative;
     args->next = run->next;
-    args->searched = run->searched;
+    args->search_position = run->searched;
     args->iteration = (uint32_t)iteration;
     wisp_parallel_for( run->parallel, run->slices, CLUMP_SLICES, attract, run );
     if ( run->params->gap == WISP_GAP_NONE )
@@ -162,7 +162,7 @@ static void make_args( clump_run* run, const frozen_settings* settings, const fr
         .vertex = run->slot_vertex,
         .reference = { run->w->lists.near },
         .reference_count = 1,
-        .measured = &run->measured,
+        .pairs = &run->measured,
         .search_margin = run->skin / 2.0001f, // two vertices may move towards each other; the rest is rounding
         .needs_search = run->needs_search,
         .key = wisp_random_make_key( settings->seed, FROZEN_STREAM_GAP, event->number ),
@@ -182,15 +182,15 @@ static void make_args( clump_run* run, const frozen_settings* settings, const fr
 static void use_lists( clump_run* run, int iteration )
 {
     wisp_adhesion_args* args = &run->args;
-    const wisp_neighbour_list lists[2] = { run->moved == 0.0f ? run->lists->near : run->lists->within, run->late };
+    const wisp_neighbour_list lists[2] = { run->moved == 0.0f ? run->lists->near : run->lists->all, run->late };
     memcpy( args->attracting, lists, sizeof( lists ) );
     args->attracting_count = run->late.length == NULL ? 1 : 2;
-    args->measuring = iteration == 0;
+    args->stores_pairs = iteration == 0;
     if ( run->params->gap_by_iteration && iteration > 0 )
     {
         memcpy( args->reference, lists, sizeof( lists ) );
         args->reference_count = args->attracting_count;
-        args->measured = NULL;
+        args->pairs = NULL;
     }
 }
 
@@ -289,7 +289,7 @@ void frozen_clump_run( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_status status = clump_search( &run );
     if ( status == WISP_OK )
     {
-        report->coarse_grid = run.w->grid.coarse;
+        report->coarse_grid = run.w->grid.is_widened;
         make_args( &run, wisp_frame_column( frame, span->entity, state->settings, 0 ),
                    wisp_frame_column( frame, span->entity, state->event, 0 ) );
         status = iterate_all( &run );

@@ -235,7 +235,7 @@ static void find_late_pairs( void* context, int begin, int end, int worker )
     late_search* s = context;
     const clump_run* run = s->run;
     const wisp_neighbours* lists = &run->w->stray_lists;
-    const wisp_neighbour_list* found = &lists->within;
+    const wisp_neighbour_list* found = &lists->all;
     const float listed2 = skin_radius( run ) * skin_radius( run );
     for ( int i = begin; i < end; ++i )
     {

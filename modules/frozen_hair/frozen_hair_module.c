@@ -115,7 +115,7 @@ static wisp_status declare_stages( wisp_registry* r, frozen_state* s )
             .reads = { s->settings },
             .writes = { s->event },
             .run = command,
-            .is_due = command_is_due,
+            .should_run = command_is_due,
         },
         {
             .name = "frozen_hair.start",

@@ -97,7 +97,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, WISP_STRAND_POSITION },
             .writes = { WISP_STRAND_POSITION },
             .run = guide_run_ghosts,
-            .is_due = guide_ghosts_are_due,
+            .should_run = guide_ghosts_are_due,
         },
         {
             // The ghosts of a group lie in several groups of lanes, so it runs over the entity.
@@ -108,7 +108,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, s->feedback, WISP_STRAND_POSITION },
             .writes = { s->feedback, WISP_STRAND_POSITION },
             .run = guide_run_feedback,
-            .is_due = guide_feedback_is_due,
+            .should_run = guide_feedback_is_due,
         },
         {
             .name = "guide_hair.lengths",
@@ -137,7 +137,7 @@ static wisp_status declare_ghosts( wisp_registry* r, guide_state* s )
             .reads = { s->settings, s->table, s->between, WISP_STRAND_POSITION },
             .writes = { s->between, s->interval },
             .run = guide_run_between,
-            .is_due = guide_between_is_due,
+            .should_run = guide_between_is_due,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
@@ -164,7 +164,7 @@ static wisp_status declare_curves( wisp_registry* r, guide_state* s )
             .reads = { s->curves },
             .writes = { s->curves, WISP_STRAND_POSITION },
             .run = guide_run_curves,
-            .is_due = guide_curves_are_due,
+            .should_run = guide_curves_are_due,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );

@@ -97,16 +97,16 @@ static void fill_table( wisp_frame* frame, const wisp_span* span, const guide_st
         .position = f->resampled ? l->position : loop.position,
         .rest = f->resampled ? l->rest : wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 ),
         .velocity = f->resampled && loop.velocity != NULL ? l->velocity : loop.velocity,
-        .before = f->resampled && loop.before != NULL ? l->before : loop.before,
-        .cap = l->cap,
+        .previous_velocity = f->resampled && loop.before != NULL ? l->before : loop.before,
+        .max_sway = l->cap,
         .root = f->resampled && loop.root != NULL ? l->root : loop.root,
         .table = f->table,
         .stride = f->stride,
-        .carries_frames = f->carries_frames,
-        .capped = settings->capped != 0,
+        .transports_frames = f->carries_frames,
+        .is_capped = settings->capped != 0,
         .is_blended = f->link_count > 1,
         .elastic = (wisp_elastic)settings->elastic,
-        .time = settings->time > 0.0f ? settings->time : dt( frame ),
+        .sway_time = settings->time > 0.0f ? settings->time : dt( frame ),
         .tip_gain = settings->tip_gain,
     };
     wisp_parallel_for( wisp_frame_parallel( frame, span ), l->group_count, TARGET_GRAIN, fill_groups, &loop );
@@ -186,11 +186,11 @@ void guide_run_ghosts( wisp_frame* frame, const wisp_span* span, void* user )
         .offset = f->offset,
         .table = f->table,
         .stride = f->stride,
-        .link_count = f->link_count,
-        .turns = f->turns,
+        .target_count = f->link_count,
+        .rotates_offsets = f->turns,
         .elastic = (wisp_elastic)settings->elastic,
-        .time = settings->time > 0.0f ? settings->time : dt( frame ),
-        .to = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
+        .sway_time = settings->time > 0.0f ? settings->time : dt( frame ),
+        .points = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 ),
     };
     if ( f->link_count > 1 )
     {

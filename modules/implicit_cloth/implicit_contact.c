@@ -112,7 +112,7 @@ static void hold_pin( const implicit_system* s, const implicit_contact_input* f,
         there = f->target_fraction >= 1.0f ? target : add_scaled( x, f->target_fraction, subtract( target, x ) );
     }
     const wisp_vec3 way = subtract( there, load( s->place + (size_t)row * 4 ) );
-    const float rate = 1.0f / s->spring.seconds;
+    const float rate = 1.0f / s->spring.dt;
     hold_row( s, row, NOTHING, ( wisp_vec3 ){ rate * way.x, rate * way.y, rate * way.z } );
     f->contact[slot] = ( implicit_contact ){ .slides = 0 };
 }
@@ -171,7 +171,7 @@ static bool judge( const implicit_system* s, const implicit_contact_input* f, in
         return true;
     }
     const wisp_vec3 x = load( f->position + (size_t)slot * 4 ), place = load( s->place + (size_t)row * 4 );
-    const wisp_vec3 there = add_scaled( place, s->spring.seconds, load( s->start + (size_t)row * 4 ) );
+    const wisp_vec3 there = add_scaled( place, s->spring.dt, load( s->start + (size_t)row * 4 ) );
     const wisp_vec3 way = add_scaled( subtract( there, x ), -f->seconds, t->motion );
     return f->speculative && t->gap >= 0.5f * t->margin && t->gap + dot( way, t->normal ) < 0.0f;
 }
@@ -241,7 +241,7 @@ static wisp_vec3 velocity_with( const implicit_system* s, const implicit_contact
                                 wisp_vec3 motion )
 {
     const wisp_vec3 back = subtract( load( f->position + (size_t)slot * 4 ), load( s->place + (size_t)row * 4 ) );
-    const float rate = 1.0f / s->spring.seconds;
+    const float rate = 1.0f / s->spring.dt;
     return add_scaled( add_scaled( ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f }, rate, back ), rate * f->seconds, motion );
 }
 
@@ -258,7 +258,7 @@ static void prescribe( const implicit_system* s, const implicit_contact_input* f
     for ( int i = 0; i < count; ++i )
     {
         const wisp_vec3 v = velocity_with( s, f, row, slot, touches[i].motion );
-        products[i] = dot( v, touches[i].normal ) + way_out( f, touches + i ) / s->spring.seconds;
+        products[i] = dot( v, touches[i].normal ) + way_out( f, touches + i ) / s->spring.dt;
     }
     wisp_vec3 goal = spanned( touches, count, products );
     if ( sticks )

@@ -205,8 +205,8 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
         .begin = (const int32_t*)(void*)( memory + begin_at ),
         .other_x4 = (const int32_t( * )[WISP_SLICE])out.other_x4,
         .rest = (const float( * )[WISP_SLICE])out.rest,
-        .load = (const float( * )[WISP_SLICE])out.load,
-        .ramp = (const float( * )[WISP_SLICE])out.ramp,
+        .stiffness = (const float( * )[WISP_SLICE])out.load,
+        .ramp_stiffness = (const float( * )[WISP_SLICE])out.ramp,
         .damping = (const float( * )[WISP_SLICE])out.damping,
     };
     return links;

@@ -37,7 +37,7 @@ static void turn_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     const slice_loop* loop = context;
-    loop->system->kernels->conjugate_turn( &loop->system->conjugate, loop->step, loop->fraction, begin, end );
+    loop->system->kernels->conjugate_update( &loop->system->conjugate, loop->step, loop->fraction, begin, end );
 }
 
 static double product( implicit_system* s )

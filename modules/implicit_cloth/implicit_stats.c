@@ -87,8 +87,9 @@ static void add_entry( const implicit_links* links, const float* position, float
             continue;
         }
         const double length = row_distance( position, links, row, other );
-        const double rest = (double)links->springs.rest[entry][lane], load = (double)links->springs.load[entry][lane];
-        const double ramp = (double)fminf( links->springs.ramp[entry][lane], most );
+        const double rest = (double)links->springs.rest[entry][lane],
+                     load = (double)links->springs.stiffness[entry][lane];
+        const double ramp = (double)fminf( links->springs.ramp_stiffness[entry][lane], most );
         const double over = fmax( 0.0, length - rest );
         out->stretch_energy += bends ? 0.0 : 0.5 * fmin( load, (double)most ) * over * over;
         out->bend_energy += bends ? bend_energy( load, ramp, rest, length ) : 0.0;

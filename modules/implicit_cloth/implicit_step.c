@@ -80,7 +80,7 @@ static void gather_row( step* s, int row )
     extrapolate( s, c->velocity + quad, c->before_velocity != NULL ? c->before_velocity + quad : NULL, start );
     if ( weight > 0.0f )
     {
-        const float fall = system->spring.seconds;
+        const float fall = system->spring.dt;
         place[3] = system->links->fraction[row] / weight;
         start[0] = s->kept * start[0] + fall * s->gravity.x;
         start[1] = s->kept * start[1] + fall * s->gravity.y;
@@ -128,7 +128,7 @@ static bool guess_row( step* s, int row )
 {
     const implicit_system* system = &s->system;
     const int slot = system->links->row_slot[row], lane = row % WISP_SLICE;
-    const bool warm = s->columns.change != NULL && system->spring.repeat == false && slot >= 0;
+    const bool warm = s->columns.change != NULL && system->spring.is_repeat == false && slot >= 0;
     const float *goal = system->goal + (size_t)row * 4, *v = s->velocity + (size_t)row * 4;
     float free[3] = { 0.0f }, held[3] = { 0.0f };
     for ( int k = 0; k < 3; ++k )
@@ -175,7 +175,7 @@ static void move_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     step* s = context;
-    const float h = s->system.spring.seconds;
+    const float h = s->system.spring.dt;
     for ( int row = begin * WISP_SLICE; row < end * WISP_SLICE; ++row )
     {
         const float* place = s->system.place + (size_t)row * 4;
@@ -213,9 +213,9 @@ static void count_outcome( wisp_frame* frame, const implicit_outcome* outcome )
 
 static int assemble( step* s, bool repeat )
 {
-    s->system.spring.repeat = repeat;
-    s->system.spring.reach = s->stiff ? REACH : 0.0f;
-    s->system.spring.place = repeat && s->stiff ? s->system.place : NULL;
+    s->system.spring.is_repeat = repeat;
+    s->system.spring.compression_margin = s->stiff ? REACH : 0.0f;
+    s->system.spring.base_position = repeat && s->stiff ? s->system.place : NULL;
     for_slices( s, assemble_slices );
     int undirected = 0;
     for ( int block = 0; block < s->system.block_count; ++block )
@@ -466,13 +466,13 @@ static void choose_integrator( wisp_frame* frame, const wisp_span* span, step* s
     }
     if ( ratio > MAX_RATIO )
     {
-        s->system.spring.stiffest = (float)( MAX_RATIO / ratio * (double)links->stiffest );
+        s->system.spring.max_stiffness = (float)( MAX_RATIO / ratio * (double)links->stiffest );
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     const float w = two ? h / m->before : 0.0f;
     s->recent = ( 1.0f + w ) * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
     s->older = w * w / ( 1.0f + 2.0f * w );
-    s->system.spring.seconds = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
+    s->system.spring.dt = h * ( 1.0f + w ) / ( 1.0f + 2.0f * w );
 }
 
 typedef struct arena
@@ -532,7 +532,7 @@ static bool find_room( step* s, int worker )
     y->spring.links = y->conjugate.links = y->links->springs;
     y->spring.position = s->point;
     y->spring.velocity = s->velocity;
-    y->spring.start = y->start;
+    y->spring.start_velocity = y->start;
     y->conjugate.axis = (const float( * )[4][WISP_SLICE])y->spring.axis;
     y->conjugate.inverse = (const float( * )[6][WISP_SLICE])y->spring.inverse;
     y->conjugate.filter = ( const float( * )[6][WISP_SLICE] )(const void*)y->filter_floats;
@@ -556,7 +556,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
     const wisp_vec3* gravity = wisp_frame_column( frame, e, WISP_PARTICLE_GRAVITY, 0 );
     const float* damping = wisp_frame_column( frame, e, WISP_PARTICLE_DAMPING, 0 );
     s->gravity = gravity != NULL ? *gravity : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
-    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.seconds ) : 1.0f;
+    s->kept = damping != NULL ? 1.0f / ( 1.0f + *damping * s->system.spring.dt ) : 1.0f;
     const float h = wisp_frame_dt( frame ), gx = s->gravity.x, gy = s->gravity.y, gz = s->gravity.z;
     const float HYSTERESIS = 1e-4f; // of the weight: error of a solve at its tolerance
     s->contact_input = ( implicit_contact_input ){
@@ -617,7 +617,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
     for_slices( &s, gather_slices );
     implicit_tally tally = solve( frame, &s );
     add_contacts( &s, &tally );
-    tally.stiffest = s.system.spring.stiffest;
+    tally.stiffest = s.system.spring.max_stiffness;
     for_slices( &s, scatter_slices );
     // after the impulses, because the right side overwrites them
     tally.newton_residual = material->requests_stats != 0 ? newton_residual( &s ) : 0.0f;

@@ -89,13 +89,14 @@ static void select_pair( pair_args* batch, const pair_args* all, const wisp_span
     }
     batch->motion.position = batch->link.position = batch->stretch.position = all->motion.position + vector;
     batch->motion.velocity = all->motion.velocity + vector;
-    batch->motion.weight = batch->link.weight = batch->stretch.weight = all->motion.weight + scalar;
+    batch->motion.inverse_mass = batch->link.inverse_mass = batch->stretch.inverse_mass =
+        all->motion.inverse_mass + scalar;
     batch->motion.root = all->motion.root + strands_vector( pair->begin, 0 );
     batch->stretch.velocity = batch->motion.velocity;
     batch->stretch.length = all->stretch.length + scalar;
-    if ( all->motion.fraction != NULL )
+    if ( all->motion.acceleration_scale != NULL )
     {
-        batch->motion.fraction = all->motion.fraction + strands_scalar( pair->begin, 0 );
+        batch->motion.acceleration_scale = all->motion.acceleration_scale + strands_scalar( pair->begin, 0 );
     }
     if ( all->link.rest != NULL )
     {
@@ -137,7 +138,7 @@ static void check_bounds( wisp_frame* frame, const wisp_span* pair, const pair_a
     for ( int g = pair->begin; g < pair->end; ++g )
     {
         const int first = batch->group_row[g - pair->begin], last = batch->group_row[g - pair->begin + 1];
-        in_bounds[g] = wisp_frame_kernels( frame )->strand_first_beyond( &args, first, last ) == last ? 1 : 0;
+        in_bounds[g] = wisp_frame_kernels( frame )->strand_find_out_of_bounds( &args, first, last ) == last ? 1 : 0;
     }
 }
 

@@ -35,8 +35,9 @@ static void check_groups( void* context, int begin, int end, int worker )
     for ( int g = begin; g < end; ++g )
     {
         const int last = loop->group_row[g + 1];
-        const int row =
-            loop->in_bounds[g] != 0 ? last : loop->kernels->strand_first_beyond( &args, loop->group_row[g], last );
+        const int row = loop->in_bounds[g] != 0
+                            ? last
+                            : loop->kernels->strand_find_out_of_bounds( &args, loop->group_row[g], last );
         bad = row < last && row < bad ? row : bad;
         loop->in_bounds[g] = 0; // until the next step is checked
     }

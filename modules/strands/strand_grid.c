@@ -303,7 +303,7 @@ static bool fill( wisp_frame* frame, const wisp_span* span, grid_workspace* w, c
     {
         return false;
     }
-    wisp_frame_count( frame, WISP_COUNT_COARSE_GRIDS, w->grid.coarse ? 1 : 0 );
+    wisp_frame_count( frame, WISP_COUNT_COARSE_GRIDS, w->grid.is_widened ? 1 : 0 );
     loop->grid = &w->grid;
     loop->entries = w->entries.data;
     loop->corners = w->corners.data;

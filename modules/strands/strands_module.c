@@ -36,7 +36,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
             .reads = { s->settings, s->clamp, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->rod, s->clamp },
             .run = strands_factor,
-            .is_due = strands_factor_is_due,
+            .should_run = strands_factor_is_due,
         },
         {
             .name = "strands.rest",
@@ -47,7 +47,7 @@ static wisp_status declare_input( wisp_registry* r, strands_state* s )
                        WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH },
             .writes = { s->curve, s->balance },
             .run = strands_balance_rest,
-            .is_due = strands_balance_is_due,
+            .should_run = strands_balance_is_due,
         },
         {
             .name = "strands.grid",
@@ -259,8 +259,8 @@ static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
     const wisp_fusion join = {
         .name = "strands.substeps",
         .required = { "strands.predict", "strands.stretch", "strands.velocity" },
-        .allows = { "strands.teleport", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
-                    "strands.damping_anchored", "strands.air", "strands.bend_links" },
+        .allowed = { "strands.teleport", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
+                     "strands.damping_anchored", "strands.air", "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
     };
@@ -287,7 +287,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .reads = { s->fault, s->tension },
             .writes = { s->tension },
             .run = strands_mend_tension,
-            .is_due = strands_is_faulty,
+            .should_run = strands_is_faulty,
         },
         {
             .name = "strands.restore_frames",
@@ -297,7 +297,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .reads = { s->fault, s->curve, s->clamp, WISP_STRAND_ROOT, WISP_STRAND_POSITION },
             .writes = { s->curve },
             .run = strands_mend_frames,
-            .is_due = strands_is_faulty,
+            .should_run = strands_is_faulty,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );

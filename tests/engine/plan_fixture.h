@@ -110,7 +110,7 @@ static inline wisp_status fake_declare( wisp_registry* r )
             .domain = f->domain,
             .run = fake_trace,
             .on_change = f->on_change != 0 ? letter( f->on_change ) : (wisp_component)0,
-            .is_due = f->asks ? fake_is_due : NULL,
+            .should_run = f->asks ? fake_is_due : NULL,
             .user = (void*)(uintptr_t)f,
             .grain = f->grain,
         };

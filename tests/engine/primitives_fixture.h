@@ -288,15 +288,15 @@ static inline void look( const wisp_kernels* kernels, scene* s )
     const wisp_primitive_pairs to = {
         s->of, s->first, s->second, { s->point_x4[0], s->point_x4[1], s->point_x4[2], s->point_x4[3] }
     };
-    s->found = ( s->shape == EDGES ? kernels->edges_near : kernels->points_near )( &args, 1, &to );
+    s->found = ( s->shape == EDGES ? kernels->find_near_edges : kernels->find_near_points )( &args, 1, &to );
 }
 
 static inline void run( const wisp_kernels* kernels, scene* s )
 {
     for ( int side = 0; side < 2; ++side )
     {
-        kernels->primitive_place( s->point[0], s->row[side], s->corners[side], 0, 1 );
-        kernels->primitive_place( s->point[0], s->row[side], s->corners[side], 1, s->rows[side] );
+        kernels->place_primitives( s->point[0], s->row[side], s->corners[side], 0, 1 );
+        kernels->place_primitives( s->point[0], s->row[side], s->corners[side], 1, s->rows[side] );
         s->box[side] = box_around( s, side );
     }
     for ( int l = 0; l < 8; ++l )

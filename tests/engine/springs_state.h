@@ -159,8 +159,8 @@ static inline wisp_spring_links links_of( const springs* s )
         .begin = s->begin,
         .other_x4 = s->other_x4,
         .rest = s->rest,
-        .load = s->load,
-        .ramp = s->ramp,
+        .stiffness = s->load,
+        .ramp_stiffness = s->ramp,
         .damping = s->damping,
     };
 }
@@ -181,9 +181,9 @@ static inline wisp_spring_args spring_args( springs* s, int variant )
         .links = links_of( s ),
         .position = s->position[0],
         .velocity = s->velocity[0],
-        .start = s->start[0],
-        .seconds = STEP,
-        .repeat = ( variant & REPEAT ) != 0,
+        .start_velocity = s->start[0],
+        .dt = STEP,
+        .is_repeat = ( variant & REPEAT ) != 0,
         .axial_damping = ( variant & AXIAL ) != 0,
         .full_jacobian = ( variant & FULL ) != 0,
         .axis = s->axis,

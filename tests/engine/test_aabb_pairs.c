@@ -370,7 +370,7 @@ static void others_ask_again_what_is_made_already( void** state )
             };
             find_right( f, &args );
             const int builds = f->pairs.build_count, refits = f->pairs.refit_count;
-            args.again = true;
+            args.reuse = true;
             args.queries = queries;
             args.query_count = MAX_BOXES / 5;
             find_right( f, &args );

@@ -98,7 +98,7 @@ static double outside_cell( const wisp_grid* g, const float* quad )
     {
         int axis = g->axis[i], place = rest % g->dims[axis];
         rest /= g->dims[axis];
-        double edge = (double)g->cell / ( i == 0 ? g->fine : 1 );
+        double edge = (double)g->cell / ( i == 0 ? g->subdivisions : 1 );
         double lower = (double)g->origin[axis] + place * edge, upper = lower + edge;
         most = fmax( most, fmax( lower - (double)quad[axis], (double)quad[axis] - upper ) );
     }
@@ -119,7 +119,7 @@ static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** st
         {
             most = fmax( most, outside_cell( &s->grid, c.xyzw + 4 * (size_t)i ) );
         }
-        assert_true( most <= (double)s->grid.slack );
+        assert_true( most <= (double)s->grid.rounding_margin );
         free( c.xyzw );
     }
     space_close( s );
@@ -139,7 +139,7 @@ static void cells_are_as_wide_as_requested_unless_there_would_be_too_many( void*
         // four cells an item, and a few that a handful of items may have
         assert_true( (double)g->dims[0] * g->dims[1] * g->dims[2] <= 4.0 * c.count + 64.0 );
         bool sparse = shape == CLOUD_SPREAD || shape == CLOUD_CLUSTERS || shape == CLOUD_LINE;
-        assert_int_equal( g->coarse, sparse );
+        assert_int_equal( g->is_widened, sparse );
         free( c.xyzw );
     }
     space_close( s );
@@ -187,11 +187,11 @@ static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many(
         assert_int_equal( g->dims[g->axis[2]], cubes.dims[g->axis[2]] );
         int cut = g->dims[g->axis[0]], whole = cubes.dims[g->axis[0]];
         double rows = (double)g->dims[g->axis[1]] * g->dims[g->axis[2]], most = 4.0 * c.count + 64.0;
-        assert_in_range( g->fine, 1, 4 );
-        assert_in_range( cut, g->fine * ( whole - 1 ) + 1, g->fine * whole );
+        assert_in_range( g->subdivisions, 1, 4 );
+        assert_in_range( cut, g->subdivisions * ( whole - 1 ) + 1, g->subdivisions * whole );
         assert_true( rows * cut <= most );
         // a cut less than asked for has a reason
-        assert_true( g->fine == 4 || rows * ( g->fine + 1 ) * whole > most );
+        assert_true( g->subdivisions == 4 || rows * ( g->subdivisions + 1 ) * whole > most );
         free( c.xyzw );
     }
     space_close( s );

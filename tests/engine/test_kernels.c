@@ -224,7 +224,7 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
         .current = a->xyzw[0],
         .tentative = a->tentative[0],
         .displacement = a->displacement[0][0],
-        .searched = a->xyzw[0],
+        .search_position = a->xyzw[0],
         .owner = a->grid.owner,
         .vertex = a->vertex,
         .attracting = { a->neighbours.near },

@@ -170,7 +170,7 @@ static bool leaves( const wisp_kernels* kernels, int seed, int point, float time
     const float most = w.way[point][3];
     w.now[point][seed % 3] += times * most;
     const wisp_displacement_args args = job_of( &w );
-    return kernels->exceeds_displacement( &args, 0, end );
+    return kernels->exceeds_prediction( &args, 0, end );
 }
 
 static void who_goes_farther_from_its_way_than_it_may_leaves_it( void** state )
@@ -241,7 +241,7 @@ static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone,
         .separation_bound = s->slack,
         .active = s->due,
     };
-    s->due_count = kernels->separation_due( &args, begin, end );
+    s->due_count = kernels->find_active_pairs( &args, begin, end );
 }
 
 // Slack is lowered by no less than what sides came nearer, and hardly more; who has less than what may come is due.

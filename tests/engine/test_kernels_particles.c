@@ -301,7 +301,7 @@ static wisp_prolong_args prolong_args( particle_batch* s )
 {
     return ( wisp_prolong_args ){
         .position = s->position[0],
-        .moved = s->moved[0],
+        .displacement = s->moved[0],
         .child_x4 = s->child_x4[0],
         .parent_x4 = s->parent_x4[0][0],
         .weight = s->weight[0][0],
@@ -579,15 +579,15 @@ static void the_first_particle_beyond_the_bound_is_found( void** state )
     for ( int t = 0; t < table_count; ++t )
     {
         s->position[3][3] = 1e9f; // an inverse mass may be anything
-        assert_int_equal( tables[t]->first_beyond( &args, 0, COUNT ), COUNT );
+        assert_int_equal( tables[t]->find_out_of_bounds( &args, 0, COUNT ), COUNT );
         for ( int i = 0; i < 6 * COUNT; ++i )
         {
             float* number = i % 6 < 3 ? &s->position[i / 6][i % 6] : &s->velocity[i / 6][i % 6 - 3];
             const float kept = *number, later = s->velocity[COUNT - 1][2];
             s->velocity[COUNT - 1][2] = NAN;
             *number = wrong[i % WISP_COUNT( wrong )];
-            assert_int_equal( tables[t]->first_beyond( &args, 0, COUNT ), i / 6 );
-            assert_int_equal( tables[t]->first_beyond( &args, 0, i / 48 * 8 ), i / 48 * 8 );
+            assert_int_equal( tables[t]->find_out_of_bounds( &args, 0, COUNT ), i / 6 );
+            assert_int_equal( tables[t]->find_out_of_bounds( &args, 0, i / 48 * 8 ), i / 48 * 8 );
             *number = kept;
             s->velocity[COUNT - 1][2] = later;
         }

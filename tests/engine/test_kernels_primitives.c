@@ -70,7 +70,8 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
     const wisp_primitive_pairs to = {
         of, names[0], names[1], { point_x4[0], point_x4[1], point_x4[2], point_x4[3] }
     };
-    const int found = ( scenes[0]->shape == EDGES ? kernels->edges_near : kernels->points_near )( batch, count, &to );
+    const int found =
+        ( scenes[0]->shape == EDGES ? kernels->find_near_edges : kernels->find_near_points )( batch, count, &to );
     int before = 0;
     for ( int i = 0; i < count; ++i )
     {
@@ -109,8 +110,8 @@ static void jobs_at_once_find_what_each_finds_alone( void** state )
             check_together( tables[t], i + SEEDS - WISP_PRIMITIVE_BATCH, WISP_PRIMITIVE_BATCH );
         }
     }
-    assert_int_equal( widest_table()->edges_near( NULL, 0, &( wisp_primitive_pairs ){ .of = NULL } ), 0 );
-    assert_int_equal( widest_table()->points_near( NULL, 0, &( wisp_primitive_pairs ){ .of = NULL } ), 0 );
+    assert_int_equal( widest_table()->find_near_edges( NULL, 0, &( wisp_primitive_pairs ){ .id = NULL } ), 0 );
+    assert_int_equal( widest_table()->find_near_points( NULL, 0, &( wisp_primitive_pairs ){ .id = NULL } ), 0 );
 }
 
 // ---- where primitives are ----
@@ -554,7 +555,7 @@ static void ranges_are_those_of_all_numbers_that_are( void** state )
                 most[k] = fmaxf( most[k], v );
             }
         }
-        tables[i / 6 / SEEDS]->quad_range( s.point[0], i % 6 < 3 ? s.less[0] : NULL, s.point_x4[0], points, lower,
+        tables[i / 6 / SEEDS]->xyzw_range( s.point[0], i % 6 < 3 ? s.less[0] : NULL, s.point_x4[0], points, lower,
                                            upper );
         assert_memory_equal( lower, least, sizeof( lower ) );
         assert_memory_equal( upper, most, sizeof( upper ) );

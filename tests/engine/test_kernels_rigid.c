@@ -33,9 +33,9 @@ static crowd make_crowd( int kind )
             i % 7 == 3 ? 0.0f : test_random_float( i, 6, 0.5f, 100.0f ) * ( kind == 4 ? 1e-35f : 1.0f );
     }
     c.args.origin = ( wisp_vec3 ){ c.position[1][0], c.position[1][1], c.position[1][2] };
-    c.args.drift = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
+    c.args.linear_velocity = ( wisp_vec3 ){ c.velocity[1][0], c.velocity[1][1], c.velocity[1][2] };
     c.args.inverse_mass = kind == 4 ? 1e-35f : 4.0f;
-    c.args.turning = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
+    c.args.angular_velocity = ( wisp_vec3 ){ 0.5f, -2.0f, 1.25f };
     c.args.fraction = 0.375f;
     return c;
 }
@@ -71,7 +71,7 @@ static void every_table_gives_the_same_bits( void** state )
 static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] )
 {
     const float *p = c->position[i], *v = c->velocity[i];
-    const wisp_vec3 o = c->args.origin, d = c->args.drift;
+    const wisp_vec3 o = c->args.origin, d = c->args.linear_velocity;
     const double mass = p[3] > 0.0f ? (double)c->args.inverse_mass / (double)p[3] : 0.0;
     const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y, (double)p[2] - (double)o.z },
                  u[3] = { (double)v[0] - (double)d.x, (double)v[1] - (double)d.y, (double)v[2] - (double)d.z };
@@ -129,7 +129,7 @@ static void velocities_go_their_share_of_the_way( void** state )
         {
             const bool goes = i >= 16 && i < COUNT - 8 && c.position[i][3] > 0.0f;
             const float* p = c.position[i];
-            const wisp_vec3 o = args.origin, w = args.turning, d = args.drift;
+            const wisp_vec3 o = args.origin, w = args.angular_velocity, d = args.linear_velocity;
             const double r[3] = { (double)p[0] - (double)o.x, (double)p[1] - (double)o.y,
                                   (double)p[2] - (double)o.z };
             const double rigid[3] = { (double)d.x + (double)w.y * r[2] - (double)w.z * r[1],

@@ -150,19 +150,19 @@ static wisp_ring_args ring_args( blends* b )
                                .ring_x4 = (const int32_t( * )[8])b->ring_x4 };
 }
 
-static wisp_hold_args hold_args( blends* b, bool each, int number )
+static wisp_extent_args hold_args( blends* b, bool each, int number )
 {
-    return ( wisp_hold_args ){
+    return ( wisp_extent_args ){
         .position = b->position[0],
         .pair_x4 = (const int32_t( * )[2][8])b->pair_x4,
         .corner_x4 = (const int32_t( * )[3][8])b->corner_x4,
         .spacing = 0.2f,
-        .each = each ? b->spacing : NULL,
+        .element_spacing = each ? b->spacing : NULL,
         .lower = b->lower,
         .upper = b->upper,
-        .low_height = b->low_height,
-        .high_height = b->high_height,
-        .held = b->held[number],
+        .lower_height = b->low_height,
+        .upper_height = b->high_height,
+        .unchanged = b->held[number],
     };
 }
 
@@ -191,9 +191,9 @@ static int run_ring( const wisp_kernels* kernels, blends* b )
 
 static int run_hold( const wisp_kernels* kernels, blends* b )
 {
-    const wisp_hold_args edges = hold_args( b, false, 0 ), triangles = hold_args( b, true, 1 );
-    kernels->hold_edges( &edges, 0, SLICES );
-    kernels->hold_triangles( &triangles, 0, SLICES );
+    const wisp_extent_args edges = hold_args( b, false, 0 ), triangles = hold_args( b, true, 1 );
+    kernels->check_edge_extents( &edges, 0, SLICES );
+    kernels->check_triangle_extents( &triangles, 0, SLICES );
     return 0;
 }
 

@@ -21,7 +21,7 @@ static void every_table_solves_to_the_same_bits( void** state )
             s->sum[0] = tables[t]->conjugate_advance( &args, 0.0f, 0, SLICES );
             s->sum[1] = tables[t]->spring_product( &args, 0, SLICES );
             s->sum[2] = tables[t]->conjugate_advance( &args, 0.37f, 0, SLICES );
-            tables[t]->conjugate_turn( &args, 0.37f, 0.61f, 0, SLICES );
+            tables[t]->conjugate_update( &args, 0.37f, 0.61f, 0, SLICES );
             s->sum[3] = tables[t]->spring_product( &args, 0, SLICES );
             if ( first != NULL && memcmp( s, first, sizeof( *s ) ) != 0 )
             {
@@ -88,8 +88,8 @@ static void bend_arcs( const float y[8], arcs* a )
                    (const float( * )[8])a->one, (const float( * )[8])a->ramp, (const float( * )[8])a->zero },
         .position = a->position[0],
         .velocity = a->nothing[0],
-        .start = a->nothing[0],
-        .seconds = 1.0f,
+        .start_velocity = a->nothing[0],
+        .dt = 1.0f,
         .axis = a->axis,
         .rhs = a->rhs,
         .inverse = a->inverse,
@@ -338,7 +338,7 @@ static void no_link_is_stiffer_than_the_stiffest( void** state )
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
         wisp_spring_args args = spring_args( s, variant );
-        args.stiffest = stiffest;
+        args.max_stiffness = stiffest;
         widest_table()->spring_assemble( &args, 0, SLICES );
         assemble( widest_table(), softer, variant );
         assert_same_rows( s, softer );
@@ -364,7 +364,7 @@ static void links_span_places_where_there_are_some( void** state )
         s->position[row][0] = s->position[row][1] = s->position[row][2] = 7.0f;
     }
     wisp_spring_args args = spring_args( s, REPEAT );
-    args.place = place[0];
+    args.base_position = place[0];
     widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), expected, REPEAT );
     assert_same_rows( s, expected );
@@ -378,7 +378,7 @@ static void a_reach_stiffens_and_does_not_pull( void** state )
     (void)state;
     springs *s = new_springs(), *plain = new_springs();
     wisp_spring_args args = spring_args( s, REPEAT );
-    args.reach = 1.0f;
+    args.compression_margin = 1.0f;
     widest_table()->spring_assemble( &args, 0, SLICES );
     assemble( widest_table(), plain, REPEAT );
     assert_memory_equal( s->rhs, plain->rhs, sizeof( s->rhs ) );
@@ -659,7 +659,7 @@ static void an_advance_and_a_turn_are_what_they_say( void** state )
         size += ( double3_length( was ) + double3_length( q ) ) * scale;
     }
     assert_near( sum, reference, 32.0 * EPSILON * size, "r . s", 0 );
-    widest_table()->conjugate_turn( &args, a, b, 0, SLICES );
+    widest_table()->conjugate_update( &args, a, b, 0, SLICES );
     for ( int row = 0; row < ROWS; ++row )
     {
         const double3 search = lane_vector( (const float( * )[3][8])s->search, row );

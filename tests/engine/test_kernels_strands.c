@@ -356,16 +356,16 @@ static void the_first_row_beyond_the_bound_is_found( void** state )
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
     {
-        assert_int_equal( tables[t]->strand_first_beyond( &args, 0, STRAND_ROWS ), STRAND_ROWS );
+        assert_int_equal( tables[t]->strand_find_out_of_bounds( &args, 0, STRAND_ROWS ), STRAND_ROWS );
         for ( int i = 0; i < STRAND_ROWS * 96; ++i )
         {
             const int row = i / 96, k = i / 16 % 3, lane = i % 16;
             float* number = i / 48 % 2 == 0 ? &s.position[row][k][lane] : &s.velocity[row][k][lane];
             const float kept = *number;
             *number = WRONG[i % WISP_COUNT( WRONG )];
-            assert_int_equal( tables[t]->strand_first_beyond( &args, 0, STRAND_ROWS ), row );
-            assert_int_equal( tables[t]->strand_first_beyond( &args, 0, row ), row );
-            assert_int_equal( tables[t]->strand_first_beyond( &args, row + 1, STRAND_ROWS ), STRAND_ROWS );
+            assert_int_equal( tables[t]->strand_find_out_of_bounds( &args, 0, STRAND_ROWS ), row );
+            assert_int_equal( tables[t]->strand_find_out_of_bounds( &args, 0, row ), row );
+            assert_int_equal( tables[t]->strand_find_out_of_bounds( &args, row + 1, STRAND_ROWS ), STRAND_ROWS );
             *number = kept;
         }
     }

@@ -21,7 +21,7 @@ static const fake_pass PASSES[] = {
 static const wisp_fusion JOIN = {
     .name = "fake.together",
     .required = { "move", "project", "read" },
-    .allows = { "hold" },
+    .allowed = { "hold" },
     .run = fake_trace_joined,
 };
 
@@ -221,7 +221,7 @@ static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
     static const wisp_fusion BAD[] = {
         { .name = "fake.nothing", .run = fake_trace_joined },
         { .name = "fake.unknown", .required = { "move", "nowhere" }, .run = fake_trace_joined },
-        { .name = "fake.stranger", .required = { "move" }, .allows = { "nowhere" }, .run = fake_trace_joined },
+        { .name = "fake.stranger", .required = { "move" }, .allowed = { "nowhere" }, .run = fake_trace_joined },
         { .name = "fake.idle", .required = { "move" } },
     };
     static const wisp_module* const MODULES[] = { &fake_module };

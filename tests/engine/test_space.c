@@ -57,7 +57,7 @@ static int at_most( int count, int limit )
 // number to the slice's end.
 static int wrong_entries( const wisp_neighbours* found, int q, const naive_list* expected, int limit )
 {
-    const wisp_neighbour_list* list = &found->within;
+    const wisp_neighbour_list* list = &found->all;
     int slice = q / WISP_SLICE, lane = q % WISP_SLICE;
     int near = at_most( expected->near_count, limit ), kept = near + at_most( expected->skin_count, limit );
     const int32_t* entries = list->entries + (size_t)list->begin[slice] * WISP_SLICE + lane;
@@ -81,7 +81,7 @@ static bool is_too_long( const wisp_neighbours* found, int slice )
     {
         near = found->near_count[slice * WISP_SLICE + l] > near ? found->near_count[slice * WISP_SLICE + l] : near;
     }
-    const wisp_neighbour_list* list = &found->within;
+    const wisp_neighbour_list* list = &found->all;
     bool used = list->length[slice] == 0;
     for ( int l = 0; l < WISP_SLICE && used == false; ++l )
     {
@@ -124,7 +124,7 @@ static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour
     assert_int_equal( wrong, 0 );
     assert_int_equal( s->found.capped, capped );
     assert_int_equal( s->found.slice_count, ( query->query_count + 7 ) / 8 );
-    assert_int_equal( s->found.entries, entries_of_all( &s->found.within, s->found.slice_count ) );
+    assert_int_equal( s->found.entries, entries_of_all( &s->found.all, s->found.slice_count ) );
     return pairs;
 }
 
@@ -229,7 +229,7 @@ static void an_item_at_exactly_the_radius_is_outside_and_one_just_nearer_is_insi
     assert_int_equal( check_cloud( s, &c, 1.25f, 0.0f, NO_LIMIT ), 2 );
     assert_int_equal( check_cloud( s, &c, 1.25f, 1.5f, NO_LIMIT ), 4 );
     assert_int_equal( s->found.near.length[0], 1 );
-    assert_int_equal( s->found.within.length[0], 2 );
+    assert_int_equal( s->found.all.length[0], 2 );
     space_close( s );
 }
 
@@ -244,7 +244,8 @@ static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
 {
     for ( int i = 2; i < c->count; i += 2 )
     {
-        double border = (double)g->origin[0] + (double)g->cell / g->fine * test_random( i, 0, g->dims[0] - 2 );
+        double border =
+            (double)g->origin[0] + (double)g->cell / g->subdivisions * test_random( i, 0, g->dims[0] - 2 );
         float x = (float)border;
         for ( int k = test_random( i, 1, 7 ); k > 0; --k )
         {

@@ -55,17 +55,17 @@ static wisp_strand_contact_args job_on( contact_rows* r, const wisp_shape* shape
         .group_row = GROUP_ROW,
         .position = r->position,
         .previous = r->previous,
-        .weight = r->weight,
-        .depth = r->depth,
-        .pushed = r->pushed,
-        .left = r->left,
+        .inverse_mass = r->weight,
+        .allowed_depth = r->depth,
+        .normal_correction = r->pushed,
+        .remaining_depth = r->left,
         .shape = *shape,
         .before = moves ? before : after,
         .after = after,
         .thickness = 0.1f,
         .static_friction = 0.6f,
         .kinetic_friction = 0.4f,
-        .recovery = 0.02f,
+        .max_push_out = 0.02f,
     };
 }
 
@@ -120,7 +120,7 @@ static void rub( const wisp_strand_contact_args* args, contact_vertex* v, const 
 
 static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
 {
-    contact_vertex v = { .pushed = (double)args->pushed[i], .left = (double)args->left[i] };
+    contact_vertex v = { .pushed = (double)args->normal_correction[i], .left = (double)args->remaining_depth[i] };
     const wisp_vec3 p = lane_of( args->position, i ), previous = lane_of( args->previous, i );
     spread( p, v.p );
     spread( previous, v.previous );
@@ -128,8 +128,8 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->after, p ), &s ) );
     assert_true( wisp_shape_closest( &args->shape, wisp_transform_to_local( args->before, previous ), &first ) );
     const double h = (double)args->thickness, now = (double)s.distance, start = (double)first.distance;
-    const double began = fmax( 0.0, h - start ), depth = (double)args->depth[i];
-    v.touches = args->weight[i] > 0.0f && now < h;
+    const double began = fmax( 0.0, h - start ), depth = (double)args->allowed_depth[i];
+    v.touches = args->inverse_mass[i] > 0.0f && now < h;
     v.near_edge = fabs( now - h ) < 1e-5 || fabs( began - depth - h ) < 1e-5;
     if ( v.touches == false )
     {
@@ -138,7 +138,7 @@ static contact_vertex expected_at( const wisp_strand_contact_args* args, int i )
     const double may = began > depth + h ? began : fmin( began, depth );
     const double outward = fmax( 0.0, now - start - ( began - may ) );
     const double free = fmax( 0.0, may - outward );
-    const double healed = fmin( free, fmax( 0.0, (double)args->recovery - outward ) );
+    const double healed = fmin( free, fmax( 0.0, (double)args->max_push_out - outward ) );
     const double out = fmax( 0.0, h - ( free - healed ) - now ), push = fmax( 0.0, out - healed );
     double n[3], a[3], b[3], motion[3];
     spread( wisp_quat_rotate( args->after.rotation, s.normal ), n );
@@ -258,7 +258,7 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
     {
         rows = made;
         const wisp_strand_contact_args args = job_on( &rows, SHAPES + 1, true );
-        wisp_strand_reach reach, empty;
+        wisp_strand_bounds reach, empty;
         tables[t / 2]->strand_contact_begin( &args, 2, t % 2 == 0, &reach );
         tables[t / 2]->strand_contact_begin( &args, 1, t % 2 == 0, &empty );
         assert_true( empty.lower.x > empty.upper.x );
@@ -281,7 +281,7 @@ static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state
             assert_true( rows.pushed[i] == ( inside && t % 2 == 0 ? 0.0f : made.pushed[i] ) );
         }
         assert_true( reach.lower.x == lower.x && reach.lower.y == lower.y && reach.lower.z == lower.z );
-        assert_near( (double)reach.path, path, 1e-7, "path", t );
+        assert_near( (double)reach.max_path, path, 1e-7, "path", t );
     }
 }
 

@@ -52,8 +52,8 @@
     X( float, bend, 16 )    /* k_b, no unit: 1/k is the share of the largest angle allowed */
 #define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
 /// Means nothing between steps: neither snapshots nor hashes hold it.
-#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 )   /* m, position at the start of the substep */
-#define WISP_STRAND_INVERSE_MASS_COLUMNS( X ) X( float, weight, 16 ) /* 1/kg; 0: pinned, or not a vertex */
+#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
+#define WISP_STRAND_INVERSE_MASS_COLUMNS( X ) X( float, inverse_mass, 16 ) /* 1/kg; 0: pinned, or not a vertex */
 #define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */
 #define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \
     X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
@@ -80,7 +80,7 @@
 #define WISP_PARTICLE_GRAVITY_COLUMNS( X ) X( wisp_vec3, gravity, 1 ) /* m/s^2 */
 #define WISP_PARTICLE_DAMPING_COLUMNS( X ) X( float, rate, 1 )        /* 1/s: v <- v / (1 + rate dt) */
 #define WISP_PARTICLE_EXTERNAL_SOLVER_COLUMNS( X )                                                                   \
-    X( int32_t, solved,                                                                                              \
+    X( int32_t, external,                                                                                            \
        1 ) /* 1: a module moves the particles: gravity, targets, damping and velocities are its business */
 // Bodies that a solver of velocities must know of: the nearest, whoever they are, for one substep.
 #define WISP_PARTICLE_CONTACTS_COLUMNS( X )                                                                          \

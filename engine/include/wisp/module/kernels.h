@@ -66,7 +66,7 @@ typedef struct wisp_range_search_args
     float origin[3];           ///< m
     float inverse_cell[3];     ///< 1/m
     int dims[3], axis[3];      ///< as in wisp_grid
-    int reach[3];              ///< cells to look at to each side, along axis[0], axis[1], axis[2]
+    int cell_reach[3];         ///< cells to look at to each side, along axis[0], axis[1], axis[2]
     float near_radius;         ///< m, below it a neighbour is near
     float skin_radius;         ///< m, from the near radius to here it is in the shell; 0: no shell
     int limit;                 ///< at most so many near ones and so many in the shell, the first in order
@@ -75,7 +75,7 @@ typedef struct wisp_range_search_args
 } wisp_range_search_args;
 
 /// Lists have room for so many entries beyond the limit, because they are written eight at a time.
-#define WISP_SEARCH_SLACK 16
+#define WISP_SEARCH_PADDING 16
 
 /// What eight queries found. Arrays are the caller's.
 typedef struct wisp_range_search_result
@@ -132,16 +132,16 @@ typedef struct wisp_adhesion_args
     float* tentative;                  ///< [slot][4] p(k) + Dp(k); the first sweep writes it, the second reads it
     float* displacement;               ///< [slice][3][8] Dp(k), guarded
     float* next;                       ///< [slot][4] p(k+1)
-    const float* searched;             ///< [slot][4] where the attracting lists were searched
+    const float* search_position;      ///< [slot][4] where the attracting lists were searched
     const int32_t* owner;              ///< [slot] strand
     const int32_t* vertex;             ///< [slot] index in the strand; 0 does not move
     wisp_neighbour_list attracting[2]; ///< the first sweep's lists, added one after the other
     int attracting_count;
     wisp_neighbour_list reference[2]; ///< the second sweep's lists: neighbours at the reference shape
     int reference_count;
-    wisp_reference_pairs* measured; ///< of reference[0]; null: the second sweep measures at `current`
-    bool measuring;                 ///< the first sweep, over reference[0] alone, fills `measured`
-    float search_margin;            ///< m, further than this from where it was searched a vertex has strayed
+    wisp_reference_pairs* pairs; ///< of reference[0]; null: the second sweep measures at `current`
+    bool stores_pairs;           ///< the first sweep, over reference[0] alone, fills `pairs`
+    float search_margin;         ///< m, further than this from where it was searched a vertex has strayed
     uint8_t* needs_search; ///< [slice] a bit a lane, of the sweep that moves: the second, the first without brake
     wisp_random_key key;
     uint32_t iteration;
@@ -235,17 +235,17 @@ typedef struct wisp_blend_args
 
 /// Which edges and triangles still have the extents, over the spacing, that their counts of points stand for? Only a sure
 /// yes is a yes: rounding is in the bounds.
-typedef struct wisp_hold_args
+typedef struct wisp_extent_args
 {
-    const float* position;                 ///< [slot][4] m
-    const int32_t ( *pair_x4 )[2][8];      ///< edges: [slice] slots times 4 of the ends
-    const int32_t ( *corner_x4 )[3][8];    ///< triangles: [slice] a, b, c, slots times 4; a to b is the shortest side
-    float spacing;                         ///< m
-    const float* each;                     ///< [element] m; null: `spacing` for all
-    const float *lower, *upper;            ///< [element] of length over spacing, of a triangle's base over spacing
-    const float *low_height, *high_height; ///< [triangle] of height over spacing
-    uint8_t* held;                         ///< [slice] out: a bit an element
-} wisp_hold_args;
+    const float* position;              ///< [slot][4] m
+    const int32_t ( *pair_x4 )[2][8];   ///< edges: [slice] slots times 4 of the ends
+    const int32_t ( *corner_x4 )[3][8]; ///< triangles: [slice] a, b, c, slots times 4; a to b is the shortest side
+    float spacing;                      ///< m
+    const float* element_spacing;       ///< [element] m; null: `spacing` for all
+    const float *lower, *upper;         ///< [element] of length over spacing, of a triangle's base over spacing
+    const float *lower_height, *upper_height; ///< [triangle] of height over spacing
+    uint8_t* unchanged;                       ///< [slice] out: a bit an element
+} wisp_extent_args;
 
 /// Closest points of pairs, eight pairs at a time: a point and a triangle, or two segments. Triangles may be flat and
 /// segments without length. A pair with a number that is not finite, or one wider than 1e18 m, has a distance that is not
@@ -288,7 +288,7 @@ typedef struct wisp_prolong_args
 {
     float* position; ///< [slot][4]
     const float*
-        moved; ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
+        displacement; ///< [slot][4] m, how far the level's vertices were moved by all levels so far; the fourth is 0
     const int32_t* child_x4;  ///< [slice][8]
     const int32_t* parent_x4; ///< [slice][4][8]
     const float* weight;      ///< [slice][4][8]
@@ -303,7 +303,7 @@ typedef struct wisp_half_space_args
     const float* previous;      ///< [slot][4] at the start of the substep
     float* rows;                ///< [..][16], aligned to 16 bytes
     const int32_t* particle_x4; ///< four times the particle. Twice among eight only with the same row, as padding
-    const int32_t* row16;       ///< 16 times its row
+    const int32_t* row_x16;     ///< 16 times its row
 } wisp_half_space_args;
 
 /// Time integration of particles (Mueller et al. 2007, algorithm 1). Pinned particles have no velocity of their own and keep their place.
@@ -336,24 +336,24 @@ typedef struct wisp_strand_bound_args
 typedef struct wisp_strand_motion_args
 {
     const int32_t* group_row;
-    float* position;     ///< [row][3][16] m
-    float* previous;     ///< [row][3][16] m, position at the start of the substep
-    float* velocity;     ///< [row][3][16] m/s
-    const float* weight; ///< [row][16] inverse mass in 1/kg; 0: pinned, behind the tip, or no strand
-    const float* root;   ///< [group][3][16] m, where pinned vertices of row 0 go; null: they stay
+    float* position;           ///< [row][3][16] m
+    float* previous;           ///< [row][3][16] m, position at the start of the substep
+    float* velocity;           ///< [row][3][16] m/s
+    const float* inverse_mass; ///< [row][16] inverse mass in 1/kg; 0: pinned, behind the tip, or no strand
+    const float* root;         ///< [group][3][16] m, where pinned vertices of row 0 go; null: they stay
     wisp_vec3 acceleration;
-    const float* fraction; ///< [group][16] of the acceleration that a strand feels; null: all of it
-    float dt;              ///< s
+    const float* acceleration_scale; ///< [group][16] of the acceleration that a strand feels; null: all of it
+    float dt;                        ///< s
 } wisp_strand_motion_args;
 
 /// Damping of what moves against a rigid motion: v <- u + keep (v - u) with u = linear + angular x (p - centre).
 typedef struct wisp_strand_damp_args
 {
     const int32_t* group_row;
-    const float* position; ///< [row][3][16]
-    float* velocity;       ///< [row][3][16]
-    const float* weight;   ///< [row][16]
-    float keep;            ///< in [0, 1]
+    const float* position;     ///< [row][3][16]
+    float* velocity;           ///< [row][3][16]
+    const float* inverse_mass; ///< [row][16]
+    float retained_fraction;   ///< in [0, 1]
     wisp_vec3 linear, angular, centre;
 } wisp_strand_damp_args;
 
@@ -361,12 +361,12 @@ typedef struct wisp_strand_damp_args
 typedef struct wisp_strand_air_args
 {
     const int32_t* group_row;
-    const float* position; ///< [row][3][16]
-    float* velocity;       ///< [row][3][16]
-    const float* weight;   ///< [row][16]
-    const float* length;   ///< [row][16] m
-    wisp_vec3 wind;        ///< m/s
-    float drag;            ///< kg/m^2: 1/2 density C_d diameter
+    const float* position;     ///< [row][3][16]
+    float* velocity;           ///< [row][3][16]
+    const float* inverse_mass; ///< [row][16]
+    const float* length;       ///< [row][16] m
+    wisp_vec3 wind;            ///< m/s
+    float drag;                ///< kg/m^2: 1/2 density C_d diameter
     float dt;
 } wisp_strand_air_args;
 
@@ -379,15 +379,15 @@ typedef struct wisp_strand_air_args
 typedef struct wisp_strand_stretch_args
 {
     const int32_t* group_row;
-    float* position;       ///< [row][3][16]
-    const float* weight;   ///< [row][16]
-    const float* length;   ///< [row][16] m, > 0: of the segment from this row to the next; 0 behind the tip
-    float* tension;        ///< [row][16] N, of that segment; null: not wanted
-    bool keeps_tension;    ///< add to what is there instead of beginning at 0
-    int passes;            ///< >= 1
-    float tolerance;       ///< of |l/l0 - 1|
-    float* previous;       ///< [row][3][16], moved along where a vertex loses velocity
-    const float* velocity; ///< [row][3][16] m/s, predicted: what is laid out gets no faster; null: it may
+    float* position;           ///< [row][3][16]
+    const float* inverse_mass; ///< [row][16]
+    const float* length;       ///< [row][16] m, > 0: of the segment from this row to the next; 0 behind the tip
+    float* tension;            ///< [row][16] N, of that segment; null: not wanted
+    bool accumulates_tension;  ///< add to what is there instead of beginning at 0
+    int iterations;            ///< >= 1
+    float tolerance;           ///< of |l/l0 - 1|
+    float* previous;           ///< [row][3][16], moved along where a vertex loses velocity
+    const float* velocity;     ///< [row][3][16] m/s, predicted: what is laid out gets no faster; null: it may
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
 } wisp_strand_stretch_args;
@@ -400,7 +400,7 @@ typedef struct wisp_strand_link_args
 {
     const int32_t* group_row;
     float* position;
-    const float* weight;
+    const float* inverse_mass;
     const float* rest; ///< [row][16] m, between this row and the one `stride` behind it; 0 or less: no link
     float* lambda;     ///< xpbd: [row][16] N s^2 of this substep; null: one iteration
     int stride;        ///< 1 or 2
@@ -416,9 +416,9 @@ typedef struct wisp_strand_follow_args
     const int32_t* group_row;
     float* position;
     float* previous;
-    const float* weight;
+    const float* inverse_mass;
     const float* length;
-    float fraction; ///< s of the paper, in [0, 1]
+    float leader_correction; ///< s of the paper, in [0, 1]
 } wisp_strand_follow_args;
 
 /// Bending and twist of elastic rods, implicit in the positions. Vertex i bends with the energy
@@ -432,7 +432,7 @@ typedef struct wisp_strand_rod_args
     const int32_t* group_row;
     float* position;             ///< [row][3][16] m, predicted; in and out
     const float* previous;       ///< [row][3][16] m
-    const float* weight;         ///< [row][16]
+    const float* inverse_mass;   ///< [row][16]
     const float* inverse_length; ///< [row][16] 1/m of the segment to the next row; 0 where there is none
     const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
     const float* factor;      ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
@@ -443,10 +443,10 @@ typedef struct wisp_strand_rod_args
     float* frame;             ///< [row][4][16] frame of the segment to the next row, z axis along it; null: straight
     const float* rest;        ///< [row][3][16] k_i in the middle frame of vertex i; with frames only
     const float* rest_twist;  ///< [row][2][16] cosine and sine of half the rest twist; with frames only
-    const float* twist_stiffness; ///< [row][16] N m, GJ / L_i; with frames only
-    float damping;                ///< s, of the bending's rate
-    wisp_vec3 acceleration;       ///< m/s^2, of the prediction
-    const float* fraction;        ///< [group][16] of it that a strand feels; null: all of it
+    const float* twist_stiffness;    ///< [row][16] N m, GJ / L_i; with frames only
+    float damping;                   ///< s, of the bending's rate
+    wisp_vec3 acceleration;          ///< m/s^2, of the prediction
+    const float* acceleration_scale; ///< [group][16] of it that a strand feels; null: all of it
     float dt;
     float* scratch; ///< WISP_STRAND_SCRATCH floats a row of the longest group
 } wisp_strand_rod_args;
@@ -456,25 +456,25 @@ typedef struct wisp_strand_rod_args
 typedef struct wisp_strand_contact_args
 {
     const int32_t* group_row;
-    float* position;     ///< [row][3][16] m, in and out
-    float* previous;     ///< [row][3][16] m, position at the start of the substep; goes along with what is healed
-    const float* weight; ///< [row][16]
-    float* depth;        ///< [row][16] m, how much nearer than the thickness a vertex may be; infinite: as it began
-    float* pushed;       ///< [row][16] m, grows by what the body pushed: stands for the normal impulse
-    float* left;         ///< [row][16] m, grows to how much nearer than the thickness a vertex was let be
+    float* position; ///< [row][3][16] m, in and out
+    float* previous; ///< [row][3][16] m, position at the start of the substep; goes along with what is healed
+    const float* inverse_mass; ///< [row][16]
+    float* allowed_depth; ///< [row][16] m, how much nearer than the thickness a vertex may be; infinite: as it began
+    float* normal_correction; ///< [row][16] m, grows by what the body pushed: stands for the normal impulse
+    float* remaining_depth;   ///< [row][16] m, grows to how much nearer than the thickness a vertex was let be
     wisp_shape shape;
     wisp_transform before, after; ///< the body at the start and at the end of the substep
     float thickness;              ///< m
     float static_friction, kinetic_friction;
-    float recovery; ///< m, how far what may be deep is moved out in this call
+    float max_push_out; ///< m, how far what may be deep is moved out in this call
 } wisp_strand_contact_args;
 
 /// Where the vertices of a group that move are, and were when the substep began. Empty (low above high) if none moves.
-typedef struct wisp_strand_reach
+typedef struct wisp_strand_bounds
 {
     wisp_vec3 lower, upper; ///< m
-    float path;             ///< m, the longest from then to now
-} wisp_strand_reach;
+    float max_path;         ///< m, the longest from then to now
+} wisp_strand_bounds;
 
 /// How a change of velocity weighs, from the velocity v now and v0 a step before.
 typedef enum wisp_elastic
@@ -503,11 +503,11 @@ typedef struct wisp_strand_target_args
     const float* cap;          ///< [row][16] m, what the sway of a node must not exceed
     const float* root;         ///< [group][4][16] quaternion, how roots are turned from rest; null: not
     float* table;
-    int stride;          ///< 8: no frames, 12 or 16
-    bool carries_frames; ///< from the root on by the smallest rotations, else all nodes have the root's
-    bool capped, is_blended;
+    int stride;             ///< 8: no frames, 12 or 16
+    bool transports_frames; ///< from the root on by the smallest rotations, else all nodes have the root's
+    bool is_capped, is_blended;
     wisp_elastic elastic;
-    float time; ///< s
+    float sway_time; ///< s
     float tip_gain;
 } wisp_strand_target_args;
 
@@ -524,11 +524,11 @@ typedef struct wisp_strand_ghost_args
     const float* offset;        ///< [row][link][3][16] m, at rest
     const float* table;
     int stride;           ///< 8 or 12; blend: 16
-    int link_count;       ///< blend: targets a ghost, 1 .. WISP_MAX_GHOST_TARGETS; else 1
-    bool turns;           ///< blend: offsets turn with the frames
+    int target_count;     ///< blend: targets a ghost, 1 .. WISP_MAX_GHOST_TARGETS; else 1
+    bool rotates_offsets; ///< blend: offsets turn with the frames
     wisp_elastic elastic; ///< blend
-    float time;           ///< blend: s
-    float* to;            ///< [row][3][16] m
+    float sway_time;      ///< blend: s
+    float* points;        ///< [row][3][16] m
 } wisp_strand_ghost_args;
 
 /// Curves through the vertices of strands: a row for the first vertex, then `samples` rows a segment.
@@ -567,7 +567,7 @@ typedef struct wisp_kernels
                            wisp_aabb_group* group );
     /// Put different numbers, none negative, in rising order. Takes time with the square of the count.
     /// @param items [count] padded by 8, which may be overwritten @param out another array, padded likewise
-    void ( *rank_order )( int32_t* items, int count, int32_t* out );
+    void ( *sort_items )( int32_t* items, int count, int32_t* out );
     /// @return how far a vertex is at most from where it was searched, m; 0 of a first sweep that a brake follows
     float ( *adhesion_attract )( const wisp_adhesion_args* args, int slice_first, int slice_last );
     float ( *adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last );
@@ -596,19 +596,19 @@ typedef struct wisp_kernels
     int ( *blend_two )( const wisp_blend_args* args, int begin, int end ); ///< reads the first two parents alone
     int ( *blend_three )( const wisp_blend_args* args, int begin, int end );
     // slices of eight elements
-    void ( *hold_edges )( const wisp_hold_args* args, int begin, int end );
-    void ( *hold_triangles )( const wisp_hold_args* args, int begin, int end );
+    void ( *check_edge_extents )( const wisp_extent_args* args, int begin, int end );
+    void ( *check_triangle_extents )( const wisp_extent_args* args, int begin, int end );
     // groups of eight pairs
     void ( *closest_triangle )( const wisp_closest_args* args, int begin, int end );
     void ( *closest_segments )( const wisp_closest_args* args, int begin, int end );
     /// Where the primitives of rows [begin, end) are. @param points that a primitive has: 1, 2 or 3
-    void ( *primitive_place )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
+    void ( *place_primitives )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
     /// Edges that share no point with others and are apart from them by no more than what is asked, as far as a plane across
     /// the line through their middles tells. No pair that is within is missing but for rounding; a pair with a number
     /// that is not finite is one. @param count of jobs, WISP_PRIMITIVE_BATCH at most @param to out @return how many
-    int ( *edges_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
+    int ( *find_near_edges )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
     /// The same of points that ask triangles.
-    int ( *points_near )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
+    int ( *find_near_points )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
     // points, begin a multiple of 8
     /// m, out; up to a thousand are added as floats. What is longer than 1e6 m along an axis, or no number, adds nothing along
     /// it. @return whether a point has no inverse mass
@@ -616,17 +616,17 @@ typedef struct wisp_kernels
     /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
     void ( *measure_displacements )( const wisp_displacement_args* args, int begin, int end );
     /// Does a point go farther from where its way leads than the fourth of it? What is no number does not.
-    bool ( *exceeds_displacement )( const wisp_displacement_args* args, int begin, int end );
+    bool ( *exceeds_prediction )( const wisp_displacement_args* args, int begin, int end );
     // pairs [begin, end), multiples of 8
-    void ( *closing )( const wisp_approach_args* args, int begin, int end );
+    void ( *max_approach )( const wisp_approach_args* args, int begin, int end );
     /// Pairs [begin, end), where only begin is a multiple of 8. What is no number is due. @return how many are
-    int ( *separation_due )( const wisp_separation_args* args, int begin, int end );
+    int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
     /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
     ///         that are no number are nowhere
     float ( *apart )( const wisp_separating_axis_args* args );
     /// Find the minimum and maximum of each component of some rows, minus those of other rows if there are any. What is no number
     /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
-    void ( *quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
+    void ( *xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                           float upper[4] );
     // groups of eight particles
     void ( *half_space )( const wisp_half_space_args* args, int begin, int end );
@@ -644,14 +644,14 @@ typedef struct wisp_kernels
     /// @param strays [end - begin] out: slots that are farther from a place than its fourth @return how many
     int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays );
     /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
-    int ( *first_beyond )( const wisp_bound_args* args, int begin, int end );
+    int ( *find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
     // groups of sixteen strands
     void ( *strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
     /// strand_velocity of the substep before and strand_predict in one
     void ( *strand_advance )( const wisp_strand_motion_args* args, int begin, int end );
     void ( *strand_velocity )( const wisp_strand_motion_args* args, int begin, int end );
     /// @return the first row of [begin, end) with a number that is NaN or beyond the bound, else end
-    int ( *strand_first_beyond )( const wisp_strand_bound_args* args, int begin, int end );
+    int ( *strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end );
     void ( *strand_damp )( const wisp_strand_damp_args* args, int begin, int end );
     void ( *strand_air )( const wisp_strand_air_args* args, int begin, int end );
     /// @return how many strands were laid out from the root
@@ -661,7 +661,7 @@ typedef struct wisp_kernels
     void ( *strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
     /// What comes before the bodies of an iteration: depths from what was left, sums at 0, and the group's reach.
     void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
-                                    wisp_strand_reach* reach );
+                                    wisp_strand_bounds* reach );
     void ( *strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
     void ( *strand_target )( const wisp_strand_target_args* args, int begin, int end );
     void ( *strand_ghost )( const wisp_strand_ghost_args* args, int begin, int end );
@@ -674,7 +674,7 @@ typedef struct wisp_kernels
     /// r -= step q, s = S P S r; @return r . s
     double ( *conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
     /// dv += step c, c = s + share c: what an advance by the step leaves to be done
-    void ( *conjugate_turn )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
+    void ( *conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
     // slices of eight children
     void ( *prolong )( const wisp_prolong_args* args, int begin, int end );
 } wisp_kernels;

@@ -107,7 +107,7 @@ typedef struct wisp_pass
     wisp_component on_change;
     /// Null, or: has this entity anything to do in this step? Asked on the calling thread when all
     /// passes before it have run.
-    bool ( *is_due )( wisp_frame* frame, wisp_entity entity, void* user );
+    bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
     int grain; ///< items a block, 0 for the domain's default
 } wisp_pass;
@@ -125,7 +125,7 @@ typedef struct wisp_fusion
 {
     const char* name;                    ///< "module.noun"; a static string
     const char* required[WISP_MAX_USES]; ///< names of passes, null-terminated: the entity must have all
-    const char* allows[WISP_MAX_USES];   ///< likewise: it may have them; with any other pass they run apart
+    const char* allowed[WISP_MAX_USES];  ///< likewise: it may have them; with any other pass they run apart
     wisp_fused_fn* run;
     void* user;
 } wisp_fusion;

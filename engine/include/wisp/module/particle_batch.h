@@ -9,23 +9,23 @@ WISP_BEGIN_C
 /// keep their velocity.
 typedef struct wisp_rigid_args
 {
-    const float* position; ///< [slot][4] m
-    float* velocity;       ///< [slot][4] m/s, the fourth is 0
-    wisp_vec3 origin;      ///< m
-    wisp_vec3 drift;       ///< m/s, of the origin
-    float inverse_mass;    ///< 1/kg, above 0, of the particle whose mass is the unit of the sums, m1
-    wisp_vec3 turning;     ///< rad/s; sums do not look at it
-    float fraction;        ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
+    const float* position;      ///< [slot][4] m
+    float* velocity;            ///< [slot][4] m/s, the fourth is 0
+    wisp_vec3 origin;           ///< m
+    wisp_vec3 linear_velocity;  ///< m/s, of the origin
+    float inverse_mass;         ///< 1/kg, above 0, of the particle whose mass is the unit of the sums, m1
+    wisp_vec3 angular_velocity; ///< rad/s; sums do not look at it
+    float fraction;             ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
 } wisp_rigid_args;
 
 /// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.
 typedef struct wisp_rigid_sums
 {
-    double mass;        ///< m1
-    double moment[3];   ///< m1 m, m r
-    double momentum[3]; ///< m1 m/s, m u
-    double angular[3];  ///< m1 m^2/s, m r x u
-    double xx, yy, zz;  ///< m1 m^2, m r r
+    double mass;                ///< m1
+    double moment[3];           ///< m1 m, m r
+    double momentum[3];         ///< m1 m/s, m u
+    double angular_momentum[3]; ///< m1 m^2/s, m r x u
+    double xx, yy, zz;          ///< m1 m^2, m r r
     double xy, xz, yz;
 } wisp_rigid_sums;
 

@@ -35,7 +35,7 @@ enum
 /// for 8 more than are written.
 typedef struct wisp_primitive_pairs
 {
-    int32_t *of, *first, *second;
+    int32_t *id, *first, *second;
     int32_t* point_x4[4];
 } wisp_primitive_pairs;
 

@@ -14,14 +14,14 @@ typedef struct wisp_grid
     int count;
     float origin[3];
     float cell;                ///< m, edge along axis[1] and axis[2]
-    int fine;                  ///< edges along axis[0] are so many times shorter
+    int subdivisions;          ///< edges along axis[0] are so many times shorter
     float inverse_cell[3];     ///< 1/m, along x, y, z
     int dims[3];               ///< cells along x, y, z
     int axis[3];               ///< 0, 1, 2 for x, y, z: fastest first. Cell (cx, cy, cz) = c is number
                                ///< (c[axis[2]] dims[axis[1]] + c[axis[1]]) dims[axis[0]] + c[axis[0]]
-    float slack;               ///< m, how far rounding can carry a coordinate across a cell's border
+    float rounding_margin;     ///< m, how far rounding can carry a coordinate across a cell's border
     bool planar;               ///< every z is the same
-    bool coarse;               ///< cells were widened: the items are too far spread for cells of the wanted size
+    bool is_widened;           ///< cells were widened: the items are too far spread for cells of the wanted size
     const int32_t* cell_begin; ///< [dims product + 1] first slot
     const int32_t* item;       ///< [slot] item number, padded by 16
     const float *x, *y, *z;    ///< [slot] m, padded by 16
@@ -45,10 +45,10 @@ WISP_API void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocato
 typedef struct wisp_neighbours
 {
     int slice_count;
-    wisp_neighbour_list near, within; ///< the same lists: as far as any lane has near ones, and all of them
-    const int32_t* near_count;        ///< [slice_count][8] near ones of a lane
-    size_t entries;                   ///< of all slices, padding included
-    uint64_t capped;                  ///< queries that ran into the limit
+    wisp_neighbour_list near, all; ///< the same lists: as far as any lane has near ones, and all of them
+    const int32_t* near_count;     ///< [slice_count][8] near ones of a lane
+    size_t entries;                ///< of all slices, padding included
+    uint64_t capped;               ///< queries that ran into the limit
     wisp_buffer buffers[2];
 } wisp_neighbours;
 

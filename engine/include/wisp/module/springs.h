@@ -16,9 +16,10 @@ typedef struct wisp_spring_links
         begin; ///< [2 slice_count + 1] first entry of a slice's links that stretch, of those that bend, ...
     const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads
     const float ( *rest )[8];       ///< [entry] m, > 0; 0 pads
-    const float ( *load )[8];    ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
-    const float ( *ramp )[8];    ///< [entry] c of a link that bends, N/m
-    const float ( *damping )[8]; ///< [entry] k_d, N s/m
+    const float (
+        *stiffness )[8]; ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
+    const float ( *ramp_stiffness )[8]; ///< [entry] c of a link that bends, N/m
+    const float ( *damping )[8];        ///< [entry] k_d, N s/m
 } wisp_spring_links;
 
 /// Forces and their derivatives at a state, and the linear system of an implicit step (Noh and Jung, eq. 5-17):
@@ -30,13 +31,15 @@ typedef struct wisp_spring_args
     wisp_spring_links links;
     const float* position; ///< [row][4] m; mass, kg > 0
     const float* velocity; ///< [row][4] m/s; any
-    const float* place; ///< [row][4] m, links then span places + seconds * velocities, whose differences floats keep
-                        ///< better than those of positions; null: positions
-    const float* start; ///< [row][4] m/s, what a repeat comes back to; not read in the first solve
-    float seconds;      ///< s of the equations above
-    float reach;        ///< share of its rest length that a link may lack and still be stiff, though it does not pull
-    float stiffest;     ///< N/m, k and c of links are no larger; 0: they are what they are
-    bool repeat;
+    const float*
+        base_position; ///< [row][4] m, links then span places + seconds * velocities, whose differences floats keep
+                       ///< better than those of positions; null: positions
+    const float* start_velocity; ///< [row][4] m/s, what a repeat comes back to; not read in the first solve
+    float dt;                    ///< s of the equations above
+    float
+        compression_margin; ///< share of its rest length that a link may lack and still be stiff, though it does not pull
+    float max_stiffness; ///< N/m, k and c of links are no larger; 0: they are what they are
+    bool is_repeat;
     bool axial_damping;       ///< along links only
     bool full_jacobian;       ///< with the negative term of bending across links
     float ( *axis )[4][8];    ///< [entry] e in sqrt(kg), K2 in kg

@@ -50,9 +50,9 @@ bool KERNEL( sum_displacements )( const wisp_displacement_args* args, int begin,
 
 void KERNEL( measure_displacements )( const wisp_displacement_args* args, int begin, int end )
 {
-    const lane8v common = { lane8_set1( args->common[0] ), lane8_set1( args->common[1] ),
-                            lane8_set1( args->common[2] ) };
-    const lane8 fraction = lane8_set1( args->fraction ), spare = lane8_set1( args->spare );
+    const lane8v common = { lane8_set1( args->common_displacement[0] ), lane8_set1( args->common_displacement[1] ),
+                            lane8_set1( args->common_displacement[2] ) };
+    const lane8 fraction = lane8_set1( args->relative_margin ), spare = lane8_set1( args->margin );
     for ( int p = begin; p < end; p += LANES )
     {
         const lane8v way = way_of( args, p );
@@ -61,7 +61,7 @@ void KERNEL( measure_displacements )( const wisp_displacement_args* args, int be
     }
 }
 
-bool KERNEL( exceeds_displacement )( const wisp_displacement_args* args, int begin, int end )
+bool KERNEL( exceeds_prediction )( const wisp_displacement_args* args, int begin, int end )
 {
     uint32_t bits = 0;
     for ( int p = begin; p < end; p += LANES )
@@ -83,7 +83,7 @@ LANE_INLINE lane8 closing_of( const lane8 p[4], const lane8 q[4] )
     return lane8_add( lane8_sqrt( lane8v_dot( between, between ) ), lane8_add( p[3], q[3] ) );
 }
 
-void KERNEL( closing )( const wisp_approach_args* args, int begin, int end )
+void KERNEL( max_approach )( const wisp_approach_args* args, int begin, int end )
 {
     const int split = args->are_edges ? 2 : 1;
     for ( int pair = begin; pair < end; pair += LANES )
@@ -115,7 +115,7 @@ LANE_INLINE lane8 closing_of_sides( const float* ways, const int32_t first4[8], 
     return lane8_mul( lane8_set1( 1.0001f ), closing_of( a, b ) );
 }
 
-int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int end )
+int KERNEL( find_active_pairs )( const wisp_separation_args* args, int begin, int end )
 {
     int count = 0;
     for ( int pair = begin; pair < end; pair += LANES )
@@ -129,7 +129,7 @@ int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int e
             slack = lane8_sub( slack, closing_of_sides( args->moved, first4, second4 ) );
             lane8_storeu( args->separation_bound + pair, slack );
         }
-        const lane8m left = lane8_gt( slack, closing_of_sides( args->ways, first4, second4 ) );
+        const lane8m left = lane8_gt( slack, closing_of_sides( args->predicted, first4, second4 ) );
         const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( end - pair ), left ) );
         const lane8i numbers = lane8i_add( lane8i_set1( pair ), lane8i_iota() );
         count += lane8i_compress_store( args->active + begin + count, numbers, bits );
@@ -137,7 +137,7 @@ int KERNEL( separation_due )( const wisp_separation_args* args, int begin, int e
     return count;
 }
 
-void KERNEL( quad_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
+void KERNEL( xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                            float upper[4] )
 {
     lane8 least = lane8_set1( INFINITY ), most = lane8_set1( -INFINITY );

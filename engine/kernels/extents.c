@@ -8,9 +8,10 @@ static const float CROSS_ROUNDING = 2e-6f;
 // A base shorter by this factor is surely the shortest: three times the rounding of a squared length.
 static const float SHORTER = 1.0f + 2e-6f;
 
-LANE_INLINE lane8 spacing_of( const wisp_hold_args* args, int slice )
+LANE_INLINE lane8 spacing_of( const wisp_extent_args* args, int slice )
 {
-    return args->each != NULL ? lane8_loadu( args->each + (size_t)slice * 8 ) : lane8_set1( args->spacing );
+    return args->element_spacing != NULL ? lane8_loadu( args->element_spacing + (size_t)slice * 8 )
+                                         : lane8_set1( args->spacing );
 }
 
 LANE_INLINE lane8v load_points( const float* xyzw, const int32_t* index )
@@ -32,7 +33,7 @@ LANE_INLINE lane8m is_between( const float* lower, const float* upper, int slice
                        lane8_le( most, lane8_loadu( upper + (size_t)slice * 8 ) ) );
 }
 
-void KERNEL( hold_edges )( const wisp_hold_args* args, int begin, int end )
+void KERNEL( check_edge_extents )( const wisp_extent_args* args, int begin, int end )
 {
     for ( int slice = begin; slice < end; ++slice )
     {
@@ -41,11 +42,11 @@ void KERNEL( hold_edges )( const wisp_hold_args* args, int begin, int end )
         const lane8 squared = lane8v_dot( along, along );
         const lane8 ratio = lane8_div( lane8_sqrt( squared ), spacing_of( args, slice ) );
         const lane8m held = is_between( args->lower, args->upper, slice, ratio, ratio );
-        args->held[slice] = (uint8_t)lane8m_bits( lane8m_and( held, is_measured( squared ) ) );
+        args->unchanged[slice] = (uint8_t)lane8m_bits( lane8m_and( held, is_measured( squared ) ) );
     }
 }
 
-void KERNEL( hold_triangles )( const wisp_hold_args* args, int begin, int end )
+void KERNEL( check_triangle_extents )( const wisp_extent_args* args, int begin, int end )
 {
     const lane8 rounding = lane8_set1( CROSS_ROUNDING );
     for ( int slice = begin; slice < end; ++slice )
@@ -65,9 +66,9 @@ void KERNEL( hold_triangles )( const wisp_hold_args* args, int begin, int end )
         const lane8 slack = lane8_div( lane8_mul( rounding, lane8_sqrt( left2 ) ), spacing );
         const lane8 ratio = lane8_div( base, spacing );
         const lane8m base_held = is_between( args->lower, args->upper, slice, ratio, ratio );
-        const lane8m height_held = is_between( args->low_height, args->high_height, slice, lane8_sub( height, slack ),
-                                               lane8_add( height, slack ) );
+        const lane8m height_held = is_between( args->lower_height, args->upper_height, slice,
+                                               lane8_sub( height, slack ), lane8_add( height, slack ) );
         const lane8m held = lane8m_and( lane8m_and( base_held, height_held ), shortest );
-        args->held[slice] = (uint8_t)lane8m_bits( lane8m_and( held, is_measured( area2 ) ) );
+        args->unchanged[slice] = (uint8_t)lane8m_bits( lane8m_and( held, is_measured( area2 ) ) );
     }
 }
