@@ -216,9 +216,9 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
 {
     int32_t queries[MAX_ROWS * LANES + LANES];
     const int query_count = list_queries( args, 1, queries );
-    const lane8 within = lane8_set1( args->within );
+    const lane8 within = lane8_set1( args->max_distance );
     lane8 least = lane8_loadu( args->min_distance );
-    for ( int r = 0; r < args->row_count; ++r )
+    for ( int r = 0; r < args->pack_count; ++r )
     {
         const wisp_primitive_pack* row = args->packs + r;
         const lane8m out = lane8i_lt( items_of( args, row, 3 ), lane8i_set1( 0 ) );
@@ -253,7 +253,7 @@ LANE_INLINE int keep( const wisp_primitive_near_args* args, const near_hit* hit,
     const wisp_primitive_pack *query = args->queries + hit->query / LANES, *row = args->packs + hit->row;
     const int32_t* const points[3] = { row->point_x4[0], row->point_x4[1], row->third_x4 };
     const int lane = hit->query % LANES;
-    lane8i_storeu( to->of + found, lane8i_set1( args->cluster ) );
+    lane8i_storeu( to->id + found, lane8i_set1( args->cluster ) );
     lane8i_storeu( to->first + found, lane8i_set1( query->item[lane] ) );
     for ( int k = 0; k < sides; ++k )
     {

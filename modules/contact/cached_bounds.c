@@ -138,7 +138,7 @@ static void find_active( void* context, int begin, int end, int worker )
     const contact_contact_mesh* s = loop->work->contact_mesh;
     const wisp_separation_args args = {
         .moved = loop->missed_only ? NULL : s->motion->gone->middle,
-        .ways = s->motion->ways->middle,
+        .predicted = s->motion->ways->middle,
         .first = s->bounds->pairs[0].cluster,
         .second = s->bounds->pairs[0].other,
         .separation_bound = s->bounds->pairs[0].slack,

@@ -122,12 +122,12 @@ static void find_pairs( narrow_task* task, const int* numbers, int count, int qu
         const contact_cluster *a = s->clusters->items + one, *b = s->clusters->items + other;
         arg_list[job_count] = ( wisp_primitive_near_args ){
             .queries = s->clusters->primitives + a->kind_row[kinds[0]],
-            .rows = s->clusters->primitives + b->kind_row[kinds[1]],
+            .packs = s->clusters->primitives + b->kind_row[kinds[1]],
             .query_pack_count = a->rows[kinds[0]],
-            .row_count = b->rows[kinds[1]],
+            .pack_count = b->rows[kinds[1]],
             .query_aabb = s->clusters->boxes + one,
             .box = s->clusters->boxes + other,
-            .within = test->within,
+            .max_distance = test->within,
             .cull_distance = test->within + SEEN_GAPS * test->gap,
             .min_distance = test->least,
             .is_self = is_own,

@@ -142,9 +142,9 @@ static void find_ways( void* context, int begin, int end, int worker )
     const wisp_displacement_args args = {
         .before = s->intersection_free,
         .now = s->now,
-        .common = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
-        .fraction = SPARE,
-        .spare = SPARE_THICKNESS * s->min_thickness,
+        .common_displacement = { s->motion->common[0], s->motion->common[1], s->motion->common[2] },
+        .relative_margin = SPARE,
+        .margin = SPARE_THICKNESS * s->min_thickness,
         .displacement = s->motion->ahead,
     };
     if ( loop->is_expected )

@@ -269,12 +269,12 @@ static inline wisp_primitive_near_args job_of( scene* s )
     const int queried = queried_side( s );
     return ( wisp_primitive_near_args ){
         .queries = s->row[0],
-        .rows = s->row[queried],
+        .packs = s->row[queried],
         .query_pack_count = s->rows[0],
-        .row_count = s->rows[queried],
+        .pack_count = s->rows[queried],
         .query_aabb = s->box,
         .box = s->box + queried,
-        .within = s->within,
+        .max_distance = s->within,
         .cull_distance = s->seen,
         .min_distance = s->least,
         .is_self = s->is_own,

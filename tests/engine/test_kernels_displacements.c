@@ -63,9 +63,9 @@ static wisp_displacement_args job_of( walk* w )
     return ( wisp_displacement_args ){
         .before = w->before[0],
         .now = w->now[0],
-        .common = { w->common[0], w->common[1], w->common[2] },
-        .fraction = 0.25f,
-        .spare = 0.01f,
+        .common_displacement = { w->common[0], w->common[1], w->common[2] },
+        .relative_margin = 0.25f,
+        .margin = 0.01f,
         .displacement = w->way[0],
     };
 }
@@ -235,7 +235,7 @@ static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone,
 {
     const wisp_separation_args args = {
         .moved = is_gone ? s->gone[0] : NULL,
-        .ways = s->ways[0],
+        .predicted = s->ways[0],
         .first = s->first,
         .second = s->second,
         .separation_bound = s->slack,

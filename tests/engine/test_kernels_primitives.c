@@ -389,7 +389,7 @@ static void find_closing( const wisp_kernels* kernels, const point_sets* s, bool
                                       .point_x4 = { s->point_x4[0], s->point_x4[1], s->point_x4[2], s->point_x4[3] },
                                       .are_edges = are_edges,
                                       .max_approach = closing };
-    kernels->closing( &args, 8, LIST );
+    kernels->max_approach( &args, 8, LIST );
 }
 
 static double closing_of( const point_sets* s, int pair, int split )
@@ -457,7 +457,7 @@ static float find_apart( const wisp_kernels* kernels, const point_sets* s, float
                                        .point_x4 = { s->point_x4[0], s->point_x4[1] },
                                        .count = { 8, LIST } };
     memcpy( args.axis, along, sizeof( args.axis ) );
-    return kernels->apart( &args );
+    return kernels->separation( &args );
 }
 
 // By the best of the directions, not below -1; @return how far the points are apart.

@@ -33,7 +33,7 @@ typedef struct wisp_aabb_args
     size_t limit;                ///< most pairs, 0: INT32_MAX; beyond it the call fails and keeps nothing
     const wisp_kernels* kernels; ///< null: scalar C, with the same pairs in two to three times the time
     /// Reuse the last grid or tree; only the queries changed. The last call must have succeeded with the same boxes.
-    bool again;
+    bool reuse;
     /// Null, or called for every query with pairs, by several workers at once, before pairs are stored and sorted. It must
     /// judge each pair independently.
     wisp_aabb_filter_fn* filter;

@@ -494,14 +494,14 @@ typedef enum wisp_elastic
 typedef struct wisp_strand_target_args
 {
     const int32_t* group_row;
-    const int32_t* lane_count; ///< [group][16] nodes, 0 in an empty lane
-    const int32_t* lane_node;  ///< [group][16] float of the table where the rows of the root begin
-    const float* position;     ///< [row][3][16] m
-    const float* rest;         ///< [row][3][16] m
-    const float* velocity;     ///< [row][3][16] m/s; null: at rest
-    const float* before;       ///< [row][3][16] m/s, a step before; null: as now
-    const float* cap;          ///< [row][16] m, what the sway of a node must not exceed
-    const float* root;         ///< [group][4][16] quaternion, how roots are turned from rest; null: not
+    const int32_t* lane_count;      ///< [group][16] nodes, 0 in an empty lane
+    const int32_t* lane_node;       ///< [group][16] float of the table where the rows of the root begin
+    const float* position;          ///< [row][3][16] m
+    const float* rest;              ///< [row][3][16] m
+    const float* velocity;          ///< [row][3][16] m/s; null: at rest
+    const float* previous_velocity; ///< [row][3][16] m/s, a step before; null: as now
+    const float* max_sway;          ///< [row][16] m, what the sway of a node must not exceed
+    const float* root;              ///< [group][4][16] quaternion, how roots are turned from rest; null: not
     float* table;
     int stride;             ///< 8: no frames, 12 or 16
     bool transports_frames; ///< from the root on by the smallest rotations, else all nodes have the root's
@@ -623,7 +623,7 @@ typedef struct wisp_kernels
     int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
     /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
     ///         that are no number are nowhere
-    float ( *apart )( const wisp_separating_axis_args* args );
+    float ( *separation )( const wisp_separating_axis_args* args );
     /// Find the minimum and maximum of each component of some rows, minus those of other rows if there are any. What is no number
     /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
     void ( *xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],

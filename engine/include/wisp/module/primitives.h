@@ -39,14 +39,14 @@ typedef struct wisp_primitive_pairs
     int32_t* point_x4[4];
 } wisp_primitive_pairs;
 
-/// Find primitive pairs that may be closer than `within`.
+/// Find primitive pairs that may be closer than `max_distance`.
 typedef struct wisp_primitive_near_args
 {
-    const wisp_primitive_pack *queries, *rows;
-    int query_pack_count, row_count;
+    const wisp_primitive_pack *queries, *packs;
+    int query_pack_count, pack_count;
     const wisp_aabb *query_aabb, *box; ///< bounds of all primitives of the queries, and of the packs
-    float within;                      ///< m
-    float cull_distance;               ///< m, >= within: primitives farther from the other AABB are skipped
+    float max_distance;                ///< m
+    float cull_distance;               ///< m, >= max_distance: primitives farther from the other AABB are skipped
     float*
         min_distance; ///< [8] m, in and out: lowered to a bound of the distance of tested pairs that are not reported
     bool is_self;     ///< edges: queries are the packs themselves; a pair is reported once, by its lower number
@@ -74,10 +74,10 @@ typedef struct wisp_approach_args
 /// Displacements of points. Arrays are padded to a multiple of 8.
 typedef struct wisp_displacement_args
 {
-    const float *before, *now; ///< [point][4] m
-    float common[3];           ///< m, common displacement of all points
-    float fraction, spare;     ///< uncertainty: fraction of the rest of the displacement, plus extra in m
-    float* displacement;       ///< [point][4] m; the fourth is the uncertainty
+    const float *before, *now;     ///< [point][4] m
+    float common_displacement[3];  ///< m, common displacement of all points
+    float relative_margin, margin; ///< uncertainty: fraction of the rest of the displacement, plus a margin in m
+    float* displacement;           ///< [point][4] m; the fourth is the uncertainty
 } wisp_displacement_args;
 
 /// Pairs with a cached bound of their separation, minus their approach since. Sides are sets of points; the displacement of a
@@ -86,7 +86,7 @@ typedef struct wisp_displacement_args
 typedef struct wisp_separation_args
 {
     const float *moved,
-        *ways; ///< [side][4] m: displacement to subtract, null if already done; predicted displacement
+        *predicted; ///< [side][4] m: displacement to subtract, null if already done; predicted displacement
     const int32_t *first, *second; ///< [pair] sides
     float* separation_bound;       ///< [pair] in and out, m
     int32_t* active;               ///< [pair] out: active pairs first, whose bound may fall below zero
