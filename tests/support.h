@@ -2,19 +2,12 @@
 /// and strands of chosen lengths.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "wisp/module/random.h"
 #include "wisp/wisp.h"
 
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 // ---- memory ----
 

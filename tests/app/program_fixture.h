@@ -1,19 +1,13 @@
 /// The built program is started and watched: exit status, standard output, error stream, also on a terminal.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "wisp/base.h"
 
 #include <fcntl.h>
 #include <ftw.h>
 #include <pty.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -5,20 +5,12 @@
 #define _XOPEN_SOURCE 700
 #endif
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "unit.h"
 
-#include <cmocka.h>
+#include "record.h"
 
 #include <dirent.h>
 #include <unistd.h>
-
-#include "record.h"
 
 enum
 {

@@ -1,19 +1,9 @@
 /// Bodies and pictures that the picture tests share.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "render.h"
-
-#include <math.h>
 
 #define FIXTURE_RINGS 24
 #define FIXTURE_AROUND 48

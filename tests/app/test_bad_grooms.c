@@ -1,23 +1,12 @@
 // Every file in tests/bad/groom is refused with a message. The folder is walked, so a file dropped there is tested.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <dirent.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "../bad/bad_grooms.h"
 #include "groom.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
+#include <dirent.h>
 
 enum
 {

@@ -1,14 +1,6 @@
 // Every mesh file of bad_meshes.h is refused with the message that it was made for, and so is every good one that
 // was cut or damaged, unless it is still good.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "../bad/bad_meshes.h"
 #include "mesh.h"

@@ -4,10 +4,6 @@
 
 #include "../bad/bad_recordings.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
 enum
 {
     FEWEST_FILES = 60,

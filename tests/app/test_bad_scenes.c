@@ -2,23 +2,12 @@
 // is walked, so that a file dropped there without a message fails.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <dirent.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "bad_scenes.h"
 #include "scene.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
+#include <dirent.h>
 
 static const char FOLDER[] = WISP_SOURCE_ROOT "/tests/bad/scene";
 

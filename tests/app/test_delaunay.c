@@ -1,8 +1,6 @@
 // Triangulations in whole numbers, each looked at by the definition: covered once, joined, circles empty.
 #include "delaunay_fixture.h"
 
-#include <math.h>
-
 #include "wisp/module/random.h"
 
 enum

@@ -4,7 +4,6 @@
 #include "groom_fixture.h"
 
 #include <dirent.h>
-#include <math.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>

@@ -3,8 +3,6 @@
 
 #include "groom_fixture.h"
 
-#include <math.h>
-
 static wisp_groom make( const wisp_groom_generator* generator )
 {
     wisp_groom groom;

@@ -6,10 +6,6 @@
 #include <locale.h>
 #include <unistd.h>
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
 static wisp_mesh read_obj_text( const char* text )
 {
     wisp_mesh mesh;

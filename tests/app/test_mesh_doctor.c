@@ -3,8 +3,6 @@
 
 #include "mesh_fixture.h"
 
-#include <math.h>
-
 // ---- defects ---------------------------------------------------------------------------------------------------
 
 static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )

@@ -1,8 +1,6 @@
 // Flat pieces with a Delaunay triangulation: exact counts, exact circles, spacing, seeds, outlines, refusals.
 #include "delaunay_fixture.h"
 
-#include <math.h>
-
 static const double PI = 3.14159265358979323846;
 
 // Default recipes, seed 1: what hash_of() says of them with every compiler.

@@ -1,9 +1,6 @@
 // Recipes: counts, closedness, winding, sizes, and the promises of the irregular plane.
 #include "mesh_fixture.h"
 
-#include <float.h>
-#include <math.h>
-
 static const double PI = 3.14159265358979323846;
 
 enum

@@ -1,18 +1,10 @@
 // A mesh with points on it, as a file: every number is where the header says, others read it as a mesh, and what cannot
 // be is refused without a file.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "mesh.h"
+
+#include <unistd.h>
 
 #define FILE_NAME "layer_test.ply"
 

@@ -4,7 +4,6 @@
 
 #include "mesh.h"
 
-#include <math.h>
 #include <png.h>
 
 static const char ball_scene[] = "wisp: 1\n"

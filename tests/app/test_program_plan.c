@@ -2,7 +2,6 @@
 #include "program_fixture.h"
 
 #include <jansson.h>
-#include <math.h>
 
 static const char scene[] = "wisp: 1\n"
                             "steps: 3\n"

@@ -2,8 +2,6 @@
 // are read back by the library.
 #include "flying_sheet.h"
 
-#include <math.h>
-
 // ---- recordings of a run ----
 
 static void a_run_is_recorded_in_every_format( void** state )

@@ -2,7 +2,6 @@
 // file is answered with one message.
 #include "flying_sheet.h"
 
-#include <math.h>
 #include <png.h>
 #include <sys/stat.h>
 

@@ -3,7 +3,6 @@
 
 #include "scene.h"
 
-#include <math.h>
 #include <sys/stat.h>
 
 static const char cloth_scene[] = "# A small cloth.\n"

@@ -1,7 +1,6 @@
 // Our own recordings: what comes back, what a crash, a cut or a flipped bit leaves, and what a recorder refuses.
 #include "record_fixture.h"
 
-#include <math.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>

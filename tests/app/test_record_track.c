@@ -2,7 +2,6 @@
 #include "record_fixture.h"
 
 #include <locale.h>
-#include <math.h>
 #include <sys/stat.h>
 
 // ---- tracks ----------------------------------------------------------------------------------------------------

@@ -1,16 +1,10 @@
 // Every format of the results is read again: what a program would find in it must be what was measured.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "info_results.h"
 #include "results.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // ---- results with everything that can go wrong in a format ----

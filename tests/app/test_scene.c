@@ -1,23 +1,11 @@
 // Scenes that are good: every key reaches its place, and what is left out has its default.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <locale.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "scene_fixture.h"
 
 #include "nearest.h"
-#include "scene.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
+#include <locale.h>
 
 // The text in a block exactly as long, so that a checker sees the first read past its end.
 static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
@@ -47,25 +35,6 @@ static void demand_refusal( const char* text, const char* message )
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( parse( text, strlen( text ), &scene, &error ), WISP_BAD_INPUT );
     assert_string_equal( error.message, message );
-}
-
-static wisp_scene read_good( const char* file )
-{
-    char path[1024];
-    int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, file );
-    assert_true( length > 0 && (size_t)length < sizeof path );
-    wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    return scene;
-}
-
-static void assert_vector( wisp_vec3 v, float x, float y, float z )
-{
-    assert_true( v.x == x && v.y == y && v.z == z );
 }
 
 // ---- what is left out ----

@@ -2,33 +2,7 @@
 // nothing of them, figures are there where they are wanted, and the scenes of the project run.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "world_from_scene.h"
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
-static wisp_scene parsed( const char* text )
-{
-    wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    return scene;
-}
+#include "scene_world_fixture.h"
 
 // A surface of four vertices with a mapping as one of its keys.
 static wisp_scene with_block( const char* key, const char* mapping )
@@ -227,45 +201,6 @@ static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state
 
 // ---- worlds ----
 
-typedef struct fixture
-{
-    wisp_scene scene;
-    scene_world world;
-    wisp_error error;
-} fixture;
-
-static void create( fixture* f, int workers )
-{
-    const scene_world_options options = { .workers = workers };
-    if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
-    {
-        fail_msg( "not built: %s", f->error.message );
-    }
-}
-
-static void build( fixture* f, const char* text )
-{
-    *f = ( fixture ){ .scene = parsed( text ) };
-    create( f, 1 );
-}
-
-static void step( fixture* f, int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
-        {
-            fail_msg( "step %d: %s", i, f->error.message );
-        }
-    }
-}
-
-static void release( fixture* f )
-{
-    scene_world_destroy( &f->world );
-    wisp_scene_release( &f->scene );
-}
-
 #define BALL                                                                                                         \
     "wisp: 1\nsubsteps: 4\nsurfaces:\n"                                                                              \
     "  - name: ball\n    generate: { shape: icosphere, level: 2, radius: 0.2 }\n    balloon: { gas_ratio: 1.2 }\n"   \
@@ -451,14 +386,7 @@ static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( vo
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
-        char path[1024];
-        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i].file );
-        assert_true( length > 0 && (size_t)length < sizeof path );
-        fixture f = { 0 };
-        if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
-        {
-            fail_msg( "refused: %s", f.error.message );
-        }
+        fixture f = { .scene = read_good( files[i].file ) };
         assert_int_equal( f.scene.surfaces[0].has_boundary, files[i].has_layer );
         create( &f, 2 );
         step( &f, 3 );

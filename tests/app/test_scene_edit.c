@@ -1,15 +1,8 @@
 // Single values of a scene's file are changed: every other byte stays, whatever the file looks like.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "scene.h"
 #include "scene_edit.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define FROM "scene_edit_from.yaml"
 #define TO "scene_edit_to.yaml"

@@ -1,33 +1,7 @@
 // Implicit cloth of scenes: every key reaches the definition, quad links are those of Choi and Ko, and scenes run.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "world_from_scene.h"
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
-static wisp_scene parsed( const char* text )
-{
-    wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    return scene;
-}
+#include "scene_world_fixture.h"
 
 // A surface of four vertices with the mapping as its key `implicit`.
 static wisp_scene with_implicit( const char* mapping )
@@ -258,45 +232,6 @@ static void a_grid_that_is_no_grid_or_too_large_has_no_pairs( void** state )
 
 // ---- worlds ----
 
-typedef struct fixture
-{
-    wisp_scene scene;
-    scene_world world;
-    wisp_error error;
-} fixture;
-
-static void create( fixture* f, int workers )
-{
-    const scene_world_options options = { .workers = workers };
-    if ( scene_world_create( &f->scene, &options, &f->world, &f->error ) != WISP_OK )
-    {
-        fail_msg( "not built: %s", f->error.message );
-    }
-}
-
-static void build( fixture* f, const char* text )
-{
-    *f = ( fixture ){ .scene = parsed( text ) };
-    create( f, 1 );
-}
-
-static void step( fixture* f, int count )
-{
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( scene_world_step( &f->world, &f->error ) != WISP_OK )
-        {
-            fail_msg( "step %d: %s", i, f->error.message );
-        }
-    }
-}
-
-static void release( fixture* f )
-{
-    scene_world_destroy( &f->world );
-    wisp_scene_release( &f->scene );
-}
-
 static wisp_implicit_cloth_stats stats_of( fixture* f, int surface )
 {
     wisp_implicit_cloth_stats stats = { 0 };
@@ -434,14 +369,7 @@ static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
                                          "moving_floor_cloth.yaml", "stiff_thirtieth.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
-        char path[1024];
-        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i] );
-        assert_true( length > 0 && (size_t)length < sizeof path );
-        fixture f = { 0 };
-        if ( wisp_scene_read( path, &f.scene, &f.error ) != WISP_OK )
-        {
-            fail_msg( "refused: %s", f.error.message );
-        }
+        fixture f = { .scene = read_good( files[i] ) };
         assert_true( f.scene.surfaces[0].has_implicit );
         create( &f, 2 );
         assert_int_equal( wisp_request_implicit_cloth_stats( f.world.world, f.world.surfaces[0].entity, true ),

@@ -2,23 +2,11 @@
 // ones that are in it.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 #include "scene.h"
 #include "scene_keys.h"
 #include "scene_renamed.h"
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
 
 static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
 

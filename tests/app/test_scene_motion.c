@@ -2,45 +2,14 @@
 // has its default.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#include "scene.h"
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
-static wisp_scene good( const char* text )
-{
-    wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_parse( text, strlen( text ), "test.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    return scene;
-}
-
-static void assert_vector( wisp_vec3 v, float x, float y, float z )
-{
-    assert_true( v.x == x && v.y == y && v.z == z );
-}
+#include "scene_fixture.h"
 
 // ---- what is left out ----
 
 static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
+    wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     assert_false( s->has_dynamics || s->has_head || s->has_grid || s->has_ghosts || s->is_scattered || s->is_curves );
     assert_int_equal( s->on_surface, -1 );
@@ -56,7 +25,7 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
 {
     (void)state;
     wisp_scene scene =
-        good( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
+        parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
     const wisp_strand_dynamics_def* def = &scene.strands[0].dynamics;
     const wisp_strand_dynamics_def expected = wisp_default_strand_dynamics_def();
     assert_true( scene.strands[0].has_dynamics );
@@ -74,9 +43,9 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
 static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
-                             "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
-                             "  - { name: drawn, curves: { of: ghosts } }\n" );
+    wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
+                               "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
+                               "  - { name: drawn, curves: { of: ghosts } }\n" );
     wisp_ghosts_def ghosts = wisp_default_ghosts_def();
     wisp_curves_def curves = wisp_default_curves_def();
     wisp_strand_grid_def grid = wisp_default_strand_grid_def();
@@ -162,7 +131,7 @@ static void assert_ghosts( const wisp_ghosts_def* g )
 static void every_key_of_motion_reaches_its_place( void** state )
 {
     (void)state;
-    wisp_scene scene = good( EVERY_KEY );
+    wisp_scene scene = parsed( EVERY_KEY );
     const wisp_scene_strands *hair = &scene.strands[0], *ghosts = &scene.strands[1], *drawn = &scene.strands[2];
     assert_dynamics( &hair->dynamics );
     assert_int_equal( hair->mass_count, 6 );
@@ -196,7 +165,7 @@ static void every_key_of_motion_reaches_its_place( void** state )
 static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** state )
 {
     (void)state;
-    wisp_scene scene = good( EVERY_KEY );
+    wisp_scene scene = parsed( EVERY_KEY );
     assert_true( scene.strands[0].is_shown );  // ghosts follow it, but it says so
     assert_false( scene.strands[1].is_shown ); // curves run through it
     assert_false( scene.strands[2].is_shown ); // it says so
@@ -207,7 +176,7 @@ static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** s
 static void the_script_is_for_strands_as_well_as_for_surfaces( void** state )
 {
     (void)state;
-    wisp_scene scene = good( EVERY_KEY );
+    wisp_scene scene = parsed( EVERY_KEY );
     assert_int_equal( scene.event_count, 2 );
     assert_int_equal( scene.events[0].strands, -1 );
     assert_int_equal( scene.events[0].surface, 1 );
@@ -220,11 +189,12 @@ static void the_script_is_for_strands_as_well_as_for_surfaces( void** state )
 static void scattered_ghosts_follow_what_they_are_scattered_around( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
-                             "  - { name: b, generate: {}, dynamics: {} }\n"
-                             "  - { name: c, scatter: { around: b, count: 2, radius: 0 }, ghosts: {} }\n"
-                             "  - { name: d, scatter: { around: b, count: 2, radius: 0 }, ghosts: { targets: a } }\n"
-                             "  - { name: e, scatter: { around: b, count: 2, radius: 0 } }\n" );
+    wisp_scene scene =
+        parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
+                "  - { name: b, generate: {}, dynamics: {} }\n"
+                "  - { name: c, scatter: { around: b, count: 2, radius: 0 }, ghosts: {} }\n"
+                "  - { name: d, scatter: { around: b, count: 2, radius: 0 }, ghosts: { targets: a } }\n"
+                "  - { name: e, scatter: { around: b, count: 2, radius: 0 } }\n" );
     assert_int_equal( scene.strands[2].targets, 1 );
     assert_int_equal( scene.strands[3].targets, 0 );
     assert_int_equal( scene.strands[4].targets, -1 );
@@ -235,10 +205,10 @@ static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise
 {
     (void)state;
     wisp_scene scene =
-        good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
-              "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
-              "  - { name: c, generate: {}, ghosts: { targets: a }, frozen_hair: { update_on: hair_event } }\n"
-              "  - { name: d, generate: {}, frozen_hair: {} }\n" );
+        parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
+                "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
+                "  - { name: c, generate: {}, ghosts: { targets: a }, frozen_hair: { update_on: hair_event } }\n"
+                "  - { name: d, generate: {}, frozen_hair: {} }\n" );
     assert_int_equal( scene.strands[1].frozen_hair.update_on, WISP_FROZEN_UPDATE_FRAME );
     assert_int_equal( scene.strands[2].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );
     assert_int_equal( scene.strands[3].frozen_hair.update_on, WISP_FROZEN_UPDATE_HAIR_EVENT );

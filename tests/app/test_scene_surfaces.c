@@ -1,34 +1,13 @@
 // Surfaces, colliders and scripts of good scenes: every key reaches its place, and what is left out has its default.
 #define _XOPEN_SOURCE 700
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "scene_fixture.h"
 
-#include <cmocka.h>
-
-#include "scene.h"
 #include "scene_parts.h"
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
 
 static wisp_scene good( const char* text )
 {
-    wisp_scene scene;
-    wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
-    return scene;
+    return parsed_as( "scenes/test.yaml", text );
 }
 
 static void demand_refusal( const char* text, const char* message )
@@ -37,11 +16,6 @@ static void demand_refusal( const char* text, const char* message )
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_parse( text, strlen( text ), "scenes/test.yaml", &scene, &error ), WISP_BAD_INPUT );
     assert_string_equal( error.message, message );
-}
-
-static void assert_vector( wisp_vec3 v, float x, float y, float z )
-{
-    assert_true( v.x == x && v.y == y && v.z == z );
 }
 
 // A turn is made of a sine and a cosine within 1e-7 of theirs, and a handful of roundings.
@@ -404,15 +378,7 @@ static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
     };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
     {
-        char path[1024];
-        int length = snprintf( path, sizeof path, "%s/data/scenes/%s", WISP_SOURCE_ROOT, files[i].file );
-        assert_true( length > 0 && (size_t)length < sizeof path );
-        wisp_scene scene;
-        wisp_error error = { .status = WISP_OK };
-        if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
-        {
-            fail_msg( "refused: %s", error.message );
-        }
+        wisp_scene scene = read_good( files[i].file );
         assert_int_equal( scene.surface_count, files[i].surfaces );
         assert_int_equal( scene.collider_count, files[i].colliders );
         assert_int_equal( scene.event_count, files[i].events );

@@ -1,14 +1,8 @@
 // Order statistics, straight lines, and the profile over many steps.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "profile_samples.h"
 #include "stats.h"
-
-#include <float.h>
-#include <math.h>
 
 static void the_median_of_an_odd_count_is_the_middle_one( void** state )
 {

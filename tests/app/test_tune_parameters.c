@@ -1,14 +1,7 @@
 // What may be tuned in a scene: which parameters it has, what they turn in memory, and what they change in the file.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "tune_parameters.h"
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #define MAKE "    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
 

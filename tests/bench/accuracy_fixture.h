@@ -1,17 +1,10 @@
 /// What tests of accuracy scenes share: a scene that is made, and settings that are run by name.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "accuracy/accuracy.h"
 #include "accuracy/accuracy_compare.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const bench_options quick_options = { .quick = true, .workers = 2 };
 

@@ -1,16 +1,9 @@
 /// Scenes of the case `accuracy` at their smallest, run setting by setting without the driver.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "accuracy/accuracy.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
 {

@@ -1,16 +1,9 @@
 /// Reading what a case has measured: its tables by the beginning of their titles, cells by the names of their columns.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "results_text.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static inline const results_table* find_table( const results* all, const char* beginning )
 {

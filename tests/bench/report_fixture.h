@@ -1,17 +1,11 @@
 /// Pages in memory, and what a test reads from them: tags, ticks of axes, points, data of pictures.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "report/report.h"
 
 #include <ctype.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const report_run quiet_run = { .what = "a case", .how = "quick" };
 

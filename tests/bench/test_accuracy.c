@@ -5,9 +5,6 @@
 #include "accuracy/accuracy_compare.h"
 #include "accuracy/accuracy_parts.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // ---- the front ----
 
 static void the_front_is_what_nobody_beats( void** state )

@@ -1,16 +1,9 @@
 // Stored references of `wisp bench accuracy`: files that nobody vouches for, and whether those of data/reference are
 // whole.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "accuracy/accuracy_reference.h"
 #include "reference_bytes.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {

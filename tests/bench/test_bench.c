@@ -3,8 +3,6 @@
 
 #include "bench.h"
 
-#include <string.h>
-
 typedef struct step_log
 {
     char order[4096]; ///< a letter a step, in the order in which steps were made

@@ -8,10 +8,6 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static const bench_options quick = { .quick = true, .workers = 2 };
 
 static boundary_plan small_plan( void )

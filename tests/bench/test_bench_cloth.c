@@ -8,11 +8,6 @@
 #include "oracle/constraint_oracle.h"
 #include "wisp/module/module.h"
 
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const bench_options quick = { .quick = true, .workers = 2 };
 
 static cloth_plan small_plan( void )

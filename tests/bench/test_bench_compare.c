@@ -3,10 +3,6 @@
 
 #include "compare_bench.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const bench_options quick = { .quick = true, .workers = 2 };
 
 // ---- reference files ----

@@ -7,9 +7,6 @@
 #include "contact_probe.h"
 #include "contact_query_input.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 static const bench_options quick = { .quick = true, .workers = 2 };

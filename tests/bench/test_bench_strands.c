@@ -7,11 +7,6 @@
 #include "strands_bench.h"
 #include "strands_head.h"
 
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const bench_options quick = { .quick = true, .seconds = 1.0, .workers = 2 };
 
 static strands_plan small_plan( void )

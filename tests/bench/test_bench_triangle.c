@@ -4,9 +4,6 @@
 
 #include "paper_triangle.h"
 
-#include <math.h>
-#include <string.h>
-
 static const bench_options quick = { .quick = true, .workers = 2 };
 
 static triangle_plan small_plan( void )

@@ -1,15 +1,9 @@
 // The scalar C cloth against each equation in double precision: a race is worth something only if both sides compute
 // the same thing.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "oracle/constraint_oracle.h"
 #include "plain/cloth_plain.h"
-
-#include <float.h>
-#include <math.h>
 
 enum
 {

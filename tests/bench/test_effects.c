@@ -6,10 +6,6 @@
 #include "effects/effects_bench.h"
 #include "world.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #define PLANS_FILE WISP_SOURCE_ROOT "/data/golden/effects.plan"
 
 static const effect_size small = { .side = 6, .level = 1, .strands = 16 };

@@ -7,17 +7,11 @@
 // The bound is four deviations of the error of p'; moving all vertices that far leaves room for the roundings of the
 // later stages, which are of the size of a coordinate's last place as well. The tolerance is the largest offset that
 // some vertex shows in 4 such runs.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "oracle/frozen_hair_scenes.h"
 #include "plain/frozen_hair_plain.h"
 #include "wisp/module/random.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 enum
 {

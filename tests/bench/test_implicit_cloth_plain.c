@@ -1,17 +1,10 @@
 // The scalar C implicit cloth against the double oracle and the engine: a race is worth something only if both sides
 // compute the same thing.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "oracle/triangle_oracle.h"
 #include "plain/implicit_cloth_plain.h"
 #include "triangle_scene.h"
-
-#include <float.h>
-#include <math.h>
-#include <stdlib.h>
 
 enum
 {

@@ -1,12 +1,7 @@
 // Charts of rows: what is drawn is what the rows hold, and the front is what nothing beats.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "rows_chart.h"
-
-#include <math.h>
 
 static void add_row( results* all, const char* name, const char* variant, int workers, double vertices, double ms )
 {

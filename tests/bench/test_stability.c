@@ -4,9 +4,6 @@
 
 #include "stability/stability.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 // ---- runs that are made up ----
 
 enum

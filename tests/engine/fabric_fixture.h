@@ -5,9 +5,6 @@
 
 #include "fabric.h"
 
-#include <float.h>
-#include <math.h>
-
 // ---- meshes ----
 
 /// A mesh as a user hands it over.

@@ -6,8 +6,6 @@
 
 #include "wisp/module/intersections.h"
 
-#include <math.h>
-
 __extension__ typedef __int128 wide;
 
 /// A point with whole coordinates, below 2^30 in magnitude and of at most 24 bits, so that they are floats.

@@ -7,8 +7,6 @@
 
 #include "wisp/base.h"
 
-#include <math.h>
-
 extern const wisp_kernels kernels_plain;
 #if defined( TEST_AVX512_EMULATED )
 extern const wisp_kernels kernels_avx512_emulated;

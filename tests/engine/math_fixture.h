@@ -1,11 +1,7 @@
 /// Operands for tests of mathematics, and what the processor must have for the backend that they were built for.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "lane.h"
 #include "lane_random.h"
@@ -13,10 +9,6 @@
 #include "lane_vec.h"
 #include "trig.h"
 #include "vec.h"
-
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
 
 static inline uint32_t bits_of( float value )
 {

@@ -7,9 +7,6 @@
 
 #include "wisp/collision_mesh.h"
 
-#include <float.h>
-#include <math.h>
-
 typedef struct test_mesh
 {
     int point_count, triangle_count;

@@ -8,8 +8,6 @@
 
 #include "wisp/module/sampling.h"
 
-#include <math.h>
-
 typedef struct samples_mesh
 {
     int vertex_count, edge_count, triangle_count;

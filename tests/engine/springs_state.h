@@ -5,9 +5,6 @@
 
 #include "triangle_oracle.h"
 
-#include <float.h>
-#include <math.h>
-
 enum
 {
     SLICES = 140, // three blocks of 64 that sums are made of, the last of them not full

@@ -7,8 +7,6 @@
 #include "wisp/fabric.h"
 #include "wisp/module/components.h"
 
-#include <math.h>
-
 typedef struct test_mesh
 {
     wisp_vec3* points;

@@ -3,23 +3,14 @@
 // Standard error is redirected and a child process aborts: POSIX, which -std=c17 hides unless it is asked for.
 #define _POSIX_C_SOURCE 200809L
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "alloc.h"
 #include "arena.h"
 #include "log.h"
-
 #include "wisp/module/random.h"
 
-#include <math.h>
 #include <signal.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

@@ -1,9 +1,6 @@
 // The plan as data: what a report says of passes that are kept, of those that are not, of modules, and of cost.
 #include "plan_fixture.h"
 
-#include <float.h>
-#include <math.h>
-
 #define SHAPE WISP_STAGE_SHAPE
 #define GROUP WISP_DOMAIN_STRAND_GROUP
 #define ENTITY WISP_DOMAIN_ENTITY

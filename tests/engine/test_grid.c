@@ -1,8 +1,6 @@
 // The grid against a naive sort, for any number of workers.
 #include "space_fixture.h"
 
-#include <math.h>
-
 static int cell_of( const wisp_grid* g, const float* quad )
 {
     int cell[3];

@@ -2,8 +2,6 @@
 // tolerance is none.
 #include "intersections_fixture.h"
 
-#include <float.h>
-
 static int side_of_whole( const whole_point p[4], const int powers[3] )
 {
     float f[4][3];

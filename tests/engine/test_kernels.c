@@ -1,18 +1,12 @@
 // Every kernel table gives the same bits, and the sums through the grid are those of brute force, bit for bit.
+#include "unit.h"
+
 #include "frozen_hair.h"
 #include "kernel_tables.h"
 #include "trig.h"
 #include "world.h"
 
 #include "wisp/module/space.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 
 extern const wisp_kernels kernels_plain;
 #if defined( TEST_AVX512_EMULATED )

@@ -1,8 +1,6 @@
 // Air on the triangles around vertices: every table gives the same bits, and they are those of double precision.
 #include "kernels_fixture.h"
 
-#include <float.h>
-
 enum
 {
     SLOTS = 64,

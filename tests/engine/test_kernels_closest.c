@@ -4,8 +4,6 @@
 
 #include "contact_oracle.h"
 
-#include <float.h>
-
 enum
 {
     CLOSEST_GROUPS = 512,

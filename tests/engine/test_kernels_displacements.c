@@ -1,8 +1,6 @@
 // Kernels of ways: every table gives the same bits, and lengths, strays and slack are held to double precision.
 #include "kernels_fixture.h"
 
-#include <float.h>
-
 enum
 {
     POINTS = 40,

@@ -1,8 +1,6 @@
 // Kernels of particles in blocks: every table gives the same bits, and these are those of scalars, particle by particle.
 #include "kernels_fixture.h"
 
-#include <float.h>
-
 enum
 {
     COUNT = 256,

@@ -7,9 +7,6 @@
 
 #include "wisp/fabric.h"
 
-#include <float.h>
-#include <math.h>
-
 static void* new_aligned( size_t size )
 {
     void* memory = aligned_alloc( 64, ( size + 63 ) / 64 * 64 );

@@ -2,8 +2,6 @@
 // double precision over all pairs.
 #include "primitives_fixture.h"
 
-#include <float.h>
-
 enum
 {
     SEEDS = 60,

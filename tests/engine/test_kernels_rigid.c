@@ -2,8 +2,6 @@
 // share of their way and no farther.
 #include "kernels_fixture.h"
 
-#include <float.h>
-
 enum
 {
     COUNT = 600, // more than two parts of the sums

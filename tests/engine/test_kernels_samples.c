@@ -2,8 +2,6 @@
 // is held rightly.
 #include "kernels_fixture.h"
 
-#include <float.h>
-
 enum
 {
     SLOTS = 64,

@@ -5,9 +5,6 @@
 
 #include "wisp/fabric.h"
 
-#include <float.h>
-#include <math.h>
-
 // Positions are below 3 m and every step of a projection rounds a number of that size or a smaller one. The longest
 // chain of roundings between a position and its successor is that of the dihedral: differences, a product, a normal
 // and its square, an arc tangent of a few, a quotient, two products, a sum.

@@ -2,7 +2,6 @@
 // angles.
 #include "mesh_fixture.h"
 
-#include <float.h>
 #include <pthread.h>
 
 enum

@@ -2,8 +2,6 @@
 // runs out.
 #include "mesh_fixture.h"
 
-#include <float.h>
-
 // ---- inputs without an answer ----
 
 static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )

@@ -4,9 +4,6 @@
 
 #include "wisp/shapes.h"
 
-#include <float.h>
-#include <math.h>
-
 enum
 {
     POINTS = 4000,

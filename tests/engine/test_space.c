@@ -1,8 +1,6 @@
 // Who is near whom: neighbours against brute force, for every instruction set that runs here and any number of workers.
 #include "space_fixture.h"
 
-#include <math.h>
-
 enum
 {
     NO_LIMIT = 5000,

@@ -1,8 +1,6 @@
 // What a world refuses: definitions of worlds, of modules and of strands, each by its own message.
 #include "world_fixture.h"
 
-#include <math.h>
-
 // ---- definitions of worlds ----
 
 // Refused with one message that holds these words, and without a world.

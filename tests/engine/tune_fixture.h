@@ -5,8 +5,6 @@
 
 #include "wisp/tune.h"
 
-#include <math.h>
-
 #define CHOICES_MAX 400
 
 /// Time and error of every choice of three parameters, and what the search asked for.

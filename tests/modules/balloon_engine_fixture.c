@@ -1,7 +1,5 @@
 #include "balloon_engine_fixture.h"
 
-#include <math.h>
-
 // ---- scenes ----
 
 balloon_scene balloon_scene_of( const balloon_mesh* mesh )

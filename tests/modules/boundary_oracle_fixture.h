@@ -1,44 +1,17 @@
 /// What the tests of the boundary oracle share: the reference sphere, layers that must come about, comparisons.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/boundary_oracle.h"
-#include "wisp/module/random.h"
 
-#include <float.h>
-#include <stdlib.h>
-#include <string.h>
+static const uint64_t random_seed = 61;
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
 // of the reference program
 static const double RADIUS = 2.5;
 static const double SPACING = 0.1;
-
-static inline void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
-static inline double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 61, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static inline double3 random_point( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
 
 static inline balloon_mesh reference_sphere( void )
 {

@@ -7,10 +7,6 @@
 #include "golden_file.h"
 #include "world_fixture.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
 typedef struct place_to_run
 {
     int workers;

@@ -2,8 +2,6 @@
 
 #include "trig.h"
 
-#include <math.h>
-
 // ---- grooms ----
 
 static void* new_memory( size_t bytes )

@@ -2,10 +2,7 @@
 /// with the engine's very floats. frozen_hair_fixture.h serves the tests of the oracle itself.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "unit.h"
 
 #include "environment.h"
 #include "frozen_hair.h"
@@ -13,9 +10,6 @@
 #include "strand_appearance.h"
 #include "wisp/module/random.h"
 #include "wisp/wisp.h"
-
-#include <stdlib.h>
-#include <string.h>
 
 typedef enum hair_shape
 {

@@ -1,16 +1,11 @@
 /// What the tests of frozen hair share: scenes and runs that must succeed, random inputs, comparisons.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/frozen_hair_scenes.h"
-#include "wisp/module/random.h"
 
-#include <stdlib.h>
-#include <string.h>
+static const uint64_t random_seed = 99;
 
 static inline double3* new_points( const frozen_scene* scene )
 {
@@ -50,19 +45,6 @@ static inline void set_stiffness( frozen_scene* scene, double stiffness )
     }
 }
 
-static inline double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 99, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-/// Components in (-1, 1), n picks the vector.
-static inline double3 random_vector( int n )
-{
-    return double3_make( random_between( n, 0, -1.0, 1.0 ), random_between( n, 1, -1.0, 1.0 ),
-                         random_between( n, 2, -1.0, 1.0 ) );
-}
-
 /// The oracle's pipeline; the caller frees the points.
 static inline double3* run( const frozen_scene* scene, const frozen_oracle_options* options )
 {
@@ -82,14 +64,6 @@ static inline void clump_step( const frozen_scene* scene, const frozen_oracle_op
     assert_int_equal(
         frozen_oracle_clump_step( &scene->hair, options, iteration, reference, in, NULL, delta, lambda, out ),
         WISP_OK );
-}
-
-static inline void assert_close( double actual, double expected, double tolerance )
-{
-    if ( !( fabs( actual - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.17g is not %.17g within %g", actual, expected, tolerance );
-    }
 }
 
 static inline bool same_bits( const double3* a, const double3* b, int count )

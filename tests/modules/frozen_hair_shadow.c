@@ -1,8 +1,5 @@
 #include "frozen_hair_shadow.h"
 
-#include <math.h>
-#include <stdio.h>
-
 // What the engine makes of the groom with some stages on, after earlier commands with all of them.
 typedef struct partial_run
 {

@@ -3,8 +3,6 @@
 // errors pulled the same way, so a bound is never too small, and about ten times what is seen.
 #include "frozen_hair_shadow.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 static const double pi = 3.14159265358979323846;

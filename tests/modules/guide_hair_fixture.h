@@ -10,8 +10,6 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-#include <math.h>
-
 #define FRAME ( 1.0f / 60.0f )
 
 /// Who runs the engine. Zero-initialised: one worker, the best instruction set.

@@ -1,16 +1,11 @@
 /// What the tests of guide hair share: a scene of targets and ghosts around them, its motion, comparisons.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/guide_oracle.h"
-#include "wisp/module/random.h"
 
-#include <string.h>
+static const uint64_t random_seed = 31;
 
 enum
 {
@@ -22,29 +17,9 @@ enum
 static const double3 zero = { 0.0, 0.0, 0.0 };
 static const double segment = 0.02; // m, of every target
 
-static inline void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
 static inline void assert_at( double3 a, double3 b, double tolerance )
 {
     assert_close( double3_distance( a, b ), 0.0, tolerance );
-}
-
-static inline double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 31, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static inline double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
 }
 
 // A row of targets, each with the same number of ghosts around it, and the simulated motion of those targets.

@@ -1,47 +1,16 @@
 /// What the tests of moving strands share: shapes, kicks, sums over a strand, frames that go along.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/strand_oracle.h"
-#include "wisp/module/random.h"
 
-#include <string.h>
+static const uint64_t random_seed = 41;
 
-static const double pi = 3.14159265358979323846;
 static const double line_density = 6.5e-6; // kg/m, a hair
 static const double3 zero = { 0.0, 0.0, 0.0 };
 static const double fall = 9.81; // m/s^2
 static const double3 gravity = { 0.0, -9.81, 0.0 };
-
-static inline void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
-static inline void assert_ratio( double a, double b, double tolerance )
-{
-    assert_close( a / b, 1.0, tolerance );
-}
-
-static inline double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static inline double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
 
 // A straight strand of equal masses from the origin.
 static inline strand_oracle new_chain( int count, double length, double3 direction, bool held )

@@ -6,8 +6,6 @@
 #include "collision.h"
 #include "strands.h"
 
-#include <stdio.h>
-
 typedef struct strand_world
 {
     test_host host;

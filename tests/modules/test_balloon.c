@@ -5,8 +5,6 @@
 #include "balloon_internal.h"
 #include "kernel_tables.h"
 
-#include <math.h>
-
 // ---- against the oracle ----
 
 // A full pear that moves, spins off its axis and blows: everything acts.

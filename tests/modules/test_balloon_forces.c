@@ -2,8 +2,6 @@
 // equations, figures and sections are those of the balloon paper (docs/methods.md).
 #include "balloon_engine_fixture.h"
 
-#include <math.h>
-
 static const double PI = 3.14159265358979323846;
 static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
 

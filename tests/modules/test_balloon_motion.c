@@ -4,8 +4,6 @@
 
 #include "balloon_internal.h"
 
-#include <math.h>
-
 static double3 vertex_of( const balloon_flight* flight, int vertex )
 {
     const float* p =

@@ -4,8 +4,6 @@
 
 #include "balloon_internal.h"
 
-#include <math.h>
-
 // ---- open meshes ----
 
 // What is left of a mesh on the near side of two planes: triangles with a vertex beyond one are gone, and so are vertices

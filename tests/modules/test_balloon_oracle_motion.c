@@ -1,39 +1,11 @@
 // The balloon in motion on its double-precision oracle: pressure table, lift, jet, spin and the figures of the
 // balloon paper, which numbers of equations, figures and sections refer to (docs/methods.md).
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/balloon_meshes.h"
 #include "oracle/balloon_oracle.h"
-#include "wisp/module/random.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-static const double pi = 3.14159265358979323846;
-
-static void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
-static double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 23, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
+static const uint64_t random_seed = 23;
 
 static balloon_oracle new_body( const balloon_mesh* mesh, double areal_density, int outlet,
                                 const balloon_oracle_options* options )

@@ -1,8 +1,6 @@
 // What a balloon cannot be is refused with one message that names it, and the refused call has changed nothing.
 #include "balloon_engine_fixture.h"
 
-#include <math.h>
-
 // X( what the message must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
     X( "solver: got 2,", d->solver = WISP_SOLVER_COUNT )                                                             \

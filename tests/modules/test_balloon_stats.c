@@ -2,8 +2,6 @@
 // Every result is of frames of 1/60 s with 10 substeps of 2 iterations.
 #include "balloon_engine_fixture.h"
 
-#include <math.h>
-
 static double spin_of( const balloon_flight* flight )
 {
     return double3_length( balloon_from( balloon_read( flight ).angular_velocity ) );

@@ -2,8 +2,6 @@
 // collapsed, flat, pinned all over, NaN.
 #include "balloon_engine_fixture.h"
 
-#include <math.h>
-
 // ---- switches ----
 
 static void every_combination_of_switches_flies_for_half_a_second( void** state )

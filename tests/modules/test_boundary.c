@@ -1,8 +1,6 @@
 // Boundary particles in a world: passive, there only when asked for, right after whatever happens to the surface.
 #include "boundary_fixture.h"
 
-#include <math.h>
-
 static uint64_t points_hash( ball_world* b, wisp_entity e )
 {
     return hash_of( b->world, e, WISP_SURFACE_POINTS );

@@ -3,10 +3,6 @@
 #include "boundary_fixture.h"
 #include "golden_file.h"
 
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
-
 static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/boundary.hash";
 
 typedef struct golden_case

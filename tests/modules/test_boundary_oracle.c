@@ -192,7 +192,7 @@ static void height_times_base_is_twice_the_area( void** state )
     (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
-        const double3 corner[3] = { random_point( n, 0 ), random_point( n, 1 ), random_point( n, 2 ) };
+        const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
         const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
         const double slender = axis.base / axis.height; // a sliver loses as many digits as it is slender
         assert_close( axis.height * axis.base / doubled_area( corner ), 1.0, 1e-12 * fmax( 1.0, slender ) );
@@ -207,7 +207,7 @@ static void the_height_ignores_a_translation_and_the_printed_one_does_not( void*
     int wrong = 0;
     for ( int n = 0; n < 200; ++n )
     {
-        const double3 corner[3] = { random_point( n, 0 ), random_point( n, 1 ), random_point( n, 2 ) };
+        const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
         const double3 moved[3] = { double3_add( corner[0], far ), double3_add( corner[1], far ),
                                    double3_add( corner[2], far ) };
         const boundary_oracle_axis here = boundary_oracle_axis_of( corner ), there = boundary_oracle_axis_of( moved );
@@ -417,8 +417,8 @@ static void rows_are_parallel_to_the_axis_and_inside_before_and_after_a_translat
         double3 corner[3] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, sqrt( 3.0 ), 0 } }; // equilateral
         corner[1].x = n % 4 == 1 ? 1.0 : n % 4 == 2 ? 0.3 : corner[1].x;         // isosceles, needle
         corner[2].x = n % 4 == 3 ? 0.0 : 0.5 * corner[1].x;                      // right
-        const double3 axis = boundary_oracle_unit( random_point( n, 0 ) ),
-                      other = boundary_oracle_unit( random_point( n, 1 ) );
+        const double3 axis = boundary_oracle_unit( random_vector( n, 0 ) ),
+                      other = boundary_oracle_unit( random_vector( n, 1 ) );
         for ( int k = 0; k < 3; ++k )
         {
             // two reflections are a rotation

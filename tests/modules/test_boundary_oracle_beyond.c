@@ -182,11 +182,11 @@ static double gap_of( const touching* t )
 // Masses, weights and a plane of any kind, the point a hundredth below it.
 static touching touching_of( int n )
 {
-    touching t = { .normal = boundary_oracle_unit( random_point( n, 9 ) ) };
+    touching t = { .normal = boundary_oracle_unit( random_vector( n, 9 ) ) };
     double sum = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
-        t.x[k] = t.before[k] = random_point( n, k );
+        t.x[k] = t.before[k] = random_vector( n, k );
         t.w[k] = random_between( n, 50 + k, 0.5, 4.0 );
         t.b[k] = random_between( n, 60 + k, 0.05, 1.0 );
         sum += t.b[k];

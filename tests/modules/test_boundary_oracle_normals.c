@@ -26,8 +26,8 @@ static void an_edge_normal_is_unit_begins_and_ends_at_the_vertices( void** state
     (void)state;
     for ( int n = 0; n < 100; ++n )
     {
-        const double3 a = boundary_oracle_unit( random_point( n, 0 ) ),
-                      b = boundary_oracle_unit( random_point( n, 1 ) );
+        const double3 a = boundary_oracle_unit( random_vector( n, 0 ) ),
+                      b = boundary_oracle_unit( random_vector( n, 1 ) );
         assert_close( double3_distance( boundary_oracle_edge_normal( a, b, 0.0 ), a ), 0.0, 1e-15 );
         assert_close( double3_distance( boundary_oracle_edge_normal( a, b, 1.0 ), b ), 0.0, 1e-15 );
         const double tau = random_between( n, 9, 0.0, 1.0 );
@@ -45,9 +45,9 @@ static void barycentric_normals_are_exact_for_a_linear_field( void** state )
     double worst = 0.0;
     for ( int n = 0; n < 100; ++n )
     {
-        const double3 corner[3] = { boundary_oracle_unit( random_point( n, 0 ) ),
-                                    boundary_oracle_unit( random_point( n, 1 ) ),
-                                    boundary_oracle_unit( random_point( n, 2 ) ) };
+        const double3 corner[3] = { boundary_oracle_unit( random_vector( n, 0 ) ),
+                                    boundary_oracle_unit( random_vector( n, 1 ) ),
+                                    boundary_oracle_unit( random_vector( n, 2 ) ) };
         const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
         const double q = random_between( n, 20, 0.0, 0.9 ), r = random_between( n, 21, 0.0, 1.0 );
         double weight[3];
@@ -71,10 +71,10 @@ static void normals_are_continuous_across_an_edge_in_both_modes( void** state )
     (void)state;
     for ( int n = 0; n < 100; ++n )
     {
-        const double3 corner[3] = { random_point( n, 0 ), random_point( n, 1 ), random_point( n, 2 ) };
-        const double3 normal[3] = { boundary_oracle_unit( random_point( n, 3 ) ),
-                                    boundary_oracle_unit( random_point( n, 4 ) ),
-                                    boundary_oracle_unit( random_point( n, 5 ) ) };
+        const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
+        const double3 normal[3] = { boundary_oracle_unit( random_vector( n, 3 ) ),
+                                    boundary_oracle_unit( random_vector( n, 4 ) ),
+                                    boundary_oracle_unit( random_vector( n, 5 ) ) };
         const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
         const double t = random_between( n, 30, 0.05, 0.95 );
         const double3 a = normal[axis.a], b = normal[axis.b], c = normal[axis.c];

@@ -1,8 +1,6 @@
 // What cloth refuses, in one message that names it, and that a refusal changes nothing.
 #include "cloth_fixture.h"
 
-#include <stddef.h>
-
 static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached )
 {
     test_mesh mesh = test_plane( 4, 0.1f );

@@ -5,8 +5,6 @@
 
 #include "kernel_tables.h"
 
-#include <float.h>
-
 enum
 {
     PARTICLES = 3 * COLLISION_BLOCK + 72, // the last block is not full

@@ -4,8 +4,6 @@
 #include "collision.h"
 #include "strands.h"
 
-#include <float.h>
-
 enum
 {
     TARGETS = 6,

@@ -1,40 +1,13 @@
 // Constraints of cloth and balloons on their double-precision oracle. Numbers of equations
 // and figures are those of the balloon paper (docs/methods.md).
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/balloon_meshes.h"
 #include "oracle/constraint_oracle.h"
-#include "wisp/module/random.h"
 
-#include <stdlib.h>
-#include <string.h>
+static const uint64_t random_seed = 21;
 
-static const double pi = 3.14159265358979323846;
 static const int four[4] = { 0, 1, 2, 3 };
-
-static void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
-static double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 21, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
 
 // Two triangles with a common edge, of good shape, folded at random by up to `fold` rad.
 static void random_hinge( int n, double fold, double3 p[4] )

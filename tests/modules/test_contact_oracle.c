@@ -1,39 +1,13 @@
 // Contact on its double-precision oracle. Lengths are of order 1 and masses between 0.1 and 10, so that roundings of
 // some ten operations come to about 1e-15; a tolerance of 1e-12 leaves room for what a short denominator makes of
 // them.
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/contact_oracle.h"
-#include "wisp/module/random.h"
 
-#include <stdlib.h>
-#include <string.h>
+static const uint64_t random_seed = 41;
 
 static const double tolerance = 1e-12;
-
-static void assert_close( double a, double b, double allowed )
-{
-    if ( !( fabs( a - b ) <= allowed ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), allowed );
-    }
-}
-
-static double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 41, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
 
 static double3 along( double3 a, double s, double3 b )
 {

@@ -2,8 +2,6 @@
 // wrong never reach another.
 #include "contact_fixture.h"
 
-#include <stddef.h>
-
 static int open_refusing( void** state )
 {
     hosted* h = calloc( 1, sizeof( hosted ) );

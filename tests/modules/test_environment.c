@@ -2,8 +2,6 @@
 // there is no environment, and without a hand in when a look changes.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 static wisp_environment_def environment_with( int count, const float* ice, const float* stiffness )

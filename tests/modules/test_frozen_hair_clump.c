@@ -3,8 +3,6 @@
 // come from).
 #include "frozen_hair_shadow.h"
 
-#include <math.h>
-
 static void say( const char* what, hair_shadow s )
 {
     print_message( "           %s: %.2g m off, %.0f %% of the tolerance, %llu neighbours, %u searches, %llu late\n",

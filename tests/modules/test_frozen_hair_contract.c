@@ -4,8 +4,6 @@
 // of roundings times u times the size of what is rounded.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 static const double pi = 3.14159265358979323846;

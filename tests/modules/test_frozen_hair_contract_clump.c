@@ -3,8 +3,6 @@
 // and say how tolerances are counted in u = 2^-24.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 // The largest distance from the origin: what coordinates round by is this times u.

@@ -6,11 +6,6 @@
 #include <inttypes.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdio.h>
-
-#ifndef WISP_SOURCE_ROOT
-#define WISP_SOURCE_ROOT "."
-#endif
 
 static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/frozen_hair.hash";
 

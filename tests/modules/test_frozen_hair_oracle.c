@@ -3,8 +3,6 @@
 // test_frozen_hair_oracle_stats.c. Numbers of equations, figures and sections are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
-static const double pi = 3.14159265358979323846;
-
 static double3 unit( double3 v )
 {
     return double3_scale( 1.0 / double3_length( v ), v );
@@ -18,7 +16,7 @@ static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( 
     double3 points[6];
     for ( int n = 0; n < 6; ++n )
     {
-        points[n] = random_vector( n );
+        points[n] = random_vector( n, 0 );
     }
     frozen_scene scene = new_scene_from( 4, counts, points );
     const int expected[] = { 0, 1, 1, 4, 6 };
@@ -49,7 +47,7 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
     double3 previous = { 0.6, 0.8, 0.0 };
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 segment = double3_scale( pow( 10.0, random_between( n, 3, -6.0, 3.0 ) ), random_vector( n ) );
+        double3 segment = double3_scale( pow( 10.0, random_between( n, 3, -6.0, 3.0 ) ), random_vector( n, 0 ) );
         assert_close( double3_length( frozen_oracle_tangent( segment, previous ) ), 1.0, 1e-15 );
     }
     double3 copied = frozen_oracle_tangent( double3_make( 0.0, 1e-13, 0.0 ), previous );
@@ -116,7 +114,7 @@ static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void*
     // in space the axis goes round the segment with psi, on both sides of the equator
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 t = unit( random_vector( n ) ), b1, b2;
+        double3 t = unit( random_vector( n, 0 ) ), b1, b2;
         double psi = random_between( n, 4, 0.0, 2.0 * pi );
         frozen_oracle_frame( t, &b1, &b2 );
         double3 axis = frozen_oracle_bend_axis( t, t, 3, 3, psi );
@@ -135,7 +133,7 @@ static void a_rodrigues_matrix_is_a_rotation( void** state )
     {
         double m[3][3];
         double angle = random_between( n, 3, -pi, pi );
-        double3 axis = unit( random_vector( n ) );
+        double3 axis = unit( random_vector( n, 0 ) );
         frozen_oracle_rodrigues( axis, angle, m );
         for ( int a = 0; a < 3; ++a )
         {
@@ -268,7 +266,7 @@ static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( v
     (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 v = random_vector( 2 * n ), u = random_vector( 2 * n + 1 ), axis;
+        double3 v = random_vector( 2 * n, 0 ), u = random_vector( 2 * n + 1, 0 ), axis;
         int dimension = n % 2 == 0 ? 2 : 3;
         double phi;
         if ( dimension == 2 )
@@ -316,7 +314,7 @@ static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengt
     (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 root = random_vector( n + 5000 ), axis = unit( random_vector( n ) ), b1, b2;
+        double3 root = random_vector( n + 5000, 0 ), axis = unit( random_vector( n, 0 ) ), b1, b2;
         double phi = random_between( n, 3, 0.0, pi ), w = random_between( n, 4, 0.0, 1.0 );
         frozen_oracle_frame( axis, &b1, &b2 );
         double3 arm = double3_scale( 0.3, b1 );

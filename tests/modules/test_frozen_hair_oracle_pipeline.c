@@ -261,7 +261,7 @@ static frozen_scene crowded_scene( void )
         counts[s] = 6;
         for ( int i = 0; i < 6; ++i )
         {
-            double3 shake = double3_scale( 0.003, random_vector( 6 * s + i ) );
+            double3 shake = double3_scale( 0.003, random_vector( 6 * s + i, 0 ) );
             points[6 * s + i] = double3_add( double3_make( 0.0, -0.002 * i, 0.0 ), shake );
         }
     }

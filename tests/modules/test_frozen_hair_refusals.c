@@ -1,8 +1,6 @@
 // What frozen hair cannot take is refused with one message that names it, and the refused call has changed nothing.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 // X( what the message must name, the statement that breaks a definition )
 #define BROKEN_DEFS( X )                                                                                             \
     X( "stretch_stiffness: got 0,", d->stretch_stiffness = 0.0f )                                                    \

@@ -2,8 +2,6 @@
 // how, and where the tolerances come from), every switch and every awkward strand; then all combinations of stages.
 #include "frozen_hair_shadow.h"
 
-#include <math.h>
-
 static const wisp_vec3 aside_2d = { 0.09f, -0.05f, 0.0f }, aside_3d = { 0.09f, -0.05f, 0.07f };
 
 static wisp_vec3 aside( int dimension )

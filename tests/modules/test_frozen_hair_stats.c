@@ -2,8 +2,6 @@
 // equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 static const double pi = 3.14159265358979323846;

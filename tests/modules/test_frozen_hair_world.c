@@ -1,9 +1,7 @@
 // Frozen hair as a participant of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
 #include <stdatomic.h>
-#include <stdio.h>
 
 // ---- grooms beside each other ----
 

@@ -8,8 +8,6 @@ enum
     MAX_POINTS = 32 * SAMPLES + 1,
 };
 
-static const double pi = 3.14159265358979323846;
-
 static void random_strand( int n, int count, double3* nodes )
 {
     nodes[0] = random_vector( n, 50 );

@@ -2,8 +2,6 @@
 // counts.
 #include "implicit_cloth_fixture.h"
 
-#include <float.h>
-
 static const float DT = 1.0f / 64.0f; // s
 
 // ---- links ----

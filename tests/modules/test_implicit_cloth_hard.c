@@ -2,8 +2,6 @@
 // steps so long that BDF2 has nothing to go on from.
 #include "implicit_cloth_fixture.h"
 
-#include <math.h>
-
 enum
 {
     SIDE = 10,

@@ -2,8 +2,6 @@
 // comes back; several cloths in a world, and one that is changed on the fly.
 #include "implicit_cloth_fixture.h"
 
-#include <stddef.h>
-
 static const float DT = 1.0f / 64.0f; // s
 
 static wisp_entity add_plain( hosted* h )

@@ -2,8 +2,6 @@
 // wanted.
 #include "frozen_hair_engine_fixture.h"
 
-#include <math.h>
-
 static const double u = HAIR_ROUNDING;
 
 static const int lengths[] = { 3, 0, 17, 1, 40, 2, 20 };

@@ -2,8 +2,6 @@
 // forms are those of the table of references.
 #include "strand_oracle_fixture.h"
 
-#include <float.h>
-
 // ---- pendulums and chains ----
 
 // Time from one passage of x = 0 by a vertex to the next in the same direction.

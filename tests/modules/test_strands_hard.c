@@ -2,8 +2,6 @@
 // apart, long steps, scenes of a tenth of a millimetre and of a hundred metres, numbers that are none.
 #include "strands_fixture.h"
 
-#include <float.h>
-
 static const float FRAME = 1.0f / 60.0f;
 static const wisp_vec3 UP = { 0.0f, 1.0f, 0.0f };
 static const double GRAVITY = 9.81;

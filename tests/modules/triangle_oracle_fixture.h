@@ -1,48 +1,15 @@
 /// What the tests of the triangle cloth oracle share: small meshes, a crumpled sheet, comparisons.
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "oracle_support.h"
 
 #include "oracle/triangle_oracle.h"
-#include "wisp/module/random.h"
 
-#include <float.h>
-#include <stdlib.h>
-#include <string.h>
+static const uint64_t random_seed = 53;
 
-static const double pi = 3.14159265358979323846;
 static const double3 zero = { 0.0, 0.0, 0.0 };
 static const double3 up = { 0.0, 1.0, 0.0 };
 static const double fall = 9.81; // m/s^2
-
-static inline void assert_close( double a, double b, double tolerance )
-{
-    if ( !( fabs( a - b ) <= tolerance ) )
-    {
-        fail_msg( "%.17g and %.17g differ by %.3g, allowed %.3g", a, b, fabs( a - b ), tolerance );
-    }
-}
-
-static inline void assert_ratio( double a, double b, double tolerance )
-{
-    assert_close( a / b, 1.0, tolerance );
-}
-
-static inline double random_between( int n, int m, double lower, double upper )
-{
-    return lower +
-           ( upper - lower ) * wisp_random_unit( wisp_random_make_key( 53, 0, 0 ), (uint32_t)n, (uint32_t)m, 0 );
-}
-
-static inline double3 random_vector( int n, int m )
-{
-    return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),
-                         random_between( n, 3 * m + 2, -1.0, 1.0 ) );
-}
 
 static inline double component( double3 v, int axis )
 {
