@@ -265,7 +265,7 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     const bench_options* options = &arguments->options;
     char what[1000], how[200];
     name_cases( arguments, what, sizeof( what ) );
-    snprintf( how, sizeof( how ), "%s%sabout %g s a case, up to %d worker%s",
+    snprintf( how, sizeof( how ), "%s%sabout %g s per case, up to %d worker%s",
               options->compare ? "solvers compared, " : "", options->quick ? "quick, " : "", bench_seconds( options ),
               options->workers, options->workers == 1 ? "" : "s" );
     const report_run run = { .what = what, .how = how };
