@@ -73,8 +73,8 @@ static bool draws_numbers()
 int main()
 {
     const wisp_module own = { "cpp", declare };
-    const wisp_module* const modules[] = { &wisp_environment_module, &wisp_frozen_hair_module, &wisp_strand_appearance_module,
-                                           &own };
+    const wisp_module* const modules[] = { &wisp_environment_module, &wisp_frozen_hair_module,
+                                           &wisp_strand_appearance_module, &own };
     const bool stepped = can_step( modules, WISP_COUNT( modules ) );
     const bool drew = draws_numbers();
     std::printf( "a world with a module in C++ steps: %s\nrandom numbers: %s\n", stepped ? "yes" : "no",

@@ -23,7 +23,7 @@ typedef struct cloth_host
     wisp_tune_points points;
     float gravity;        ///< m/s^2, downwards
     int more_at;          ///< substeps from which on the cloth has more vertices; 0: never
-    int built, destroyed;    ///< worlds
+    int built, destroyed; ///< worlds
     int stepped;          ///< by the host's own steps
     int fail_at_substeps; ///< building this many fails; 0: none does
 } cloth_host;

@@ -29,7 +29,7 @@
     X( "pressure: got 3,", d->pressure = WISP_BALLOON_PRESSURE_COUNT )                                               \
     X( "drag_coefficient: got -0.5,", d->drag_coefficient = -0.5f )                                                  \
     X( "drag_coefficient: got", d->drag_coefficient = NAN )                                                          \
-    X( "drag_model: got 4,", d->drag_model = WISP_BALLOON_DRAG_COUNT )                                                     \
+    X( "drag_model: got 4,", d->drag_model = WISP_BALLOON_DRAG_COUNT )                                               \
     X( "outlet_count: got -1,", d->outlet_count = -1 )                                                               \
     X( "outlet_count: got 65,", d->outlet_count = WISP_BALLOON_MAX_OUTLET + 1 )                                      \
     X( "outlet_area: got 0,", d->outlet_area = 0.0f )                                                                \

@@ -378,8 +378,8 @@ static void without_memory_nothing_has_changed( void** state )
     X( "rounding: got 3,", d->rounding = WISP_ROUND_COUNT )                                                          \
     X( "hysteresis: got 0.6,", d->hysteresis = 0.6f )                                                                \
     X( "hysteresis: got -0.1,", d->hysteresis = -0.1f )                                                              \
-    X( "max_points: got 0 points", d->max_points = 0 )                                                                    \
-    X( "max_points: got -5 points", d->max_points = -5 )                                                                  \
+    X( "max_points: got 0 points", d->max_points = 0 )                                                               \
+    X( "max_points: got -5 points", d->max_points = -5 )                                                             \
     X( "min_spacing: got -1 m", d->min_spacing = -1.0f )                                                             \
     X( "max_spacing: got", d->max_spacing = NAN )                                                                    \
     X( "expected at most max_spacing", ( d->min_spacing = 2.0f, d->max_spacing = 1.0f ) )                            \
