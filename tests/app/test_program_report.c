@@ -27,7 +27,7 @@ static void a_report_is_written_beside_the_usual_output( void** state )
     read_page( "page.html" );
     assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
     assert_non_null( strstr( page, "<h1>collision</h1>" ) );
-    assert_non_null( strstr( page, "quick, about 0.01 s a case, up to 1 worker<" ) );
+    assert_non_null( strstr( page, "quick, about 0.01 s per case, up to 1 worker<" ) );
     assert_non_null( strstr( page, "</html>\n" ) );
 
     // every title of the output is one of the page
