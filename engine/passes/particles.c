@@ -18,21 +18,20 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
     };
 }
 
-// Of what is left of the way, each substep goes its share; the last one lands on the target itself.
+// Each substep goes its fraction of the rest of the way. The last one of an even step lands on the target itself.
 static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
     float* position = position_of( frame, span );
     const float* target = wisp_frame_column( frame, span->entity, WISP_PARTICLE_TARGET, 0 );
     const wisp_span s = wisp_frame_particles( frame, span );
-    int left = wisp_frame_substeps( frame ) - span->substep;
-    float fraction = 1.0f / (float)left;
+    const float fraction = wisp_frame_progress_left( frame, span->substep );
     for ( int i = 4 * s.begin; i < 4 * s.end; i += 4 )
     {
         for ( int k = 0; k < 3 && target[i + 3] != 0.0f && position[i + 3] == 0.0f; ++k )
         {
             position[i + k] =
-                left == 1 ? target[i + k] : position[i + k] + fraction * ( target[i + k] - position[i + k] );
+                fraction == 1.0f ? target[i + k] : position[i + k] + fraction * ( target[i + k] - position[i + k] );
         }
     }
 }

@@ -63,6 +63,26 @@ int wisp_frame_substeps( const wisp_frame* frame )
     return frame->substeps;
 }
 
+float wisp_frame_progress( const wisp_frame* frame, int substeps )
+{
+    const float progress = frame->progress * (float)substeps;
+    return frame->progress == 0.0f ? (float)substeps / (float)frame->substeps : progress < 1.0f ? progress : 1.0f;
+}
+
+float wisp_frame_progress_left( const wisp_frame* frame, int substep )
+{
+    const float left = 1.0f - frame->progress * (float)substep;
+    return frame->progress == 0.0f  ? 1.0f / (float)( frame->substeps - substep )
+           : left > frame->progress ? frame->progress / left
+                                    : 1.0f;
+}
+
+wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to )
+{
+    const bool is_there = frame->reached == 1.0f || memcmp( &from, &to, sizeof( from ) ) == 0;
+    return is_there ? to : wisp_transform_interpolate( from, to, frame->reached );
+}
+
 int wisp_frame_iterations( const wisp_frame* frame )
 {
     return frame->iterations;
@@ -499,11 +519,21 @@ static void run_section( wisp_frame* frame, plan_section section )
     }
 }
 
+bool plan_has_substeps( const plan* p )
+{
+    return p->wave_count[PLAN_SUBSTEP] > 0 || p->wave_count[PLAN_ITERATION] > 0 ||
+           p->wave_count[PLAN_AFTER_ITERATION] > 0 || p->wave_count[PLAN_ITEM_LOOP] > 0;
+}
+
 void plan_execute( wisp_frame* frame )
 {
     const plan* p = frame->plan;
     memset( frame->pass_seconds, 0, sizeof( frame->pass_seconds ) );
     memset( frame->pass_items, 0, sizeof( frame->pass_items ) );
+    if ( frame->substeps == 0 )
+    {
+        return;
+    }
 
     frame->substep = frame->iteration = 0;
     run_section( frame, PLAN_BEFORE );

@@ -162,6 +162,8 @@ struct wisp_frame
     int substeps, iterations;
     int substep, iteration; // that run now
     float seconds;          // of a substep
+    float progress;         // fraction of the way to kinematic targets that a substep goes; 0: 1 / substeps
+    float reached;          // fraction of that way that the step before went
     const plan_block* wave; // of the wave that runs
     bool wide;              // one entity at a time, on all workers
     bool sampled;           // times of passes come from samples
@@ -183,5 +185,7 @@ typedef struct plan_clock
     _Alignas( 64 ) double seconds[PLAN_MAX_PASSES];
 } plan_clock;
 
-/// Run all sections in their loops. The caller holds the pool open (jobs_enter).
+/// @return whether a pass of the plan runs in substeps
+bool plan_has_substeps( const plan* p );
+/// Run all sections in their loops, or none in a step without substeps. The caller holds the pool open (jobs_enter).
 void plan_execute( wisp_frame* frame );

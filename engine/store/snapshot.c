@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-#define SNAPSHOT_MAGIC "WISPSNP2"
+#define SNAPSHOT_MAGIC "WISPSNP3"
 
 typedef struct snapshot_header
 {

@@ -99,7 +99,7 @@ static wisp_status build( wisp_world* world, const wisp_world_def* def, wisp_err
     world->frame.plan = &world->plan;
     world->frame.pool = world->pool;
     world->frame.kernels = kernels;
-    world->frame.substeps = def->substeps;
+    world->substeps = def->substeps;
     world->frame.iterations = def->iterations;
     return WISP_OK;
 }
@@ -146,6 +146,8 @@ void wisp_world_destroy( wisp_world* world )
     }
     plan_release( &world->plan, &world->allocator );
     base_release( &world->allocator, world->frame.clocks, (size_t)world->registry.workers * sizeof( plan_clock ) );
+    base_buffer_release( &world->allocator, &world->blend.previous );
+    base_buffer_release( &world->allocator, &world->blend.points );
     plan_registry_release( &world->registry );
     store_release( &world->store );
     jobs_destroy( world->pool );
@@ -205,24 +207,41 @@ static void warn_without_threads( wisp_world* world, bool has_threads )
     }
 }
 
+// Cut a step into substeps. A plan without substeps, such as one of appearance alone, runs in every step.
+static void cut_step( wisp_world* world, float dt, bool is_new_plan )
+{
+    wisp_frame* frame = &world->frame;
+    if ( plan_has_substeps( &world->plan ) )
+    {
+        step_clock_advance( &world->clock, dt, world->substeps, is_new_plan, frame );
+        return;
+    }
+    frame->substeps = world->substeps;
+    frame->seconds = dt / (float)world->substeps;
+    frame->progress = 0.0f;
+    frame->reached = 1.0f;
+}
+
 wisp_status wisp_world_step( wisp_world* world, float seconds )
 {
     if ( !( seconds > 0.0f && seconds < 1e6f ) )
     {
         return wisp_world_fail( world, WISP_BAD_INPUT, "step: got %g s, expected a number above 0", (double)seconds );
     }
+    const bool is_new_plan = world->plan.structure != world->store.structure;
     wisp_status status = compile_if_changed( world );
     if ( status != WISP_OK )
     {
         return status;
     }
+    world->blend.is_shown = false;
     double begin = wisp_clock_seconds();
     wisp_frame* frame = &world->frame;
     atomic_flag_clear( &frame->failing );
     atomic_store( &frame->failed, false );
     atomic_flag_clear( &frame->halting );
     frame->halted_message[0] = '\0';
-    frame->seconds = seconds / (float)frame->substeps;
+    cut_step( world, seconds, is_new_plan );
     if ( world->plan.node_count > 0 )
     {
         warn_without_threads( world, jobs_enter( world->pool, drive, frame ) );
@@ -296,7 +315,7 @@ wisp_status wisp_world_explain( wisp_world* world, wisp_plan_info** out )
     wisp_status status = compile_if_changed( world );
     if ( status == WISP_OK )
     {
-        *out = plan_explain( &world->plan, &world->registry, world->frame.substeps, world->frame.iterations );
+        *out = plan_explain( &world->plan, &world->registry, world->substeps, world->frame.iterations );
         status =
             *out != NULL ? WISP_OK : wisp_world_fail( world, WISP_NO_MEMORY, "out of memory to explain the plan" );
     }
@@ -329,22 +348,37 @@ uint64_t wisp_world_hash( const wisp_world* world )
 
 size_t wisp_world_snapshot_size( const wisp_world* world )
 {
-    return store_snapshot_size( &world->store );
+    return store_snapshot_size( &world->store ) + sizeof( world->clock );
 }
 
 wisp_status wisp_world_snapshot( const wisp_world* world, void* out, size_t size )
 {
-    if ( size < store_snapshot_size( &world->store ) )
+    const size_t store_size = store_snapshot_size( &world->store );
+    if ( size < store_size + sizeof( world->clock ) )
     {
         return WISP_BAD_INPUT;
     }
     store_snapshot( &world->store, out );
+    memcpy( (char*)out + store_size, &world->clock, sizeof( world->clock ) );
     return WISP_OK;
 }
 
 wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t size )
 {
+    step_clock clock = { 0 };
+    const size_t store_size = size > sizeof( clock ) ? size - sizeof( clock ) : 0;
+    if ( store_size > 0 )
+    {
+        memcpy( &clock, (const char*)bytes + store_size, sizeof( clock ) );
+    }
     wisp_error error = { 0 };
-    wisp_status status = store_restore( &world->store, bytes, size, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+    wisp_status status = step_clock_check( &clock )
+                             ? store_restore( &world->store, bytes, store_size, &error )
+                             : wisp_fail( &error, WISP_BAD_INPUT, "snapshot: the step clock is damaged" );
+    if ( status != WISP_OK )
+    {
+        return wisp_world_fail( world, status, "%s", error.message );
+    }
+    world->clock = clock;
+    return WISP_OK;
 }

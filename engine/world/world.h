@@ -7,6 +7,7 @@
 #include "log.h"
 #include "passes.h"
 #include "plan.h"
+#include "step_clock.h"
 #include "store.h"
 
 #include "wisp/module/module.h"
@@ -17,6 +18,14 @@ typedef struct world_memory
     wisp_allocator host;
     _Atomic size_t bytes;
 } world_memory;
+
+/// Points of two steps, and between them.
+typedef struct world_blend
+{
+    wisp_buffer previous, points; // [strand points, surface points][row] m
+    uint32_t structure;           // of the store when points were kept
+    bool is_shown;                // views are of `points`
+} world_blend;
 
 struct wisp_world
 {
@@ -29,6 +38,9 @@ struct wisp_world
     plan plan;
     jobs_pool* pool;
     wisp_frame frame;
+    step_clock clock;
+    world_blend blend;
+    int substeps;     // of a step of usual length
     wisp_error error; // of the last call that failed
     wisp_profile_line lines[PLAN_MAX_PASSES];
     int line_count;
@@ -40,6 +52,9 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
+
+/// @return interpolated rows of an entity, null if the last call was not wisp_world_advance() or the component has none
+const void* world_blended_rows( const wisp_world* world, const store_entity* e, wisp_component component );
 
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );

@@ -245,8 +245,9 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
                           "component '%s': has no rows in the user's order, request it with wisp_request first",
                           def != NULL ? def->name : "unknown" );
     }
-    *out = ( wisp_view ){ store_column( &world->store, e, component, 0 ), e->rows[WISP_TABLE_POINT].count,
-                          def->columns[0].row_size };
+    const void* blended = world_blended_rows( world, e, component );
+    *out = ( wisp_view ){ blended != NULL ? blended : store_column( &world->store, e, component, 0 ),
+                          e->rows[WISP_TABLE_POINT].count, def->columns[0].row_size };
     return WISP_OK;
 }
 

@@ -324,7 +324,7 @@ void collision_carry( wisp_frame* frame, const wisp_span* span, void* user )
     const collision_state* state = user;
     collision_collider* collider = wisp_frame_column( frame, span->entity, state->collider, 0 );
     const wisp_transform* target = wisp_frame_column( frame, span->entity, state->motion, 0 );
-    collider->from = collider->to;
+    collider->from = wisp_frame_reached( frame, collider->from, collider->to );
     collider->to = *target;
 }
 
@@ -337,9 +337,10 @@ static void set_poses( const wisp_frame* frame, const wisp_span* span, const col
         view->before = view->after = collider->to;
         return;
     }
-    float count = (float)wisp_frame_substeps( frame ), now = (float)span->substep;
-    view->before = wisp_transform_interpolate( collider->from, collider->to, now / count );
-    view->after = wisp_transform_interpolate( collider->from, collider->to, ( now + 1.0f ) / count );
+    const float before = wisp_frame_progress( frame, span->substep ),
+                after = wisp_frame_progress( frame, span->substep + 1 );
+    view->before = wisp_transform_interpolate( collider->from, collider->to, before );
+    view->after = wisp_transform_interpolate( collider->from, collider->to, after );
 }
 
 bool collision_next( wisp_frame* frame, const wisp_span* span, const collision_state* state, int* next,

@@ -570,7 +570,7 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
         .target = wisp_frame_column( frame, e, WISP_PARTICLE_TARGET, 0 ),
         .seconds = h,
         .hysteresis = HYSTERESIS * h * sqrtf( gx * gx + gy * gy + gz * gz ),
-        .target_fraction = 1.0f / (float)( wisp_frame_substeps( frame ) - span->substep ),
+        .target_fraction = wisp_frame_progress_left( frame, span->substep ),
         .speculative = m->speculative != 0,
     };
 }

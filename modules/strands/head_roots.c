@@ -15,7 +15,7 @@ void strands_move_head( wisp_frame* frame, const wisp_span* span, void* user )
     const strands_state* state = user;
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
     strands_head* head = wisp_frame_column( frame, span->entity, state->head, 0 );
-    head->from = head->to;
+    head->from = head->jumped != 0 ? head->to : wisp_frame_reached( frame, head->from, head->to );
     head->to = head->target;
     const float way = strands_norm( strands_sub( head->to.translation, head->from.translation ) );
     head->jumped = way > settings->teleport ? 1 : 0;
@@ -27,7 +27,7 @@ wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, i
     // a head that stands still keeps its pose exactly in every substep
     const bool is_still = head->jumped != 0 || head->is_still != 0;
     return wisp_transform_interpolate( is_still ? head->to : head->from, head->to,
-                                       is_still ? 1.0f : (float)substeps / (float)wisp_frame_substeps( frame ) );
+                                       is_still ? 1.0f : wisp_frame_progress( frame, substeps ) );
 }
 
 static void turn_vertex( float* position, float* velocity, int row, int lane, wisp_vec3 from, wisp_vec3 to,

@@ -49,7 +49,7 @@ typedef struct wisp_world_def
     const char*
         isa; ///< "baseline", "avx2" or "avx512" limits the instruction set; default null: the environment variable
              ///< WISP_ISA, else the best that the processor supports
-    int substeps;    ///< per step, >= 1, default 1
+    int substeps;    ///< per step of usual length, >= 1, default 1; see wisp_world_step()
     int iterations;  ///< per substep, >= 1, default 1
     uint32_t cookie; ///< set by wisp_default_world_def(), asserted on use
 } wisp_world_def;
@@ -171,9 +171,29 @@ WISP_API wisp_status wisp_request( wisp_world* world, wisp_entity entity, wisp_c
 WISP_API wisp_status wisp_cancel_request( wisp_world* world, wisp_entity entity, wisp_component component );
 
 /// Simulate one step. The plan is compiled first if components or requests changed.
+///
+/// Substeps have a constant length: that of the first step over `substeps`. A step of another length has as many of them as
+/// fit. What is left, less than a substep, is simulated with the next step, so the state may lag by it, and a step shorter
+/// than it changes nothing. If the steps change for good (60 in a row agree within a fifth), substeps follow: longer at once,
+/// shorter by 0.2 % per step, since a sudden change would set cloth at rest in motion. A step more than eight times as long
+/// as usual makes substeps longer instead of costing more.
 /// @param dt s, > 0
 /// @return WISP_CONFLICT a pass reads a component that nothing writes (the message names both); WISP_NO_MEMORY
 WISP_API wisp_status wisp_world_step( wisp_world* world, float dt );
+
+/// Called before each step of wisp_world_advance(), to move pins, colliders and heads to where they are at its end.
+typedef void wisp_before_step_fn( void* user, wisp_world* world );
+
+/// Advance by the time of a frame, in steps of constant length: the recommended way when frames take uneven time. Time that
+/// is no whole step is kept for the next call. Afterwards views of WISP_SURFACE_POINTS and WISP_STRAND_POINTS are
+/// interpolated between the last two steps, so they are smooth and one step late; other views are of the last step.
+/// @param seconds since the last call, >= 0. Beyond eight steps the rest is dropped, so that a slow host does not fall ever
+///        further behind
+/// @param dt s, > 0, of a step
+/// @param before_step may be null
+/// @return that of the step that failed; the steps before it were made
+WISP_API wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp_before_step_fn* before_step,
+                                         void* user );
 
 /// A column of an entity in the user's order. Valid until the next call that changes the world.
 typedef struct wisp_view

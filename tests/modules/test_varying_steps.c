@@ -1,0 +1,312 @@
+// Steps whose length varies: what rests at constant steps rests, and nothing gains energy.
+#include "cloth_fixture.h"
+
+#include "balloon.h"
+#include "collision.h"
+#include "implicit_cloth.h"
+#include "strands.h"
+
+static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_implicit_cloth_module, &wisp_balloon_module,
+                                              &wisp_strands_module, &wisp_collision_module };
+
+// ---- sequences of steps ----
+
+typedef double sequence( int number );
+
+static double uniform( int number )
+{
+    return (double)test_random_float( number, 77, 0.0f, 1.0f );
+}
+
+static double ten_percent_about_60_hz( int number )
+{
+    return ( 0.9 + 0.2 * uniform( number ) ) / 60.0;
+}
+
+static double from_30_to_120_hz( int number )
+{
+    return 1.0 / ( 30.0 + 90.0 * uniform( number ) );
+}
+
+static double from_24_to_240_hz( int number )
+{
+    return 1.0 / ( 24.0 + 216.0 * uniform( number ) );
+}
+
+static double from_20_to_1000_hz( int number )
+{
+    return 0.05 * pow( 0.02, uniform( number ) );
+}
+
+static double in_turns_of_30_and_120_hz( int number )
+{
+    return number % 2 == 0 ? 1.0 / 30.0 : 1.0 / 120.0;
+}
+
+static double sixty_hz_with_hitches( int number )
+{
+    return number % 41 == 40 ? 0.2 : 1.0 / 60.0;
+}
+
+static sequence* const SEQUENCES[] = { ten_percent_about_60_hz, from_30_to_120_hz,         from_24_to_240_hz,
+                                       from_20_to_1000_hz,      in_turns_of_30_and_120_hz, sixty_hz_with_hitches };
+
+// ---- what moves ----
+
+typedef wisp_entity setup( wisp_world* world );
+
+static wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, bool is_implicit )
+{
+    test_mesh mesh = test_plane( 21, 0.05f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = bending != WISP_CLOTH_BENDING_LINKS;
+    wisp_surface_def surface = wisp_default_surface_def();
+    const int32_t pins[2] = { 0, 20 };
+    surface.pins = pins;
+    surface.pin_count = 2;
+    const wisp_entity e = test_surface_of( world, &fabric, surface );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = bending;
+    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
+    assert_status( world,
+                   is_implicit ? wisp_set_implicit_cloth( world, e, &implicit ) : wisp_set_cloth( world, e, &cloth ),
+                   WISP_OK );
+    assert_status( world, wisp_set_gravity( world, e, EARTH ), WISP_OK );
+    assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static wisp_entity cloth_of_links( wisp_world* world )
+{
+    return hang( world, WISP_CLOTH_BENDING_LINKS, false );
+}
+
+static wisp_entity dihedral_cloth( wisp_world* world )
+{
+    return hang( world, WISP_CLOTH_BENDING_DIHEDRAL, false );
+}
+
+static wisp_entity isometric_cloth( wisp_world* world )
+{
+    return hang( world, WISP_CLOTH_BENDING_ISOMETRIC, false );
+}
+
+static wisp_entity implicit_cloth( wisp_world* world )
+{
+    return hang( world, WISP_CLOTH_BENDING_LINKS, true );
+}
+
+// Without gravity, which would carry it away: it swells and comes to rest.
+static wisp_entity balloon( wisp_world* world )
+{
+    test_mesh mesh = test_ball( 3 );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        mesh.points[v] = ( wisp_vec3 ){ 0.2f * mesh.points[v].x, 0.2f * mesh.points[v].y, 0.2f * mesh.points[v].z };
+    }
+    const wisp_fabric_def fabric = test_fabric_def( &mesh );
+    const wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
+    wisp_balloon_def def = wisp_default_balloon_def();
+    def.gas_ratio = 1.5f;
+    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
+    assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
+    test_mesh_free( &mesh );
+    return e;
+}
+
+static wisp_entity hair( wisp_world* world, wisp_strand_stretch stretch )
+{
+    wisp_vec3 points[4 * 12];
+    int32_t offsets[5];
+    for ( int v = 0; v < 48; ++v )
+    {
+        points[v] = ( wisp_vec3 ){ 0.01f * (float)( v % 12 ), 0.0f, 0.01f * (float)( v / 12 ) };
+    }
+    for ( int s = 0; s < 5; ++s )
+    {
+        offsets[s] = 12 * s;
+    }
+    wisp_strands_def def = wisp_default_strands_def();
+    def.points = points;
+    def.offsets = offsets;
+    def.strand_count = 4;
+    wisp_entity e;
+    assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
+    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+    dynamics.stretch = stretch;
+    dynamics.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD;
+    dynamics.damping = 3.0f;
+    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
+    return e;
+}
+
+static wisp_entity hair_of_links( wisp_world* world )
+{
+    return hair( world, WISP_STRAND_STRETCH_LINKS );
+}
+
+static wisp_entity hair_of_rods( wisp_world* world )
+{
+    return hair( world, WISP_STRAND_STRETCH_DIRECT );
+}
+
+typedef struct subject
+{
+    const char* name;
+    setup* add;
+    double rest; // m/s, beyond which it does not rest
+} subject;
+
+// Twice what the subject has at constant steps, or a centimetre per second.
+static const subject SUBJECTS[] = {
+    { "cloth with bend links", cloth_of_links, 0.01 },
+    { "cloth with dihedral bending", dihedral_cloth, 0.01 },
+    { "cloth with isometric bending", isometric_cloth, 0.01 },
+    { "implicit cloth", implicit_cloth, 0.01 },
+    { "balloon", balloon, 0.01 },
+    { "strands of links", hair_of_links, 0.01 },
+    { "strands of rods", hair_of_rods, 0.01 },
+};
+
+typedef struct outcome
+{
+    double speed;  // m/s, largest after 8 s
+    double energy; // J, largest
+    double fall;   // J, potential energy lost
+    uint64_t hash;
+} outcome;
+
+// Run a sequence; with `is_constant` at the length of its first step.
+static outcome run( const subject* s, sequence* dt_of, bool is_constant, int substeps, int workers )
+{
+    hosted h = { 0 };
+    h.def = hosted_def( &h );
+    h.def.modules = MODULES;
+    h.def.module_count = WISP_COUNT( MODULES );
+    h.def.substeps = substeps;
+    h.def.workers = workers;
+    assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
+    const wisp_entity e = s->add( h.world );
+    assert_status( h.world, wisp_request( h.world, e, WISP_MOTION_STATS ), WISP_OK );
+    outcome out = { .energy = -INFINITY };
+    double time = 0.0;
+    for ( int i = 0; time < 9.0; ++i )
+    {
+        const float dt = (float)dt_of( is_constant ? 0 : i );
+        time += (double)dt;
+        assert_status( h.world, wisp_world_step( h.world, dt ), WISP_OK );
+        const wisp_motion_stats m = motion_stats_of( h.world, e );
+        out.energy = fmax( out.energy, m.kinetic_energy + m.potential_energy );
+        out.fall = -m.potential_energy;
+        out.speed = time > 8.0 ? fmax( out.speed, m.speed_max ) : 0.0;
+    }
+    assert_false( wisp_is_halted( h.world, e ) );
+    out.hash = wisp_world_hash( h.world );
+    wisp_world_destroy( h.world );
+    assert_host_has_all_back( &h.host );
+    return out;
+}
+
+static void what_rests_at_constant_steps_rests_at_any( void** state )
+{
+    (void)state;
+    const int substeps[] = { 8, 20 };
+    for ( int n = 0; n < WISP_COUNT( SUBJECTS ); ++n )
+    {
+        for ( int k = 0; k < ( n == 0 ? 2 : 1 ); ++k )
+        {
+            const subject* s = SUBJECTS + n;
+            for ( int q = k == 0 ? 0 : 2; q < ( k == 0 ? WISP_COUNT( SEQUENCES ) : 4 ); ++q )
+            {
+                const outcome still = run( s, SEQUENCES[q], true, substeps[k], 1 );
+                const outcome o = run( s, SEQUENCES[q], false, substeps[k], 1 );
+                if ( !( o.speed < fmax( s->rest, 2.0 * still.speed ) ) ||
+                     !( o.energy < still.energy + 0.05 * fmax( still.fall, still.energy ) + 1e-7 ) )
+                {
+                    fail_msg(
+                        "%s, %d substeps, sequence %d: %.4g m/s at rest (%.4g at constant steps), energy %.4g J "
+                        "(%.4g)",
+                        s->name, substeps[k], q, o.speed, still.speed, o.energy, still.energy );
+                }
+            }
+        }
+    }
+}
+
+static void workers_do_not_change_a_bit_at_varying_steps( void** state )
+{
+    (void)state;
+    const uint64_t one = run( SUBJECTS, from_20_to_1000_hz, false, 4, 1 ).hash;
+    assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 2 ).hash == one );
+    assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 5 ).hash == one );
+}
+
+// A snapshot between two uneven steps holds the time that no substep has covered yet.
+static void a_snapshot_goes_on_at_varying_steps( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 4, 1 );
+    const wisp_entity e = cloth_of_links( h.world );
+    assert_status( h.world, wisp_request( h.world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    uint64_t hashes[2];
+    const size_t size = wisp_world_snapshot_size( h.world );
+    for ( int i = 0; i < 33; ++i )
+    {
+        assert_status( h.world, wisp_world_step( h.world, (float)from_20_to_1000_hz( i ) ), WISP_OK );
+    }
+    char* bytes = malloc( wisp_world_snapshot_size( h.world ) );
+    const size_t full = wisp_world_snapshot_size( h.world );
+    assert_true( bytes != NULL && full >= size );
+    assert_status( h.world, wisp_world_snapshot( h.world, bytes, full ), WISP_OK );
+    for ( int k = 0; k < 2; ++k )
+    {
+        assert_status( h.world, wisp_world_restore( h.world, bytes, full ), WISP_OK );
+        for ( int i = 33; i < 50; ++i )
+        {
+            assert_status( h.world, wisp_world_step( h.world, (float)from_20_to_1000_hz( i ) ), WISP_OK );
+        }
+        hashes[k] = wisp_world_hash( h.world );
+    }
+    assert_true( hashes[0] == hashes[1] );
+    memset( bytes + full - sizeof( step_clock ), 0xff, sizeof( step_clock ) );
+    assert_status( h.world, wisp_world_restore( h.world, bytes, full ), WISP_BAD_INPUT );
+    assert_true( wisp_world_hash( h.world ) == hashes[1] );
+    free( bytes );
+    close_world( &h );
+}
+
+// Pins that are moved at 1 m/s are at most a substep behind their targets, and their cloth with them.
+static void pins_keep_up_at_varying_steps( void** state )
+{
+    (void)state;
+    hosted h;
+    open_world( &h, 8, 1 );
+    const wisp_entity e = cloth_of_links( h.world );
+    assert_status( h.world, wisp_request( h.world, e, WISP_SURFACE_POINTS ), WISP_OK );
+    const int32_t pins[2] = { 0, 20 };
+    double time = 0.0;
+    for ( int i = 0; i < 300; ++i )
+    {
+        const float dt = (float)from_30_to_120_hz( i );
+        time += (double)dt;
+        const wisp_vec3 targets[2] = { { (float)time, 0, 0 }, { (float)time + 1.0f, 0, 0 } };
+        assert_status( h.world, wisp_move_pins( h.world, e, pins, targets, 2 ), WISP_OK );
+        assert_status( h.world, wisp_world_step( h.world, dt ), WISP_OK );
+        assert_near( (double)point_of( h.world, e, 0 ).x, time, 5e-3 );
+        assert_true( fabs( (double)velocity_of( h.world, e, 20 )[0] ) < 1.2 );
+    }
+    close_world( &h );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( what_rests_at_constant_steps_rests_at_any ),
+        cmocka_unit_test( workers_do_not_change_a_bit_at_varying_steps ),
+        cmocka_unit_test( a_snapshot_goes_on_at_varying_steps ),
+        cmocka_unit_test( pins_keep_up_at_varying_steps ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
