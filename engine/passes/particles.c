@@ -90,16 +90,6 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .run = accelerate,
         },
         {
-            .name = "particles.targets",
-            .stage = WISP_STAGE_PREDICT,
-            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .required = { WISP_PARTICLE_TARGET },
-            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { WISP_PARTICLE_TARGET, WISP_PARTICLE_POSITION },
-            .writes = { WISP_PARTICLE_POSITION },
-            .run = carry_pins,
-        },
-        {
             .name = "particles.predict",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
@@ -108,6 +98,16 @@ wisp_status passes_declare_particles( wisp_registry* registry )
             .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
             .writes = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = predict,
+        },
+        {
+            .name = "particles.targets",
+            .stage = WISP_STAGE_PREDICT,
+            .domain = WISP_DOMAIN_PARTICLE_BLOCK,
+            .required = { WISP_PARTICLE_TARGET },
+            .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
+            .reads = { WISP_PARTICLE_TARGET, WISP_PARTICLE_POSITION },
+            .writes = { WISP_PARTICLE_POSITION },
+            .run = carry_pins,
         },
         {
             .name = "particles.velocity",

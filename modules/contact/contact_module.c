@@ -52,7 +52,7 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     wisp_buffer_release( &s->constraints.spare_buffer, allocator );
     release_buffers( s->colouring.buffers, WISP_COUNT( s->colouring.buffers ), allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
-    wisp_buffer_release( &s->limit.buffer, allocator );
+    release_buffers( s->limit.buffers, WISP_COUNT( s->limit.buffers ), allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
 

@@ -117,6 +117,7 @@ static void limit_displacements( const contact_work* work )
     {
         MAX_ROUNDS = 8, // two were the most in any test
     };
+    contact_begin_limit( work );
     contact_reached reached = contact_measure_ways( work );
     for ( int round = 0; round < MAX_ROUNDS; ++round )
     {

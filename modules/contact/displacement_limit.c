@@ -5,7 +5,9 @@
 // have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is
 // less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
 // rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
-// Pinned points are not cut; where they are driven through a surface it is marked as tangled (untangling.c).
+// Pinned points are not cut. Where they alone would pass a plane, the other side is pushed ahead of them, and is then
+// treated as pinned for the rest of the substep, so that a push goes on through layers. What is pinned on both sides is
+// marked as tangled (untangling.c).
 #include "displacement_limit.h"
 
 #include "broad_phase.h"
@@ -14,6 +16,7 @@
 #include "predicted_motion.h"
 
 #include <stdatomic.h>
+#include <string.h>
 
 enum
 {
@@ -21,10 +24,12 @@ enum
     MAX_ROUNDS = 64,     // then those of all points are
     POINT_GRAIN = 2048,
     ROW_GRAIN = 128,
+    JUST_DRIVEN = 2, // in this call, against 1: in one before
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
 static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.98f;
+static const float PUSH = -1.0f;    // in place of a cut
 static const float ALMOST = 0.999f; // of what is left of a margin
 
 typedef struct guard_loop
@@ -34,6 +39,12 @@ typedef struct guard_loop
     bool gives_up;
     _Atomic bool is_crossed;
 } guard_loop;
+
+// Return whether a point goes where it goes: pinned, or pushed ahead of pinned points.
+static bool is_fixed( const contact_contact_mesh* s, int point )
+{
+    return s->now[(size_t)point * 4 + 3] == 0.0f || s->limit->is_driven[point] != 0;
+}
 
 // Return the coordinate of a point along the normal, with a fraction of its displacement, relative to an origin.
 static float place_along( const contact_contact_mesh* s, const contact_row* row, int i, float fraction,
@@ -58,8 +69,7 @@ static float separation( const contact_contact_mesh* s, const contact_row* row, 
     for ( int i = 0; i < row->count; ++i )
     {
         const int point = row->point[i];
-        const bool is_fixed = s->now[(size_t)point * 4 + 3] == 0.0f;
-        const float fraction = is_cut && is_fixed == false ? 0.0f : s->limit->fraction[point];
+        const float fraction = is_cut && is_fixed( s, point ) == false ? 0.0f : s->limit->fraction[point];
         const float place = place_along( s, row, i, fraction, origin );
         front = i < row->split ? contact_smaller( front, place ) : front;
         back = i >= row->split ? contact_larger( back, place ) : back;
@@ -73,21 +83,39 @@ static contact_row* row_of( const contact_contact_mesh* s, int r )
                                          : s->constraints->missed_rows + ( r - s->constraints->row_count );
 }
 
-// Test a row and compute its cut. @return whether it cuts displacements
+static float least_of( const contact_row* row )
+{
+    return contact_smaller( MIN_OF_REQUESTED * row->requested, MIN_OF_DISTANCE * row->distance );
+}
+
+// Return the side of a row, 0 or 1, that fixed points of the other side can push: it has none itself. -1: no side.
+static int pushed_side( const contact_contact_mesh* s, const contact_row* row )
+{
+    bool has_fixed[2] = { false, false };
+    for ( int i = 0; i < row->count; ++i )
+    {
+        const int side = i < row->split ? 0 : 1;
+        has_fixed[side] = has_fixed[side] || is_fixed( s, row->point[i] );
+    }
+    return has_fixed[0] == has_fixed[1] ? -1 : has_fixed[0] ? 1 : 0;
+}
+
+// Test a row and compute its cut, which is negative if points have to be pushed. @return whether either is needed
 static bool check_row( guard_loop* loop, contact_row* row )
 {
     const contact_contact_mesh* s = loop->contact_mesh;
-    const float least = contact_smaller( MIN_OF_REQUESTED * row->requested, MIN_OF_DISTANCE * row->distance );
-    const float there = separation( s, row, false );
+    const float least = least_of( row ), there = separation( s, row, false );
     row->cut = 1.0f;
     if ( there < least )
     {
         const float start = separation( s, row, true );
-        row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
-        if ( start <= 0.0f ) // pinned points went through, and cannot be cut
+        const bool pushes = start < least && pushed_side( s, row ) >= 0;
+        if ( pushes == false && start <= 0.0f ) // fixed points of both sides went through each other
         {
             atomic_store( &loop->is_crossed, true );
         }
+        row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
+        row->cut = pushes ? PUSH : row->cut;
     }
     return there < least;
 }
@@ -104,13 +132,37 @@ static void check_rows( void* context, int begin, int end, int worker )
     loop->has_cuts[begin / ROW_GRAIN] = cuts;
 }
 
+// Push the side of a row without fixed points until the sides have their gap. @return whether they had not
+static bool apply_push( contact_contact_mesh* s, const contact_row* row )
+{
+    const float there = separation( s, row, false );
+    if ( there >= least_of( row ) )
+    {
+        return false;
+    }
+    const bool is_second = pushed_side( s, row ) == 1;
+    const float length = is_second ? there - row->gap : row->gap - there;
+    for ( int i = is_second ? row->split : 0; i < ( is_second ? row->count : row->split ); ++i )
+    {
+        const int point = row->point[i];
+        for ( size_t k = 0, at = (size_t)point * 4; k < 3; ++k )
+        {
+            const float start = s->intersection_free[at + k];
+            s->now[at + k] = start + s->limit->fraction[point] * ( s->now[at + k] - start ) + length * row->normal[k];
+        }
+        s->limit->fraction[point] = 1.0f;
+        s->limit->is_driven[point] = JUST_DRIVEN;
+    }
+    return true;
+}
+
 static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
 {
     bool any = false;
     for ( int i = 0; i < row->count && row->cut < 1.0f; ++i )
     {
         const int point = row->point[i];
-        const bool can = s->now[(size_t)point * 4 + 3] > 0.0f && s->limit->fraction[point] > 0.0f;
+        const bool can = is_fixed( s, point ) == false && s->limit->fraction[point] > 0.0f;
         // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
         s->limit->fraction[point] *= can ? row->cut : 1.0f;
         s->limit->fraction[point] = s->limit->fraction[point] < 1e-4f && can ? 0.0f : s->limit->fraction[point];
@@ -119,14 +171,19 @@ static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
     return any;
 }
 
-// Apply the cuts serially, in the order of rows: they share points, and are few.
+// Apply cuts and pushes serially, in the order of rows: they share points, and are few.
 static bool apply_cuts( guard_loop* loop, int count )
 {
     bool any = false;
     for ( int r = 0; r < count; ++r )
     {
-        any = ( loop->has_cuts[r / ROW_GRAIN] && apply_cut( loop->contact_mesh, row_of( loop->contact_mesh, r ) ) ) ||
-              any;
+        if ( loop->has_cuts[r / ROW_GRAIN] )
+        {
+            const contact_row* row = row_of( loop->contact_mesh, r );
+            any =
+                ( row->cut == PUSH ? apply_push( loop->contact_mesh, row ) : apply_cut( loop->contact_mesh, row ) ) ||
+                any;
+        }
     }
     return any;
 }
@@ -148,9 +205,9 @@ static void limit_ways( const contact_work* work )
         for ( int i = 0; i < cluster->point_count; ++i )
         {
             const int point = s->clusters->points[cluster->first_point + i] / 4;
-            const bool is_free = s->now[(size_t)point * 4 + 3] > 0.0f;
-            s->limit->fraction[point] =
-                is_free ? contact_smaller( s->limit->fraction[point], fraction ) : s->limit->fraction[point];
+            s->limit->fraction[point] = is_fixed( s, point ) == false
+                                            ? contact_smaller( s->limit->fraction[point], fraction )
+                                            : s->limit->fraction[point];
         }
     }
 }
@@ -177,7 +234,7 @@ static int count_cut( const contact_contact_mesh* s )
     int count = 0;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        count += s->limit->fraction[i] < 1.0f ? 1 : 0;
+        count += s->limit->fraction[i] < 1.0f || s->limit->is_driven[i] == JUST_DRIVEN ? 1 : 0;
     }
     return count;
 }
@@ -186,15 +243,21 @@ static void hold_all( contact_contact_mesh* s )
 {
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->fraction[i] = s->now[(size_t)i * 4 + 3] > 0.0f ? 0.0f : 1.0f;
+        s->limit->fraction[i] = is_fixed( s, i ) ? 1.0f : 0.0f;
     }
 }
 
 bool contact_reserve_limit( const contact_work* work )
 {
     contact_limit* limit = work->contact_mesh->limit;
-    const size_t bytes = (size_t)work->contact_mesh->point_count * sizeof( float );
-    return contact_reserve( work, &limit->buffer, bytes, (void**)&limit->fraction );
+    const size_t points = (size_t)work->contact_mesh->point_count;
+    return contact_reserve( work, limit->buffers, points * sizeof( float ), (void**)&limit->fraction ) &&
+           contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven );
+}
+
+void contact_begin_limit( const contact_work* work )
+{
+    memset( work->contact_mesh->limit->is_driven, 0, (size_t)work->contact_mesh->point_count );
 }
 
 void contact_hold( const contact_work* work )
@@ -211,7 +274,6 @@ int contact_limit_displacements( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
     guard_loop loop = { .contact_mesh = s };
-    atomic_init( &loop.is_crossed, false );
     const int count = s->constraints->row_count + s->constraints->missed_row_count;
     loop.has_cuts = wisp_parallel_scratch( work->parallel, work->worker, (size_t)( count / ROW_GRAIN + 1 ) );
     if ( loop.has_cuts == NULL )
@@ -219,6 +281,11 @@ int contact_limit_displacements( const contact_work* work )
         wisp_frame_fail( work->frame, WISP_NO_MEMORY, "out of memory to limit displacements of %d pairs", count );
         return 0;
     }
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->limit->is_driven[i] = s->limit->is_driven[i] != 0 ? 1 : 0;
+    }
+    atomic_init( &loop.is_crossed, false );
     limit_ways( work );
     bool cuts = true;
     for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )

@@ -5,16 +5,20 @@
 
 typedef struct contact_limit
 {
-    float* fraction; // [point] fraction of its displacement that is left
-    wisp_buffer buffer;
+    float* fraction;    // [point] fraction of its displacement that is left
+    uint8_t* is_driven; // [point] 1: pushed ahead of pinned points in this substep, and not cut
+    wisp_buffer buffers[2];
 } contact_limit;
 
 /// Make room for the points of the contact mesh.
 /// @return false without memory
 bool contact_reserve_limit( const contact_work* work );
 
-/// Cut displacements until no separating plane is passed.
-/// @return the number of points that were cut
+/// Begin a substep: no point is driven.
+void contact_begin_limit( const contact_work* work );
+
+/// Cut displacements, and push what pinned points drive into, until no separating plane is passed.
+/// @return the number of points that were cut or pushed
 int contact_limit_displacements( const contact_work* work );
 
 /// Cut the displacements of all free points to the mean of all points.
