@@ -202,7 +202,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
 {
     printf( "  %s (line %d): %d strands, %d vertices, %d dimensions, ", entry->name, entry->line, groom->strand_count,
             groom->vertex_count, groom->dimension );
-    if ( entry->is_made )
+    if ( entry->is_generated )
     {
         printf( "generated: %s\n", shape_name( entry->generator.shape ) );
     }
@@ -245,7 +245,7 @@ static void print_strands( const wisp_scene* scene, const wisp_scene_strands* en
 
 static const char* source_of( const wisp_scene_mesh* mesh )
 {
-    return mesh->is_made ? "generated" : mesh->file;
+    return mesh->is_generated ? "generated" : mesh->file;
 }
 
 static void print_surface( const wisp_scene* scene, const wisp_scene_surface* entry, const wisp_mesh* mesh )

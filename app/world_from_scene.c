@@ -139,7 +139,7 @@ static wisp_status give_commands( scene_world* world, wisp_error* error )
     while ( world->next_command < scene->command_count &&
             scene->commands[world->next_command].step <= world->next_step )
     {
-        const wisp_scene_command* command = &scene->commands[world->next_command++];
+        const wisp_scene_hair_event* command = &scene->commands[world->next_command++];
         wisp_status status =
             wisp_command_frozen_hair( world->world, world->entities[command->strands], command->cursor );
         if ( status != WISP_OK )
@@ -154,7 +154,7 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     wisp_status status = give_commands( world, error );
-    status = status == WISP_OK ? scene_script_play( world, error ) : status;
+    status = status == WISP_OK ? scene_events_play( world, error ) : status;
     if ( status != WISP_OK )
     {
         return status;

@@ -1,5 +1,5 @@
 /// From a scene, which is data, to a world that runs: grooms and meshes read or generated, effects attached, requests,
-/// commands and scripts.
+/// hair events and events.
 #pragma once
 
 #include "groom.h"
@@ -27,7 +27,7 @@ typedef struct scene_world_surface
     wisp_vec3* pin_targets;    ///< [pin_count] room for where they go; null unless they move
     int pin_count;
     wisp_vec3 pivot;  ///< m, what pin keyframes turn about
-    bool is_released; ///< the script let the pins go
+    bool is_released; ///< an event let the pins go
 } scene_world_surface;
 
 /// A collider of the scene as the world has it.
@@ -61,7 +61,7 @@ const wisp_module* const* scene_world_modules( int* count );
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error );
 
-/// The commands and scripts of the next step, then the step.
+/// Apply the events of the next step, then make the step.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
 
 /// Write the files of the scene's `output`, with width and colour where they are requested.

@@ -47,4 +47,4 @@ wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32
 
 // ---- what happens before a step ----
 
-wisp_status scene_script_play( scene_world* world, wisp_error* error );
+wisp_status scene_events_play( scene_world* world, wisp_error* error );

@@ -31,7 +31,7 @@ static wisp_status read_or_make( const wisp_scene_strands* entry, const wisp_gro
     {
         return wisp_scene_make_curves( &entry->curves, source, out, error );
     }
-    if ( entry->is_made )
+    if ( entry->is_generated )
     {
         return wisp_groom_generate( &entry->generator, out, error );
     }

@@ -49,8 +49,8 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 {
     *out = ( wisp_mesh ){ 0 };
     wisp_mesh_repairs done = { 0 };
-    wisp_status status = source->is_made ? wisp_mesh_generate( &source->generator, out, error )
-                                         : wisp_mesh_read( source->file, out, error );
+    wisp_status status = source->is_generated ? wisp_mesh_generate( &source->generator, out, error )
+                                              : wisp_mesh_read( source->file, out, error );
     if ( status == WISP_OK && source->repairs != 0 )
     {
         status = wisp_mesh_repair( out, source->repairs, &done, error );

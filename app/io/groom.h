@@ -121,7 +121,7 @@ extern "C"
     WISP_API wisp_groom_generator wisp_default_groom_generator( wisp_groom_shape shape, int dimension );
 
 /// Most vertices that wisp_groom_generate() makes.
-#define WISP_GROOM_MADE_CAP ( 1 << 27 )
+#define WISP_GROOM_MAX_GENERATED ( 1 << 27 )
 
     /// Make a groom. The same recipe gives the same bits on every machine. Straight strands in two dimensions have
     /// exactly one x each. Vertices are evenly spaced along the centre line.

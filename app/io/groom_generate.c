@@ -68,11 +68,11 @@ static wisp_status check_counts( const wisp_groom_generator* r, wisp_error* erro
                           "groom generator: got %d strands of %d vertices, expected at least 1 strand of 2 vertices",
                           r->strand_count, r->vertices_per_strand );
     }
-    if ( (int64_t)r->strand_count * r->vertices_per_strand > WISP_GROOM_MADE_CAP )
+    if ( (int64_t)r->strand_count * r->vertices_per_strand > WISP_GROOM_MAX_GENERATED )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "groom generator: got %d strands of %d vertices, expected at most %d vertices in all",
-                          r->strand_count, r->vertices_per_strand, WISP_GROOM_MADE_CAP );
+                          r->strand_count, r->vertices_per_strand, WISP_GROOM_MAX_GENERATED );
     }
     return WISP_OK;
 }

@@ -9,7 +9,7 @@
 
 wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node, void* base )
 {
-    wisp_scene_command* command = base;
+    wisp_scene_hair_event* command = base;
     wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &command->strands );
     if ( !status && !r->scene->strands[command->strands].has_frozen_hair )
     {
@@ -22,14 +22,14 @@ wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node,
 // Places rise with the file, so equals keep their order, which qsort does not promise.
 static int compare_commands( const void* a, const void* b )
 {
-    const wisp_scene_command *x = a, *y = b;
+    const wisp_scene_hair_event *x = a, *y = b;
     int order = ( x->step > y->step ) - ( x->step < y->step );
     order = order ? order : ( x->strands > y->strands ) - ( x->strands < y->strands );
     order = order ? order : ( x->line > y->line ) - ( x->line < y->line );
     return order ? order : ( x->column > y->column ) - ( x->column < y->column );
 }
 
-static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_scene_command* command )
+static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_scene_hair_event* command )
 {
     command->line = node->line;
     command->column = node->column;
@@ -70,7 +70,7 @@ wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* 
     qsort( scene->commands, (size_t)scene->command_count, sizeof *scene->commands, compare_commands );
     for ( int i = 1; i < scene->command_count; ++i )
     {
-        const wisp_scene_command *c = &scene->commands[i], *before = c - 1;
+        const wisp_scene_hair_event *c = &scene->commands[i], *before = c - 1;
         if ( c->step == before->step && c->strands == before->strands )
         {
             return scene_refuse( r->source, c->line, c->column, r->path,

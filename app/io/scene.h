@@ -64,7 +64,7 @@ extern "C"
 
         // Where they come from: one of these.
         const char* file;  ///< where to read the strands, already relative to the scene's folder; or null
-        bool is_made;      ///< `recipe` tells how to make them
+        bool is_generated; ///< `recipe` tells how to make them
         bool is_scattered; ///< `scatter` does
         bool is_curves;    ///< `curves` does: smooth curves through the strands of another entry
         wisp_groom_generator generator; ///< the defaults if not made
@@ -112,7 +112,7 @@ extern "C"
     typedef struct wisp_scene_mesh
     {
         const char* file;              ///< already relative to the scene's folder; null if made
-        bool is_made;                  ///< `recipe` tells how to make it
+        bool is_generated;             ///< `recipe` tells how to make it
         wisp_mesh_generator generator; ///< the defaults if not made
         int repairs;                   ///< WISP_MESH_DROP_DEGENERATES ... or-ed; 0: none
         int demands;                   ///< WISP_MESH_CLOSED ... or-ed, of the repaired mesh; 0: none
@@ -120,11 +120,11 @@ extern "C"
     } wisp_scene_mesh;
 
     /// A filling at a time.
-    typedef struct wisp_scene_fill
+    typedef struct wisp_scene_gas_ratio_keyframe
     {
         float time;      ///< s
         float gas_ratio; ///< V_0 / V_rest
-    } wisp_scene_fill;
+    } wisp_scene_gas_ratio_keyframe;
 
     typedef struct wisp_scene_box
     {
@@ -164,10 +164,10 @@ extern "C"
         wisp_implicit_cloth_def implicit; ///< without pairs
         bool has_quad_links;              ///< its pairs are those of wisp_quad_pairs_make() for the recipe's plane
         bool has_outlet_nearest;
-        wisp_vec3 outlet_nearest;         ///< m, where the mesh starts
-        float outlet_radius;              ///< m; besides the nearest vertex, those within it belong to the outlet
-        const wisp_scene_fill* fill_path; ///< [fill_path_count] times rise
-        int fill_path_count;
+        wisp_vec3 outlet_nearest; ///< m, where the mesh starts
+        float outlet_radius;      ///< m; besides the nearest vertex, those within it belong to the outlet
+        const wisp_scene_gas_ratio_keyframe* gas_ratio_keyframes; ///< [gas_ratio_keyframe_count] times rise
+        int gas_ratio_keyframe_count;
 
         int levels;       ///< coarse levels of the fabric at most, 0: none
         int finest_level; ///< as wisp_fabric_def has it
@@ -200,13 +200,13 @@ extern "C"
     // ---- what happens when ----
 
     /// The user points at a place before a step.
-    typedef struct wisp_scene_command
+    typedef struct wisp_scene_hair_event
     {
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands
         wisp_vec3 cursor;
         int line, column; ///< of the entry, for messages
-    } wisp_scene_command;
+    } wisp_scene_hair_event;
 
     /// What is done to a surface, or to strands, before a step.
     typedef struct wisp_scene_event
@@ -254,7 +254,7 @@ extern "C"
         int surface_count;
         wisp_scene_collider* colliders; ///< [collider_count], in the order of the file
         int collider_count;
-        wisp_scene_command* commands; ///< [command_count], by step, and by strands within a step
+        wisp_scene_hair_event* commands; ///< [command_count], by step, and by strands within a step
         int command_count;
         wisp_scene_event* events; ///< [event_count], by step, and by strands and surface within a step
         int event_count;
@@ -278,13 +278,13 @@ extern "C"
     /// Make the strands of a scattered entry around those of its source, target after target. Each is its target moved by
     /// an offset; in two dimensions offsets lie in the plane.
     /// @param out receives the groom, to be released; empty on failure
-    /// @return WISP_BAD_INPUT more than WISP_GROOM_MADE_CAP vertices; WISP_NO_MEMORY
+    /// @return WISP_BAD_INPUT more than WISP_GROOM_MAX_GENERATED vertices; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_make_scatter( const wisp_scene_scatter* scatter, const wisp_groom* source,
                                                   wisp_groom* out, wisp_error* error );
 
     /// Curves through strands as these start; a strand of one vertex has none.
     /// @param out receives the groom, to be released; empty on failure
-    /// @return WISP_BAD_INPUT more than WISP_GROOM_MADE_CAP points; WISP_NO_MEMORY
+    /// @return WISP_BAD_INPUT more than WISP_GROOM_MAX_GENERATED points; WISP_NO_MEMORY
     WISP_API wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom* source,
                                                  wisp_groom* out, wisp_error* error );
 

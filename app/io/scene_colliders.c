@@ -75,7 +75,7 @@ static const scene_field MESH_FIELDS[] = {
     { "file", SCENE_CUSTOM, .at = AT( mesh.file ), .read = scene_read_file,
       .help = "Mesh to read (`.obj`, `.ply`), relative to the folder of the scene.", .form = "path",
       .initial = "none" },
-    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_make,
+    { "generate", SCENE_CUSTOM, .at = AT( mesh ), .read = scene_read_mesh_generate,
       .help = "Generates the mesh instead of reading it, as for a surface.", .form = "block" },
     { "repair", SCENE_CUSTOM, .at = AT( mesh.repairs ), .read = scene_read_repair, .choices = SCENE_REPAIR_WORDS,
       .help = "Repairs of the mesh, as for a surface.", .form = "list of words", .initial = "none" },
@@ -158,11 +158,11 @@ static wisp_status read_entry( scene_reader* r, const scene_node* node, wisp_sce
     int kind = 0;
     wisp_status status = read_kind( r, node, &kind );
     status = status ? status : scene_read_block( r, node, &SCENE_COLLIDER_BLOCKS[kind], collider );
-    if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_made )
+    if ( !status && kind == WISP_COLLIDER_MESH && ( collider->mesh.file != NULL ) == collider->mesh.is_generated )
     {
         return scene_refuse_node( r, node, "got %s, expected one of them",
-                                  collider->mesh.is_made ? "both 'file' and 'generate'"
-                                                         : "neither 'file' nor 'generate'" );
+                                  collider->mesh.is_generated ? "both 'file' and 'generate'"
+                                                              : "neither 'file' nor 'generate'" );
     }
     const scene_node* size = status ? NULL : scene_child( r, node, "voxel_size" );
     if ( size && collider->def.search != WISP_MESH_SEARCH_VOXELS )

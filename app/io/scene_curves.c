@@ -86,11 +86,11 @@ wisp_status wisp_scene_make_curves( const wisp_curves_def* def, const wisp_groom
     {
         samples += sample_count( def, source->offsets[s + 1] - source->offsets[s] );
     }
-    if ( samples > WISP_GROOM_MADE_CAP )
+    if ( samples > WISP_GROOM_MAX_GENERATED )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "curves with %d samples per segment have %lld points, expected at most %d", def->samples,
-                          (long long)samples, WISP_GROOM_MADE_CAP );
+                          (long long)samples, WISP_GROOM_MAX_GENERATED );
     }
     wisp_status status = groom_allocate( out, source->strand_count, (int)samples, 0, "curves", error );
     if ( status != WISP_OK )

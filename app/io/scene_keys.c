@@ -308,7 +308,7 @@ int wisp_scene_write_keys( FILE* out, const char* only )
     const wisp_scene_strands strands = scene_default_strands( scene.gravity );
     const wisp_scene_surface surface = scene_default_surface( scene.gravity );
     const wisp_groom_generator groom = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
-    const wisp_scene_command command = { 0 };
+    const wisp_scene_hair_event command = { 0 };
     const scene_event event = { 0 };
     const wisp_scene_output output = { 0 };
     const wisp_scene_pose pose = { 0 };

@@ -221,7 +221,7 @@ static wisp_status check_generator( scene_reader* r, const scene_node* node, con
     return WISP_OK;
 }
 
-wisp_status scene_read_mesh_make( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_mesh_generate( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_mesh* mesh = at;
     int shape = 0;
@@ -230,7 +230,7 @@ wisp_status scene_read_mesh_make( scene_reader* r, const scene_node* node, void*
     {
         return status;
     }
-    mesh->is_made = true;
+    mesh->is_generated = true;
     mesh->generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
     status = scene_read_block( r, node, &SCENE_MESH_BLOCKS[shape], &mesh->generator );
     return status ? status : check_generator( r, node, &mesh->generator );

@@ -18,7 +18,7 @@ static wisp_status read_pin( scene_reader* r, const scene_node* node, const wisp
     static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, 2147483647 ) };
     int vertex = 0;
     wisp_status status = scene_read_whole( r, node, &field, &vertex );
-    if ( !status && strands->is_made && vertex >= made_vertices( strands ) )
+    if ( !status && strands->is_generated && vertex >= made_vertices( strands ) )
     {
         return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex,
                                   (long long)( made_vertices( strands ) - 1 ) );
@@ -56,7 +56,7 @@ wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, v
     void* items;
     wisp_status status =
         scene_begin_list( r, node, "a list of masses, one per vertex", SCENE_MAX_NODES, sizeof( float ), &items );
-    if ( !status && ( !items || ( strands->is_made && node->count != made_vertices( strands ) ) ) )
+    if ( !status && ( !items || ( strands->is_generated && node->count != made_vertices( strands ) ) ) )
     {
         return scene_refuse_node( r, node, "got %d masses, expected one per vertex", node->count );
     }
@@ -92,7 +92,7 @@ wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void*
 
 static wisp_status check_source( scene_reader* r, const scene_node* node, const wisp_scene_strands* s )
 {
-    int sources = ( s->file != NULL ) + s->is_made + s->is_scattered + s->is_curves;
+    int sources = ( s->file != NULL ) + s->is_generated + s->is_scattered + s->is_curves;
     if ( sources == 0 )
     {
         return scene_refuse_node( r, node,
@@ -218,11 +218,11 @@ static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i
     {
         return scene_refuse_node( r, node, "got '%s', expected strands with 'file' or 'generate'", source->name );
     }
-    int64_t made = source->is_made ? made_vertices( source ) * s->scatter.count : 0;
-    return made <= WISP_GROOM_MADE_CAP
+    int64_t made = source->is_generated ? made_vertices( source ) * s->scatter.count : 0;
+    return made <= WISP_GROOM_MAX_GENERATED
                ? WISP_OK
                : scene_refuse_node( r, node, "%d strands around each of '%s' have %lld vertices, expected at most %d",
-                                    s->scatter.count, source->name, (long long)made, WISP_GROOM_MADE_CAP );
+                                    s->scatter.count, source->name, (long long)made, WISP_GROOM_MAX_GENERATED );
 }
 
 static wisp_status bind_curves( scene_reader* r, const scene_node* entry, int i )

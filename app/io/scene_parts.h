@@ -9,7 +9,7 @@ extern const scene_block SCENE_GENERATE_BLOCK; // over wisp_groom_generator
 extern const scene_block SCENE_SCATTER_BLOCK, SCENE_CURVES_BLOCK, SCENE_DYNAMICS_BLOCK, SCENE_HEAD_BLOCK,
     SCENE_GRID_BLOCK, SCENE_GHOSTS_BLOCK, SCENE_STRAND_COLLISION_BLOCK,
     SCENE_STRAND_CONTACT_BLOCK;                                     // over wisp_scene_strands
-extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_command
+extern const scene_block SCENE_COMMAND_BLOCK;                       // over wisp_scene_hair_event
 extern const scene_block SCENE_EVENT_BLOCK;                         // over scene_event
 extern const scene_block SCENE_OUTPUT_BLOCK;                        // over wisp_scene_output
 extern const scene_block SCENE_SURFACE_BLOCK;                       // over wisp_scene_surface
@@ -28,7 +28,7 @@ extern const scene_choice SCENE_REPAIR_WORDS[], SCENE_REQUIRE_WORDS[];
 scene_read_fn scene_read_name, scene_read_file;      // const char*
 scene_read_fn scene_read_later_name;                 // nothing: a name that is looked up once all are known
 scene_read_fn scene_read_rotation;                   // wisp_quat
-scene_read_fn scene_read_mesh_make;                  // wisp_scene_mesh
+scene_read_fn scene_read_mesh_generate;              // wisp_scene_mesh
 scene_read_fn scene_read_repair, scene_read_require; // int, flags of mesh.h
 scene_read_fn scene_read_pin_path;                   // wisp_scene_path
 scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
@@ -39,19 +39,19 @@ scene_read_fn scene_read_strands_name;               // int, an index into the s
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
 scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands,
-    scene_read_script, scene_read_outputs, scene_read_contact;
+    scene_read_events, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
 scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;                    // wisp_scene_strands
 scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path;       // wisp_scene_strands
-scene_read_fn scene_read_command_strands;                                                   // wisp_scene_command
+scene_read_fn scene_read_command_strands;                                                   // wisp_scene_hair_event
 scene_read_fn scene_read_output_strands, scene_read_output_surface, scene_read_output_file; // wisp_scene_output
 scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
     scene_read_outlet,
-    scene_read_fill_path;                                    // wisp_scene_surface
+    scene_read_gas_ratio_keyframes;                          // wisp_scene_surface
 scene_read_fn scene_read_collider_path, scene_read_friction; // wisp_scene_collider
 
-/// What an entry of `script` says before its time has become a step.
+/// An entry of `events` before its time has become a step.
 typedef struct scene_event
 {
     wisp_scene_event event;

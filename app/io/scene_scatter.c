@@ -92,11 +92,11 @@ wisp_status wisp_scene_make_scatter( const wisp_scene_scatter* scatter, const wi
     *out = ( wisp_groom ){ 0 };
     const int64_t strands = (int64_t)source->strand_count * scatter->count;
     const int64_t vertices = (int64_t)source->vertex_count * scatter->count;
-    if ( strands > WISP_GROOM_MADE_CAP || vertices > WISP_GROOM_MADE_CAP )
+    if ( strands > WISP_GROOM_MAX_GENERATED || vertices > WISP_GROOM_MAX_GENERATED )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
                           "%d strands around each of %d have %lld vertices, expected at most %d", scatter->count,
-                          source->strand_count, (long long)vertices, WISP_GROOM_MADE_CAP );
+                          source->strand_count, (long long)vertices, WISP_GROOM_MAX_GENERATED );
     }
     int columns = ( source->thickness ? GROOM_THICKNESS : 0 ) | ( source->colour ? GROOM_COLOUR : 0 );
     wisp_status status = groom_allocate( out, (int)strands, (int)vertices, columns, "scatter", error );

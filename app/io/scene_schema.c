@@ -138,7 +138,7 @@ static wisp_status read_numbers( scene_reader* r, const scene_node* node, const 
     {
         return scene_refuse_node( r, node, "got an empty list, expected one number per strand" );
     }
-    if ( strands->is_made && node->count != strands->generator.strand_count )
+    if ( strands->is_generated && node->count != strands->generator.strand_count )
     {
         return scene_refuse_node( r, node, "got %d numbers, expected %d, one per strand", node->count,
                                   strands->generator.strand_count );

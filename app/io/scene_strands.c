@@ -60,7 +60,7 @@ wisp_status scene_read_file( scene_reader* r, const scene_node* node, void* at )
 wisp_status scene_read_generate( scene_reader* r, const scene_node* node, void* base )
 {
     wisp_scene_strands* strands = base;
-    strands->is_made = true;
+    strands->is_generated = true;
 
     // Defaults depend on shape and dimension, which may stand anywhere in the mapping: the first reading learns these
     // two, the second reads everything over their defaults.
@@ -73,10 +73,10 @@ wisp_status scene_read_generate( scene_reader* r, const scene_node* node, void* 
     *generator = wisp_default_groom_generator( generator->shape, generator->dimension );
     status = scene_read_block( r, node, &SCENE_GENERATE_BLOCK, generator );
 
-    if ( !status && (int64_t)generator->strand_count * generator->vertices_per_strand > WISP_GROOM_MADE_CAP )
+    if ( !status && (int64_t)generator->strand_count * generator->vertices_per_strand > WISP_GROOM_MAX_GENERATED )
     {
         return scene_refuse_node( r, node, "got %d strands of %d vertices, expected at most %d vertices in all",
-                                  generator->strand_count, generator->vertices_per_strand, WISP_GROOM_MADE_CAP );
+                                  generator->strand_count, generator->vertices_per_strand, WISP_GROOM_MAX_GENERATED );
     }
     return status;
 }

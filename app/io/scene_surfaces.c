@@ -17,7 +17,7 @@ static wisp_status read_vertex( scene_reader* r, const scene_node* node, const w
     int vertex = 0;
     wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
     int64_t count = scene_generator_vertices( &surface->mesh.generator );
-    if ( !status && surface->mesh.is_made && vertex >= count )
+    if ( !status && surface->mesh.is_generated && vertex >= count )
     {
         return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
     }
@@ -161,8 +161,8 @@ wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at
     return status;
 }
 
-static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_fill* gas_ratio,
-                              const wisp_scene_fill* before )
+static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_gas_ratio_keyframe* gas_ratio,
+                              const wisp_scene_gas_ratio_keyframe* before )
 {
     static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
     static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
@@ -178,13 +178,13 @@ static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scen
     return status;
 }
 
-wisp_status scene_read_fill_path( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene_surface* surface = at;
     void* items;
     wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
-                                           sizeof( wisp_scene_fill ), &items );
-    wisp_scene_fill* fills = items;
+                                           sizeof( wisp_scene_gas_ratio_keyframe ), &items );
+    wisp_scene_gas_ratio_keyframe* fills = items;
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
     {
@@ -196,8 +196,8 @@ wisp_status scene_read_fill_path( scene_reader* r, const scene_node* node, void*
             scene_leave( r, outside );
         }
     }
-    surface->fill_path = fills;
-    surface->fill_path_count = i;
+    surface->gas_ratio_keyframes = fills;
+    surface->gas_ratio_keyframe_count = i;
     return status;
 }
 
@@ -279,7 +279,7 @@ static wisp_status check_source( scene_reader* r, const scene_node* node, const 
     static const char* const fabric_keys[] = { "repair",       "require",     "levels",
                                                "finest_level", "solve_order", "tile_size" };
     const bool instance = scene_child( r, node, "instance_of" ) != NULL;
-    int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_made + instance;
+    int sources = ( surface->mesh.file != NULL ) + surface->mesh.is_generated + instance;
     if ( sources == 0 )
     {
         return scene_refuse_node( r, node, "got none of 'file', 'generate' and 'instance_of', expected one of them" );
@@ -342,13 +342,13 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
         return scene_refuse_node( r, node, "got balloon.gas_ratio %g, expected at least balloon.min_gas_ratio, %g",
                                   (double)b->gas_ratio, (double)b->min_gas_ratio );
     }
-    for ( int i = 0; i < s->fill_path_count; ++i )
+    for ( int i = 0; i < s->gas_ratio_keyframe_count; ++i )
     {
-        if ( s->fill_path[i].gas_ratio < b->min_gas_ratio )
+        if ( s->gas_ratio_keyframes[i].gas_ratio < b->min_gas_ratio )
         {
             return scene_refuse_node(
                 r, node, "got %g in balloon.gas_ratio_keyframes[%d], expected at least balloon.min_gas_ratio, %g",
-                (double)s->fill_path[i].gas_ratio, i, (double)b->min_gas_ratio );
+                (double)s->gas_ratio_keyframes[i].gas_ratio, i, (double)b->min_gas_ratio );
         }
     }
     return WISP_OK;
@@ -357,7 +357,7 @@ static wisp_status check_balloon( scene_reader* r, const scene_node* node, const
 // What is refused of a plane is not what an instance shares: that is known once its source is.
 static wisp_status check_quad_links( scene_reader* r, const scene_node* node, const wisp_scene_mesh* mesh )
 {
-    return mesh->is_made && mesh->generator.shape == WISP_MESH_PLANE_REGULAR
+    return mesh->is_generated && mesh->generator.shape == WISP_MESH_PLANE_REGULAR
                ? WISP_OK
                : scene_refuse_node( r, node, "implicit.links 'quad' needs 'generate: { shape: plane }'" );
 }
@@ -507,7 +507,7 @@ static wisp_status count_vertices( scene_reader* r, const scene_node* node )
     {
         const wisp_scene_surface* surface = &r->scene->surfaces[i];
         const wisp_scene_mesh* mesh = &r->scene->surfaces[surface->instance_of >= 0 ? surface->instance_of : i].mesh;
-        sum += mesh->is_made ? scene_generator_vertices( &mesh->generator ) : 0;
+        sum += mesh->is_generated ? scene_generator_vertices( &mesh->generator ) : 0;
     }
     return sum <= WISP_SCENE_MAX_VERTICES
                ? WISP_OK

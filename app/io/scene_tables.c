@@ -20,9 +20,9 @@ static const scene_field MAKE_FIELDS[] = {
       .help = "Shape of a strand; defaults of other keys depend on it." },
     { "dimension", SCENE_WHOLE, .at = AT( dimension ), .range = RANGE( 2, 3 ),
       .help = "2 sets roots on a line with z = 0; 3 sets them on a head; defaults of other keys depend on it." },
-    { "strands", SCENE_WHOLE, .at = AT( strand_count ), .range = RANGE( 1, WISP_GROOM_MADE_CAP / 2 ),
+    { "strands", SCENE_WHOLE, .at = AT( strand_count ), .range = RANGE( 1, WISP_GROOM_MAX_GENERATED / 2 ),
       .help = "Number of strands; strands times vertices is at most 134217728." },
-    { "vertices", SCENE_WHOLE, .at = AT( vertices_per_strand ), .range = RANGE( 2, WISP_GROOM_MADE_CAP ),
+    { "vertices", SCENE_WHOLE, .at = AT( vertices_per_strand ), .range = RANGE( 2, WISP_GROOM_MAX_GENERATED ),
       .help = "Number of vertices of each strand." },
     { "length", SCENE_NUMBER, .at = AT( length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
       .help = "Length of the centre line of a strand." },
@@ -241,7 +241,7 @@ const scene_block SCENE_STRANDS_BLOCK = { STRANDS_FIELDS, WISP_COUNT( STRANDS_FI
 
 // ---- hair events, output, the scene ----
 
-#define AT( member ) offsetof( wisp_scene_command, member )
+#define AT( member ) offsetof( wisp_scene_hair_event, member )
 static const scene_field COMMAND_FIELDS[] = {
     { "step", SCENE_WHOLE, .required = true, .at = AT( step ), .range = RANGE( 0, 999999 ),
       .help = "Step before which the event comes, counted from 0." },
@@ -293,7 +293,7 @@ static const scene_field SCENE_FIELDS[] = {
     { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
       .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
       .initial = "none" },
-    { "events", SCENE_CUSTOM, .read = scene_read_script,
+    { "events", SCENE_CUSTOM, .read = scene_read_events,
       .help = "Changes of surfaces and strands, before chosen steps.", .form = "list of blocks", .initial = "none" },
     { "output", SCENE_CUSTOM, .read = scene_read_outputs, .help = "Files to write after the last step.",
       .form = "list of blocks", .initial = "none" },

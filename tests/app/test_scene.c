@@ -59,7 +59,7 @@ static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothin
     wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
-    assert_true( s->is_made );
+    assert_true( s->is_generated );
     assert_null( s->file );
     assert_int_equal( s->line, 3 );
     assert_int_equal( s->column, 5 );
@@ -258,7 +258,7 @@ static void files_are_looked_for_beside_the_scene( void** state )
                              "{ bend_stiffness: [1, 2, 3, 4, 5] } } }\n"
                              "  - { name: b, file: /grooms/hair.hair }\n" );
     assert_string_equal( scene.strands[0].file, "scenes/../grooms/hair.hair" );
-    assert_false( scene.strands[0].is_made );
+    assert_false( scene.strands[0].is_generated );
     assert_int_equal( scene.strands[0].bend_count, 5 );
     assert_string_equal( scene.strands[1].file, "/grooms/hair.hair" );
     wisp_scene_release( &scene );

@@ -314,7 +314,7 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
 }
 
 // Left alone, BDF2 would carry the velocity from before the script's into the step: x + 2/3 h v instead of x + h v.
-static void a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integrator( void** state )
+static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator( void** state )
 {
     (void)state;
     static const char* const integrators[] = { "euler", "bdf2" };
@@ -396,7 +396,7 @@ int main( void )
         cmocka_unit_test( a_plane_with_quad_links_has_the_links_of_the_quad_reference ),
         cmocka_unit_test( a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them ),
         cmocka_unit_test( a_hung_cloth_keeps_its_pin_and_falls ),
-        cmocka_unit_test( a_velocity_of_the_script_counts_from_its_step_on_whatever_the_integrator ),
+        cmocka_unit_test( a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator ),
         cmocka_unit_test( the_ends_of_all_ranges_are_taken_by_the_module ),
         cmocka_unit_test( the_scenes_of_the_project_with_implicit_cloth_run ),
     };

@@ -173,7 +173,7 @@ static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** s
     wisp_scene_release( &scene );
 }
 
-static void the_script_is_for_strands_as_well_as_for_surfaces( void** state )
+static void events_are_for_strands_as_well_as_for_surfaces( void** state )
 {
     (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
@@ -374,7 +374,7 @@ int main( void )
         cmocka_unit_test( ghosts_and_curves_without_keys_are_the_modules_defaults ),
         cmocka_unit_test( every_key_of_motion_reaches_its_place ),
         cmocka_unit_test( what_others_draw_is_hidden_unless_it_says_that_it_is_shown ),
-        cmocka_unit_test( the_script_is_for_strands_as_well_as_for_surfaces ),
+        cmocka_unit_test( events_are_for_strands_as_well_as_for_surfaces ),
         cmocka_unit_test( scattered_ghosts_follow_what_they_are_scattered_around ),
         cmocka_unit_test( frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise ),
         cmocka_unit_test( a_scene_with_every_key_of_moving_strands_is_read ),

@@ -35,7 +35,7 @@ static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( 
     assert_int_equal( scene.surface_count, 1 );
     assert_int_equal( s->line, 3 );
     assert_int_equal( s->column, 5 );
-    assert_true( s->mesh.is_made && !s->mesh.file && s->mesh.scale == 1.0f );
+    assert_true( s->mesh.is_generated && !s->mesh.file && s->mesh.scale == 1.0f );
     assert_int_equal( s->mesh.generator.columns, wisp_default_mesh_generator( WISP_MESH_PLANE_REGULAR ).columns );
     assert_int_equal( s->mesh.repairs + s->mesh.demands, 0 );
     assert_int_equal( s->instance_of, -1 );
@@ -180,9 +180,9 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
     assert_true( b->outlet[0] == 4 && b->outlet[1] == 2 && b->outlet[2] == 9 );
     assert_true( b->outlet_area == 2e-4f && b->outlet_open && b->spin == WISP_BALLOON_SPIN_POSITION );
     assert_true( b->allow_open && !scene.surfaces[1].balloon.allow_open );
-    assert_int_equal( s->fill_path_count, 2 );
-    assert_true( s->fill_path[0].time == 1.0f && s->fill_path[0].gas_ratio == 1.25f &&
-                 s->fill_path[1].gas_ratio == 3.0f );
+    assert_int_equal( s->gas_ratio_keyframe_count, 2 );
+    assert_true( s->gas_ratio_keyframes[0].time == 1.0f && s->gas_ratio_keyframes[0].gas_ratio == 1.25f &&
+                 s->gas_ratio_keyframes[1].gas_ratio == 3.0f );
     assert_true( scene.surfaces[1].has_outlet_nearest && scene.surfaces[1].outlet_radius == 0.5f );
     assert_vector( scene.surfaces[1].outlet_nearest, 0.0f, 1.0f, 2.0f );
     wisp_scene_release( &scene );
@@ -271,7 +271,7 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
 
 // ---- the script ----
 
-static void entries_of_the_script_come_in_the_order_of_their_steps( void** state )
+static void events_come_in_the_order_of_their_steps( void** state )
 {
     (void)state;
     wisp_scene scene =
@@ -398,7 +398,7 @@ int main( void )
         cmocka_unit_test( an_instance_knows_its_source_and_has_effects_of_its_own ),
         cmocka_unit_test( three_angles_turn_about_x_then_y_then_z ),
         cmocka_unit_test( vertices_are_counted_as_the_maker_makes_them ),
-        cmocka_unit_test( entries_of_the_script_come_in_the_order_of_their_steps ),
+        cmocka_unit_test( events_come_in_the_order_of_their_steps ),
         cmocka_unit_test( a_fill_after_its_keyframes_is_taken ),
         cmocka_unit_test( points_are_requested_where_an_output_writes_a_surface ),
         cmocka_unit_test( lists_of_surfaces_and_colliders_have_an_end ),

@@ -304,7 +304,7 @@ static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** s
     release( &f );
 }
 
-static void the_outlet_opens_and_closes_when_the_script_says( void** state )
+static void the_outlet_opens_and_closes_when_an_event_says( void** state )
 {
     (void)state;
     fixture f;
@@ -325,7 +325,7 @@ static void the_outlet_opens_and_closes_when_the_script_says( void** state )
     release( &f );
 }
 
-static void wind_of_the_script_blows_from_its_step_on( void** state )
+static void wind_of_an_event_blows_from_its_step_on( void** state )
 {
     (void)state;
     fixture f;
@@ -508,8 +508,8 @@ int main( void )
         cmocka_unit_test( pins_follow_their_keyframes_and_stay_at_the_last ),
         cmocka_unit_test( a_released_surface_falls_and_its_pins_follow_no_keyframe ),
         cmocka_unit_test( keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards ),
-        cmocka_unit_test( the_outlet_opens_and_closes_when_the_script_says ),
-        cmocka_unit_test( wind_of_the_script_blows_from_its_step_on ),
+        cmocka_unit_test( the_outlet_opens_and_closes_when_an_event_says ),
+        cmocka_unit_test( wind_of_an_event_blows_from_its_step_on ),
         cmocka_unit_test( colliders_follow_their_keyframes ),
         cmocka_unit_test( a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through ),
         cmocka_unit_test( what_a_body_does_not_have_cannot_be_queried_for ),

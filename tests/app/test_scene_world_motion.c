@@ -316,7 +316,7 @@ static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_n
     release( &f );
 }
 
-static void the_script_blows_on_strands( void** state )
+static void an_event_blows_on_strands( void** state )
 {
     (void)state;
     fixture f;
@@ -420,7 +420,7 @@ int main( void )
         cmocka_unit_test( ghosts_of_other_lengths_follow_if_they_are_resampled ),
         cmocka_unit_test( masses_of_scattered_strands_are_counted_once_there_are_any ),
         cmocka_unit_test( strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not ),
-        cmocka_unit_test( the_script_blows_on_strands ),
+        cmocka_unit_test( an_event_blows_on_strands ),
         cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),
         cmocka_unit_test( links_stretch_where_the_direct_solve_and_the_follower_do_not ),

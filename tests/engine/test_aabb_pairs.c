@@ -353,7 +353,7 @@ static void a_filter_keeps_what_it_requests_in_order( void** state )
     finder_close( f );
 }
 
-static void others_ask_again_what_is_made_already( void** state )
+static void other_queries_reuse_the_grid( void** state )
 {
     (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], moved[MAX_BOXES];
@@ -595,7 +595,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_search_finds_the_pairs_of_a_double_loop ),
         cmocka_unit_test( a_filter_keeps_what_it_requests_in_order ),
-        cmocka_unit_test( others_ask_again_what_is_made_already ),
+        cmocka_unit_test( other_queries_reuse_the_grid ),
         cmocka_unit_test( the_number_of_workers_does_not_show ),
         cmocka_unit_test( a_grid_compares_far_fewer_boxes_than_there_are ),
         cmocka_unit_test( nothing_is_allocated_once_warm ),

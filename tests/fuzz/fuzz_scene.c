@@ -113,7 +113,7 @@ static void demand_strands( const wisp_scene* scene, int i )
     const wisp_scene_strands* strands = &scene->strands[i];
     const wisp_frozen_hair_def* hair = &strands->frozen_hair;
     demand( strands->name && strlen( strands->name ) <= WISP_SCENE_MAX_NAME && strands->line > 0 );
-    demand( ( strands->file != NULL ) + strands->is_made + strands->is_scattered + strands->is_curves == 1 );
+    demand( ( strands->file != NULL ) + strands->is_generated + strands->is_scattered + strands->is_curves == 1 );
     demand( strands->scatter.around < i && strands->is_scattered == ( strands->scatter.around >= 0 ) );
     demand( strands->is_curves == ( strands->curves_of >= 0 ) && strands->curves_of < scene->strands_count );
     demand( strands->has_ghosts == ( strands->targets >= 0 ) && strands->targets < scene->strands_count );
@@ -121,7 +121,8 @@ static void demand_strands( const wisp_scene* scene, int i )
     demand_numbers( hair->strand_stretch_stiffness, strands->stretch_count, 1e-3f, 1e12f );
     demand_numbers( hair->strand_bend_stiffness, strands->bend_count, 1e-3f, 1e12f );
     demand_numbers( hair->strand_intensity, strands->intensity_count, 0.0f, 1.0f );
-    demand( strands->bend_count == 0 || !strands->is_made || strands->bend_count == strands->generator.strand_count );
+    demand( strands->bend_count == 0 || !strands->is_generated ||
+            strands->bend_count == strands->generator.strand_count );
     demand( isfinite( hair->reach ) && isfinite( hair->cursor.x ) && hair->clump_radius > 0.0f );
     demand( strands->has_appearance || !( strands->request_width || strands->request_colour ) );
     demand_environment( &strands->environment );
@@ -130,7 +131,7 @@ static void demand_strands( const wisp_scene* scene, int i )
 
 static void demand_mesh( const wisp_scene_mesh* mesh, bool needed )
 {
-    demand( needed == ( mesh->is_made || mesh->file ) && !( mesh->is_made && mesh->file ) );
+    demand( needed == ( mesh->is_generated || mesh->file ) && !( mesh->is_generated && mesh->file ) );
     demand( mesh->scale > 0.0f && ( mesh->repairs & ~WISP_MESH_REPAIR_ALL ) == 0 );
     demand( mesh->generator.shape >= 0 && mesh->generator.shape < WISP_MESH_SHAPE_COUNT );
 }
@@ -140,10 +141,10 @@ static void demand_balloon( const wisp_scene_surface* s )
     const wisp_balloon_def* b = &s->balloon;
     demand( b->gas_ratio >= b->min_gas_ratio && b->outlet_count >= 0 && b->outlet_count <= WISP_BALLOON_MAX_OUTLET );
     demand( !( b->outlet_count > 0 && s->has_outlet_nearest ) );
-    for ( int i = 0; i < s->fill_path_count; ++i )
+    for ( int i = 0; i < s->gas_ratio_keyframe_count; ++i )
     {
-        demand( s->fill_path[i].gas_ratio >= b->min_gas_ratio );
-        demand( i == 0 || s->fill_path[i].time > s->fill_path[i - 1].time );
+        demand( s->gas_ratio_keyframes[i].gas_ratio >= b->min_gas_ratio );
+        demand( i == 0 || s->gas_ratio_keyframes[i].time > s->gas_ratio_keyframes[i - 1].time );
     }
 }
 
@@ -169,7 +170,7 @@ static void demand_implicit( const wisp_scene* scene, const wisp_scene_surface* 
     demand( s->has_implicit || !s->has_quad_links );
     demand( !s->has_implicit || ( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) ) );
     const wisp_scene_mesh* mesh = s->instance_of < 0 ? &s->mesh : &scene->surfaces[s->instance_of].mesh;
-    demand( !s->has_quad_links || ( mesh->is_made && mesh->generator.shape == WISP_MESH_PLANE_REGULAR ) );
+    demand( !s->has_quad_links || ( mesh->is_generated && mesh->generator.shape == WISP_MESH_PLANE_REGULAR ) );
     demand( !s->has_quad_links || d->stiffness_model == WISP_IMPLICIT_STIFFNESS_LINK );
 }
 
@@ -256,7 +257,7 @@ static void demand_scene( const wisp_scene* scene )
     }
     for ( int i = 0; i < scene->command_count; ++i )
     {
-        const wisp_scene_command* command = &scene->commands[i];
+        const wisp_scene_hair_event* command = &scene->commands[i];
         demand( command->strands >= 0 && command->strands < scene->strands_count );
         demand( command->step >= 0 && command->step < scene->steps );
         demand( i == 0 || command->step >= command[-1].step );

@@ -86,28 +86,30 @@ static wisp_status move_collider( scene_world* world, int collider, step_times t
 // From the first keyframe's time to that of the last the filling is told; before and after, the gas is left to itself.
 static bool is_filling( const scene_world* world, const wisp_scene_surface* entry, step_times t )
 {
-    return entry->fill_path_count > 0 && !is_before( world, t.end, (double)entry->fill_path[0].time ) &&
-           is_before( world, t.begin, (double)entry->fill_path[entry->fill_path_count - 1].time );
+    return entry->gas_ratio_keyframe_count > 0 &&
+           !is_before( world, t.end, (double)entry->gas_ratio_keyframes[0].time ) &&
+           is_before( world, t.begin, (double)entry->gas_ratio_keyframes[entry->gas_ratio_keyframe_count - 1].time );
 }
 
 static float fill_at( const wisp_scene_surface* entry, double time )
 {
-    int lower = 0, upper = entry->fill_path_count - 1; // the pair around the time is low and high in the end
-    if ( time <= (double)entry->fill_path[0].time )
+    int lower = 0, upper = entry->gas_ratio_keyframe_count - 1; // the pair around the time is low and high in the end
+    if ( time <= (double)entry->gas_ratio_keyframes[0].time )
     {
-        return entry->fill_path[0].gas_ratio;
+        return entry->gas_ratio_keyframes[0].gas_ratio;
     }
-    if ( time >= (double)entry->fill_path[upper].time )
+    if ( time >= (double)entry->gas_ratio_keyframes[upper].time )
     {
-        return entry->fill_path[upper].gas_ratio;
+        return entry->gas_ratio_keyframes[upper].gas_ratio;
     }
     while ( upper - lower > 1 )
     {
         int middle = lower + ( upper - lower ) / 2;
-        lower = (double)entry->fill_path[middle].time <= time ? middle : lower;
+        lower = (double)entry->gas_ratio_keyframes[middle].time <= time ? middle : lower;
         upper = lower == middle ? upper : middle;
     }
-    const wisp_scene_fill *a = &entry->fill_path[lower], *b = &entry->fill_path[upper];
+    const wisp_scene_gas_ratio_keyframe *a = &entry->gas_ratio_keyframes[lower],
+                                        *b = &entry->gas_ratio_keyframes[upper];
     double fraction = ( time - (double)a->time ) / ( (double)b->time - (double)a->time );
     return (float)( (double)a->gas_ratio + fraction * ( (double)b->gas_ratio - (double)a->gas_ratio ) );
 }
@@ -239,7 +241,7 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-wisp_status scene_script_play( scene_world* world, wisp_error* error )
+wisp_status scene_events_play( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;
     wisp_status status = follow_keyframes( world, error );

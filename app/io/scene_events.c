@@ -65,7 +65,8 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
     }
     // Keyframes would overwrite it before the next step.
     const double time = (double)e->step * (double)r->scene->dt;
-    const wisp_scene_fill* last = s->fill_path_count > 0 ? &s->fill_path[s->fill_path_count - 1] : NULL;
+    const wisp_scene_gas_ratio_keyframe* last =
+        s->gas_ratio_keyframe_count > 0 ? &s->gas_ratio_keyframes[s->gas_ratio_keyframe_count - 1] : NULL;
     if ( e->has_gas_ratio && last && time < (double)last->time )
     {
         return scene_refuse_node( r, node, "the gas ratio of '%s' follows its gas_ratio_keyframes until %g s",
@@ -159,7 +160,7 @@ static wisp_status refuse_equal_events( scene_reader* r )
     return WISP_OK;
 }
 
-wisp_status scene_read_script( scene_reader* r, const scene_node* node, void* at )
+wisp_status scene_read_events( scene_reader* r, const scene_node* node, void* at )
 {
     wisp_scene* scene = at;
     void* items;
