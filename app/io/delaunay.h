@@ -2,7 +2,7 @@
 /// of a line, inside a circle or not) is answered exactly, so that no rounding can turn a triangle over, and the same
 /// points give the same triangles on every machine.
 ///
-/// Private to this room.
+/// Private to this folder.
 #pragma once
 
 #include "wisp/base.h"

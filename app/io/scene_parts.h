@@ -1,4 +1,4 @@
-/// The tables and the readers that they name. Private to this room.
+/// The tables and the readers that they name. Private to this folder.
 #pragma once
 
 #include "scene_schema.h"

@@ -1,4 +1,4 @@
-/// Ranges and units that several tables share. Private to this room.
+/// Ranges and units that several tables share. Private to this folder.
 ///
 /// Ranges are those that the modules, the makers of grooms and meshes, and the engine accept: what a scene lets through,
 /// they take.

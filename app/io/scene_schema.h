@@ -1,5 +1,5 @@
 /// What a mapping of a scene may hold, as tables: one row a key, with its type, its place in a struct and its range.
-/// One reader walks all tables, so that every key is checked and refused in the same way. Private to this room.
+/// One reader walks all tables, so that every key is checked and refused in the same way. Private to this folder.
 #pragma once
 
 #include "scene.h"

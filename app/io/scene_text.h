@@ -1,6 +1,6 @@
 /// Scene text to a bounded tree of nodes that know their line and column. Knows YAML, knows nothing of scenes.
 ///
-/// Private to this room. libyaml's document loader is quadratic on nested brackets and follows aliases, so the tree is
+/// Private to this folder. libyaml's document loader is quadratic on nested brackets and follows aliases, so the tree is
 /// built from its events: what a scene has no use for (anchors, aliases, tags, directives, second documents) is refused
 /// where it begins, and depth and size are capped before they cost anything.
 #pragma once

@@ -1,4 +1,4 @@
-/// A search under way. Private to this room.
+/// A search under way. Private to this folder.
 #pragma once
 
 #include "wisp/tune.h"

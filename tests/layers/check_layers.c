@@ -1,6 +1,6 @@
 #include "check_layers.h"
 
-#include "layer_arrows.h"
+#include "layer_rules.h"
 #include "layer_tree.h"
 
 #include <limits.h>
@@ -19,7 +19,7 @@ typedef enum pattern
     PATTERN_MACRO,        ///< an include whose name is computed
     PATTERN_OPENMP,       ///< in C
     PATTERN_INTRINSICS,   ///< in C
-    PATTERN_MESON_ROOM,   ///< 2: room_include, room_lib ...
+    PATTERN_MESON_LAYER,  ///< 2: store_include, store_lib ...
     PATTERN_MESON_OPENMP, ///< the dependency
     PATTERN_MESON_WIDE,   ///< flags of an instruction set
     PATTERN_MESON_OUT,    ///< a path that leaves the folder
@@ -36,7 +36,7 @@ static const char* const pattern_texts[PATTERN_COUNT] = {
     [PATTERN_INTRINSICS] =
         "([<\"][a-z0-9]*intrin\\.h[>\"])|([<\"](arm_neon|arm_sve)\\.h[>\"])|([<\"]simde/)|" WORD_BEGIN
         "(_mm(256|512)?_[a-z0-9_]+|__m(64|128|256|512)[a-z]*|__mmask(8|16|32|64)|__builtin_ia32_[a-z0-9_]+)",
-    [PATTERN_MESON_ROOM] = WORD_BEGIN "([a-z]+)_(include|includes|lib|libs|dep)([^a-z_]|$)",
+    [PATTERN_MESON_LAYER] = WORD_BEGIN "([a-z]+)_(include|includes|lib|libs|dep)([^a-z_]|$)",
     [PATTERN_MESON_OPENMP] = "openmp",
     [PATTERN_MESON_WIDE] = "'-m(avx|sse|fma|bmi|arch=)",
     [PATTERN_MESON_OUT] = "'[^']*(\\.\\.|engine/)[^']*'",
@@ -53,7 +53,7 @@ typedef struct checker
 {
     const char* root;
     FILE* out;
-    room_tree tree;
+    layer_tree tree;
     regex_t patterns[PATTERN_COUNT];
     effect_word effects[EFFECTS_MAX];
     int effect_count;
@@ -139,25 +139,25 @@ static bool could_mean( const char* path, const char* name )
     size_t tail = strlen( path ) - ( ends( path, ".in" ) ? 3 : 0 );
     size_t size = strlen( text );
     bool is_end = tail >= size && strncmp( path + tail - size, text, size ) == 0;
-    return ( is_end && room_of( path ).kind != ROOM_PUBLIC ) || strcmp( path, name ) == 0;
+    return ( is_end && layer_of( path ).kind != LAYER_PUBLIC ) || strcmp( path, name ) == 0;
 }
 
-// A name that several rooms have is judged by the best of them: the include paths of meson decide which one it is.
+// A name that several layers have is judged by the best of them: the include paths of meson decide which one it is.
 // @return null if all is well; "" if no file of the tree has the name
 static const char* include_fault( const checker* c, const char* from, const char* name, bool is_quoted )
 {
     char beside[PATH_MAX];
     join( beside, sizeof( beside ), from, name );
-    if ( is_quoted && room_tree_has( &c->tree, beside ) )
+    if ( is_quoted && layer_tree_has( &c->tree, beside ) )
     {
-        return room_arrow_fault( from, beside );
+        return layer_fault( from, beside );
     }
     const char* fault = "";
     for ( int i = 0; i < c->tree.count && fault; ++i )
     {
         if ( could_mean( c->tree.paths[i], name ) )
         {
-            const char* candidate = room_arrow_fault( from, c->tree.paths[i] );
+            const char* candidate = layer_fault( from, c->tree.paths[i] );
             fault = candidate && fault[0] != 0 ? fault : candidate;
         }
     }
@@ -165,7 +165,7 @@ static const char* include_fault( const checker* c, const char* from, const char
 }
 
 // What libwisp may take from the system. OpenMP and intrinsics have rules of their own.
-static bool is_system_header_fine( const room_info* here, const char* name )
+static bool is_system_header_fine( const layer_info* here, const char* name )
 {
     static const char standard[] =
         " assert.h complex.h ctype.h errno.h fenv.h float.h inttypes.h iso646.h limits.h locale.h math.h setjmp.h "
@@ -179,8 +179,8 @@ static bool is_system_header_fine( const room_info* here, const char* name )
     {
         return true;
     }
-    bool is_jobs = here->kind == ROOM_ENGINE && strcmp( here->name, "jobs" ) == 0;
-    bool is_space = here->kind == ROOM_ENGINE && strcmp( here->name, "space" ) == 0;
+    bool is_jobs = here->kind == LAYER_ENGINE && strcmp( here->name, "jobs" ) == 0;
+    bool is_space = here->kind == LAYER_ENGINE && strcmp( here->name, "space" ) == 0;
     const bool is_of_threads =
         strcmp( name, "sched.h" ) == 0 || strcmp( name, "pthread.h" ) == 0 || strcmp( name, "unistd.h" ) == 0;
     return ( is_jobs && is_of_threads ) || ( is_space && begins( name, "embree" ) );
@@ -188,9 +188,9 @@ static bool is_system_header_fine( const room_info* here, const char* name )
 
 // ---- the rules of one line ----
 
-static bool is_library( const room_info* here )
+static bool is_library( const layer_info* here )
 {
-    return here->kind == ROOM_PUBLIC || here->kind == ROOM_ENGINE || here->kind == ROOM_MODULE;
+    return here->kind == LAYER_PUBLIC || here->kind == LAYER_ENGINE || here->kind == LAYER_MODULE;
 }
 
 static void check_include( checker* c, const place* at )
@@ -205,7 +205,7 @@ static void check_include( checker* c, const place* at )
         return;
     }
     match( &c->patterns[PATTERN_INCLUDE], at->text, 2, name, sizeof( name ) );
-    room_info here = room_of( at->path );
+    layer_info here = layer_of( at->path );
     const char* fault = include_fault( c, at->path, name, mark[0] == '"' );
     if ( !fault )
     {
@@ -217,7 +217,7 @@ static void check_include( checker* c, const place* at )
     }
     else if ( is_library( &here ) && !is_system_header_fine( &here, name ) )
     {
-        report( c, at, name, "the library stands on the C library, OpenMP and Embree, each in its room" );
+        report( c, at, name, "the library stands on the C library, OpenMP and Embree, each in its layer" );
     }
     else if ( mark[0] == '"' && !is_library( &here ) )
     {
@@ -250,31 +250,31 @@ static void check_c_line( checker* c, const place* at )
     }
 }
 
-static const char* meson_room_fault( const room_info* from, const char* name )
+static const char* meson_layer_fault( const layer_info* from, const char* name )
 {
-    int level = room_level( name );
+    int level = layer_level( name );
     bool is_engine_word = level >= 0 || strcmp( name, "engine" ) == 0;
-    if ( from->kind == ROOM_ENGINE )
+    if ( from->kind == LAYER_ENGINE )
     {
         bool is_above = level > from->level || ( level == from->level && strcmp( name, from->name ) != 0 );
         bool is_outside = strcmp( name, "module" ) == 0 || strcmp( name, "engine" ) == 0;
-        return ( level >= 0 && is_above ) || is_outside ? "that is not below this room" : NULL;
+        return ( level >= 0 && is_above ) || is_outside ? "that is not below this layer" : NULL;
     }
-    bool is_for_grooms = from->kind == ROOM_IO && strcmp( name, "math" ) == 0;
+    bool is_for_grooms = from->kind == LAYER_IO && strcmp( name, "math" ) == 0;
     return is_engine_word && !is_for_grooms ? "outside the engine only engine/include/wisp is seen" : NULL;
 }
 
-// Every name on the line, each judged by itself. math_lib_dep is the C library's and no room's: "math_lib" does not
+// Every name on the line, each judged by itself. math_lib_dep is the C library's and no layer's: "math_lib" does not
 // end there, so the pattern passes it by.
-static void check_meson_rooms( checker* c, const place* at, const room_info* from )
+static void check_meson_layers( checker* c, const place* at, const layer_info* from )
 {
     regmatch_t groups[4];
-    for ( const char* text = at->text; regexec( &c->patterns[PATTERN_MESON_ROOM], text, 4, groups, 0 ) == 0;
+    for ( const char* text = at->text; regexec( &c->patterns[PATTERN_MESON_LAYER], text, 4, groups, 0 ) == 0;
           text += groups[3].rm_eo )
     {
         char name[64];
         snprintf( name, sizeof( name ), "%.*s", (int)( groups[2].rm_eo - groups[2].rm_so ), text + groups[2].rm_so );
-        const char* fault = meson_room_fault( from, name );
+        const char* fault = meson_layer_fault( from, name );
         if ( fault )
         {
             report( c, at, name, fault );
@@ -285,11 +285,11 @@ static void check_meson_rooms( checker* c, const place* at, const room_info* fro
 static void check_meson_line( checker* c, const place* at )
 {
     char word[NAME_SIZE];
-    room_info here = room_of( at->path );
+    layer_info here = layer_of( at->path );
     bool is_list = is_library( &here ) && here.name[0] == 0;
     if ( !is_list )
     {
-        check_meson_rooms( c, at, &here );
+        check_meson_layers( c, at, &here );
     }
     if ( !may_use_openmp( at->path ) &&
          match( &c->patterns[PATTERN_MESON_OPENMP], at->text, 0, word, sizeof( word ) ) )
@@ -303,7 +303,7 @@ static void check_meson_line( checker* c, const place* at )
     }
     if ( is_library( &here ) && match( &c->patterns[PATTERN_MESON_OUT], at->text, 0, word, sizeof( word ) ) )
     {
-        report( c, at, word, "a room names files of its own folder only" );
+        report( c, at, word, "a layer names files of its own folder only" );
     }
 }
 
@@ -333,7 +333,7 @@ static void check_lines( checker* c, const char* path, char* text, line_rule* ru
 
 static bool with_text( checker* c, const char* path, void ( *blank )( char* ), line_rule* rule )
 {
-    char* text = room_text_read( c->root, path );
+    char* text = layer_text_read( c->root, path );
     if ( !text )
     {
         fprintf( c->out, "%s: cannot be read\n", path );
@@ -350,25 +350,25 @@ static bool with_text( checker* c, const char* path, void ( *blank )( char* ), l
 
 static bool check_file( checker* c, const char* path )
 {
-    room_kind kind = room_of( path ).kind;
+    layer_kind kind = layer_of( path ).kind;
     bool good = true;
-    if ( kind == ROOM_ENGINE || kind == ROOM_PUBLIC )
+    if ( kind == LAYER_ENGINE || kind == LAYER_PUBLIC )
     {
         // Names of files first, as line 0; then the text with all its comments.
         check_effects( c, &( place ){ path, 0, path + strlen( "engine/" ) } );
         good = with_text( c, path, NULL, check_effects );
     }
-    if ( kind == ROOM_TESTS || kind == ROOM_ORACLE || kind == ROOM_NOWHERE )
+    if ( kind == LAYER_TESTS || kind == LAYER_ORACLE || kind == LAYER_NOWHERE )
     {
         return good;
     }
     if ( ends( path, ".c" ) || ends( path, ".h" ) || ends( path, ".cpp" ) || ends( path, ".inc" ) )
     {
-        good = with_text( c, path, room_text_blank_c, check_c_line ) && good;
+        good = with_text( c, path, layer_text_blank_c, check_c_line ) && good;
     }
     else if ( ends( path, "/meson.build" ) )
     {
-        good = with_text( c, path, room_text_blank_hash, check_meson_line ) && good;
+        good = with_text( c, path, layer_text_blank_hash, check_meson_line ) && good;
     }
     return good;
 }
@@ -439,8 +439,8 @@ static bool collect_effects( checker* c )
     bool good = add_effect( c, "balloon" );
     for ( int i = 0; i < c->tree.count && good; ++i )
     {
-        room_info here = room_of( c->tree.paths[i] );
-        if ( here.kind == ROOM_MODULE && here.name[0] != 0 )
+        layer_info here = layer_of( c->tree.paths[i] );
+        if ( here.kind == LAYER_MODULE && here.name[0] != 0 )
         {
             good = add_effects_of( c, here.name );
         }
@@ -456,13 +456,13 @@ static bool read_tree( checker* c )
     bool good = true;
     for ( size_t i = 0; i < sizeof( folders ) / sizeof( folders[0] ) && good; ++i )
     {
-        good = room_tree_add( &c->tree, c->root, folders[i] );
+        good = layer_tree_add( &c->tree, c->root, folders[i] );
     }
-    room_tree_sort( &c->tree );
+    layer_tree_sort( &c->tree );
     bool has_engine = false;
     for ( int i = 0; i < c->tree.count && !has_engine; ++i )
     {
-        has_engine = room_of( c->tree.paths[i] ).kind == ROOM_ENGINE;
+        has_engine = layer_of( c->tree.paths[i] ).kind == LAYER_ENGINE;
     }
     if ( !has_engine )
     {
@@ -471,7 +471,7 @@ static bool read_tree( checker* c )
     return good && has_engine;
 }
 
-int check_rooms( const char* root, FILE* out )
+int check_layers( const char* root, FILE* out )
 {
     checker* c = calloc( 1, sizeof( checker ) );
     if ( !c )
@@ -500,7 +500,7 @@ int check_rooms( const char* root, FILE* out )
     {
         regfree( &c->patterns[i] );
     }
-    room_tree_release( &c->tree );
+    layer_tree_release( &c->tree );
     int found = good ? c->found : -1;
     free( c );
     return found;

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static bool add_path( room_tree* tree, const char* path )
+static bool add_path( layer_tree* tree, const char* path )
 {
     if ( tree->count == tree->capacity )
     {
@@ -24,7 +24,7 @@ static bool add_path( room_tree* tree, const char* path )
     return tree->paths[tree->count++] != NULL;
 }
 
-bool room_tree_add( room_tree* tree, const char* root, const char* folder )
+bool layer_tree_add( layer_tree* tree, const char* root, const char* folder )
 {
     char place[PATH_MAX];
     snprintf( place, sizeof( place ), "%s/%s", root, folder );
@@ -50,7 +50,7 @@ bool room_tree_add( room_tree* tree, const char* root, const char* folder )
         }
         if ( S_ISDIR( info.st_mode ) )
         {
-            good = room_tree_add( tree, root, path );
+            good = layer_tree_add( tree, root, path );
         }
         else if ( S_ISREG( info.st_mode ) )
         {
@@ -66,7 +66,7 @@ static int compare_paths( const void* a, const void* b )
     return strcmp( *(char* const*)a, *(char* const*)b );
 }
 
-void room_tree_sort( room_tree* tree )
+void layer_tree_sort( layer_tree* tree )
 {
     if ( tree->count > 0 )
     {
@@ -74,23 +74,23 @@ void room_tree_sort( room_tree* tree )
     }
 }
 
-bool room_tree_has( const room_tree* tree, const char* path )
+bool layer_tree_has( const layer_tree* tree, const char* path )
 {
     return tree->count > 0 &&
            bsearch( &path, tree->paths, (size_t)tree->count, sizeof( char* ), compare_paths ) != NULL;
 }
 
-void room_tree_release( room_tree* tree )
+void layer_tree_release( layer_tree* tree )
 {
     for ( int i = 0; i < tree->count; ++i )
     {
         free( tree->paths[i] );
     }
     free( tree->paths );
-    *tree = ( room_tree ){ 0 };
+    *tree = ( layer_tree ){ 0 };
 }
 
-char* room_text_read( const char* root, const char* path )
+char* layer_text_read( const char* root, const char* path )
 {
     char full[2 * PATH_MAX];
     snprintf( full, sizeof( full ), "%s/%s", root, path );
@@ -136,7 +136,7 @@ static char* blank_until( char* at, const char* end )
     return stop;
 }
 
-void room_text_blank_c( char* text )
+void layer_text_blank_c( char* text )
 {
     for ( char* at = text; *at; )
     {
@@ -153,7 +153,7 @@ void room_text_blank_c( char* text )
     }
 }
 
-void room_text_blank_hash( char* text )
+void layer_text_blank_hash( char* text )
 {
     for ( char* at = text; *at; )
     {

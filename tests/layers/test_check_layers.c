@@ -1,4 +1,4 @@
-// The tree keeps to its rooms; and the check that says so finds what is planted, one violation at a time.
+// The tree keeps to its layers; and the check that says so finds what is planted, one violation at a time.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -26,7 +26,7 @@ typedef struct planted
     const char* word; ///< what the report also holds
 } planted;
 
-// A tree as it should be, with an include across every arrow that is allowed.
+// A tree as it should be, with an include across every dependency that is allowed.
 static const planted clean_tree[] = {
     { "engine/include/wisp/base.h", "#include <stdint.h>\n", NULL, NULL },
     { "engine/include/wisp/jobs.h", "#include \"wisp/base.h\"\n", NULL, NULL },
@@ -65,14 +65,14 @@ static const planted clean_tree[] = {
 };
 
 static const planted violations[] = {
-    // arrows that point up
+    // dependencies that point up
     { "engine/base/up.c", "\n#include \"vec.h\"\n", ":2:", "vec.h" },
     { "engine/math/up.h", "#include \"jobs.h\"\n", ":1:", "above" },
     { "engine/jobs/up.c", "#include \"store.h\"\n", ":1:", "above" },
     { "engine/store/up.c", "  #  include \"../plan/plan.c\"\n", ":1:", "above" },
     { "engine/store/side.c", "#include \"engine/space/grid.c\"\n", ":1:", "beside" },
     { "engine/plan/up.c", "#include \"world.c\"\n", ":1:", "above" },
-    { "engine/base/face.c", "#include \"wisp/module/module.h\"\n", ":1:", "room above" },
+    { "engine/base/face.c", "#include \"wisp/module/module.h\"\n", ":1:", "layer above" },
     { "engine/plan/out.c", "#include \"frozen_hair/own.h\"\n", ":1:", "frozen" },
     { "engine/plan/program.c", "#include \"scene.h\"\n", ":1:", "outside engine/" },
     { "engine/attic/new.c", "#include \"wisp/base.h\"\n", ":1:", "order" },
@@ -153,7 +153,7 @@ static int remove_one( const char* path, const struct stat* info, int kind, stru
 
 static int make_clean_tree( void** state )
 {
-    char* root = strdup( "rooms.XXXXXX" );
+    char* root = strdup( "layers.XXXXXX" );
     assert_non_null( mkdtemp( root ) );
     for ( size_t i = 0; i < sizeof( clean_tree ) / sizeof( clean_tree[0] ); ++i )
     {
@@ -177,7 +177,7 @@ static int check( const char* root, char** text )
     size_t size;
     FILE* out = open_memstream( text, &size );
     assert_non_null( out );
-    int found = check_rooms( root, out );
+    int found = check_layers( root, out );
     fclose( out );
     return found;
 }
@@ -192,7 +192,7 @@ static bool is_report_of( const planted* wrong, const char* text )
 
 // ---- tests ----
 
-static void every_file_of_the_tree_keeps_to_its_room( void** state )
+static void every_file_of_the_tree_keeps_to_its_layer( void** state )
 {
     (void)state;
     char* text;
@@ -205,7 +205,7 @@ static void every_file_of_the_tree_keeps_to_its_room( void** state )
     assert_int_equal( found, 0 );
 }
 
-static void a_tree_that_uses_every_allowed_arrow_is_clean( void** state )
+static void a_tree_that_uses_every_allowed_dependency_is_clean( void** state )
 {
     char* text;
     int found = check( *state, &text );
@@ -297,8 +297,8 @@ int main( int argc, char** argv )
     tree_root = argv[1];
 #define WITH_TREE( test ) cmocka_unit_test_setup_teardown( test, make_clean_tree, remove_tree )
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( every_file_of_the_tree_keeps_to_its_room ),
-        WITH_TREE( a_tree_that_uses_every_allowed_arrow_is_clean ),
+        cmocka_unit_test( every_file_of_the_tree_keeps_to_its_layer ),
+        WITH_TREE( a_tree_that_uses_every_allowed_dependency_is_clean ),
         WITH_TREE( each_planted_violation_is_found_with_file_and_line ),
         WITH_TREE( two_violations_are_two_lines ),
         WITH_TREE( a_new_effect_becomes_a_word_that_the_engine_must_not_know ),

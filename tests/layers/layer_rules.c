@@ -1,10 +1,10 @@
-#include "layer_arrows.h"
+#include "layer_rules.h"
 
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
-/// A room of the engine, and how far up the public headers it may see reach. Rooms of one level do not see each other.
+/// A layer of the engine, and how far up the public headers it may see reach. Rooms of one level do not see each other.
 typedef struct engine_room
 {
     const char* name;
@@ -41,7 +41,7 @@ static const engine_room* find_room( const char* name )
     return NULL;
 }
 
-int room_level( const char* name )
+int layer_level( const char* name )
 {
     const engine_room* found = find_room( name );
     return found ? found->level : -1;
@@ -59,28 +59,28 @@ static void copy_folder( char* out, size_t size, const char* rest )
     snprintf( out, size, "%.*s", slash ? (int)( slash - rest ) : 0, rest );
 }
 
-room_info room_of( const char* path )
+layer_info layer_of( const char* path )
 {
     static const struct
     {
         const char* prefix;
-        room_kind kind;
+        layer_kind kind;
     } kinds[] = {
-        { "engine/include/", ROOM_PUBLIC },
-        { "engine/", ROOM_ENGINE },
-        { "modules/", ROOM_MODULE },
-        { "app/io/", ROOM_IO },
-        { "app/render/", ROOM_IO },
-        { "app/results/", ROOM_IO },
-        { "app/", ROOM_APP },
-        { "bench/", ROOM_BENCH },
-        { "tests/", ROOM_TESTS },
-        { "examples/", ROOM_EXAMPLES },
+        { "engine/include/", LAYER_PUBLIC },
+        { "engine/", LAYER_ENGINE },
+        { "modules/", LAYER_MODULE },
+        { "app/io/", LAYER_IO },
+        { "app/render/", LAYER_IO },
+        { "app/results/", LAYER_IO },
+        { "app/", LAYER_APP },
+        { "bench/", LAYER_BENCH },
+        { "tests/", LAYER_TESTS },
+        { "examples/", LAYER_EXAMPLES },
     };
-    room_info out = { .kind = ROOM_NOWHERE, .level = -1 };
+    layer_info out = { .kind = LAYER_NOWHERE, .level = -1 };
     if ( begins( path, "tests/oracle/" ) )
     {
-        out.kind = ROOM_ORACLE;
+        out.kind = LAYER_ORACLE;
         return out;
     }
     for ( size_t i = 0; i < sizeof( kinds ) / sizeof( kinds[0] ); ++i )
@@ -92,7 +92,7 @@ room_info room_of( const char* path )
             break;
         }
     }
-    out.level = out.kind == ROOM_ENGINE ? room_level( out.name ) : -1;
+    out.level = out.kind == LAYER_ENGINE ? layer_level( out.name ) : -1;
     return out;
 }
 
@@ -116,20 +116,20 @@ static bool is_module_face( const char* path, const char* module )
     return strcmp( path, face ) == 0;
 }
 
-static const char* engine_fault( const room_info* from, const room_info* to, const char* to_path )
+static const char* engine_fault( const layer_info* from, const layer_info* to, const char* to_path )
 {
     if ( from->level < 0 )
     {
-        return "the order of the engine's rooms does not name this room";
+        return "the order of the engine's layers does not name this layer";
     }
-    if ( to->kind == ROOM_PUBLIC )
+    if ( to->kind == LAYER_PUBLIC )
     {
         const char* allowed = find_room( from->name )->public_headers;
         char word[128];
         snprintf( word, sizeof( word ), " %s ", file_name( to_path ) );
-        return !allowed || strstr( allowed, word ) ? NULL : "this public header belongs to a room above";
+        return !allowed || strstr( allowed, word ) ? NULL : "this public header belongs to a layer above";
     }
-    if ( to->kind != ROOM_ENGINE )
+    if ( to->kind != LAYER_ENGINE )
     {
         return "the engine knows nothing outside engine/";
     }
@@ -137,13 +137,13 @@ static const char* engine_fault( const room_info* from, const room_info* to, con
     {
         return NULL;
     }
-    return to->level == from->level ? "that room is beside this one, not below it" : "that room is above this one";
+    return to->level == from->level ? "that layer is beside this one, not below it" : "that layer is above this one";
 }
 
 // What a host includes leads to nothing that only modules need.
-static const char* public_fault( const char* from_path, const room_info* to, const char* to_path )
+static const char* public_fault( const char* from_path, const layer_info* to, const char* to_path )
 {
-    if ( to->kind != ROOM_PUBLIC )
+    if ( to->kind != LAYER_PUBLIC )
     {
         return "a public header may include public headers only";
     }
@@ -151,78 +151,78 @@ static const char* public_fault( const char* from_path, const room_info* to, con
                                                                      : NULL;
 }
 
-static const char* module_fault( const char* from_path, const room_info* from, const char* to_path,
-                                 const room_info* to )
+static const char* module_fault( const char* from_path, const layer_info* from, const char* to_path,
+                                 const layer_info* to )
 {
     if ( is_for_modules( to_path ) && is_module_face( from_path, from->name ) )
     {
         return "wisp/module/ is for modules, not for hosts";
     }
-    if ( to->kind == ROOM_PUBLIC || ( to->kind == ROOM_MODULE && strcmp( from->name, to->name ) == 0 ) )
+    if ( to->kind == LAYER_PUBLIC || ( to->kind == LAYER_MODULE && strcmp( from->name, to->name ) == 0 ) )
     {
         return NULL;
     }
-    return to->kind == ROOM_MODULE ? "a module never includes another module; two modules meet at a component"
-                                   : "a module may include wisp/*.h and its own folder, nothing else";
+    return to->kind == LAYER_MODULE ? "a module never includes another module; two modules meet at a component"
+                                    : "a module may include wisp/*.h and its own folder, nothing else";
 }
 
 // Everything above the modules: what each may see besides the public headers and the modules' own faces.
-static const char* upper_fault( const room_info* from, const room_info* to, const char* to_path )
+static const char* upper_fault( const layer_info* from, const layer_info* to, const char* to_path )
 {
-    if ( from->kind == ROOM_EXAMPLES && is_for_modules( to_path ) )
+    if ( from->kind == LAYER_EXAMPLES && is_for_modules( to_path ) )
     {
         return "wisp/module/ is for modules, not for hosts";
     }
-    if ( to->kind == ROOM_PUBLIC || to->kind == from->kind )
+    if ( to->kind == LAYER_PUBLIC || to->kind == from->kind )
     {
         return NULL;
     }
-    if ( to->kind == ROOM_MODULE )
+    if ( to->kind == LAYER_MODULE )
     {
         return is_module_face( to_path, to->name ) ? NULL : "that header is the module's own";
     }
-    if ( to->kind == ROOM_ENGINE )
+    if ( to->kind == LAYER_ENGINE )
     {
         // Grooms that are made have the same bits everywhere, so their sines come from the engine's headers.
-        bool is_for_grooms = from->kind == ROOM_IO && strcmp( to->name, "math" ) == 0;
+        bool is_for_grooms = from->kind == LAYER_IO && strcmp( to->name, "math" ) == 0;
         return is_for_grooms ? NULL : "outside the engine only engine/include/wisp is seen";
     }
-    if ( from->kind == ROOM_APP )
+    if ( from->kind == LAYER_APP )
     {
-        return to->kind == ROOM_IO || to->kind == ROOM_BENCH
+        return to->kind == LAYER_IO || to->kind == LAYER_BENCH
                    ? NULL
                    : "the program stands on bench, app/io and the folders next to it";
     }
-    if ( from->kind == ROOM_BENCH )
+    if ( from->kind == LAYER_BENCH )
     {
         // modules.inc is data: the one list that names engine and modules in one breath.
-        bool is_below = to->kind == ROOM_IO || to->kind == ROOM_ORACLE || strcmp( to_path, "app/modules.inc" ) == 0;
+        bool is_below = to->kind == LAYER_IO || to->kind == LAYER_ORACLE || strcmp( to_path, "app/modules.inc" ) == 0;
         return is_below ? NULL : "the benchmark stands on app/io and the oracle, not on this";
     }
-    return from->kind == ROOM_IO ? "that is above app/io, app/render and app/results"
-                                 : "an example sees what an installed library shows";
+    return from->kind == LAYER_IO ? "that is above app/io, app/render and app/results"
+                                  : "an example sees what an installed library shows";
 }
 
-const char* room_arrow_fault( const char* from_path, const char* to_path )
+const char* layer_fault( const char* from_path, const char* to_path )
 {
-    room_info from = room_of( from_path );
-    room_info to = room_of( to_path );
+    layer_info from = layer_of( from_path );
+    layer_info to = layer_of( to_path );
     switch ( from.kind )
     {
-        case ROOM_PUBLIC:
+        case LAYER_PUBLIC:
             return public_fault( from_path, &to, to_path );
-        case ROOM_ENGINE:
+        case LAYER_ENGINE:
             return engine_fault( &from, &to, to_path );
-        case ROOM_MODULE:
+        case LAYER_MODULE:
             return module_fault( from_path, &from, to_path, &to );
-        case ROOM_IO:
-        case ROOM_BENCH:
-        case ROOM_APP:
-        case ROOM_EXAMPLES:
+        case LAYER_IO:
+        case LAYER_BENCH:
+        case LAYER_APP:
+        case LAYER_EXAMPLES:
             return upper_fault( &from, &to, to_path );
-        case ROOM_ORACLE:
-        case ROOM_TESTS:
-        case ROOM_NOWHERE:
+        case LAYER_ORACLE:
+        case LAYER_TESTS:
+        case LAYER_NOWHERE:
             break;
     }
     return NULL;
