@@ -22,7 +22,7 @@ static inline void contact_put_primitives( contact_primitives* primitives, int a
 }
 
 /// Measure distances, closest points and directions.
-/// @param quads [point][4] positions
+/// @param xyzw [point][4] m, positions
 /// @param weight, normal [group of eight] as wisp_closest_args has them, or both null
 /// @return [count] m, the same bits either way
 const float* contact_measure_primitives( const contact_work* work, const float* xyzw, contact_primitives* primitives,

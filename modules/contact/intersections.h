@@ -17,7 +17,7 @@ typedef struct contact_intersections
 bool contact_reserve_intersections( const contact_work* work );
 
 /// Find all intersections exactly.
-/// @param quads [point][4] positions
+/// @param xyzw [point][4] m, positions
 wisp_status contact_find_intersections( const contact_work* work, const float* xyzw, wisp_error* error );
 
 /// Return whether an intersection is between participants that are kept apart.

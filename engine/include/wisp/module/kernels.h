@@ -66,15 +66,15 @@ typedef struct wisp_range_search_args
     float origin[3];           ///< m
     float inverse_cell[3];     ///< 1/m
     int dims[3], axis[3];      ///< as in wisp_grid
-    int cell_reach[3];         ///< cells to look at to each side, along axis[0], axis[1], axis[2]
+    int cell_reach[3];         ///< cells to search on each side, along axis[0], axis[1], axis[2]
     float near_radius;         ///< m, below it a neighbour is near
     float skin_radius;         ///< m, from the near radius to here it is in the shell; 0: no shell
-    int limit;                 ///< at most so many near ones and so many in the shell, the first in order
+    int limit;                 ///< most near neighbours, and most in the shell: the first in order
     const float* xyzw;         ///< [query][4] x y z, owner as int bits
     bool planar;               ///< every z is the same
 } wisp_range_search_args;
 
-/// Lists have room for so many entries beyond the limit, because they are written eight at a time.
+/// Lists have room for this many entries beyond the limit, because they are written eight at a time.
 #define WISP_SEARCH_PADDING 16
 
 /// What eight queries found. Arrays are the caller's.
@@ -88,14 +88,14 @@ typedef struct wisp_range_search_result
     int capped;                 ///< grows by the queries that ran into the limit
 } wisp_range_search_result;
 
-/// Boxes as streams, sorted so that those which are asked together lie together.
+/// Boxes as streams, sorted so that boxes that are tested together are stored together.
 typedef struct wisp_aabb_stream
 {
     const float *lower[3], *upper[3]; ///< [slot] m, padded by 8 that overlap nothing
     const int32_t* item;              ///< [slot] the box's number, padded by 8
 } wisp_aabb_stream;
 
-/// Boxes that ask for those which overlap them, and what they found.
+/// Query boxes, and the boxes that overlap them.
 typedef struct wisp_aabb_group
 {
     int count;                  ///< of queries
@@ -141,7 +141,7 @@ typedef struct wisp_adhesion_args
     int reference_count;
     wisp_reference_pairs* pairs; ///< of reference[0]; null: the second sweep measures at `current`
     bool stores_pairs;           ///< the first sweep, over reference[0] alone, fills `pairs`
-    float search_margin;         ///< m, further than this from where it was searched a vertex has strayed
+    float search_margin;         ///< m, a vertex farther than this from its position at the search needs a new search
     uint8_t* needs_search; ///< [slice] a bit a lane, of the sweep that moves: the second, the first without brake
     wisp_random_key key;
     uint32_t iteration;
@@ -294,7 +294,7 @@ typedef struct wisp_prolong_args
     const float* weight;      ///< [slice][4][8]
 } wisp_prolong_args;
 
-/// Half spaces that particles must stay in, one of each, with Coulomb friction: half_space.c tells the law. A row of 16
+/// Half spaces that particles must stay in, one of each, with Coulomb friction: half_space.c has the equations. A row of 16
 /// floats is: a point of the surface, its unit normal away from the body, its motion in the substep, the gap to be kept
 /// (m); what was pushed along the normal and rubbed across it so far (m), in and out; static and kinetic friction.
 typedef struct wisp_half_space_args
@@ -332,7 +332,7 @@ typedef struct wisp_strand_bound_args
     float bound;           ///< of the magnitude of each number, lanes without a strand included
 } wisp_strand_bound_args;
 
-/// Strands in time, lane = strand. Pinned vertices (weight 0) have a velocity that tells how they are carried.
+/// Strands in time, lane = strand. Pinned vertices (inverse mass 0) have the velocity of their motion.
 typedef struct wisp_strand_motion_args
 {
     const int32_t* group_row;
@@ -452,7 +452,7 @@ typedef struct wisp_strand_rod_args
 } wisp_strand_rod_args;
 
 /// Strands kept out of one body in closed form, with Coulomb friction. Vertices nearer to it than the thickness, where it is
-/// at the end of the substep, are pushed out along its normal there; pinned ones stay. strand_contact.c tells the law.
+/// at the end of the substep, are pushed out along its normal there; pinned ones stay. strand_contact.c has the equations.
 typedef struct wisp_strand_contact_args
 {
     const int32_t* group_row;
@@ -601,31 +601,31 @@ typedef struct wisp_kernels
     // groups of eight pairs
     void ( *closest_triangle )( const wisp_closest_args* args, int begin, int end );
     void ( *closest_segments )( const wisp_closest_args* args, int begin, int end );
-    /// Where the primitives of rows [begin, end) are. @param points that a primitive has: 1, 2 or 3
+    /// Compute the places of the primitives of packs [begin, end). @param points per primitive: 1, 2 or 3
     void ( *place_primitives )( const float* xyzw, wisp_primitive_pack* rows, int points, int begin, int end );
-    /// Edges that share no point with others and are apart from them by no more than what is asked, as far as a plane across
-    /// the line through their middles tells. No pair that is within is missing but for rounding; a pair with a number
-    /// that is not finite is one. @param count of jobs, WISP_PRIMITIVE_BATCH at most @param to out @return how many
+    /// Find pairs of edges without a common point that a plane across the line through their centres does not separate by
+    /// max_distance. No pair within the distance is missing, except for rounding. NaN and infinity count as within.
+    /// @param count of batch, at most WISP_PRIMITIVE_BATCH @param to out @return number of pairs
     int ( *find_near_edges )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
-    /// The same of points that ask triangles.
+    /// Find pairs of points and triangles in the same way.
     int ( *find_near_points )( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to );
     // points, begin a multiple of 8
-    /// m, out; up to a thousand are added as floats. What is longer than 1e6 m along an axis, or no number, adds nothing along
-    /// it. @return whether a point has no inverse mass
+    /// Sum displacements; up to a thousand are added as floats. A component longer than 1e6 m, or NaN, adds nothing.
+    /// @param sum [3] m, out @return whether a point has inverse mass 0
     bool ( *sum_displacements )( const wisp_displacement_args* args, int begin, int end, double sum[3] );
-    /// From before to now. What is longer than 1e6 m, or no number, adds nothing to the fourth.
+    /// Compute displacements and their uncertainty, to which a displacement longer than 1e6 m, or NaN, adds nothing.
     void ( *measure_displacements )( const wisp_displacement_args* args, int begin, int end );
-    /// Does a point go farther from where its way leads than the fourth of it? What is no number does not.
+    /// @return whether a point is farther from its predicted position than the uncertainty; NaN is not
     bool ( *exceeds_prediction )( const wisp_displacement_args* args, int begin, int end );
     // pairs [begin, end), multiples of 8
     void ( *max_approach )( const wisp_approach_args* args, int begin, int end );
-    /// Pairs [begin, end), where only begin is a multiple of 8. What is no number is due. @return how many are
+    /// Find pairs of [begin, end) that may meet; only begin is a multiple of 8. NaN counts as active. @return their number
     int ( *find_active_pairs )( const wisp_separation_args* args, int begin, int end );
-    /// @return m, how far apart the sets are by the best of the directions, -1 at least; less than 0 if none parts them. Points
-    ///         that are no number are nowhere
+    /// @return m, the distance of the sets along the best of the axes, at least -1; below 0 if no axis separates them. Points
+    ///         that are NaN are ignored
     float ( *separation )( const wisp_separating_axis_args* args );
-    /// Find the minimum and maximum of each component of some rows, minus those of other rows if there are any. What is no number
-    /// counts for nothing. @param point4 [count] points times 4, count a multiple of 8
+    /// Find the minimum and maximum of each component of some rows, minus those of other rows if there are any. NaN is
+    /// ignored. @param point_x4 [count] points times 4, count a multiple of 8
     void ( *xyzw_range )( const float* xyzw, const float* less, const int32_t* point_x4, int count, float lower[4],
                           float upper[4] );
     // groups of eight particles
@@ -636,14 +636,15 @@ typedef struct wisp_kernels
     void ( *predict )( const wisp_particle_args* args, int begin, int end );    ///< previous = p, p += dt v
     void ( *velocity )( const wisp_particle_args* args, int begin, int end );   ///< v += (p - (previous + dt v)) / dt
     void ( *rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums ); ///< sums: out
-    void ( *rigid_approach )( const wisp_rigid_args* args, int begin, int end ); ///< v += share (drift + w x r - v)
-    /// Take those that move and are finite: inverse mass above 0, places then and now within 1e9 m. @return how many
+    void ( *rigid_approach )( const wisp_rigid_args* args, int begin,
+                              int end ); ///< v += fraction (linear + angular x r - v)
+    /// Gather particles that move and are finite: inverse mass above 0, both positions within 1e9 m. @return their number
     int ( *gather_particles )( const wisp_gather_args* args, int begin, int end );
-    /// Where a body sees them. @param count that were taken @return how many may be within reach
+    /// Transform gathered particles to the frame of a body. @return number of candidates
     int ( *cull_particles )( const wisp_cull_args* sight, int count );
-    /// @param strays [end - begin] out: slots that are farther from a place than its fourth @return how many
+    /// @param strays [end - begin] out: slots farther from `place` than its fourth component @return their number
     int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays );
-    /// @return the first slot with a number that is beyond the bound or is none; `end` if there is no such slot
+    /// @return the first slot with a component that is NaN or beyond the bound; `end` if there is none
     int ( *find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
     // groups of sixteen strands
     void ( *strand_predict )( const wisp_strand_motion_args* args, int begin, int end );
@@ -654,12 +655,12 @@ typedef struct wisp_kernels
     int ( *strand_find_out_of_bounds )( const wisp_strand_bound_args* args, int begin, int end );
     void ( *strand_damp )( const wisp_strand_damp_args* args, int begin, int end );
     void ( *strand_air )( const wisp_strand_air_args* args, int begin, int end );
-    /// @return how many strands were laid out from the root
+    /// @return number of strands that were reset to rest lengths from the root
     int ( *strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end );
     void ( *strand_link )( const wisp_strand_link_args* args, int begin, int end );
     void ( *strand_follow )( const wisp_strand_follow_args* args, int begin, int end );
     void ( *strand_rod )( const wisp_strand_rod_args* args, int begin, int end );
-    /// What comes before the bodies of an iteration: depths from what was left, sums at 0, and the group's reach.
+    /// Begin an iteration, before its bodies: depths, sums of 0, and the bounds of the group.
     void ( *strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                     wisp_strand_bounds* reach );
     void ( *strand_contact )( const wisp_strand_contact_args* args, int begin, int end );
@@ -673,7 +674,7 @@ typedef struct wisp_kernels
     double ( *spring_product )( const wisp_conjugate_args* args, int begin, int end ); ///< q = A c; @return c . q
     /// r -= step q, s = S P S r; @return r . s
     double ( *conjugate_advance )( const wisp_conjugate_args* args, float step, int begin, int end );
-    /// dv += step c, c = s + share c: what an advance by the step leaves to be done
+    /// dv += step c, c = s + fraction c: the rest of a conjugate gradient iteration
     void ( *conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end );
     // slices of eight children
     void ( *prolong )( const wisp_prolong_args* args, int begin, int end );

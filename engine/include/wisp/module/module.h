@@ -1,4 +1,4 @@
-/// What a module may know: it declares what it stores, reads and writes, and never asks who else is there.
+/// For modules: a module declares what it stores, reads and writes, and never depends on other modules.
 #pragma once
 
 #include "wisp/fabric.h"
@@ -96,20 +96,21 @@ typedef struct wisp_pass
     wisp_domain domain;
     wisp_component required[WISP_MAX_USES]; ///< zero-terminated: the entity must have all, or the pass does not exist
     wisp_component
-        excluded[WISP_MAX_USES];          ///< zero-terminated: the entity must have none, or the pass does not exist
-    wisp_component reads[WISP_MAX_USES];  ///< zero-terminated: the entity has it or another pass writes it
-    wisp_component writes[WISP_MAX_USES]; ///< zero-terminated: somebody must want one, or the pass does not exist
+        excluded[WISP_MAX_USES];         ///< zero-terminated: the entity must have none, or the pass does not exist
+    wisp_component reads[WISP_MAX_USES]; ///< zero-terminated: the entity has it or another pass writes it
+    wisp_component writes
+        [WISP_MAX_USES]; ///< zero-terminated: one must be requested or read by another pass, or the pass does not exist
     /// Zero-terminated: components of other entities that the pass reads and writes. They put it in its place among the
     /// passes of those entities, and neither make passes exist nor supply anything.
     wisp_component foreign[WISP_MAX_USES];
     wisp_pass_fn* run;
     /// 0, or: run only if this component's rows were written since the pass last ran on the entity.
     wisp_component on_change;
-    /// Null, or: has this entity anything to do in this step? Asked on the calling thread when all
-    /// passes before it have run.
+    /// Null, or returns whether the pass has to run on the entity in this step. Called on the calling thread when all passes
+    /// before it have run.
     bool ( *should_run )( wisp_frame* frame, wisp_entity entity, void* user );
     void* user;
-    int grain; ///< items a block, 0 for the domain's default
+    int grain; ///< items per block, 0: default of the domain
 } wisp_pass;
 
 WISP_API wisp_status wisp_declare_pass( wisp_registry* registry, const wisp_pass* pass );
@@ -125,13 +126,13 @@ typedef struct wisp_fusion
 {
     const char* name;                    ///< "module.noun"; a static string
     const char* required[WISP_MAX_USES]; ///< names of passes, null-terminated: the entity must have all
-    const char* allowed[WISP_MAX_USES];  ///< likewise: it may have them; with any other pass they run apart
+    const char* allowed[WISP_MAX_USES];  ///< the same: it may have them; with any other pass the passes are not fused
     wisp_fused_fn* run;
     void* user;
 } wisp_fusion;
 
-/// Declare passes, declared before, that can run together. It is done in steps of one iteration a substep; one substep of some
-/// blocks runs pass by pass all the same, to tell their times.
+/// Declare passes, declared before, that can run together. They are fused in steps of one iteration per substep; one substep of
+/// some blocks runs pass by pass, to measure their times.
 WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fusion* join );
 
 /// Memory of a module in one world, zeroed, alive as long as the world. Call once in declare().
@@ -189,10 +190,10 @@ WISP_API wisp_span wisp_frame_particles( wisp_frame* frame, const wisp_span* spa
 WISP_API float wisp_frame_dt( const wisp_frame* frame );
 /// Substeps of this step, and iterations of a substep. Which one runs is in the span.
 WISP_API int wisp_frame_substeps( const wisp_frame* frame );
-/// Fraction of the way from where a kinematic object was left to its target that is done after some substeps of this step. It
-/// ends below 1 if the step is no whole number of substeps; the next step begins there.
+/// Fraction of the path of a kinematic object, from where the last step left it to its target, after some substeps. It ends
+/// below 1 if the step is no whole number of substeps; the next step begins there.
 WISP_API float wisp_frame_progress( const wisp_frame* frame, int substeps );
-/// Fraction of the rest of that way that a substep goes; 1 in the last one of an even step.
+/// Fraction of the rest of that path that a substep covers; 1 in the last one of an even step.
 WISP_API float wisp_frame_progress_left( const wisp_frame* frame, int substep );
 /// @return where the step before left what moved from one pose to another
 WISP_API wisp_transform wisp_frame_reached( const wisp_frame* frame, wisp_transform from, wisp_transform to );

@@ -14,8 +14,8 @@ typedef struct wisp_rigid_args
     wisp_vec3 origin;           ///< m
     wisp_vec3 linear_velocity;  ///< m/s, of the origin
     float inverse_mass;         ///< 1/kg, above 0, of the particle whose mass is the unit of the sums, m1
-    wisp_vec3 angular_velocity; ///< rad/s; sums do not look at it
-    float fraction;             ///< of what a velocity differs from the rigid motion, that is taken from it; likewise
+    wisp_vec3 angular_velocity; ///< rad/s; sums ignore it
+    float fraction;             ///< of its difference from the rigid motion that a velocity loses; sums ignore it
 } wisp_rigid_args;
 
 /// With r from the origin and u less its drift. The terms of a few hundred particles are added as floats.

@@ -21,11 +21,11 @@ typedef struct wisp_samples_args
     float spacing;                 ///< m, > 0, finite
     wisp_spacing policy;
     wisp_rounding rounding;
-    /// Counts stay while lengths are within so many spacings of where they would change; 0: exact comparison (X5). A
-    /// triangle decides as a whole: its counts are made anew together when its axis changes or one of them must go.
+    /// Counts stay while lengths are within this many spacings of where they would change; 0: exact comparison. All counts of a
+    /// triangle are computed again when its axis or one of them changes.
     float hysteresis;
     bool scanline; ///< normals of inner points between those of their line's ends, instead of by the three weights
-    int limit;     ///< at most so many points, >= 0; beyond it nothing is sampled anew and `refused` says so
+    int limit;     ///< most points, >= 0; beyond it the old points stay, and `refused` is set
 
     // State kept from call to call, owned by the caller: zero at the first call. It may be put back to that of an
     // earlier call at any time; points are those that belong to it. Lengths are over the spacing.
@@ -38,8 +38,8 @@ typedef struct wisp_samples_args
 
 /// Count, scan, fill, place (boundary particle paper, sections 2 to 5). Lengths are measured in double precision. Lines of a triangle
 /// run from the first corner of its axis to the second; the lowest of equally short sides is the axis.
-/// @param args the edges and triangles of the call before, as long as their numbers are the same: release first where others
-///        take their place. A change of anything else is met by sampling anew
+/// @param args edges and triangles must be those of the call before if their counts are the same: release before others take their
+///        place. After a change of anything else all is sampled again
 /// @return WISP_NO_MEMORY: points are those of the last call
 WISP_API wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel,
                                           const wisp_kernels* kernels, const wisp_samples_args* args );

@@ -1,4 +1,4 @@
-/// Who is near whom: a uniform grid by counting sort, and neighbour lists in a fixed order.
+/// Neighbour search: a uniform grid by counting sort, and neighbour lists in a fixed order.
 #pragma once
 
 #include "wisp/jobs.h"
@@ -14,14 +14,14 @@ typedef struct wisp_grid
     int count;
     float origin[3];
     float cell;                ///< m, edge along axis[1] and axis[2]
-    int subdivisions;          ///< edges along axis[0] are so many times shorter
+    int subdivisions;          ///< cells along axis[0] are shorter by this factor
     float inverse_cell[3];     ///< 1/m, along x, y, z
     int dims[3];               ///< cells along x, y, z
     int axis[3];               ///< 0, 1, 2 for x, y, z: fastest first. Cell (cx, cy, cz) = c is number
                                ///< (c[axis[2]] dims[axis[1]] + c[axis[1]]) dims[axis[0]] + c[axis[0]]
     float rounding_margin;     ///< m, how far rounding can carry a coordinate across a cell's border
     bool planar;               ///< every z is the same
-    bool is_widened;           ///< cells were widened: the items are too far spread for cells of the wanted size
+    bool is_widened;           ///< cells were widened, because the items are too sparse for the given size
     const int32_t* cell_begin; ///< [dims product + 1] first slot
     const int32_t* item;       ///< [slot] item number, padded by 16
     const float *x, *y, *z;    ///< [slot] m, padded by 16
@@ -31,8 +31,8 @@ typedef struct wisp_grid
 
 /// Sort items into cells.
 /// @param xyzw [count][4] x, y, z in m, finite; owner as int bits
-/// @param cell m, > 0: the wanted edge; wider if the grid would need more than 4 cells an item
-/// @param fine > 0: cut cells along the fastest axis into so many, fewer if that makes more than 4 cells an item. Runs of
+/// @param cell m, > 0: edge of a cell; wider if the grid would need more than 4 cells per item
+/// @param fine > 0: cut cells along the fastest axis into this many, fewer if that makes more than 4 cells per item. Runs of
 ///             cells then fit a radius better; 1: cubes
 /// @return WISP_NO_MEMORY
 WISP_API wisp_status wisp_grid_build( wisp_grid* grid, const wisp_parallel* parallel, const float* xyzw, int count,
@@ -52,14 +52,14 @@ typedef struct wisp_neighbours
     wisp_buffer buffers[2];
 } wisp_neighbours;
 
-/// What to look for.
+/// Points whose neighbours are searched, and the radii.
 typedef struct wisp_neighbour_query
 {
     const float* xyzw; ///< [query_count][4] x, y, z, owner as int bits
     int query_count;
     float near_radius;     ///< m
     float skin_radius;     ///< m, above the near radius, or 0 for no shell
-    int limit;             ///< at most so many near ones a query, and so many in the shell, the first in slot order
+    int limit;             ///< most near neighbours per query, and most in the shell: the first in slot order
     const int32_t* rename; ///< [slot] number to report for a slot; null: the slot
 } wisp_neighbour_query;
 
@@ -70,7 +70,7 @@ WISP_API wisp_status wisp_neighbours_build( wisp_neighbours* neighbours, const w
                                             const wisp_neighbour_query* query );
 WISP_API void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator );
 
-/// Make room; what the buffer held is not promised to stay. @return false without memory: the buffer is as it was
+/// Make room; the contents may be lost. @return false without memory: the buffer is as it was
 WISP_API bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes );
 WISP_API void wisp_buffer_release( wisp_buffer* buffer, const wisp_allocator* allocator );
 
