@@ -1,5 +1,6 @@
 #include "run_summary.h"
 
+#include "run_motion.h"
 #include "stats.h"
 
 #include <stdarg.h>
@@ -266,7 +267,9 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     add_head( out, world, record, times, recorder, counts );
     if ( record->steps > 0 )
     {
+        run_motion_add_table( world, out );
         add_pass_table( out, record );
+        run_motion_add_warnings( world, out );
     }
     add_counter_table( out, world->world );
     add_command_note( out, world );

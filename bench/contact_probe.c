@@ -53,6 +53,7 @@ wisp_status contact_probe_open( int workers, contact_probe* out, wisp_error* err
     static const wisp_module* const modules[] = { &probe_module };
     *out = ( contact_probe ){ .world = NULL };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = workers;

@@ -82,6 +82,7 @@ static wisp_status draw_strand( const figures_case* page, figures_hair_album* al
 
     const wisp_module* modules[] = { &wisp_strands_module, &wisp_guide_hair_module };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = 1;

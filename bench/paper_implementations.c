@@ -59,6 +59,7 @@ wisp_status paper_world_create( const paper_scene* scene, int workers, paper_wor
     static const wisp_module* const modules[] = { &wisp_frozen_hair_module };
     *out = ( paper_world ){ .scene = scene };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = workers;

@@ -106,6 +106,7 @@ wisp_status triangle_enter( const triangle_scene* scene, const triangle_setting*
     out->generator.gravity = setting->gravity;
     out->generator.seconds = setting->seconds;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.log = bench_world_drop_log;

@@ -241,6 +241,20 @@ static wisp_status check_version( scene_reader* r, const scene_node* root )
     return WISP_OK;
 }
 
+// Without the key `compute` a scene would simulate nothing, since passes without a request do not exist.
+static void request_by_default( wisp_scene* scene )
+{
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        wisp_scene_strands* strands = scene->strands + i;
+        strands->request_points |= strands->has_compute == false && strands->is_shown;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        scene->surfaces[i].request_points |= scene->surfaces[i].has_compute == false;
+    }
+}
+
 static wisp_status read_root( const scene_source* source, const scene_tree* tree, wisp_scene* scene )
 {
     scene_reader r = { .source = source, .tree = tree, .scene = scene };
@@ -260,6 +274,7 @@ static wisp_status read_root( const scene_source* source, const scene_tree* tree
     }
     wisp_status status = check_version( &r, root );
     status = status ? status : scene_read_block( &r, root, &SCENE_BLOCK_OF_ALL, scene );
+    request_by_default( scene );
     return status ? status : scene_bind_roots( &r, root );
 }
 
@@ -268,7 +283,7 @@ wisp_scene scene_defaults( void )
     return ( wisp_scene ){
         .dt = 1.0f / 60.0f,
         .steps = 1,
-        .substeps = 1,
+        .substeps = 10,
         .iterations = 1,
         .gravity = { 0.0f, -9.8f, 0.0f },
         .contact = wisp_default_contact_settings(),

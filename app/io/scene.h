@@ -100,6 +100,7 @@ extern "C"
         int targets;            ///< index into the scene's strands, of those that ghosts follow; -1: none
 
         bool request_points, request_width, request_colour; ///< points also if an output writes them
+        bool has_compute; ///< it is written; else points are requested of strands that are shown
         bool request_strain, request_speed, request_motion_stats;
         bool request_contacts; ///< figures of the collision
         bool is_shown;         ///< in pictures: as written, else unless ghosts follow them or curves run through them
@@ -180,6 +181,7 @@ extern "C"
         wisp_boundary_def boundary;
 
         bool request_points; ///< also if an output writes them
+        bool has_compute;    ///< it is written; else points are requested
         bool request_normals, request_strain, request_speed, request_motion_stats;
         bool request_stats;    ///< of the balloon, or of the implicit cloth
         bool request_contacts; ///< figures of the collision

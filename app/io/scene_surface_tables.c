@@ -312,9 +312,10 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Contact with other participants and with itself; not with `implicit`." },
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
       .help = "Layer of points on the surface, to draw and export; it does not change the motion." },
-    { "compute", SCENE_CUSTOM, .read = scene_read_surface_request, .choices = SCENE_SURFACE_WORDS,
+    { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
+      .choices = SCENE_SURFACE_WORDS,
       .help = "What is computed for output and statistics.", .form = "list of words",
-      .initial = "none; `points` if an output writes the surface" },
+      .initial = "`points`; `[]`: none" },
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );

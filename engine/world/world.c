@@ -9,7 +9,7 @@ static const uint32_t WORLD_DEF_COOKIE = 0x57495350;
 
 wisp_world_def wisp_default_world_def( void )
 {
-    return ( wisp_world_def ){ .substeps = 1, .iterations = 1, .cookie = WORLD_DEF_COOKIE };
+    return ( wisp_world_def ){ .substeps = 10, .iterations = 1, .cookie = WORLD_DEF_COOKIE };
 }
 
 static void* counted_allocate( void* user, size_t size, size_t alignment )

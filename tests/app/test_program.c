@@ -379,13 +379,39 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
     assert_non_null( strstr( result.out, "a vertex" ) );
 }
 
+static void stretched_cloth_is_reported_and_statistics_are_printed( void** state )
+{
+    (void)state;
+    static const char cloth[] = "surfaces:\n"
+                                "  - name: flag\n"
+                                "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }\n"
+                                "    pins: [0, 32]\n"
+                                "    cloth: {}\n";
+    char text[600];
+    snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\nsubsteps: 1\n%s", cloth );
+    write_file( "soft.yaml", text );
+    run( "run soft.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_non_null( strstr( result.out, "links.xpbd" ) ); // without the key compute a surface is simulated
+    assert_non_null( strstr( result.out, "flag is stretched by " ) );
+    assert_null( strstr( result.out, "Motion at the end" ) );
+    snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\n%s    compute: [ points, motion_stats ]\n", cloth );
+    write_file( "good_cloth.yaml", text );
+    run( "run good_cloth.yaml" );
+    assert_int_equal( result.status, 0 );
+    assert_null( strstr( result.out, "is stretched" ) );
+    assert_non_null( strstr( result.out, "Motion at the end" ) );
+    assert_non_null( strstr( result.out, "kinetic J" ) );
+}
+
 static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
     (void)state;
     write_file( "empty.yaml", "wisp: 1\n"
                               "strands:\n"
                               "  - name: hair\n"
-                              "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n" );
+                              "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
+                              "    compute: []\n" );
     run( "plan empty.yaml" );
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, ": 0 passes" ) );
@@ -542,6 +568,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( the_summary_goes_to_a_file_when_queried ),
         cmocka_unit_test( info_prints_the_keys_of_a_block ),
         cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
+        cmocka_unit_test( stretched_cloth_is_reported_and_statistics_are_printed ),
         cmocka_unit_test( a_scene_without_requests_has_a_plan_without_passes ),
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
         cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),

@@ -46,14 +46,14 @@ static void a_scene_of_one_key_has_the_defaults( void** state )
     assert_string_equal( scene.name, "scenes/test.yaml" );
     assert_true( scene.dt == 1.0f / 60.0f );
     assert_int_equal( scene.steps, 1 );
-    assert_int_equal( scene.substeps, 1 );
+    assert_int_equal( scene.substeps, 10 );
     assert_int_equal( scene.iterations, 1 );
     assert_int_equal( scene.workers, 0 );
     assert_int_equal( scene.strands_count + scene.command_count + scene.output_count, 0 );
     wisp_scene_release( &scene );
 }
 
-static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing( void** state )
+static void strands_without_blocks_have_the_defaults_and_compute_points( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
@@ -67,7 +67,8 @@ static void strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothin
     assert_int_equal( s->generator.vertices_per_strand, generator.vertices_per_strand );
     assert_false( s->has_frozen_hair || s->has_environment || s->has_appearance );
     assert_false( s->frozen_hair.freeze || s->frozen_hair.align || s->frozen_hair.clump );
-    assert_false( s->request_points || s->request_width || s->request_colour );
+    assert_true( s->request_points );
+    assert_false( s->request_width || s->request_colour );
     assert_true( s->frozen_hair.clump_radius == wisp_default_frozen_hair_def().clump_radius );
     assert_int_equal( s->frozen_hair.cookie, wisp_default_frozen_hair_def().cookie );
     assert_true( s->environment.stiffness[1] == wisp_default_environment_def().stiffness[1] );
@@ -217,13 +218,17 @@ static void every_key_reaches_its_place( void** state )
     wisp_scene_release( &scene );
 }
 
-static void points_are_requested_where_an_output_writes_them( void** state )
+static void points_are_requested_unless_the_scene_says_what_to_compute( void** state )
 {
     (void)state;
-    wisp_scene scene = good( "wisp: 1\nstrands: [ { name: a, generate: {} }, { name: b, generate: {} } ]\n"
-                             "output: [ { strands: b, file: b.obj } ]\n" );
+    wisp_scene scene =
+        good( "wisp: 1\nstrands: [ { name: a, generate: {}, compute: [] }, { name: b, generate: {}, compute: [] }, "
+              "{ name: c, generate: {} }, { name: d, generate: {}, show: false } ]\n"
+              "output: [ { strands: b, file: b.obj } ]\n" );
     assert_false( scene.strands[0].request_points );
     assert_true( scene.strands[1].request_points );
+    assert_true( scene.strands[2].request_points );
+    assert_false( scene.strands[3].request_points );
     wisp_scene_release( &scene );
 }
 
@@ -546,11 +551,11 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_scene_of_one_key_has_the_defaults ),
-        cmocka_unit_test( strands_without_blocks_carry_the_modules_defaults_and_ask_for_nothing ),
+        cmocka_unit_test( strands_without_blocks_have_the_defaults_and_compute_points ),
         cmocka_unit_test( a_stage_is_queried_for_by_its_key_alone ),
         cmocka_unit_test( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
         cmocka_unit_test( every_key_reaches_its_place ),
-        cmocka_unit_test( points_are_requested_where_an_output_writes_them ),
+        cmocka_unit_test( points_are_requested_unless_the_scene_says_what_to_compute ),
         cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
         cmocka_unit_test( files_are_looked_for_beside_the_scene ),
         cmocka_unit_test( the_scenes_of_the_project_are_read ),

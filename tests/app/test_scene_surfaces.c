@@ -27,7 +27,7 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 
 // ---- what is left out ----
 
-static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( void** state )
+static void a_surface_without_blocks_has_the_defaults_and_computes_points( void** state )
 {
     (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane } }\n" );
@@ -45,8 +45,8 @@ static void a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing( 
     assert_true( s->strain_limit[0] == 0.0f && isinf( s->strain_limit[1] ) );
     assert_false( s->has_cloth || s->has_balloon || s->has_collision || s->has_pin_pivot || s->has_outlet_nearest );
     assert_int_equal( s->pin_count + s->pin_box_count + s->pin_nearest_count + s->pin_path.count, 0 );
-    assert_false( s->request_points || s->request_normals || s->request_strain || s->request_speed ||
-                  s->request_motion_stats );
+    assert_true( s->request_points );
+    assert_false( s->request_normals || s->request_strain || s->request_speed || s->request_motion_stats );
     assert_int_equal( s->cloth.cookie, wisp_default_cloth_def().cookie );
     assert_int_equal( s->balloon.cookie, wisp_default_balloon_def().cookie );
     assert_int_equal( s->collision.cookie, wisp_default_collision_def().cookie );
@@ -390,7 +390,7 @@ static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_surface_without_blocks_carries_the_defaults_and_asks_for_nothing ),
+        cmocka_unit_test( a_surface_without_blocks_has_the_defaults_and_computes_points ),
         cmocka_unit_test( a_surface_takes_the_gravity_of_the_scene_wherever_that_stands ),
         cmocka_unit_test( every_key_of_a_cloth_reaches_its_place ),
         cmocka_unit_test( every_key_of_a_balloon_reaches_its_place ),

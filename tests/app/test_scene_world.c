@@ -266,7 +266,7 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
 {
     (void)state;
     fixture f;
-    build( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsurfaces:\n"
+    build( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
                "    compute: [points]\n    pin_keyframes: [{ time: 10, translate: [5, 0, 0] }]\n"
                "events: [{ time: 0.1, surface: a, release: true, velocity: [0, 0, 1] }]\n" );
@@ -398,8 +398,8 @@ static void what_is_queried_for_is_there_after_a_step( void** state )
 {
     (void)state;
     fixture f;
-    build( &f,
-           "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n" );
+    build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 }, "
+               "compute: [] }\n" );
     float speeds[9] = { 1.0f };
     wisp_motion_stats motion_stats;
     assert_int_equal( scene_world_request( &f.world, 0, SCENE_REQUEST_SPEED, &f.error ), WISP_OK );

@@ -23,6 +23,7 @@ static const char implicit[] = "wisp: 1\n"
 
 static const char strands[] =
     "wisp: 1\n"
+    "substeps: 1\n"
     "strands:\n"
     "  - { name: still, generate: { strands: 2, vertices: 4 } }\n"
     "  - { name: chain, generate: { strands: 2, vertices: 4 }, dynamics: { stretch: links } }\n"
@@ -287,11 +288,11 @@ static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** sta
 {
     (void)state;
     static const char head[] =
-        "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 2\n    cloth: { level_passes: 1 }\n";
+        "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 2\n    cloth: { level_passes: 1 }\n";
     char with[400], text[2000], expected[400];
     snprintf( with, sizeof with, "%s    finest_level: 1\n", head );
     snprintf( expected, sizeof expected,
-              "wisp: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 0\n    cloth: { level_passes: 0 }\n" );
+              "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 0\n    cloth: { level_passes: 0 }\n" );
     write_choice( with, 2, 3, text, sizeof text );
     assert_string_equal( text, expected );
     write_choice( head, 2, 3, text, sizeof text );

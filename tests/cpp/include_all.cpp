@@ -47,6 +47,7 @@ static wisp_status declare( wisp_registry* registry )
 static bool can_step( const wisp_module* const* modules, int count )
 {
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = count;
     def.workers = 1;

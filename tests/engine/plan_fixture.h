@@ -159,6 +159,7 @@ static inline wisp_world* open_world( const fake_pass* passes, int count )
 {
     declare_fakes( passes, count );
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 1;
     return open_world_with( &def );
 }

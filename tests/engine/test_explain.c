@@ -275,6 +275,7 @@ static void an_absent_module_tells_the_component_that_it_lacks( void** state )
     static const wisp_module* const modules[] = { &fake_module, &other };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
@@ -384,6 +385,7 @@ static void without_memory_there_is_a_message_and_no_report( void** state )
     test_host host = { 0 };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 1;
     def.allocator = test_host_allocator( &host );
     wisp_world* world = open_world_with( &def );

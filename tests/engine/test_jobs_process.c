@@ -125,6 +125,7 @@ static void two_workers_are_two_threads( void** state )
 static uint64_t hash_after_a_step( int workers )
 {
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = workers;
     wisp_world* world = NULL;
     uint64_t hash = 0;
@@ -277,6 +278,7 @@ static int step_world_of_parent( void )
 static int fork_with_three_workers( void )
 {
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 1;
     for ( int pass = 0; pass < 2; ++pass, def.workers = 3 )
     {
@@ -331,6 +333,7 @@ static int step_without_threads( void )
         return 4;
     }
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 3;
     def.log = count_warnings;
     wisp_world* world = NULL;

@@ -74,6 +74,7 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
 {
     const wisp_module* modules[] = { &wisp_frozen_hair_module };
     wisp_world_def world_def = wisp_default_world_def();
+    world_def.substeps = 1;
     world_def.modules = modules;
     world_def.module_count = 1;
     world_def.workers = 2;

@@ -230,6 +230,7 @@ static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
         declare_fakes( PASSES, WISP_COUNT( PASSES ) );
         fake.join = BAD + i;
         wisp_world_def def = wisp_default_world_def();
+        def.substeps = 1;
         def.modules = MODULES;
         def.module_count = WISP_COUNT( MODULES );
         wisp_world* world = NULL;

@@ -139,6 +139,7 @@ static wisp_world* open_work( int workers, wisp_parallel_for_fn* host, void* hos
     memset( (void*)&work, 0, sizeof( work ) );
     memset( (void*)&fake, 0, sizeof( fake ) );
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = workers;
@@ -397,6 +398,7 @@ static wisp_world* open_spinning( int workers )
 {
     static const wisp_module* const modules[] = { &spinning_module };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.workers = workers;

@@ -273,6 +273,7 @@ static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
 static wisp_world* open_frozen_world( const wisp_module* const* modules, int count, wisp_entity* out )
 {
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = count;
     def.workers = 1;

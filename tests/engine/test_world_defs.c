@@ -23,6 +23,7 @@ static void a_world_of_impossible_workers_is_refused( void** state )
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = -1;
     assert_no_world( &def, "workers: got -1" );
     def.workers = WISP_MAX_WORKERS + 1;
@@ -45,6 +46,7 @@ static void half_an_allocator_is_refused( void** state )
     (void)state;
     test_host host = { 0 };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.allocator = test_host_allocator( &host );
     def.allocator.release = NULL;
     assert_no_world( &def, "allocator" );
@@ -57,6 +59,7 @@ static void modules_that_are_not_there_are_refused( void** state )
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.module_count = -1;
     assert_no_world( &def, "module_count: got -1" );
     def.module_count = 2;
@@ -67,6 +70,7 @@ static void an_unknown_instruction_set_is_refused( void** state )
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.isa = "sse9";
     assert_no_world( &def, "'sse9'" );
 }
@@ -78,6 +82,7 @@ static void a_known_instruction_set_is_a_cap( void** state )
     for ( int i = 0; i < WISP_COUNT( isas ); ++i )
     {
         wisp_world_def def = wisp_default_world_def();
+        def.substeps = 1;
         def.isa = isas[i];
         wisp_world* world = NULL;
         assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
@@ -95,6 +100,7 @@ static void a_default_world_has_a_worker_and_an_instruction_set( void** state )
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     wisp_world* world = NULL;
     assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
     assert_in_range( wisp_world_workers( world ), 1, WISP_MAX_WORKERS );
@@ -118,6 +124,7 @@ static void a_definition_that_was_not_filled_by_default_is_wrong_code( void** st
 {
     (void)state;
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.cookie = 0;
     wisp_world* world = NULL;
     asserts = 0;
@@ -219,6 +226,7 @@ static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
         const wisp_module* modules[] = { &value, &wrong[i].module };
         test_host host = { 0 };
         wisp_world_def def = wisp_default_world_def();
+        def.substeps = 1;
         def.allocator = test_host_allocator( &host );
         def.modules = modules;
         def.module_count = 2;

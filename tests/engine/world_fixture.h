@@ -23,6 +23,7 @@ static inline wisp_world_def hosted_def( hosted* h )
     static const wisp_module* const MODULES[] = { &wisp_environment_module, &wisp_cloth_module,
                                                   &wisp_frozen_hair_module, &wisp_strand_appearance_module };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = MODULES;
     def.module_count = WISP_COUNT( MODULES );
     def.allocator = test_host_allocator( &h->host );

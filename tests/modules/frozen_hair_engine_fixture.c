@@ -128,6 +128,7 @@ wisp_world* hair_world_create( const hair_host* host )
     static const wisp_module* const modules[] = { &wisp_environment_module, &wisp_frozen_hair_module,
                                                   &wisp_strand_appearance_module };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.log = forget;

@@ -69,6 +69,7 @@ static inline wisp_world* guide_world( const guide_host* host )
     static const wisp_module* const modules[] = { &wisp_frozen_hair_module, &wisp_guide_hair_module,
                                                   &guide_mover_module };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.modules = modules;
     def.module_count = WISP_COUNT( modules );
     def.log = guide_forget;

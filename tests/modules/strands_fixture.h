@@ -19,6 +19,7 @@ static inline void prepare_strands( strand_world* s, const wisp_module* const* m
 {
     *s = ( strand_world ){ 0 };
     s->def = wisp_default_world_def();
+    s->def.substeps = 1;
     s->def.modules = modules;
     s->def.module_count = module_count;
     s->def.allocator = test_host_allocator( &s->host );

@@ -263,6 +263,7 @@ static void a_world_without_the_module_says_so( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     test_log log = { 0 };
     wisp_world_def def = wisp_default_world_def();
+    def.substeps = 1;
     def.workers = 1;
     def.log = test_log_listen;
     def.log_user = &log;

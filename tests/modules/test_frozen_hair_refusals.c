@@ -170,6 +170,7 @@ static void commands_to_nobody_are_refused( void** state )
 
     // a world that does not know the module
     wisp_world_def world_def = wisp_default_world_def();
+    world_def.substeps = 1;
     static const wisp_module* const other[] = { &wisp_environment_module };
     world_def.modules = other;
     world_def.module_count = 1;

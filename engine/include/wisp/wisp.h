@@ -49,7 +49,7 @@ typedef struct wisp_world_def
     const char*
         isa; ///< "baseline", "avx2" or "avx512" limits the instruction set; default null: the environment variable
              ///< WISP_ISA, else the best that the processor supports
-    int substeps;    ///< per step of usual length, >= 1, default 1; see wisp_world_step()
+    int substeps;    ///< per step of usual length, >= 1, default 10; see wisp_world_step()
     int iterations;  ///< per substep, >= 1, default 1
     uint32_t cookie; ///< set by wisp_default_world_def(), asserted on use
 } wisp_world_def;
