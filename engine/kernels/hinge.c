@@ -4,6 +4,9 @@
 
 // Squared gradients below this fraction of the largest are ignored.
 #define MIN_LEVER 1e-6f
+// A projection turns a hinge by at most this, in rad. Its vertices move along tangents, so a turn of a quarter lengthens the
+// triangles by 3 %, and half a turn threefold: tiny stiff meshes would gain energy without bound.
+#define MAX_TURN 0.25f
 
 enum
 {
@@ -43,8 +46,9 @@ LANE_INLINE void move_corners( const wisp_hinge_args* args, int hinge, const cor
 }
 
 // Change of lambda for a constraint C with sum of w |gradient|^2: -k C / sum in pbd, -(C + a lambda) / (sum + a) in xpbd.
-// Nothing where the hinge is not usable.
-LANE_INLINE lane8 change_of_lambda( const wisp_hinge_args* args, int hinge, lane8 error, lane8 sum, lane8m usable )
+// Never more than `largest`; nothing where the hinge is not usable.
+LANE_INLINE lane8 change_of_lambda( const wisp_hinge_args* args, int hinge, lane8 error, lane8 sum, lane8 largest,
+                                    lane8m usable )
 {
     usable = lane8m_and( usable, lane8_ge( sum, lane8_set1( FLT_MIN ) ) );
     if ( args->stiffness != NULL )
@@ -58,6 +62,7 @@ LANE_INLINE lane8 change_of_lambda( const wisp_hinge_args* args, int hinge, lane
         error = args->lambda != NULL ? lane8_mul_add( alpha, lane8_loadu( args->lambda + hinge ), error ) : error;
     }
     lane8 change = lane8_neg( lane8_div( error, lane8_select( usable, sum, lane8_set1( 1.0f ) ) ) );
+    change = lane8_max( lane8_min( change, largest ), lane8_neg( largest ) );
     change = lane8_select( usable, change, lane8_zero() );
     if ( args->stiffness == NULL && args->lambda != NULL )
     {
@@ -150,7 +155,8 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
         lane8 steep = lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
         lane8 weights = lane8_add( lane8_add( c.weight[0], c.weight[1] ), lane8_add( c.weight[2], c.weight[3] ) );
         lane8m levered = lane8_ge( sum, lane8_mul( lane8_set1( MIN_LEVER ), lane8_mul( weights, steep ) ) );
-        lane8 step = change_of_lambda( args, hinge, error, sum, lane8m_and( f.usable, levered ) );
+        lane8 largest = lane8_div( lane8_set1( MAX_TURN ), lane8_select( levered, sum, one ) );
+        lane8 step = change_of_lambda( args, hinge, error, sum, largest, lane8m_and( f.usable, levered ) );
         move_corners( args, hinge, &c, gradient, step );
     }
 }
@@ -184,7 +190,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end 
             gradient[k] = lane8v_scale( direction, cotangent[k] );
         }
         lane8 sum = weighted_square( &c, gradient );
-        lane8 step = change_of_lambda( args, hinge, lane8_mul( root, length ), sum, bent );
+        lane8 step = change_of_lambda( args, hinge, lane8_mul( root, length ), sum, lane8_set1( INFINITY ), bent );
         move_corners( args, hinge, &c, gradient, step );
     }
 }

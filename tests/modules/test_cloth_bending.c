@@ -231,9 +231,58 @@ static void bending_that_is_chosen_brings_its_pass_and_no_other( void** state )
     test_mesh_free( &mesh );
 }
 
+// A closed rough ball, or a blade of two close sheets, hangs from a vertex for two seconds. @return the mean strain
+static double strain_of_solid( float size, float flatness, wisp_cloth_bending bending )
+{
+    hosted h;
+    open_world( &h, 10, 1 );
+    test_mesh mesh = test_ball( 3 );
+    for ( int v = 0; v < mesh.vertex_count; ++v )
+    {
+        const wisp_vec3 p = mesh.points[v];
+        const float radius = size * test_random_float( v, 0, 0.6f, 1.4f );
+        mesh.points[v] = ( wisp_vec3 ){ radius * p.x, radius * flatness * p.y, radius * p.z };
+    }
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    fabric.hinges = true;
+    wisp_surface_def surface = wisp_default_surface_def();
+    const int32_t pin = 0;
+    surface.pins = &pin;
+    surface.pin_count = 1;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.bending = bending;
+    const wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
+    run_steps( h.world, 120, 1.0f / 60.0f );
+    const double strain = motion_stats_of( h.world, e ).strain_mean;
+    assert_false( wisp_is_halted( h.world, e ) );
+    test_mesh_free( &mesh );
+    close_world( &h );
+    return strain;
+}
+
+// Gravity moves a vertex by 27 um in a substep, so a mesh of a millimetre is strained a lot whatever its bending; bending must
+// not add to it.
+static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( void** state )
+{
+    (void)state;
+    const float sizes[] = { 0.1f, 0.03f, 0.01f, 1e-3f, 1e-4f }, flatness[] = { 1.0f, 2e-3f };
+    for ( int k = 0; k < WISP_COUNT( sizes ) * WISP_COUNT( flatness ); ++k )
+    {
+        const float size = sizes[k / 2], flat = flatness[k % 2];
+        const double bent = strain_of_solid( size, flat, WISP_CLOTH_BENDING_DIHEDRAL );
+        const double slack = strain_of_solid( size, flat, WISP_CLOTH_BENDING_NONE );
+        if ( !( bent < 2.0 * slack + 0.02 ) )
+        {
+            fail_msg( "size %g, flatness %g: strain %g, without bending %g", (double)size, (double)flat, bent,
+                      slack );
+        }
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( small_and_thin_solids_are_no_more_strained_with_dihedral_bending ),
         cmocka_unit_test( a_clamped_strip_bends_as_the_heavy_elastica ),
         cmocka_unit_test( rigidity_does_not_depend_on_the_mesh_or_its_resolution ),
         cmocka_unit_test( rigidity_is_in_units_so_size_does_not_matter ),

@@ -42,6 +42,7 @@ typedef struct constraint_oracle_term
     double value;                  ///< C
     double3 gradient[4];           ///< grad_i C; zero when there is a fault
     constraint_oracle_fault fault; ///< ZERO_LENGTH, ZERO_AREA or SOUND
+    double max_change;             ///< of C, to first order, in one projection; 0: any
 } constraint_oracle_term;
 
 // Constraints of two vertices.
