@@ -172,6 +172,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_STIFFNESS_CLAMPED] = "substeps with links too stiff for floats: stiffness was lowered",
         [WISP_COUNT_FIRST_ORDER] = "substeps too long for BDF2: implicit Euler was used",
         [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
+        [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )

@@ -290,6 +290,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "stiffness clamped",
         "first order substeps",
         "gravity scaled",
+        "sagging strands",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

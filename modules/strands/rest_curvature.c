@@ -9,8 +9,11 @@
 //
 // where W_s is g times the masses behind segment s, the tension alpha_s is chosen so that M_s has no part along the
 // middle tangent, and T_s follows from the balance of twist (rod_frames.c). Then k_s = t_s - t_{s-1} - L_s / EI M_s.
-// This is exact for these equations, so the shape stays. Whether the equilibrium is stable depends on the stiffness:
-// a strand too soft for its shape falls over.
+// This is exact for these equations, so the shape stays, if the equilibrium is stable. A strand whose rest shape would turn
+// by more than a quarter against its load has another equilibrium, and would whip between the two for ever (a horizontal
+// hair of 0.25 m: 4 to 12 m/s after 10 s). So the rest shape turns by a quarter at most, and a strand that is too soft for
+// its shape sags calmly. Horizontal hair of 80 um holds up to 0.105 m; the length grows with the cube root of EI / (g times
+// the line density).
 //
 // Where the stiffness was lowered (rod_factors.c), more curvature holds the shape, up to 30 % of the sharpest turn
 // next to the vertex. More makes another rod, which a small push throws about (60 %: 12 m/s at 8 substeps after a nod
@@ -27,6 +30,8 @@
 
 #include "rod_factors.h"
 #include "rod_frames.h"
+
+static const double MAX_TURN = 1.57; // rad, a quarter of a turn
 
 typedef struct vec
 {
@@ -248,14 +253,35 @@ static double fraction_of_weight( const curve_args* args, const strand_shape* sh
     return fraction;
 }
 
+// Return the fraction of a balance under `gravity` that is stable. The rest shape turns against the load by M_i / (EI / L_i) at
+// each vertex; a strand that turns farther in all has another equilibrium, and whips between the two.
+static double stable_fraction( const curve_args* args, const strand_shape* shape, wisp_vec3 gravity )
+{
+    balance now = { .mass = 0.0 };
+    vec sum = { 0.0, 0.0, 0.0 };
+    double turn = 0.0;
+    for ( int s = shape->count - 2; s >= 0; --s )
+    {
+        now = step( shape, s, gravity, now );
+        const double moment = sqrt( dot( now.moment, now.moment ) );
+        const compensation bend = bend_of( args, shape, s, &now );
+        sum = add( sum, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
+        turn = fmax( turn, sqrt( dot( sum, sum ) ) );
+    }
+    return turn > MAX_TURN ? MAX_TURN / turn : 1.0;
+}
+
 // Compute k_i (in the world) and the rest twist of each vertex. Frames are laid without twist, so the rest twist
-// alone gives T.
-static void curve_vertices( const curve_args* args, const strand_shape* shape, double fraction )
+// alone gives T. @return the fraction of the load that the rest shape holds
+static double curve_vertices( const curve_args* args, const strand_shape* shape, double fraction )
 {
     const bool balanced = args->settings->rest == WISP_STRAND_REST_SAG_FREE;
     const wisp_vec3 whole = args->settings->gravity;
-    const float part = (float)fraction;
-    const wisp_vec3 gravity = { part * whole.x, part * whole.y, part * whole.z };
+    const float felt = (float)fraction;
+    const wisp_vec3 load = { felt * whole.x, felt * whole.y, felt * whole.z };
+    const double stable = balanced ? stable_fraction( args, shape, load ) : 1.0;
+    const float held = (float)stable;
+    const wisp_vec3 gravity = { held * load.x, held * load.y, held * load.z };
     balance now = { .mass = 0.0 };
     for ( int s = shape->count - 2; s >= 0; --s )
     {
@@ -275,15 +301,16 @@ static void curve_vertices( const curve_args* args, const strand_shape* shape, d
         put_vertex( args, shape->row + s, shape->lane, ( wisp_vec3 ){ (float)k.x, (float)k.y, (float)k.z },
                     half_twist, twist_stiffness );
     }
+    return stable;
 }
 
-// @return the fraction of its weight that the strand feels
-static double curve_strand( const curve_args* args, int group, int row, int count, int lane )
+// @return the fraction of its weight that the strand feels @param is_soft out: it does not hold all of that
+static double curve_strand( const curve_args* args, int group, int row, int count, int lane, bool* is_soft )
 {
     const strand_shape shape = shape_of( args->rows, row, count, lane );
     const double fraction =
         args->settings->rest == WISP_STRAND_REST_SAG_FREE ? fraction_of_weight( args, &shape ) : 1.0;
-    curve_vertices( args, &shape, fraction );
+    *is_soft = curve_vertices( args, &shape, fraction ) < 1.0;
     wisp_quat before = strands_get_quat( args->clamp, group, lane );
     for ( int s = 0; s + 1 < count; ++s )
     {
@@ -321,20 +348,26 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
     };
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
     float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );
-    uint64_t lightened = 0;
+    uint64_t lightened = 0, soft = 0;
     for ( int g = span->begin; g < span->end; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
             const int count = rows.topology->lane_count[g * WISP_LANES + lane];
-            const double fraction = curve_strand( &args, g, rows.topology->group_row[g], count, lane );
+            bool is_soft;
+            const double fraction = curve_strand( &args, g, rows.topology->group_row[g], count, lane, &is_soft );
             fractions[g * WISP_LANES + lane] = (float)fraction;
             lightened += fraction < 1.0 ? 1 : 0;
+            soft += is_soft ? 1 : 0;
         }
         balanced[g] = wisp_frame_dt( frame );
     }
     if ( lightened > 0 )
     {
         wisp_frame_count( frame, WISP_COUNT_GRAVITY_SCALED, lightened );
+    }
+    if ( soft > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_SAGGING, soft );
     }
 }

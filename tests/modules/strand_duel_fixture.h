@@ -52,6 +52,7 @@ typedef struct match
     double3 gravity;         // of the oracle
     wisp_transform from, to; // of the head, in this step
     double3 rest[STRANDS][LONGEST];
+    double balanced[STRANDS]; // fraction of the weight that the rest shape holds
     double rest_tension[STRANDS][LONGEST];
     strand_oracle strand[STRANDS];
 } match;
@@ -225,7 +226,7 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
     }
     else
     {
-        strand_oracle_balance( strand, m->gravity );
+        m->balanced[n] = strand_oracle_balance_stably( strand, m->gravity, 1.57 );
     }
     memcpy( m->rest_tension[n], strand->tension, sizeof( m->rest_tension[n] ) );
 }

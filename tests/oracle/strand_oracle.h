@@ -160,6 +160,9 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
 /// themselves, so twist is left out of the balance; a vertex without stiffness gets the curvature that it has. A held
 /// vertex beyond the root carries what hangs behind it. A segment without length has tension 0.
 void strand_oracle_balance( strand_oracle* strand, double3 gravity );
+/// The same, of the fraction of gravity for which the rest shape turns against the load by at most max_turn (rad) between the
+/// tip and any vertex. @return the fraction
+double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn );
 /// The present shape without twist as the rest shape.
 void strand_oracle_rest_shape( strand_oracle* strand );
 /// Straight, without twist.

@@ -491,6 +491,8 @@ typedef struct hanging
     double3 moment;       // M_{s+1}
     double twist, load;   // T_{s+1}, b_{s+1}
     double3 twist_moment; // T_{s+1} kb_{s+1}
+    double3 turn;         // rad, sum of M / (EI / L) from the tip
+    double largest_turn;  // rad
 } hanging;
 
 // With u = bend x z, b_s = M_s . u. M_s = A - l alpha t_s - T_s kb_s / 2 and t_s . u = 0 make T_s a linear equation.
@@ -518,13 +520,16 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
     h->load = double3_dot( m, u );
 
     const bool bends = strand->stiffness[s] > 0.0;
+    h->turn = bends ? add_scaled( h->turn, 1.0 / strand->stiffness[s], m ) : h->turn;
+    h->largest_turn = fmax( h->largest_turn, double3_length( h->turn ) );
     const double3 k = bends ? add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;
     strand->rest[s] = into_middle( strand, s, k );
     strand->rest_twist[s] = twist != 0.0 ? -2.0 * atan( 0.5 * twist / strand->twist_stiffness[s] ) : 0.0;
     strand->tension[s] = alpha;
 }
 
-void strand_oracle_balance( strand_oracle* strand, double3 gravity )
+// @return rad, the farthest that the rest shape turns against the load between the tip and a vertex
+static double balance( strand_oracle* strand, double3 gravity )
 {
     hanging h = { .twist = 0.0 };
     lay_frames( strand );
@@ -535,4 +540,21 @@ void strand_oracle_balance( strand_oracle* strand, double3 gravity )
         balance_vertex( strand, s, &h );
     }
     strand->tension[strand->count - 1] = 0.0;
+    return h.largest_turn;
+}
+
+void strand_oracle_balance( strand_oracle* strand, double3 gravity )
+{
+    balance( strand, gravity );
+}
+
+double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn )
+{
+    const double turn = balance( strand, gravity );
+    const double fraction = turn > max_turn ? max_turn / turn : 1.0;
+    if ( fraction < 1.0 )
+    {
+        balance( strand, double3_scale( fraction, gravity ) );
+    }
+    return fraction;
 }

@@ -265,6 +265,7 @@ typedef enum wisp_counter
     WISP_COUNT_STIFFNESS_CLAMPED, ///< substeps whose links were too stiff for single precision and were softened
     WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 that were made by implicit Euler
     WISP_COUNT_GRAVITY_SCALED, ///< strands that feel part of gravity, because substeps are too long for their curls
+    WISP_COUNT_SAGGING,        ///< strands too soft to hold their shape under gravity, which sag
     WISP_COUNTER_COUNT,
 } wisp_counter;
 
