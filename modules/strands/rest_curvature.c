@@ -254,18 +254,18 @@ static double fraction_of_weight( const curve_args* args, const strand_shape* sh
 }
 
 // Return the fraction of a balance under `gravity` that is stable. The rest shape turns against the load by M_i / (EI / L_i) at
-// each vertex; a strand that turns farther in all has another equilibrium, and whips between the two.
+// each vertex, without what compensates for a lowered stiffness; a strand that turns farther in all has another equilibrium, and whips between the two.
 static double stable_fraction( const curve_args* args, const strand_shape* shape, wisp_vec3 gravity )
 {
+    const double rigidity = fmax( (double)args->settings->bend_rigidity, 1e-300 );
     balance now = { .mass = 0.0 };
     vec sum = { 0.0, 0.0, 0.0 };
     double turn = 0.0;
     for ( int s = shape->count - 2; s >= 0; --s )
     {
         now = step( shape, s, gravity, now );
-        const double moment = sqrt( dot( now.moment, now.moment ) );
-        const compensation bend = bend_of( args, shape, s, &now );
-        sum = add( sum, scale( now.moment, moment > 0.0 ? fmin( bend.needed, bend.most ) / moment : 0.0 ) );
+        const double reach = strands_bend_length( shape->rows, shape->row, s, shape->lane );
+        sum = add( sum, scale( now.moment, reach / rigidity ) );
         turn = fmax( turn, sqrt( dot( sum, sum ) ) );
     }
     return turn > MAX_TURN ? MAX_TURN / turn : 1.0;
