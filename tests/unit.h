@@ -17,3 +17,12 @@
 #ifndef WISP_SOURCE_ROOT
 #define WISP_SOURCE_ROOT "."
 #endif
+
+/// A text, which may be null, has these words in it.
+static inline void assert_contains( const char* text, const char* words )
+{
+    if ( text == NULL || strstr( text, words ) == NULL )
+    {
+        fail_msg( "expected \"%s\" in:\n%s", words, text == NULL ? "nothing at all" : text );
+    }
+}

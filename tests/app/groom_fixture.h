@@ -1,7 +1,7 @@
 /// Grooms and texts that the groom tests share.
 #pragma once
 
-#include "unit.h"
+#include "folder_fixture.h"
 
 #include "groom.h"
 
@@ -95,12 +95,4 @@ static inline char* fixture_info( const wisp_groom* groom, wisp_status expected 
     assert_int_equal( wisp_groom_info( stream, groom, "head.hair" ), expected );
     fclose( stream );
     return text;
-}
-
-static inline void assert_contains( const char* text, const char* words )
-{
-    if ( text == NULL || strstr( text, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in:\n%s", words, text == NULL ? "nothing at all" : text );
-    }
 }

@@ -60,14 +60,6 @@ static inline void assert_same_mesh( const wisp_mesh* a, const wisp_mesh* b )
     assert_memory_equal( a->triangles, b->triangles, (size_t)a->triangle_count * 3 * sizeof *a->triangles );
 }
 
-static inline void assert_contains( const char* text, const char* words )
-{
-    if ( strstr( text, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in:\n%s", words, text );
-    }
-}
-
 static inline void assert_finding( const wisp_mesh_finding* finding, int count, int first, int second )
 {
     assert_int_equal( finding->count, count );

@@ -1,86 +1,17 @@
 // Grooms on disk: which format a path means, what a failed write leaves behind, and what `wisp info` prints.
-#define _XOPEN_SOURCE 700
-
 #include "groom_fixture.h"
 
-#include <dirent.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <unistd.h>
-
-// ---- a folder of its own for every test ------------------------------------------------------------------------
-
-typedef struct folder
-{
-    char path[64];
-} folder;
-
-static int make_folder( void** state )
-{
-    folder* f = malloc( sizeof *f );
-    if ( f == NULL )
-    {
-        return -1;
-    }
-    strcpy( f->path, "test-groom-XXXXXX" );
-    *state = f;
-    return mkdtemp( f->path ) != NULL ? 0 : -1;
-}
-
-static char* path_in( void** state, const char* name )
-{
-    static char path[512];
-    snprintf( path, sizeof path, "%s/%s", ( (folder*)*state )->path, name );
-    return path;
-}
-
-static int count_files( void** state )
-{
-    DIR* walk = opendir( ( (folder*)*state )->path );
-    assert_non_null( walk );
-    int count = 0;
-    for ( struct dirent* entry = readdir( walk ); entry != NULL; entry = readdir( walk ) )
-    {
-        count += strcmp( entry->d_name, "." ) != 0 && strcmp( entry->d_name, ".." ) != 0;
-    }
-    closedir( walk );
-    return count;
-}
-
-static int remove_folder( void** state )
-{
-    DIR* walk = opendir( ( (folder*)*state )->path );
-    for ( struct dirent* entry = walk != NULL ? readdir( walk ) : NULL; entry != NULL; entry = readdir( walk ) )
-    {
-        remove( path_in( state, entry->d_name ) );
-    }
-    if ( walk != NULL )
-    {
-        closedir( walk );
-    }
-    int status = rmdir( ( (folder*)*state )->path );
-    free( *state );
-    return status;
-}
-
-static void put_file( const char* path, const void* bytes, size_t size )
-{
-    FILE* file = fopen( path, "wb" );
-    assert_non_null( file );
-    assert_int_equal( fwrite( bytes, 1, size, file ), size );
-    fclose( file );
-}
 
 static void assert_file_is( const char* path, const char* text )
 {
-    char found[64] = { 0 };
-    FILE* file = fopen( path, "rb" );
-    assert_non_null( file );
-    size_t length = fread( found, 1, sizeof found - 1, file );
-    fclose( file );
+    size_t length = 0;
+    char* found = (char*)get_file( path, &length );
     assert_int_equal( length, strlen( text ) );
     assert_string_equal( found, text );
+    free( found );
 }
 
 // ---- reading and writing files ---------------------------------------------------------------------------------
@@ -325,8 +256,6 @@ static void info_of_a_malformed_groom_is_one_message( void** state )
     assert_string_equal( text, "head.hair: strand 0 runs from vertex 0 to 9 of 2\n" );
     free( text );
 }
-
-#define TEST_IN_FOLDER( name ) cmocka_unit_test_setup_teardown( name, make_folder, remove_folder )
 
 int main( void )
 {

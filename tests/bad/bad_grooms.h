@@ -1,15 +1,11 @@
 /// Groom files that must be refused: a good file, what is done to it, and words of the message that must follow.
-/// make_bad_grooms.c writes them to tests/bad/groom; test_bad_grooms.c reads them from there.
+/// make_bad_files.c writes them to tests/bad/groom; test_bad_grooms.c reads them from there.
 #pragma once
 
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
+#include "bad_files.h"
 
 enum
 {
-    BAD_GROOM_ROOM = 2048,
-
     // A good .hair file: strands of 2 and 1 segments, all five arrays.
     HAIR_SEGMENTS = 128,
     HAIR_POINTS = 132,
@@ -27,68 +23,43 @@ enum
     TFX_SIZE = 504,
 };
 
-#define BITS_NAN 0x7fc00000u
-#define BITS_INF 0x7f800000u
 #define BITS_MINUS_INF 0xff800000u
-#define BITS_ONE 0x3f800000u
 #define BITS_FOUR 0x40800000u
 #define BITS_SIX 0x40c00000u
 
-typedef struct bad_groom_patch
-{
-    int at, width; // bytes; width 0 ends the list
-    uint32_t value;
-} bad_groom_patch;
-
-typedef struct bad_groom
-{
-    const char* name;
-    int size; // the good file is cut, or zeros follow it
-    bad_groom_patch patches[4];
-    const char* words;
-} bad_groom;
-
-static inline void bad_groom_put( unsigned char* bytes, int at, int width, uint32_t value )
-{
-    for ( int i = 0; i < width; ++i )
-    {
-        bytes[at + i] = (unsigned char)( value >> 8 * i & 255 );
-    }
-}
-
 static inline void bad_groom_good_hair( unsigned char* bytes )
 {
-    memset( bytes, 0, BAD_GROOM_ROOM );
+    memset( bytes, 0, BAD_FILE_MAX );
     memcpy( bytes, "HAIR", 4 );
-    bad_groom_put( bytes, 4, 4, 2 );
-    bad_groom_put( bytes, 8, 4, 5 );
-    bad_groom_put( bytes, 12, 4, 31 );
-    bad_groom_put( bytes, HAIR_SEGMENTS, 2, 2 );
-    bad_groom_put( bytes, HAIR_SEGMENTS + 2, 2, 1 );
+    put_number( bytes, 4, 4, 2 );
+    put_number( bytes, 8, 4, 5 );
+    put_number( bytes, 12, 4, 31 );
+    put_number( bytes, HAIR_SEGMENTS, 2, 2 );
+    put_number( bytes, HAIR_SEGMENTS + 2, 2, 1 );
     for ( int at = HAIR_POINTS; at < HAIR_SIZE; at += 4 )
     {
-        bad_groom_put( bytes, at, 4, BITS_ONE );
+        put_number( bytes, at, 4, BITS_ONE );
     }
 }
 
 static inline void bad_groom_good_tfx( unsigned char* bytes )
 {
-    memset( bytes, 0, BAD_GROOM_ROOM );
-    bad_groom_put( bytes, 0, 4, BITS_FOUR );
-    bad_groom_put( bytes, 4, 4, 2 );
-    bad_groom_put( bytes, 8, 4, 4 );
-    bad_groom_put( bytes, 12, 4, TFX_POSITIONS );
-    bad_groom_put( bytes, 16, 4, TFX_STRAND_UV );
-    bad_groom_put( bytes, 20, 4, TFX_VERTEX_UV );
-    bad_groom_put( bytes, 24, 4, TFX_THICKNESS );
-    bad_groom_put( bytes, 28, 4, TFX_COLOURS );
+    memset( bytes, 0, BAD_FILE_MAX );
+    put_number( bytes, 0, 4, BITS_FOUR );
+    put_number( bytes, 4, 4, 2 );
+    put_number( bytes, 8, 4, 4 );
+    put_number( bytes, 12, 4, TFX_POSITIONS );
+    put_number( bytes, 16, 4, TFX_STRAND_UV );
+    put_number( bytes, 20, 4, TFX_VERTEX_UV );
+    put_number( bytes, 24, 4, TFX_THICKNESS );
+    put_number( bytes, 28, 4, TFX_COLOURS );
     for ( int at = TFX_POSITIONS; at < TFX_SIZE; at += 4 )
     {
-        bad_groom_put( bytes, at, 4, BITS_ONE );
+        put_number( bytes, at, 4, BITS_ONE );
     }
 }
 
-static const bad_groom bad_hairs[] = {
+static const bad_file bad_hairs[] = {
     { "empty.hair", 0, { { 0 } }, "the file is empty" },
     { "one_byte.hair", 1, { { 0 } }, "byte 1: the file ends inside the header" },
     { "only_magic.hair", 4, { { 0 } }, "byte 4: the file ends inside the header" },
@@ -145,7 +116,7 @@ static const bad_groom bad_hairs[] = {
     { "called_txt.txt", HAIR_SIZE, { { 0, 4, 0x3a696148u } }, "not a groom" },
 };
 
-static const bad_groom bad_tfxs[] = {
+static const bad_file bad_tfxs[] = {
     { "empty.tfx", 0, { { 0 } }, "byte 0: the file ends inside the header" },
     { "header_cut.tfx", 159, { { 0 } }, "byte 159: the file ends inside the header" },
     { "header_only.tfx", 160, { { 0 } }, "byte 160: the file ends inside the positions" },
@@ -177,15 +148,8 @@ static const bad_groom bad_tfxs[] = {
     { "blue_inf.tfx", TFX_SIZE, { { TFX_COLOURS + 8, 4, BITS_INF } }, "strand 0, vertex 0: blue is infinite" },
 };
 
-/// The bytes of a bad file.
-/// @param bytes [BAD_GROOM_ROOM]
-/// @return how many there are
-static inline size_t bad_groom_build( const bad_groom* bad, void ( *good )( unsigned char* ), unsigned char* bytes )
-{
-    good( bytes );
-    for ( int i = 0; i < 4 && bad->patches[i].width > 0; ++i )
-    {
-        bad_groom_put( bytes, bad->patches[i].at, bad->patches[i].width, bad->patches[i].value );
-    }
-    return (size_t)bad->size;
-}
+/// The two formats.
+static const bad_file_list bad_groom_lists[] = {
+    { bad_hairs, sizeof bad_hairs / sizeof bad_hairs[0], bad_groom_good_hair, NULL },
+    { bad_tfxs, sizeof bad_tfxs / sizeof bad_tfxs[0], bad_groom_good_tfx, NULL },
+};
