@@ -151,15 +151,13 @@ typedef struct test_strands
 static inline test_strands test_strands_make( const int* lengths, int strand_count )
 {
     test_strands s = { .strand_count = strand_count };
-    s.offsets = calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
-    assert_non_null( s.offsets );
+    s.offsets = checked_calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
     for ( int i = 0; i < strand_count; ++i )
     {
         s.offsets[i + 1] = s.offsets[i] + lengths[i];
     }
     s.vertex_count = s.offsets[strand_count];
-    s.points = calloc( (size_t)s.vertex_count + 1, sizeof( wisp_vec3 ) );
-    assert_non_null( s.points );
+    s.points = checked_calloc( (size_t)s.vertex_count + 1, sizeof( wisp_vec3 ) );
     for ( int i = 0; i < strand_count; ++i )
     {
         for ( int v = 0; v < lengths[i]; ++v )
@@ -177,8 +175,7 @@ static inline test_strands test_strands_make( const int* lengths, int strand_cou
 /// Strands that all have the same length.
 static inline test_strands test_strands_of( int strand_count, int length )
 {
-    int* lengths = calloc( (size_t)strand_count + 1, sizeof( int ) );
-    assert_non_null( lengths );
+    int* lengths = checked_calloc( (size_t)strand_count + 1, sizeof( int ) );
     for ( int i = 0; i < strand_count; ++i )
     {
         lengths[i] = length;

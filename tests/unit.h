@@ -18,6 +18,34 @@
 #define WISP_SOURCE_ROOT "."
 #endif
 
+// ---- memory, which must be there ----
+
+static inline void* checked_malloc( size_t size )
+{
+    void* memory = malloc( size );
+    assert_non_null( memory );
+    return memory;
+}
+
+static inline void* checked_calloc( size_t count, size_t size )
+{
+    void* memory = calloc( count, size );
+    assert_non_null( memory );
+    return memory;
+}
+
+// ---- messages ----
+
+/// The call must succeed; `error` is its wisp_error.
+#define assert_ok( status, error )                                                                                   \
+    do                                                                                                               \
+    {                                                                                                                \
+        if ( ( status ) != WISP_OK )                                                                                 \
+        {                                                                                                            \
+            fail_msg( "%s", ( error ).message );                                                                     \
+        }                                                                                                            \
+    } while ( 0 )
+
 /// A text, which may be null, has these words in it.
 static inline void assert_contains( const char* text, const char* words )
 {

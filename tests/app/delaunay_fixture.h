@@ -89,8 +89,7 @@ static inline int fixture_compare_edges( const void* left, const void* right )
 static inline void assert_joined_and_delaunay( const fixture_net* n )
 {
     size_t halves = 3 * (size_t)n->triangle_count;
-    fixture_edge* edges = malloc( halves * sizeof *edges );
-    assert_non_null( edges );
+    fixture_edge* edges = checked_malloc( halves * sizeof *edges );
     for ( int h = 0; h < (int)halves; ++h )
     {
         int32_t p = n->triangles[h], q = n->triangles[h - h % 3 + ( h + 1 ) % 3];

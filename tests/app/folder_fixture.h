@@ -97,8 +97,7 @@ static inline unsigned char* get_file( const char* path, size_t* size )
     fseek( file, 0, SEEK_END );
     *size = (size_t)ftell( file );
     rewind( file );
-    unsigned char* bytes = malloc( *size + 1 );
-    assert_non_null( bytes );
+    unsigned char* bytes = checked_malloc( *size + 1 );
     assert_int_equal( fread( bytes, 1, *size, file ), *size );
     bytes[*size] = 0;
     fclose( file );

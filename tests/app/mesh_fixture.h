@@ -34,10 +34,7 @@ static inline wisp_mesh fixture_made( const wisp_mesh_generator* generator )
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_generate( generator, &mesh, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_generate( generator, &mesh, &error ), error );
     return mesh;
 }
 
@@ -45,10 +42,7 @@ static inline wisp_mesh_diagnostics fixture_report( const wisp_mesh* mesh )
 {
     wisp_mesh_diagnostics report;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_examine( mesh, &report, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_examine( mesh, &report, &error ), error );
     return report;
 }
 

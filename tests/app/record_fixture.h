@@ -69,25 +69,17 @@ static inline wisp_status fixture_add_frame( wisp_recorder* recorder, int f, wis
     return wisp_recorder_frame( recorder, fixture_time( f ), fixture_hash( f ), points, error );
 }
 
-static inline void assert_good( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s: %s", wisp_status_name( status ), error->message );
-    }
-}
-
 /// Record that many frames of the fixture; everything must succeed.
 static inline void fixture_record( const char* path, const wisp_recorder_def* def, int frame_count )
 {
     wisp_error error = { .status = WISP_OK };
     wisp_recorder* recorder = NULL;
-    assert_good( wisp_recorder_open( path, WISP_RECORD_BY_NAME, def, &recorder, &error ), &error );
+    assert_ok( wisp_recorder_open( path, WISP_RECORD_BY_NAME, def, &recorder, &error ), error );
     for ( int f = 0; f < frame_count; ++f )
     {
-        assert_good( fixture_add_frame( recorder, f, &error ), &error );
+        assert_ok( fixture_add_frame( recorder, f, &error ), error );
     }
-    assert_good( wisp_recorder_close( recorder, &error ), &error );
+    assert_ok( wisp_recorder_close( recorder, &error ), error );
 }
 
 static inline void assert_one_message( const wisp_error* error, wisp_status status, const char* words )

@@ -87,10 +87,7 @@ static inline image fixture_picture( const render_scene* scene, const render_cam
 {
     image out = { 0 };
     wisp_error error = { .status = WISP_OK };
-    if ( render_picture( scene, camera, options, &out, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( render_picture( scene, camera, options, &out, &error ), error );
     assert_int_equal( out.width, options->width );
     assert_int_equal( out.height, options->height );
     return out;

@@ -10,10 +10,7 @@ static inline wisp_scene parsed_as( const char* name, const char* text )
 {
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_parse( text, strlen( text ), name, &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_scene_parse( text, strlen( text ), name, &scene, &error ), error );
     return scene;
 }
 
@@ -30,10 +27,7 @@ static inline wisp_scene read_good( const char* file )
     assert_true( length > 0 && (size_t)length < sizeof path );
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( path, &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_scene_read( path, &scene, &error ), error );
     return scene;
 }
 

@@ -20,10 +20,7 @@ static inline wisp_status try_create( fixture* f, int workers )
 
 static inline void create( fixture* f, int workers )
 {
-    if ( try_create( f, workers ) != WISP_OK )
-    {
-        fail_msg( "not built: %s", f->error.message );
-    }
+    assert_ok( try_create( f, workers ), f->error );
 }
 
 /// Parse a text, which must be a scene, and build its world, which may be refused.

@@ -68,8 +68,7 @@ static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
         size_t whole = format == 0 ? HAIR_SIZE : TFX_SIZE;
         for ( size_t size = 0; size < whole; ++size )
         {
-            unsigned char* bytes = malloc( size + ( size == 0 ) );
-            assert_non_null( bytes );
+            unsigned char* bytes = checked_malloc( size + ( size == 0 ) );
             memcpy( bytes, good, size );
             wisp_groom groom;
             wisp_status status = format == 0 ? wisp_groom_read_hair( bytes, size, "cut", &groom, NULL )

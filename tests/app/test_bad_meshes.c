@@ -19,8 +19,7 @@ static bool is_ply( const char* name )
 static wisp_status read_exactly( const char* name, const char* bytes, size_t size, wisp_mesh* mesh,
                                  wisp_error* error )
 {
-    char* exact = malloc( size + ( size == 0 ) );
-    assert_non_null( exact );
+    char* exact = checked_malloc( size + ( size == 0 ) );
     memcpy( exact, bytes, size );
     wisp_status status = is_ply( name ) ? wisp_mesh_read_ply( exact, size, name, mesh, error )
                                         : wisp_mesh_read_obj( exact, size, name, mesh, error );
@@ -73,10 +72,7 @@ static void the_files_that_are_cut_and_damaged_are_good( void** state )
         wisp_mesh mesh;
         wisp_error error = { .status = WISP_OK };
         const bad_mesh* good = &good_meshes[i];
-        if ( read_exactly( good->name, good->bytes, good->size, &mesh, &error ) != WISP_OK )
-        {
-            fail_msg( "%s", error.message );
-        }
+        assert_ok( read_exactly( good->name, good->bytes, good->size, &mesh, &error ), error );
         wisp_mesh_release( &mesh );
     }
 }

@@ -75,20 +75,20 @@ static void the_files_they_were_made_from_are_good( void** state )
     wisp_error error = { .status = WISP_OK };
     wisp_recording* recording = NULL;
     bad_recording_good_wisp( bytes );
-    assert_good( wisp_recording_open_memory( bytes, WISP_SIZE, "good.wisp", &recording, &error ), &error );
+    assert_ok( wisp_recording_open_memory( bytes, WISP_SIZE, "good.wisp", &recording, &error ), error );
     assert_true( wisp_recording_describe( recording ).complete );
     assert_int_equal( wisp_recording_describe( recording ).frame_count, 2 );
-    assert_good( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), &error );
-    assert_good( wisp_recording_frame( recording, 1, NULL, NULL, NULL, &error ), &error );
+    assert_ok( wisp_recording_frame( recording, 0, NULL, NULL, NULL, &error ), error );
+    assert_ok( wisp_recording_frame( recording, 1, NULL, NULL, NULL, &error ), error );
     wisp_recording_close( recording );
 
     wisp_pc2* cache = NULL;
     wisp_vec3 points[2];
     bad_recording_good_pc2( bytes );
-    assert_good( wisp_pc2_open_memory( bytes, PC2_SIZE, "good.pc2", &cache, &error ), &error );
+    assert_ok( wisp_pc2_open_memory( bytes, PC2_SIZE, "good.pc2", &cache, &error ), error );
     assert_int_equal( wisp_pc2_describe( cache ).frame_count, 2 );
-    assert_good( wisp_pc2_frame( cache, 0, points, &error ), &error );
-    assert_good( wisp_pc2_frame( cache, 1, points, &error ), &error );
+    assert_ok( wisp_pc2_frame( cache, 0, points, &error ), error );
+    assert_ok( wisp_pc2_frame( cache, 1, points, &error ), error );
     wisp_pc2_close( cache );
 }
 
@@ -106,10 +106,10 @@ static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
     wisp_error error = { .status = WISP_OK };
     wisp_recorder* recorder = NULL;
     char* path = path_in( state, "good.wisp" );
-    assert_good( wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, &error ), &error );
-    assert_good( wisp_recorder_frame( recorder, 0.0, 7, points, &error ), &error );
-    assert_good( wisp_recorder_frame( recorder, 1.0, 7, points, &error ), &error );
-    assert_good( wisp_recorder_close( recorder, &error ), &error );
+    assert_ok( wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, &error ), error );
+    assert_ok( wisp_recorder_frame( recorder, 0.0, 7, points, &error ), error );
+    assert_ok( wisp_recorder_frame( recorder, 1.0, 7, points, &error ), error );
+    assert_ok( wisp_recorder_close( recorder, &error ), error );
 
     unsigned char good[BAD_FILE_MAX];
     bad_recording_good_wisp( good );

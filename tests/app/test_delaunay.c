@@ -44,10 +44,7 @@ static wisp_status fill( wisp_error* error )
 static fixture_net filled( void )
 {
     wisp_error error = { .status = WISP_OK };
-    if ( fill( &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( fill( &error ), error );
     return ( fixture_net ){ set.points, set.count, set.outline_count, set.triangles,
                             delaunay_triangle_count( set.count, set.outline_count ) };
 }

@@ -57,10 +57,7 @@ static wisp_groom read_hair_row( const byte_row* row )
 {
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_groom_read_hair( row->bytes, row->size, "row.hair", &groom, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_groom_read_hair( row->bytes, row->size, "row.hair", &groom, &error ), error );
     return groom;
 }
 

@@ -7,10 +7,7 @@ static wisp_groom make( const wisp_groom_generator* generator )
 {
     wisp_groom groom;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_groom_generate( generator, &groom, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_groom_generate( generator, &groom, &error ), error );
     return groom;
 }
 

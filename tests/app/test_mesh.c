@@ -10,10 +10,7 @@ static wisp_mesh read_obj_text( const char* text )
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_read_obj( text, strlen( text ), "text.obj", &mesh, &error ), error );
     return mesh;
 }
 
@@ -21,10 +18,7 @@ static wisp_mesh read_ply_bytes( const void* bytes, size_t size )
 {
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_read_ply( bytes, size, "bytes.ply", &mesh, &error ), error );
     return mesh;
 }
 
@@ -205,8 +199,7 @@ static void binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders( vo
         put_text( &w, big != 0 ? "ply\nformat binary_big_endian 1.0\n" : "ply\nformat binary_little_endian 1.0\n" );
         put_text( &w, TANGLED_HEADER );
         put_tangled_rows( &w );
-        unsigned char* exact = malloc( w.size );
-        assert_non_null( exact );
+        unsigned char* exact = checked_malloc( w.size );
         memcpy( exact, w.bytes, w.size );
         wisp_mesh mesh = read_ply_bytes( exact, w.size );
         free( exact );
@@ -299,10 +292,7 @@ static void the_bunny_is_one_closed_sound_shell( void** state )
     (void)state;
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ), error );
     wisp_mesh_diagnostics report = fixture_report( &mesh );
     assert_int_equal( report.vertex_count, 1839 );
     assert_int_equal( report.triangle_count, 3674 );

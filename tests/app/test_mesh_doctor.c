@@ -250,10 +250,7 @@ static wisp_mesh_repairs repaired( wisp_mesh* mesh, int what )
 {
     wisp_mesh_repairs repairs;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_repair( mesh, what, &repairs, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_mesh_repair( mesh, what, &repairs, &error ), error );
     return repairs;
 }
 

@@ -49,10 +49,7 @@ static void make_sheet( sheet* s )
 static void write_good( const sheet* s )
 {
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), error );
 }
 
 // The machine that tests is little-endian, as the file is.

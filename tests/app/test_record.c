@@ -10,7 +10,7 @@ static wisp_recording* open_good( const char* path )
 {
     wisp_error error = { .status = WISP_OK };
     wisp_recording* recording = NULL;
-    assert_good( wisp_recording_open( path, &recording, &error ), &error );
+    assert_ok( wisp_recording_open( path, &recording, &error ), error );
     return recording;
 }
 
@@ -22,7 +22,7 @@ static void assert_frame_is( wisp_recording* recording, int f )
     wisp_vec3* points[] = { found.cloth, found.hair };
     double time = -1.0;
     uint64_t hash = 0;
-    assert_good( wisp_recording_frame( recording, f, points, &time, &hash, &error ), &error );
+    assert_ok( wisp_recording_frame( recording, f, points, &time, &hash, &error ), error );
     assert_memory_equal( &found, &expected, sizeof found );
     assert_true( time == fixture_time( f ) );
     assert_true( hash == fixture_hash( f ) );
@@ -167,8 +167,7 @@ static sample make_sample( void** state )
 // The block is exactly as long as the cut file, so that a checker sees a read past it.
 static void demand_cut( const sample* s, size_t size )
 {
-    unsigned char* bytes = malloc( size > 0 ? size : 1 );
-    assert_non_null( bytes );
+    unsigned char* bytes = checked_malloc( size > 0 ? size : 1 );
     memcpy( bytes, s->bytes, size );
     wisp_error error = { .status = WISP_OK };
     wisp_recording* recording = NULL;
@@ -181,7 +180,7 @@ static void demand_cut( const sample* s, size_t size )
     }
     else
     {
-        assert_good( status, &error );
+        assert_ok( status, error );
         wisp_recording_info info = wisp_recording_describe( recording );
         size_t frames = ( size - s->header ) / s->frame;
         assert_int_equal( info.frame_count, frames );
@@ -218,7 +217,7 @@ static void demand_flip( const sample* s, size_t at )
         assert_one_message( &error, WISP_BAD_INPUT, "flipped: byte " );
         return;
     }
-    assert_good( status, &error );
+    assert_ok( status, error );
     int hit = (int)( ( at - s->header ) / s->frame );
     wisp_recording_info info = wisp_recording_describe( recording );
     assert_int_equal( info.frame_count, s->count );

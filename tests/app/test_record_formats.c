@@ -76,7 +76,7 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
     assert_int_equal( count_files( state ), 2 );
     wisp_pc2* cache = NULL;
     wisp_error error = { .status = WISP_OK };
-    assert_good( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), &error );
+    assert_ok( wisp_pc2_open( path_in( state, "a_hair-2.pc2" ), &cache, &error ), error );
     wisp_pc2_info info = wisp_pc2_describe( cache );
     assert_int_equal( info.point_count, HAIR_VERTICES );
     assert_int_equal( info.frame_count, 2 );
@@ -84,13 +84,13 @@ static void several_bodies_are_a_point_cache_each_and_come_back( void** state )
     {
         wisp_vec3 points[HAIR_VERTICES];
         fixture_frame expected = fixture_points( f );
-        assert_good( wisp_pc2_frame( cache, f, points, &error ), &error );
+        assert_ok( wisp_pc2_frame( cache, f, points, &error ), error );
         assert_memory_equal( points, expected.hair, sizeof points );
     }
     assert_int_equal( wisp_pc2_frame( cache, 2, NULL, &error ), WISP_BAD_INPUT );
     assert_one_message( &error, WISP_BAD_INPUT, "a_hair-2.pc2: got frame 2, the cache has 2" );
     wisp_pc2_close( cache );
-    assert_good( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), &error );
+    assert_ok( wisp_pc2_open( path_in( state, "a_cloth.pc2" ), &cache, &error ), error );
     wisp_pc2_close( cache );
 }
 

@@ -13,7 +13,7 @@ static wisp_track* open_track( const char* path )
     wisp_track_def def = { fixture_bodies, FIXTURE_BODIES, followed, 2 };
     wisp_error error = { .status = WISP_OK };
     wisp_track* track = NULL;
-    assert_good( wisp_track_open( path, &def, &track, &error ), &error );
+    assert_ok( wisp_track_open( path, &def, &track, &error ), error );
     return track;
 }
 
@@ -172,7 +172,7 @@ static void record_plain( const char* path, int frame_count )
 static char* print_recording( const char* path, wisp_status expected, wisp_error* error )
 {
     wisp_recording* recording = NULL;
-    assert_good( wisp_recording_open( path, &recording, error ), error );
+    assert_ok( wisp_recording_open( path, &recording, error ), *error );
     char* text = NULL;
     size_t length = 0;
     FILE* stream = open_memstream( &text, &length );

@@ -83,8 +83,7 @@ static void assert_file_holds( const char* path, const image* picture )
     assert_int_equal( (int)png.width, picture->width );
     assert_int_equal( (int)png.height, picture->height );
     png.format = PNG_FORMAT_RGB;
-    uint8_t* pixels = calloc( PNG_IMAGE_SIZE( png ), 1 );
-    assert_non_null( pixels );
+    uint8_t* pixels = checked_calloc( PNG_IMAGE_SIZE( png ), 1 );
     assert_int_equal( png_image_finish_read( &png, NULL, pixels, 0, NULL ), 1 );
     assert_memory_equal( pixels, picture->rgb, 3 * (size_t)picture->width * (size_t)picture->height );
     free( pixels );

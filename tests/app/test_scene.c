@@ -10,8 +10,7 @@
 // The text in a block exactly as long, so that a checker sees the first read past its end.
 static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
 {
-    char* exact = malloc( size + ( size == 0 ) );
-    assert_non_null( exact );
+    char* exact = checked_malloc( size + ( size == 0 ) );
     memcpy( exact, text, size );
     wisp_status status = wisp_scene_parse( exact, size, "scenes/test.yaml", scene, error );
     free( exact );
@@ -22,10 +21,7 @@ static wisp_scene good( const char* text )
 {
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( parse( text, strlen( text ), &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( parse( text, strlen( text ), &scene, &error ), error );
     return scene;
 }
 
@@ -310,10 +306,7 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
     (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ), error );
     assert_int_equal( scene.strands_count, 1 );
     assert_int_equal( scene.strands[0].bend_count, 4 );
     assert_int_equal( scene.command_count, 2 );
@@ -413,8 +406,7 @@ static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
 
 static char* repeat( const char* head, const char* part, size_t size )
 {
-    char* text = malloc( size + 1 );
-    assert_non_null( text );
+    char* text = checked_malloc( size + 1 );
     size_t at = strlen( head ), length = strlen( part );
     memcpy( text, head, at );
     for ( ; at < size; ++at )

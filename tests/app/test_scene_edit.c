@@ -27,10 +27,7 @@ static void assert_edited( const char* text, const wisp_scene_edit* edits, int c
 {
     write_text( FROM, text );
     wisp_error error = { 0 };
-    if ( wisp_scene_edit_file( FROM, edits, count, TO, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_scene_edit_file( FROM, edits, count, TO, &error ), error );
     char is[4000];
     read_text( TO, is, sizeof is );
     assert_string_equal( is, expected );

@@ -131,10 +131,7 @@ static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
     (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ), error );
     assert_int_equal( scene.surface_count, 2 );
     assert_true( scene.surfaces[0].has_implicit && scene.surfaces[1].has_implicit );
     assert_true( !scene.surfaces[0].has_quad_links && scene.surfaces[1].has_quad_links );
@@ -243,8 +240,7 @@ static wisp_implicit_cloth_stats stats_of( fixture* f, int surface )
 static wisp_vec3 first_point( fixture* f )
 {
     const int count = scene_world_body( &f->world, 0 ).vertex_count;
-    wisp_vec3* points = calloc( (size_t)count, sizeof *points );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)count, sizeof *points );
     assert_int_equal( scene_world_points( &f->world, 0, points, &f->error ), WISP_OK );
     wisp_vec3 point = points[0];
     free( points );
@@ -303,8 +299,7 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
     step( &f, 20 );
     wisp_vec3 end = first_point( &f );
     assert_true( start.x == end.x && start.y == end.y && start.z == end.z );
-    wisp_vec3* points = calloc( 81, sizeof *points );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( 81, sizeof *points );
     assert_int_equal( scene_world_points( &f.world, 0, points, &f.error ), WISP_OK );
     // in 0.2 s a free vertex falls 0.2 m, and so does the far corner of a stiff plate 0.16 m wide that turns about its
     // pin; cloth bends on the way

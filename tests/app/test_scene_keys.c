@@ -14,8 +14,7 @@ static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
 static char* read_all( FILE* file )
 {
     const size_t room = 1 << 20;
-    char* text = malloc( room );
-    assert_non_null( text );
+    char* text = checked_malloc( room );
     const size_t size = fread( text, 1, room - 1, file );
     fclose( file );
     assert_true( size < room - 1 );

@@ -220,10 +220,7 @@ static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
     (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
-    if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "refused: %s", error.message );
-    }
+    assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ), error );
     assert_int_equal( scene.strands_count, 3 );
     assert_true( scene.strands[0].has_dynamics && scene.strands[0].has_head && scene.strands[0].has_grid );
     assert_true( scene.strands[1].has_ghosts && scene.strands[2].is_curves );

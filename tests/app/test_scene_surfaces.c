@@ -329,8 +329,7 @@ static void points_are_requested_where_an_output_writes_a_surface( void** state 
 static char* repeat( const char* head, const char* part, int count )
 {
     size_t at = strlen( head ), length = strlen( part );
-    char* text = malloc( at + length * (size_t)count + 1 );
-    assert_non_null( text );
+    char* text = checked_malloc( at + length * (size_t)count + 1 );
     memcpy( text, head, at + 1 );
     for ( int i = 0; i < count; ++i, at += length )
     {

@@ -7,8 +7,7 @@
 
 static wisp_vec3 point_of( fixture* f, int body, int vertex )
 {
-    wisp_vec3* points = calloc( (size_t)scene_world_body( &f->world, body ).vertex_count, sizeof *points );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count, sizeof *points );
     if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
     {
         fail_msg( "no points: %s", f->error.message );
@@ -90,8 +89,7 @@ static void meshes_of_colliders_look_outwards_and_have_their_size( void** state 
     for ( int i = 0; i < 4; ++i )
     {
         scene_body body = scene_world_body( &f.world, i );
-        wisp_vec3* points = calloc( (size_t)body.vertex_count, sizeof *points );
-        assert_non_null( points );
+        wisp_vec3* points = checked_calloc( (size_t)body.vertex_count, sizeof *points );
         assert_int_equal( scene_world_points( &f.world, i, points, &f.error ), WISP_OK );
         // an icosphere of level 4 lacks 0.2 % of the ball's volume, a capsule of 48 segments 0.4 %
         assert_true( fabs( volume_of( &body, points ) / volumes[i] - 1.0 ) < 0.006 );

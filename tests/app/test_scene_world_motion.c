@@ -6,8 +6,8 @@
 /// To be freed.
 static wisp_vec3* points_of( fixture* f, int body )
 {
-    wisp_vec3* points = calloc( (size_t)scene_world_body( &f->world, body ).vertex_count + 1, sizeof *points );
-    assert_non_null( points );
+    wisp_vec3* points =
+        checked_calloc( (size_t)scene_world_body( &f->world, body ).vertex_count + 1, sizeof *points );
     if ( scene_world_points( &f->world, body, points, &f->error ) != WISP_OK )
     {
         fail_msg( "no points: %s", f->error.message );

@@ -52,10 +52,7 @@ static wisp_scene parse( const char* text )
 {
     wisp_scene scene;
     wisp_error error = { 0 };
-    if ( wisp_scene_parse( text, strlen( text ), "scene.yaml", &scene, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_scene_parse( text, strlen( text ), "scene.yaml", &scene, &error ), error );
     return scene;
 }
 
@@ -254,12 +251,9 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     assert_non_null( file );
     assert_true( fputs( text, file ) >= 0 );
     fclose( file );
-    if ( wisp_scene_edit_file( "tune_parameters_from.yaml", edits, count, "tune_parameters_to.yaml", &error ) !=
-             WISP_OK ||
-         wisp_scene_read( "tune_parameters_to.yaml", &written, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_scene_edit_file( "tune_parameters_from.yaml", edits, count, "tune_parameters_to.yaml", &error ),
+               error );
+    assert_ok( wisp_scene_read( "tune_parameters_to.yaml", &written, &error ), error );
     assert_true( tune_parameters_agree( &parameters, configuration, &written ) );
     file = fopen( "tune_parameters_to.yaml", "r" );
     assert_non_null( file );

@@ -11,10 +11,7 @@ static const bench_options quick_options = { .quick = true, .workers = 2 };
 static inline void expect_made( accuracy_scene_fn* make, accuracy_scene* out )
 {
     wisp_error error = { 0 };
-    if ( make( &quick_options, 7.0, out, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( make( &quick_options, 7.0, out, &error ), error );
 }
 
 static inline void free_scene( accuracy_scene* scene )

@@ -9,10 +9,7 @@ static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
 {
     const bench_options options = { .quick = true, .workers = 2 };
     wisp_error error = { 0 };
-    if ( make( &options, 1.0, out, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( make( &options, 1.0, out, &error ), error );
 }
 
 static inline void close_scene( accuracy_scene* scene )

@@ -99,14 +99,6 @@ static inline bool has_note( const results* all, const char* part )
     return found;
 }
 
-static inline void expect_ok( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error->message );
-    }
-}
-
 /// Fail with the first check that failed in a run.
 static inline void expect_good( const results* all )
 {

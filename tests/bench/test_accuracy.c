@@ -206,8 +206,7 @@ static wisp_status fake_make( const bench_options* options, double seconds, accu
                                .context = &fake,
                                .run = fake_run,
                                .destroy = fake_destroy };
-    out->settings = calloc( FAKE_SETTINGS, sizeof( accuracy_setting ) );
-    assert_non_null( out->settings );
+    out->settings = checked_calloc( FAKE_SETTINGS, sizeof( accuracy_setting ) );
     for ( int i = 0; i < FAKE_SETTINGS; ++i )
     {
         accuracy_setting* s = &out->settings[i];
@@ -559,8 +558,7 @@ static wisp_status make_few( const bench_options* options, double seconds, accur
 {
     int count;
     const accuracy_entry* entries = accuracy_entries( &count );
-    few_settings* few = calloc( 1, sizeof( few_settings ) );
-    assert_non_null( few );
+    few_settings* few = checked_calloc( 1, sizeof( few_settings ) );
     for ( int i = 0; i < count; ++i )
     {
         if ( strcmp( entries[i].name, "cloth_on_ball" ) == 0 )
@@ -569,8 +567,7 @@ static wisp_status make_few( const bench_options* options, double seconds, accur
         }
     }
     *out = few->all;
-    out->settings = calloc( WISP_COUNT( few_names ), sizeof( accuracy_setting ) );
-    assert_non_null( out->settings );
+    out->settings = checked_calloc( WISP_COUNT( few_names ), sizeof( accuracy_setting ) );
     out->setting_count = WISP_COUNT( few_names );
     out->context = few;
     out->run = run_few;

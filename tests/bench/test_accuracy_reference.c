@@ -45,14 +45,6 @@ static accuracy_reference small_reference( double* numbers )
     return reference;
 }
 
-static void expect_ok( wisp_status status, const wisp_error* error )
-{
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error->message );
-    }
-}
-
 static size_t read_file( const char* name, void* to, size_t room )
 {
     FILE* file = fopen( name, "rb" );
@@ -65,14 +57,14 @@ static size_t read_file( const char* name, void* to, size_t room )
 static void write_file( const char* name, const void* bytes, size_t size )
 {
     wisp_error error = { 0 };
-    expect_ok( reference_write_bytes( name, bytes, size, &error ), &error );
+    assert_ok( reference_write_bytes( name, bytes, size, &error ), error );
 }
 
 static reference_files written( const accuracy_reference* reference )
 {
     reference_files files = { .hash = 0 };
     wisp_error error = { 0 };
-    expect_ok( accuracy_reference_write( reference, ".", &error ), &error );
+    assert_ok( accuracy_reference_write( reference, ".", &error ), error );
     files.generator_size = read_file( generator_name, files.generator, LONGEST - 1 );
     files.numbers_size = read_file( numbers_name, files.numbers, FILE_SIZE );
     files.hash = reference_checksum( files.numbers, FILE_SIZE - 8 );
@@ -130,8 +122,8 @@ static void a_reference_comes_back_as_it_was_written( void** state )
     const accuracy_reference reference = small_reference( numbers );
     accuracy_reference back;
     wisp_error error = { 0 };
-    expect_ok( accuracy_reference_write( &reference, ".", &error ), &error );
-    expect_ok( accuracy_reference_read( ".", &reference, &back, &error ), &error );
+    assert_ok( accuracy_reference_write( &reference, ".", &error ), error );
+    assert_ok( accuracy_reference_read( ".", &reference, &back, &error ), error );
     remove( generator_name );
     remove( numbers_name );
     assert_string_equal( back.scene, reference.scene );
@@ -160,7 +152,7 @@ static void a_reference_that_is_not_there_is_a_message( void** state )
     expect_said( &error, "no_such_folder/pretended.json: ", "No such file" );
 
     // a recipe alone is no reference
-    expect_ok( accuracy_reference_write( &reference, ".", &error ), &error );
+    assert_ok( accuracy_reference_write( &reference, ".", &error ), error );
     remove( numbers_name );
     assert_int_equal( accuracy_reference_read( ".", &reference, &back, &error ), WISP_IO_ERROR );
     expect_said( &error, "./pretended.reference: ", "No such file" );
@@ -222,7 +214,7 @@ static void a_reference_of_a_scene_that_has_changed_is_refused_by_what_changed( 
     const accuracy_reference reference = small_reference( numbers );
     accuracy_reference back, requested = reference;
     wisp_error error = { 0 };
-    expect_ok( accuracy_reference_write( &reference, ".", &error ), &error );
+    assert_ok( accuracy_reference_write( &reference, ".", &error ), error );
     requested.info[0].value = 1.61;
     assert_int_equal( accuracy_reference_read( ".", &requested, &back, &error ), WISP_BAD_INPUT );
     expect_said( &error, "./pretended.json: ", "`width, m` is 1.6, but 1.61 in the scene; `./dev reference --scene" );
@@ -251,10 +243,10 @@ static void another_start_is_seen_and_its_roundings_are_not( void** state )
     accuracy_reference reference = small_reference( numbers ), requested = reference, back;
     wisp_error error = { 0 };
     accuracy_reference_put_start( &reference, points, WISP_COUNT( points ) );
-    expect_ok( accuracy_reference_write( &reference, ".", &error ), &error );
+    assert_ok( accuracy_reference_write( &reference, ".", &error ), error );
     points[17].x = nextafterf( points[17].x, 2.0f );
     accuracy_reference_put_start( &requested, points, WISP_COUNT( points ) );
-    expect_ok( accuracy_reference_read( ".", &requested, &back, &error ), &error );
+    assert_ok( accuracy_reference_read( ".", &requested, &back, &error ), error );
     accuracy_reference_free( &back );
     points[17].x += 1e-4f;
     --requested.fact_count;
@@ -431,8 +423,8 @@ static void every_stored_reference_is_whole_and_small( void** state )
         wisp_error error = { 0 };
         snprintf( path, sizeof( path ), "%s/%s.json", accuracy_reference_folder(), names[i] );
         const size_t size = read_file( path, text, sizeof( text ) );
-        expect_ok( accuracy_reference_parse_generator( text, size, path, &generator, &hash, &error ), &error );
-        expect_ok( accuracy_reference_read( accuracy_reference_folder(), &generator, &whole, &error ), &error );
+        assert_ok( accuracy_reference_parse_generator( text, size, path, &generator, &hash, &error ), error );
+        assert_ok( accuracy_reference_read( accuracy_reference_folder(), &generator, &whole, &error ), error );
         print_message( "           %s: %d numbers, doubt %.3g mm, %s\n", names[i], whole.number_count,
                        1e3 * whole.doubt, whole.reference );
         assert_string_equal( whole.scene, names[i] );

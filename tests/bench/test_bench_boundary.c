@@ -124,13 +124,10 @@ static one_layer open_layer( float spacing )
 {
     wisp_error error = { 0 };
     one_layer l = { .def = layer_def( &layer_laws[0], spacing ) };
-    if ( layer_sphere( 11, 1.0f, &l.mesh, &error ) != WISP_OK ||
-         layer_cook( &l.mesh, &l.fabric, &error ) != WISP_OK ||
-         layer_enter( l.fabric, &l.def, 1, &l.implementation, &error ) != WISP_OK ||
-         layer_step( &l.implementation, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( layer_sphere( 11, 1.0f, &l.mesh, &error ), error );
+    assert_ok( layer_cook( &l.mesh, &l.fabric, &error ), error );
+    assert_ok( layer_enter( l.fabric, &l.def, 1, &l.implementation, &error ), error );
+    assert_ok( layer_step( &l.implementation, &error ), error );
     return l;
 }
 
@@ -145,10 +142,7 @@ static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
 {
     wisp_error error = { 0 };
     layer_check check;
-    if ( layer_compare( &l->implementation.surface, &l->mesh, def, &check, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( layer_compare( &l->implementation.surface, &l->mesh, def, &check, &error ), error );
     return check;
 }
 
@@ -226,10 +220,7 @@ static void pictures_are_written_where_there_is_a_folder( void** state )
     assert_int_equal( boundary_pictures( &plan, &all, &error ), WISP_OK );
     assert_int_equal( all.note_count, 0 );
     options.pictures = ".";
-    if ( boundary_pictures( &plan, &all, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( boundary_pictures( &plan, &all, &error ), error );
     assert_int_equal( all.note_count, 3 );
     for ( int i = 0; i < 3; ++i )
     {

@@ -37,7 +37,7 @@ static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** st
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( cloth_comparison( &plan, &all, &error ), &error );
+    assert_ok( cloth_comparison( &plan, &all, &error ), error );
     assert_false( all.failed );
     const results_table* table = find_table( &all, "Cloth against scalar C" );
     assert_int_equal( table->row_count, 1 + 2 );
@@ -67,7 +67,7 @@ static void other_engines_stand_beside_only_where_they_were_measured( void** sta
     plan.worker_count = 1;
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( cloth_hang( &plan, &all, &error ), &error );
+    assert_ok( cloth_hang( &plan, &all, &error ), error );
     assert_false( all.failed );
     const results_table* table = find_table( &all, "Hanging cloth" );
     int first_peer = table->column_count - 5;
@@ -85,7 +85,7 @@ static void levels_are_compared_with_a_converged_run_on_both_meshes( void** stat
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( cloth_levels( &plan, &all, &error ), &error );
+    assert_ok( cloth_levels( &plan, &all, &error ), error );
     assert_false( all.failed );
     const results_table* grid = find_table( &all, "Levels and tethers, alternating" );
     find_table( &all, "Levels and tethers, irregular" );
@@ -129,7 +129,7 @@ static void residuals_fall_with_passes_in_every_order( void** state )
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( cloth_sweeps( &plan, &all, &error ), &error );
+    assert_ok( cloth_sweeps( &plan, &all, &error ), error );
     const results_table* table = find_table( &all, "Residual after k passes" );
     for ( int order = 0; order < 3; ++order )
     {
@@ -152,12 +152,11 @@ static void the_reference_projects_as_the_oracle_does( void** state )
     cloth_reference reference;
     wisp_error error = { 0 };
     const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
-    expect_ok( cloth_scene_make( 6, true, &scene, &error ), &error );
-    expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
-    expect_ok( cloth_reference_create( &scene, fabric, &reference, &error ), &error );
+    assert_ok( cloth_scene_make( 6, true, &scene, &error ), error );
+    assert_ok( cloth_cook( &scene, &setting, &fabric, &error ), error );
+    assert_ok( cloth_reference_create( &scene, fabric, &reference, &error ), error );
     assert_int_equal( reference.link_count, fabric->link_count );
-    double3* p = calloc( (size_t)reference.slot_count, sizeof( double3 ) );
-    assert_non_null( p );
+    double3* p = checked_calloc( (size_t)reference.slot_count, sizeof( double3 ) );
     double h = (double)CLOTH_STEP;
     for ( int i = 0; i < reference.slot_count; ++i )
     {
@@ -239,13 +238,13 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
     wisp_error error = { 0 };
     const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
     const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
-    expect_ok( cloth_scene_make( 6, false, &scene, &error ), &error );
-    expect_ok( cloth_cook( &scene, &setting, &fabric, &error ), &error );
-    expect_ok( cloth_implementation_create( &scene, fabric, &setting, NULL, 1, &implementation, &error ), &error );
-    expect_ok( surface_implementation_step( &implementation, &error ), &error );
+    assert_ok( cloth_scene_make( 6, false, &scene, &error ), error );
+    assert_ok( cloth_cook( &scene, &setting, &fabric, &error ), error );
+    assert_ok( cloth_implementation_create( &scene, fabric, &setting, NULL, 1, &implementation, &error ), error );
+    assert_ok( surface_implementation_step( &implementation, &error ), error );
     float* position = wisp_world_column( implementation.world, implementation.entity, WISP_PARTICLE_POSITION, 0 );
     position[4 * fabric->vertex_slot[17]] = NAN;
-    expect_ok( scenario_run( &implementation, 1, &plan, NULL, NULL, &stats, &error ), &error );
+    assert_ok( scenario_run( &implementation, 1, &plan, NULL, NULL, &stats, &error ), error );
     assert_int_equal( stats.halted_at, implementation.halted_at );
     assert_int_equal( stats.halted_at, 2 );
     assert_true( isnan( stats.ms[0].median ) && isnan( stats.stretch_max ) && isnan( stats.path ) );
@@ -268,7 +267,7 @@ static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** sta
     plan.seconds = 0.0;
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( balloon_bench_run( &plan, &all, &error ), &error );
+    assert_ok( balloon_bench_run( &plan, &all, &error ), error );
     assert_false( all.failed );
     assert_int_equal( find_table( &all, "Balloon: icospheres" )->row_count, 1 + 2 );
     assert_int_equal( all.row_count, 2 * 2 );
@@ -286,7 +285,7 @@ static void a_figure_that_is_not_met_fails_the_run( void** state )
     static figures_fn* const small[] = { figures_two_particles, figures_links, figures_four_forces };
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( figures_run( small, WISP_COUNT( small ), &quick, &all, &error ), &error );
+    assert_ok( figures_run( small, WISP_COUNT( small ), &quick, &all, &error ), error );
     assert_false( all.failed );
     assert_int_equal( all.tables[0].row_count, 1 + 4 );
 

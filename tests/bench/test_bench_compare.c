@@ -50,11 +50,10 @@ static file_bytes written( const compare_reference* reference )
 {
     wisp_error error = { 0 };
     file_bytes file = { .size = 0 };
-    expect_ok( compare_reference_write( reference, file_name, &error ), &error );
+    assert_ok( compare_reference_write( reference, file_name, &error ), error );
     FILE* stream = fopen( file_name, "rb" );
     assert_non_null( stream );
-    file.bytes = malloc( 65536 );
-    assert_non_null( file.bytes );
+    file.bytes = checked_malloc( 65536 );
     file.size = fread( file.bytes, 1, 65536, stream );
     fclose( stream );
     remove( file_name );
@@ -64,8 +63,7 @@ static file_bytes written( const compare_reference* reference )
 static void expect_refused( const unsigned char* bytes, size_t size, const char* part )
 {
     // a block of exactly this size, so that the sanitizer sees a byte that is read beyond it
-    unsigned char* copy = malloc( size > 0 ? size : 1 );
-    assert_non_null( copy );
+    unsigned char* copy = checked_malloc( size > 0 ? size : 1 );
     memcpy( copy, bytes, size );
     compare_reference reference;
     wisp_error error = { 0 };
@@ -86,8 +84,8 @@ static void a_reference_comes_back_as_it_was_written( void** state )
     const compare_reference reference = small_reference( points );
     wisp_error error = { 0 };
     compare_reference back;
-    expect_ok( compare_reference_write( &reference, file_name, &error ), &error );
-    expect_ok( compare_reference_read( file_name, &back, &error ), &error );
+    assert_ok( compare_reference_write( &reference, file_name, &error ), error );
+    assert_ok( compare_reference_read( file_name, &back, &error ), error );
     remove( file_name );
     assert_int_equal( back.scenario, reference.scenario );
     assert_int_equal( back.vertex_count, VERTICES );
@@ -185,12 +183,12 @@ static void a_reference_of_another_cloth_is_refused( void** state )
     (void)state;
     compare_scene scene;
     wisp_error error = { 0 };
-    expect_ok( compare_scene_make( COMPARE_TAUT, 64, &scene, &error ), &error );
+    assert_ok( compare_scene_make( COMPARE_TAUT, 64, &scene, &error ), error );
     compare_reference reference = { .vertex_count = 64,
                                     .look_count = scene.physics.look_count + 1,
                                     .mesh_hash = scene.hash };
     compare_reference_info( &scene.physics, reference.info );
-    expect_ok( compare_reference_check( &reference, &scene, "t", &error ), &error );
+    assert_ok( compare_reference_check( &reference, &scene, "t", &error ), error );
     reference.info[0] *= 2.0;
     assert_int_equal( compare_reference_check( &reference, &scene, "t", &error ), WISP_BAD_INPUT );
     assert_non_null( strstr( error.message, "another material or scene than `taut`" ) );
@@ -253,7 +251,7 @@ static results compared( const compare_plan* plan )
 {
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( compare_bench_run( plan, &all, &error ), &error );
+    assert_ok( compare_bench_run( plan, &all, &error ), error );
     assert_false( all.failed );
     return all;
 }

@@ -172,23 +172,23 @@ static double distance_to_engine( plain_strand_stretch how, int steps, double* m
     const bool sweeps = how == PLAIN_STRAND_SWEEP;
     const strands_setting setting = { "one", sweeps ? WISP_STRAND_STRETCH_LINKS : WISP_STRAND_STRETCH_DIRECT,
                                       WISP_STRAND_BEND_LINKS, 2, 10 };
-    expect_ok( strands_shape_make_horizontal( STRANDS, &shape, &error ), &error );
+    assert_ok( strands_shape_make_horizontal( STRANDS, &shape, &error ), error );
     strands_generator generator = strands_default_generator( &shape );
     generator.dynamics = strands_setting_dynamics( &setting );
     generator.substeps = setting.substeps;
-    expect_ok( strands_implementation_create( &generator, &implementation, &error ), &error );
+    assert_ok( strands_implementation_create( &generator, &implementation, &error ), error );
     assert_true(
         plain_strands_create( &plain, shape.points, STRANDS, STRANDS_VERTICES, generator.dynamics.line_density ) );
     plain.bend_compliance = STRANDS_BEND_COMPLIANCE;
     plain.stretch = how;
     plain.substeps = setting.substeps;
-    expect_ok( strands_implementation_steps( &implementation, steps, &error ), &error );
+    assert_ok( strands_implementation_steps( &implementation, steps, &error ), error );
     for ( int s = 0; s < steps; ++s )
     {
         plain_strands_step( &plain, STRANDS_STEP );
     }
     const wisp_vec3* points;
-    expect_ok( strands_implementation_points( &implementation, &points, &error ), &error );
+    assert_ok( strands_implementation_points( &implementation, &points, &error ), error );
     double distance = strands_rms_distance( points, plain.position, strands_shape_size( &shape ) );
     *moved = strands_rms_distance( points, shape.points, strands_shape_size( &shape ) );
     plain_strands_destroy( &plain );
@@ -219,8 +219,8 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
     strands_shape few, many;
     strands_implementation implementation;
     wisp_error error = { 0 };
-    expect_ok( strands_shape_make_horizontal( 7, &few, &error ), &error );
-    expect_ok( strands_shape_make_horizontal( 40, &many, &error ), &error );
+    assert_ok( strands_shape_make_horizontal( 7, &few, &error ), error );
+    assert_ok( strands_shape_make_horizontal( 40, &many, &error ), error );
     assert_memory_equal( few.points, many.points, 7 * STRANDS_VERTICES * sizeof( wisp_vec3 ) );
     const strands_stretch none = strands_measure_stretch( &few, few.points );
     assert_true( none.max == 0.0 && none.mean == 0.0 );
@@ -234,10 +234,10 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
     const strands_setting rod = { "rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 10 };
     strands_generator generator = strands_default_generator( &few );
     generator.dynamics = strands_setting_dynamics( &rod );
-    expect_ok( strands_implementation_create( &generator, &implementation, &error ), &error );
-    expect_ok( strands_implementation_steps( &implementation, 10, &error ), &error );
+    assert_ok( strands_implementation_create( &generator, &implementation, &error ), error );
+    assert_ok( strands_implementation_steps( &implementation, 10, &error ), error );
     const wisp_vec3* points;
-    expect_ok( strands_implementation_points( &implementation, &points, &error ), &error );
+    assert_ok( strands_implementation_points( &implementation, &points, &error ), error );
     for ( int s = 0; s < 7; ++s )
     {
         const wisp_vec3 root = points[s * STRANDS_VERTICES];
@@ -255,7 +255,7 @@ static void a_nan_is_never_a_small_stretch( void** state )
     strands_shape shape;
     wisp_error error = { 0 };
     const wisp_vec3 along = { 1.0f, 0.0f, 0.0f };
-    expect_ok( strands_shape_make_straight( 4, along, 1.0, &shape, &error ), &error );
+    assert_ok( strands_shape_make_straight( 4, along, 1.0, &shape, &error ), error );
     wisp_vec3 points[4] = { { 0.0f, 0.0f, 0.0f }, { NAN, 0.0f, 0.0f }, { 0.6f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f } };
     const strands_stretch stretch = strands_measure_stretch( &shape, points );
     assert_true( isnan( stretch.mean ) );
@@ -267,8 +267,8 @@ static void guides_are_the_means_of_neighbours( void** state )
     (void)state;
     strands_shape hair, guides;
     wisp_error error = { 0 };
-    expect_ok( hair_head_make_hair( 8, 5, &hair, &error ), &error );
-    expect_ok( hair_head_make_guides( &hair, 4, &guides, &error ), &error );
+    assert_ok( hair_head_make_hair( 8, 5, &hair, &error ), error );
+    assert_ok( hair_head_make_guides( &hair, 4, &guides, &error ), error );
     assert_int_equal( guides.strand_count, 16 );
     float x = 0.0f;
     const int block[4] = { 2, 3, 10, 11 }; // the second block of the first two rows
@@ -289,7 +289,7 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_comparison( &plan, &all, &error ), &error );
+    assert_ok( strands_comparison( &plan, &all, &error ), error );
     expect_good( &all );
     assert_fits_terminal( &all );
     const results_table* table = find_table( &all, "Strands x 20 vertices" );
@@ -331,7 +331,7 @@ static void more_substeps_come_nearer_to_the_reference( void** state )
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_energy( &plan, &all, &error ), &error );
+    assert_ok( strands_energy( &plan, &all, &error ), error );
     find_table( &all, "Stretch and energy" );
     assert_int_equal( all.row_count, 3 * 4 );
     for ( int r = 1; r < 4; ++r )
@@ -351,7 +351,7 @@ static void closed_forms_are_met( void** state )
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_closed_forms( &plan, &all, &error ), &error );
+    assert_ok( strands_closed_forms( &plan, &all, &error ), error );
     const results_table* table = find_table( &all, "Strands against closed forms" );
     assert_true( table->row_count > 60 );
     expect_good( &all );
@@ -364,7 +364,7 @@ static void a_hair_at_rest_does_not_depend_on_the_rate_of_steps( void** state )
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_independence( &plan, &all, &error ), &error );
+    assert_ok( strands_independence( &plan, &all, &error ), error );
     find_table( &all, "A clamped hair" );
     double least = INFINITY, most = 0.0;
     for ( int r = 0; r < all.row_count; ++r )
@@ -390,7 +390,7 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( strands_guides( &plan, &all, &error ), &error );
+    assert_ok( strands_guides( &plan, &all, &error ), error );
     expect_good( &all );
     const results_table* table = find_table( &all, "Guides and ghosts" );
     assert_int_equal( table->row_count, 1 + 4 );
@@ -418,7 +418,7 @@ static void the_stats_of_guide_hair_are_met( void** state )
     };
     results all = { 0 };
     wisp_error error = { 0 };
-    expect_ok( figures_run( ghosts, WISP_COUNT( ghosts ), &quick, &all, &error ), &error );
+    assert_ok( figures_run( ghosts, WISP_COUNT( ghosts ), &quick, &all, &error ), error );
     expect_good( &all );
     assert_int_equal( all.tables[0].row_count, 1 + WISP_COUNT( ghosts ) );
     results_free( &all );
@@ -433,7 +433,7 @@ static void pictures_of_ghosts_are_written( void** state )
     results all = { 0 };
     wisp_error error = { 0 };
     remove( "guide_hair_2c_centre.png" );
-    expect_ok( figures_run( one, 1, &options, &all, &error ), &error );
+    assert_ok( figures_run( one, 1, &options, &all, &error ), error );
     FILE* file = fopen( "guide_hair_2c_centre.png", "rb" );
     assert_non_null( file );
     assert_int_equal( fgetc( file ), 0x89 );

@@ -108,7 +108,7 @@ static int make_results( void** state )
     static results all;
     const triangle_plan plan = small_plan();
     wisp_error error = { 0 };
-    expect_ok( paper_triangle_run( &plan, &all, &error ), &error );
+    assert_ok( paper_triangle_run( &plan, &all, &error ), error );
     *state = &all;
     return 0;
 }

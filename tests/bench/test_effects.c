@@ -23,10 +23,7 @@ static effect_world open_world( const effect* const* effects, int count, bool is
     {
         status = effect_world_step( &world, &error );
     }
-    if ( status != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( status, error );
     return world;
 }
 
@@ -52,10 +49,7 @@ static const wisp_pass* registered( const wisp_world* world, const char* name )
 static void read_plan( effect_world* world, char* text )
 {
     wisp_error error = { WISP_OK, "" };
-    if ( effect_world_plan( world, text, NULL, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( effect_world_plan( world, text, NULL, &error ), error );
 }
 
 // @param world in which the passes are registered @param text the names, a blank between two; is cut into them

@@ -87,10 +87,7 @@ static triangle_oracle make_oracle( const fixture* f )
     triangle_oracle cloth;
     wisp_error error = { 0 };
     triangle_oracle_lump( &def, (double)f->material.area_density, f->masses );
-    if ( triangle_oracle_create( &def, &params, &cloth, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( triangle_oracle_create( &def, &params, &cloth, &error ), error );
     return cloth;
 }
 

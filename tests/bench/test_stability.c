@@ -222,10 +222,7 @@ static void every_quick_cell_holds_or_breaks_as_the_list_says( void** state )
     const bench_options quick = { .quick = true, .workers = 2 };
     results all = { 0 };
     wisp_error error = { 0 };
-    if ( stability_bench( &quick, &all, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( stability_bench( &quick, &all, &error ), error );
     for ( int i = 0; i < all.note_count && all.failed; ++i )
     {
         print_message( "%s\n", all.notes[i] );

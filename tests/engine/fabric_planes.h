@@ -35,8 +35,7 @@ static inline test_mesh test_mesh_uneven_plane( int width, int height, float jit
 static inline wisp_vec3* test_mesh_roll( test_mesh* mesh, double angle )
 {
     size_t bytes = (size_t)mesh->vertex_count * sizeof( wisp_vec3 );
-    wisp_vec3* flat = malloc( bytes );
-    assert_non_null( flat );
+    wisp_vec3* flat = checked_malloc( bytes );
     memcpy( flat, mesh->points, bytes );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {

@@ -52,10 +52,7 @@ static inline wisp_collision_mesh* test_collision_mesh( const test_mesh* m, bool
     wisp_collision_mesh_def def = test_mesh_def( m, deforms );
     wisp_collision_mesh* tree = NULL;
     wisp_error error = { 0 };
-    if ( wisp_collision_mesh_create( &def, NULL, &tree, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_collision_mesh_create( &def, NULL, &tree, &error ), error );
     return tree;
 }
 
@@ -66,8 +63,7 @@ static inline test_mesh test_mesh_ball( int n, bool is_cube )
 {
     test_mesh m = test_mesh_reserve( 6 * ( n + 1 ) * ( n + 1 ), 12 * n * n );
     int side = n + 1, lattice = side * side * side;
-    int32_t* number = malloc( (size_t)lattice * sizeof( int32_t ) );
-    assert_non_null( number );
+    int32_t* number = checked_malloc( (size_t)lattice * sizeof( int32_t ) );
     memset( number, -1, (size_t)lattice * sizeof( int32_t ) );
     for ( int face = 0; face < 6; ++face )
     {
@@ -167,8 +163,7 @@ static inline test_mesh test_mesh_read( const char* path )
 
 static inline float* test_mesh_quads( const test_mesh* m )
 {
-    float* xyzw = calloc( 4 * (size_t)m->point_count, sizeof( float ) );
-    assert_non_null( xyzw );
+    float* xyzw = checked_calloc( 4 * (size_t)m->point_count, sizeof( float ) );
     for ( int i = 0; i < m->point_count; ++i )
     {
         memcpy( xyzw + 4 * (size_t)i, m->points + i, sizeof( wisp_vec3 ) );

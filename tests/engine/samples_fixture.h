@@ -134,8 +134,7 @@ typedef struct layer
 
 static inline layer* layer_open( const samples_mesh* m, float spacing, int workers )
 {
-    layer* l = calloc( 1, sizeof( layer ) );
-    assert_non_null( l );
+    layer* l = checked_calloc( 1, sizeof( layer ) );
     l->allocator = test_host_allocator( &l->host );
     l->pool = jobs_create( &l->allocator, workers, NULL, NULL );
     const size_t edges = (size_t)m->edge_count, triangles = (size_t)m->triangle_count;

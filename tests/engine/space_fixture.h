@@ -118,8 +118,7 @@ typedef struct space
 
 static inline space* space_open( int workers, const wisp_kernels* kernels )
 {
-    space* s = calloc( 1, sizeof( space ) );
-    assert_non_null( s );
+    space* s = checked_calloc( 1, sizeof( space ) );
     s->allocator = test_host_allocator( &s->host );
     s->pool = jobs_create( &s->allocator, workers, NULL, NULL );
     s->kernels = kernels;

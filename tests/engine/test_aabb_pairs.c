@@ -160,8 +160,7 @@ typedef struct finder
 
 static finder* finder_open( int workers )
 {
-    finder* f = calloc( 1, sizeof( finder ) );
-    assert_non_null( f );
+    finder* f = checked_calloc( 1, sizeof( finder ) );
     f->allocator = test_host_allocator( &f->host );
     f->pool = jobs_create( &f->allocator, workers, NULL, NULL );
     return f;

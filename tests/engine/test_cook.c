@@ -39,8 +39,7 @@ static int length_of( mix m, int strand, int strand_count )
 
 static test_strands make_mix( mix m, int strand_count )
 {
-    int* lengths = calloc( (size_t)strand_count + 1, sizeof( int ) );
-    assert_non_null( lengths );
+    int* lengths = checked_calloc( (size_t)strand_count + 1, sizeof( int ) );
     for ( int s = 0; s < strand_count; ++s )
     {
         lengths[s] = length_of( m, s, strand_count );
@@ -73,8 +72,7 @@ static void check_every_mix( check_fn* check )
             assert_non_null( cooked );
             const wisp_strand_topology* t = &cooked->topology;
             size_t floats = (size_t)t->row_count * 3 * WISP_LANES;
-            float* rows = malloc( ( floats + 1 ) * sizeof( float ) );
-            assert_non_null( rows );
+            float* rows = checked_malloc( ( floats + 1 ) * sizeof( float ) );
             memset( rows, 0xa5, floats * sizeof( float ) );
             cook_strands_pack( t, user.points, rows );
             check( &user, t, rows );
@@ -121,8 +119,7 @@ static void the_topology_counts_what_the_user_gave( void** state )
 static void check_permutation( const test_strands* user, const wisp_strand_topology* t, const float* rows )
 {
     (void)rows;
-    int* lanes_of = calloc( (size_t)user->strand_count + 1, sizeof( int ) );
-    assert_non_null( lanes_of );
+    int* lanes_of = checked_calloc( (size_t)user->strand_count + 1, sizeof( int ) );
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         int strand = t->lane_strand[i];
@@ -201,8 +198,7 @@ static void a_group_has_as_many_rows_as_its_longest_strand( void** state )
 
 static void check_round_trip( const test_strands* user, const wisp_strand_topology* t, const float* rows )
 {
-    wisp_vec3* back = calloc( (size_t)user->vertex_count + 1, sizeof( wisp_vec3 ) );
-    assert_non_null( back );
+    wisp_vec3* back = checked_calloc( (size_t)user->vertex_count + 1, sizeof( wisp_vec3 ) );
     for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
     {
         for ( int v = 0; v < t->lane_count[i]; ++v )

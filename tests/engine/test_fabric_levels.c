@@ -28,8 +28,7 @@ static double mean_edge( const wisp_fabric* f )
 // The level of every slot: how many levels of the list have it.
 static int* levels_of_slots( const wisp_fabric* f )
 {
-    int* level = calloc( (size_t)f->slot_count, sizeof( int ) );
-    assert_non_null( level );
+    int* level = checked_calloc( (size_t)f->slot_count, sizeof( int ) );
     for ( int l = 0; l < f->level_count; ++l )
     {
         for ( int i = 0; i < f->levels[l].vertex_count; ++i )

@@ -26,8 +26,7 @@ static int by_cell_then_item( const void* a, const void* b )
 
 static void assert_sorted_naively( const wisp_grid* g, const cloud* c )
 {
-    keyed_item* keys = calloc( (size_t)c->count + 1, sizeof( keyed_item ) );
-    assert_non_null( keys );
+    keyed_item* keys = checked_calloc( (size_t)c->count + 1, sizeof( keyed_item ) );
     for ( int i = 0; i < c->count; ++i )
     {
         keys[i] = ( keyed_item ){ cell_of( g, c->xyzw + 4 * (size_t)i ), i };

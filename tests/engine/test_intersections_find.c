@@ -208,8 +208,7 @@ static contact_mesh contact_mesh_make( shape what )
             add_needles( &s, NEEDLE_COUNT );
             break;
     }
-    s.xyzw = calloc( 4 * (size_t)s.point_count, sizeof( float ) );
-    assert_non_null( s.xyzw );
+    s.xyzw = checked_calloc( 4 * (size_t)s.point_count, sizeof( float ) );
     for ( int i = 0; i < s.point_count; ++i )
     {
         float* quad = s.xyzw + 4 * (size_t)i;
@@ -231,8 +230,8 @@ static bool contact_mesh_shares( const contact_mesh* s, int edge, int triangle )
 // Every edge and every triangle. @return [*count]
 static wisp_intersection* contact_mesh_brute( const contact_mesh* s, int* count )
 {
-    wisp_intersection* list = calloc( (size_t)s->edge_count * (size_t)s->triangle_count + 1, sizeof( *list ) );
-    assert_non_null( list );
+    wisp_intersection* list =
+        checked_calloc( (size_t)s->edge_count * (size_t)s->triangle_count + 1, sizeof( *list ) );
     *count = 0;
     for ( int e = 0; e < s->edge_count; ++e )
     {
@@ -266,8 +265,7 @@ typedef struct searcher
 
 static searcher* searcher_open( int workers )
 {
-    searcher* s = calloc( 1, sizeof( searcher ) );
-    assert_non_null( s );
+    searcher* s = checked_calloc( 1, sizeof( searcher ) );
     s->allocator = test_host_allocator( &s->host );
     s->pool = jobs_create( &s->allocator, workers, NULL, NULL );
     assert_non_null( s->pool );
@@ -385,8 +383,7 @@ static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
     assert_int_equal( search( r, &s, WISP_PAIR_SEARCH_AUTO ), WISP_OK );
-    int* of_ring = calloc( (size_t)s.edge_count, sizeof( int ) );
-    assert_non_null( of_ring );
+    int* of_ring = checked_calloc( (size_t)s.edge_count, sizeof( int ) );
     for ( int i = 0; i < r->found.count; ++i )
     {
         const int edge = r->found.list[i].edge;

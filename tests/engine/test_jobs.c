@@ -258,8 +258,7 @@ static void a_wave_sees_what_the_wave_before_wrote( void** state )
     (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
-        chain* c = calloc( 1, sizeof( chain ) );
-        assert_non_null( c );
+        chain* c = checked_calloc( 1, sizeof( chain ) );
         c->pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
         jobs_enter( c->pool, run_chain, c );
         int wrong = 0;
@@ -276,8 +275,7 @@ static void a_wave_sees_what_the_wave_before_wrote( void** state )
 static void a_pool_is_entered_a_thousand_times( void** state )
 {
     (void)state;
-    chain* c = calloc( 1, sizeof( chain ) );
-    assert_non_null( c );
+    chain* c = checked_calloc( 1, sizeof( chain ) );
     c->pool = jobs_create( NULL, 3, NULL, NULL );
     for ( int i = 0; i < 1000; ++i )
     {
@@ -295,8 +293,7 @@ static void a_wave_outside_an_entered_pool_runs_on_the_caller( void** state )
 {
     (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .waves = 20, .seed = 1 };
-    wave.runs = calloc( MAX_BLOCKS, sizeof( int ) );
-    assert_non_null( wave.runs );
+    wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
     count_waves( &wave );
     free( wave.runs );
     jobs_destroy( wave.pool );
@@ -316,8 +313,7 @@ static void a_host_is_called_once_a_wave( void** state )
     (void)state;
     thread_host host = { 0 };
     counted_wave wave = { .pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host ) };
-    wave.runs = calloc( MAX_BLOCKS, sizeof( int ) );
-    assert_non_null( wave.runs );
+    wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
     jobs_enter( wave.pool, run_three_waves, &wave );
     free( wave.runs );
     jobs_destroy( wave.pool );

@@ -108,8 +108,7 @@ static void every_table_gives_the_same_bits( void** state )
     (void)state;
     const wisp_kernels* tables[5];
     int table_count = usable_tables( tables );
-    groom* g = malloc( sizeof( groom ) );
-    assert_non_null( g );
+    groom* g = checked_malloc( sizeof( groom ) );
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         make_groom( g, dimension );

@@ -18,8 +18,7 @@ typedef struct air_scene
 
 static air_scene* new_scene( void )
 {
-    air_scene* s = calloc( 1, sizeof( air_scene ) );
-    assert_non_null( s );
+    air_scene* s = checked_calloc( 1, sizeof( air_scene ) );
     for ( int v = 0; v < SLOTS; ++v )
     {
         for ( int k = 0; k < 3; ++k )

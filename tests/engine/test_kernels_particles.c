@@ -36,8 +36,7 @@ static ball make_ball( float radius, wisp_vec3 centre )
 {
     ball b = { 0 };
     assert_true( balloon_mesh_icosphere( &b.mesh, 3, (double)radius ) );
-    wisp_vec3* points = calloc( (size_t)b.mesh.vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)b.mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int i = 0; i < b.mesh.vertex_count; ++i )
     {
         double3* p = b.mesh.positions + i;
@@ -181,8 +180,7 @@ static void normals_are_unit_vectors_along_the_area_vectors( void** state )
     ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
-    double3* gradient = calloc( (size_t)b.mesh.vertex_count, sizeof( double3 ) );
-    assert_non_null( gradient );
+    double3* gradient = checked_calloc( (size_t)b.mesh.vertex_count, sizeof( double3 ) );
     constraint_oracle_volume_gradient( b.mesh.positions, b.mesh.vertex_count, b.mesh.triangles, b.mesh.triangle_count,
                                        gradient );
     for ( int slot = 0; slot < b.fabric->slot_count; ++slot )

@@ -263,8 +263,7 @@ static void add_plain( plain_rows* p, const springs* s, const spring* l, int var
 
 static plain_rows* plain_formulas( const springs* s, int variant )
 {
-    plain_rows* p = calloc( 1, sizeof( plain_rows ) );
-    assert_non_null( p );
+    plain_rows* p = checked_calloc( 1, sizeof( plain_rows ) );
     for ( int row = 0; row < ROWS; ++row )
     {
         const double m = (double)s->position[row][3];
@@ -538,8 +537,7 @@ static void a_product_is_that_of_the_matrix( void** state )
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
         assemble( widest_table(), s, variant & ~FULL );
-        plain_rows* p = calloc( 1, sizeof( plain_rows ) );
-        assert_non_null( p );
+        plain_rows* p = checked_calloc( 1, sizeof( plain_rows ) );
         double reference = 0.0, size = 0.0;
         for ( int row = 0; row < ROWS; ++row )
         {

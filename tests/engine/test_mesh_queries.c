@@ -397,8 +397,7 @@ static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
 {
     (void)state;
     test_mesh m = test_mesh_sheet( 30, 0.1f );
-    wisp_vec3* rest = malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
-    assert_non_null( rest );
+    wisp_vec3* rest = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     memcpy( rest, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     for ( int step = 0; step < 12; ++step )
@@ -431,8 +430,7 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     const float bad[] = { NAN, INFINITY, -INFINITY, 2e9f };
-    wisp_vec3* points = malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     for ( int k = 0; k < WISP_COUNT( bad ); ++k )
     {
         memcpy( points, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );

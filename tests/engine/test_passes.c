@@ -187,8 +187,7 @@ static wisp_entity add_far( hosted* h, int n, float scale )
     fabric.tethers = true;
     fabric.levels = 4;
     wisp_surface_def def = wisp_default_surface_def();
-    wisp_vec3* start = calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( start );
+    wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         start[v] = ( wisp_vec3 ){ mesh.points[v].x * scale, 0.0f, mesh.points[v].z * scale };

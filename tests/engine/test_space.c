@@ -102,8 +102,7 @@ static size_t entries_of_all( const wisp_neighbour_list* list, int slices )
 // @return how many neighbours, near and in the shell, brute force found
 static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour_query* query )
 {
-    naive_list* list = malloc( sizeof( naive_list ) );
-    assert_non_null( list );
+    naive_list* list = checked_malloc( sizeof( naive_list ) );
     int wrong = 0;
     int64_t pairs = 0;
     uint64_t capped = 0;
@@ -129,8 +128,7 @@ static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour
 // The grid's own items as queries, in slot order.
 static float* quads_by_slot( const wisp_grid* g, const cloud* c )
 {
-    float* xyzw = calloc( 4 * (size_t)g->count + 4, sizeof( float ) );
-    assert_non_null( xyzw );
+    float* xyzw = checked_calloc( 4 * (size_t)g->count + 4, sizeof( float ) );
     for ( int slot = 0; slot < g->count; ++slot )
     {
         memcpy( xyzw + 4 * (size_t)slot, c->xyzw + 4 * (size_t)g->item[slot], 4 * sizeof( float ) );

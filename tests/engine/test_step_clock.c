@@ -18,8 +18,7 @@ static int advance( step_clock* clock, wisp_frame* frame, double dt )
 
 static wisp_frame* new_frame( void )
 {
-    wisp_frame* frame = calloc( 1, sizeof( wisp_frame ) );
-    assert_non_null( frame );
+    wisp_frame* frame = checked_calloc( 1, sizeof( wisp_frame ) );
     return frame;
 }
 

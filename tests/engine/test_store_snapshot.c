@@ -89,8 +89,7 @@ typedef struct snapshot
 static snapshot take_snapshot( store* s )
 {
     snapshot shot = { .size = store_snapshot_size( s ) };
-    shot.bytes = malloc( shot.size );
-    assert_non_null( shot.bytes );
+    shot.bytes = checked_malloc( shot.size );
     store_snapshot( s, shot.bytes );
     return shot;
 }
@@ -173,8 +172,7 @@ static void a_snapshot_cut_anywhere_is_refused( void** state )
     for ( size_t size = 0; size < shot.size; ++size )
     {
         // a block of exactly this size, so that a sanitizer sees a byte read too far
-        unsigned char* cut = malloc( size > 0 ? size : 1 );
-        assert_non_null( cut );
+        unsigned char* cut = checked_malloc( size > 0 ? size : 1 );
         memcpy( cut, shot.bytes, size );
         assert_refused( &f->s, cut, size );
         free( cut );
@@ -187,8 +185,7 @@ static void a_snapshot_with_bytes_behind_it_is_refused( void** state )
     fixture* f = *state;
     fill_three( &f->s );
     snapshot shot = take_snapshot( &f->s );
-    unsigned char* longer = calloc( 1, shot.size + 8 );
-    assert_non_null( longer );
+    unsigned char* longer = checked_calloc( 1, shot.size + 8 );
     memcpy( longer, shot.bytes, shot.size );
     assert_refused( &f->s, longer, shot.size + 1 );
     assert_refused( &f->s, longer, shot.size + 8 );
@@ -306,8 +303,7 @@ static void what_waits_is_part_of_the_snapshot( void** state )
     wisp_entity e = add( &f->s, 1 );
     store_find( &f->s, e )->dirty = 42;
     size_t size = store_snapshot_size( &f->s );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     store_snapshot( &f->s, bytes );
     store_find( &f->s, e )->dirty = 7;
     assert_int_equal( store_restore( &f->s, bytes, size, NULL ), WISP_OK );

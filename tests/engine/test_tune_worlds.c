@@ -149,10 +149,7 @@ static wisp_tune_result find( cloth_host* host, const wisp_tune_def* args )
     const wisp_tune_worlds_def def = worlds_def( host );
     wisp_tune_result found;
     wisp_error error = { 0 };
-    if ( wisp_tune_worlds( args, &def, &found, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_tune_worlds( args, &def, &found, &error ), error );
     return found;
 }
 

@@ -183,10 +183,7 @@ static wisp_collision_mesh* make_voxels( const test_mesh* m, bool deforms, float
     def.voxel_size = size;
     wisp_collision_mesh* tree = NULL;
     wisp_error error = { 0 };
-    if ( wisp_collision_mesh_create( &def, NULL, &tree, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_collision_mesh_create( &def, NULL, &tree, &error ), error );
     assert_int_equal( wisp_collision_mesh_get_stats( tree ).search, WISP_MESH_SEARCH_VOXELS );
     return tree;
 }
@@ -407,8 +404,7 @@ static void crumple( test_mesh* m, const wisp_vec3* rest, int step )
 
 static wisp_vec3* copy_points( const test_mesh* m )
 {
-    wisp_vec3* points = malloc( (size_t)m->point_count * sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_malloc( (size_t)m->point_count * sizeof( wisp_vec3 ) );
     memcpy( points, m->points, (size_t)m->point_count * sizeof( wisp_vec3 ) );
     return points;
 }

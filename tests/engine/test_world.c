@@ -195,8 +195,7 @@ static void a_snapshot_needs_room_and_brings_the_state_back( void** state )
     wisp_entity e = add_frozen( h->world, 20, 6 );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size - 1 ), WISP_BAD_INPUT );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     uint64_t hash = wisp_world_hash( h->world );
@@ -220,8 +219,7 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     step( h->world );
     hashes[0] = wisp_world_hash( h->world );
@@ -260,8 +258,7 @@ static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
     test_strands_free( &a );
     test_strands_free( &b );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     wisp_status status = wisp_world_restore( other, bytes, size );
     free( bytes );
@@ -293,8 +290,7 @@ static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused
     wisp_world* world = open_frozen_world( more + 2, 1, &e );
     wisp_world* other = open_frozen_world( more, 3, &other_e );
     size_t size = wisp_world_snapshot_size( world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( world, bytes, size ), WISP_OK );
     wisp_status status =
         wisp_world_snapshot_size( other ) == size ? wisp_world_restore( other, bytes, size ) : WISP_BAD_INPUT;
@@ -325,8 +321,7 @@ static void a_snapshot_of_flat_strands_is_refused_by_deep_ones( void** state )
     def.dimension = 2;
     assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
     size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
     wisp_status status = wisp_world_restore( other, bytes, size );
     free( bytes );

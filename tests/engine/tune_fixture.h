@@ -112,10 +112,7 @@ static inline wisp_tune_result find( searched* s )
     s->args.parameters = s->parameters;
     wisp_tune_result result;
     wisp_error error = { 0 };
-    if ( wisp_tune( &s->args, &result, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( wisp_tune( &s->args, &result, &error ), error );
     return result;
 }
 

@@ -35,8 +35,7 @@ static inline wisp_world_def hosted_def( hosted* h )
 
 static inline int open_hosted( void** state )
 {
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
     assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
     *state = h;

@@ -98,8 +98,7 @@ wisp_world* balloon_world_create( const balloon_scene* scene )
 static wisp_vec3* rounded_points( const balloon_scene* scene, double scale, wisp_vec3 place )
 {
     const balloon_mesh* mesh = scene->mesh;
-    wisp_vec3* points = calloc( (size_t)mesh->vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)mesh->vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         double3 p = double3_scale( scale, mesh->positions[v] );
@@ -370,8 +369,7 @@ static int list_pairs( const wisp_fabric* f, bool edges, bool crosses, int* pair
 
 static void* new_memory( int count, size_t size )
 {
-    void* memory = calloc( (size_t)count + 1, size );
-    assert_non_null( memory );
+    void* memory = checked_calloc( (size_t)count + 1, size );
     return memory;
 }
 

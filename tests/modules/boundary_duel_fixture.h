@@ -99,8 +99,7 @@ static inline void duel_fill_args( duel* d )
 /// Close with duel_close(). The mesh stays the caller's.
 static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
 {
-    duel* d = calloc( 1, sizeof( duel ) );
-    assert_non_null( d );
+    duel* d = checked_calloc( 1, sizeof( duel ) );
     d->mesh = *mesh;
     d->def = *def;
     const boundary_oracle_options options = {
@@ -114,8 +113,7 @@ static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
         .triangle_spacing = def->triangle_spacing,
     };
     assert_int_equal( boundary_oracle_create( mesh, &options, &d->oracle, NULL ), WISP_OK );
-    d->x = calloc( (size_t)mesh->vertex_count, sizeof( double3 ) );
-    assert_non_null( d->x );
+    d->x = checked_calloc( (size_t)mesh->vertex_count, sizeof( double3 ) );
     d->position = duel_memory( 4 * mesh->vertex_count, sizeof( float ) );
     d->normal = duel_memory( 4 * mesh->vertex_count, sizeof( float ) );
     d->allocator = test_host_allocator( &d->host );

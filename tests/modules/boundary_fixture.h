@@ -32,8 +32,7 @@ static inline wisp_entity add_ball( ball_world* b, const test_mesh* mesh )
 static inline ball_world* ball_open( int level, int workers, const char* isa )
 {
     static const wisp_module* const MODULES[] = { &wisp_boundary_module, &wisp_cloth_module };
-    ball_world* b = calloc( 1, sizeof( ball_world ) );
-    assert_non_null( b );
+    ball_world* b = checked_calloc( 1, sizeof( ball_world ) );
     wisp_world_def def = wisp_default_world_def();
     def.modules = MODULES;
     def.module_count = WISP_COUNT( MODULES );

@@ -24,8 +24,7 @@ static inline wisp_world_def colliding_def( hosted* h )
 
 static inline hosted* new_colliding( int substeps, int iterations, int workers )
 {
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = colliding_def( h );
     h->def.substeps = substeps;
     h->def.iterations = iterations;

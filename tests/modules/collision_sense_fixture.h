@@ -48,8 +48,7 @@ static const wisp_module FOLLOWER = { .name = "follower", .declare = declare_fol
 static inline hosted* new_world( int substeps, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_collision_module, &FOLLOWER };
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
     h->def.modules = MODULES;
     h->def.module_count = WISP_COUNT( MODULES );

@@ -161,8 +161,7 @@ static void cases_and_a_nudge_have_other_hashes( void** state )
 static void* determinism_save( determinism_run* r, size_t* size )
 {
     *size = wisp_world_snapshot_size( r->world );
-    void* bytes = malloc( *size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( *size );
     assert_status( r->world, wisp_world_snapshot( r->world, bytes, *size ), WISP_OK );
     return bytes;
 }

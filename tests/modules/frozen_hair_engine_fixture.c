@@ -6,8 +6,7 @@
 
 static void* new_memory( size_t bytes )
 {
-    void* memory = calloc( 1, bytes + 16 );
-    assert_non_null( memory );
+    void* memory = checked_calloc( 1, bytes + 16 );
     return memory;
 }
 

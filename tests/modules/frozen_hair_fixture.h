@@ -9,15 +9,13 @@ static const uint64_t random_seed = 99;
 
 static inline double3* new_points( const frozen_scene* scene )
 {
-    double3* points = calloc( (size_t)scene->vertex_count + 1, sizeof( double3 ) );
-    assert_non_null( points );
+    double3* points = checked_calloc( (size_t)scene->vertex_count + 1, sizeof( double3 ) );
     return points;
 }
 
 static inline double* new_doubles( const frozen_scene* scene )
 {
-    double* values = calloc( (size_t)scene->vertex_count + 1, sizeof( double ) );
-    assert_non_null( values );
+    double* values = checked_calloc( (size_t)scene->vertex_count + 1, sizeof( double ) );
     return values;
 }
 

@@ -62,8 +62,7 @@ static wisp_vec3* find_base( const partial_run* run )
         wisp_world_destroy( world );
         return points;
     }
-    wisp_vec3* points = calloc( (size_t)run->groom->vertex_count + 1, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)run->groom->vertex_count + 1, sizeof( wisp_vec3 ) );
     memcpy( points, run->groom->points, (size_t)run->groom->vertex_count * sizeof( wisp_vec3 ) );
     return points;
 }
@@ -82,8 +81,7 @@ static void follow_clump( hair_shadow* shadow, const partial_run* run, hair_orac
     const int count = run->groom->vertex_count;
     wisp_frozen_hair_def part = *run->whole;
     double3 *reference = hair_widen_all( *current, count ), *out = hair_new_points( count );
-    double* bound = calloc( 3 * (size_t)count + 1, sizeof( double ) );
-    assert_non_null( bound );
+    double* bound = checked_calloc( 3 * (size_t)count + 1, sizeof( double ) );
     double *in_bound = bound + count, *exact = in_bound + count;
     for ( int k = 0; k < run->whole->clump_iterations; ++k )
     {
@@ -123,8 +121,7 @@ hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const w
     hair_oracle oracle = hair_oracle_create( groom, def, (uint64_t)commands );
     wisp_vec3* current = find_base( &run );
     double3 *base = hair_widen_all( current, count ), *out = hair_new_points( count );
-    double* bound = calloc( (size_t)count + 1, sizeof( double ) );
-    assert_non_null( bound );
+    double* bound = checked_calloc( (size_t)count + 1, sizeof( double ) );
     oracle.hair.previous = base;
 
     wisp_frozen_hair_def part = *def;
@@ -200,8 +197,7 @@ void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def*
     hair_oracle oracle = hair_oracle_create( groom, def, 0 );
     double3 *frozen = hair_widen_all( groom->points, count ), *scratch = hair_new_points( count );
     double3 *expected = hair_new_points( count ), *moved = hair_new_points( count ), *out = hair_new_points( count );
-    double* bound = calloc( 2 * (size_t)count + 1, sizeof( double ) );
-    assert_non_null( bound );
+    double* bound = checked_calloc( 2 * (size_t)count + 1, sizeof( double ) );
     const double* exact = bound + count;
     double amount = 0.0;
     if ( def->freeze )

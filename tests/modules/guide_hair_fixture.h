@@ -116,14 +116,12 @@ static inline double3 guide_round( double3 p )
 /// Add strands of given lengths, back to back.
 static inline wisp_entity guide_add_mixed( wisp_world* world, const double3* nodes, int strands, const int* counts )
 {
-    int32_t* offsets = calloc( (size_t)strands + 1, sizeof( int32_t ) );
-    assert_non_null( offsets );
+    int32_t* offsets = checked_calloc( (size_t)strands + 1, sizeof( int32_t ) );
     for ( int s = 0; s < strands; ++s )
     {
         offsets[s + 1] = offsets[s] + counts[s];
     }
-    wisp_vec3* points = calloc( (size_t)offsets[strands] + 1, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)offsets[strands] + 1, sizeof( wisp_vec3 ) );
     for ( int n = 0; n < offsets[strands]; ++n )
     {
         points[n] = guide_narrow( nodes[n] );

@@ -85,10 +85,7 @@ static inline guide_oracle make_hair( const scene* s, const guide_oracle_options
     guide_oracle_def def = def_of( s );
     guide_oracle hair;
     wisp_error error = { 0 };
-    if ( guide_oracle_create( &def, options, &hair, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( guide_oracle_create( &def, options, &hair, &error ), error );
     return hair;
 }
 

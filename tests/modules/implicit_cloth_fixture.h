@@ -30,8 +30,7 @@ static inline void open_implicit( hosted* h, int substeps )
 
 static inline int open_implicit_world( void** state )
 {
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     open_implicit( h, 1 );
     *state = h;
     return 0;

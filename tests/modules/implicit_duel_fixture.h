@@ -165,8 +165,7 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
 /// beginning, moving up to 0.2 m/s.
 static inline match* open_match( const duel* rules )
 {
-    match* m = calloc( 1, sizeof( match ) );
-    assert_non_null( m );
+    match* m = checked_calloc( 1, sizeof( match ) );
     m->rules = rules;
     open_implicit( &m->h, 1 );
     test_mesh mesh = test_plane( DUEL_SIDE, 0.03125f );

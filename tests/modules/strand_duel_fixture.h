@@ -256,8 +256,7 @@ static inline void kick( match* m, float speed )
 
 static inline match* open_match( const duel* rules, int substeps, float speed )
 {
-    match* m = calloc( 1, sizeof( match ) );
-    assert_non_null( m );
+    match* m = checked_calloc( 1, sizeof( match ) );
     const wisp_transform origin = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     m->rules = rules;
     m->def = def_of( rules );

@@ -78,14 +78,12 @@ static inline wisp_vec3 curl_down( int strand, int i, int count, float length )
 static inline wisp_entity add_strands( wisp_world* world, const int* counts, int strand_count, strand_curve* curve,
                                        float length )
 {
-    int32_t* offsets = calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
-    assert_non_null( offsets );
+    int32_t* offsets = checked_calloc( (size_t)strand_count + 1, sizeof( int32_t ) );
     for ( int s = 0; s < strand_count; ++s )
     {
         offsets[s + 1] = offsets[s] + counts[s];
     }
-    wisp_vec3* points = calloc( (size_t)offsets[strand_count] + 1, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)offsets[strand_count] + 1, sizeof( wisp_vec3 ) );
     for ( int s = 0; s < strand_count; ++s )
     {
         for ( int i = 0; i < counts[s]; ++i )

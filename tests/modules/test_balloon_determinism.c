@@ -57,8 +57,7 @@ typedef struct running
 
 static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
-    running* r = calloc( 1, sizeof( *r ) );
-    assert_non_null( r );
+    running* r = checked_calloc( 1, sizeof( *r ) );
     r->scene = scene_of( CASES + number );
     r->scene.workers = place->workers;
     r->scene.isa = place->isa;

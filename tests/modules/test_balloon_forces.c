@@ -275,8 +275,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     balloon_start( &flight, &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     size_t bytes = (size_t)fabric->slot_count * 4 * sizeof( float );
-    float* shape = malloc( bytes );
-    assert_non_null( shape );
+    float* shape = checked_malloc( bytes );
     memcpy( shape, balloon_positions( &flight ), bytes );
     double gained = 0.0, mass = 0.0;
     for ( int n = 0; n < 100; ++n )

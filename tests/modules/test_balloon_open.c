@@ -84,8 +84,7 @@ static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_oracle_caps caps = caps_of( &mesh );
     assert_int_equal( caps.hub_count, 2 );
-    double3* gradient = calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
-    assert_non_null( gradient );
+    double3* gradient = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
     double volume = balloon_oracle_capped_volume( &caps, mesh.positions ), other, largest = 0.0, dot = 0.0;
     assert_true( balloon_mesh_capped_volume( &mesh, &other ) );
     balloon_assert_fraction( volume, other, 1e-13 );
@@ -266,8 +265,7 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene closed = balloon_scene_of( &mesh ), scene = open_scene( &mesh );
     const wisp_balloon_stats whole = first_stats( &closed );
-    int* kept = calloc( 3 * (size_t)mesh.triangle_count, sizeof( int ) );
-    assert_non_null( kept );
+    int* kept = checked_calloc( 3 * (size_t)mesh.triangle_count, sizeof( int ) );
     memcpy( kept, mesh.triangles, 3 * (size_t)mesh.triangle_count * sizeof( int ) );
     for ( int t = 0; t < mesh.triangle_count; t += 23 )
     {
@@ -413,8 +411,7 @@ static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
     balloon_start( &flight, &scene );
     balloon_steps( &flight, 5 );
     size_t size = wisp_world_snapshot_size( flight.world );
-    void* kept = malloc( size );
-    assert_non_null( kept );
+    void* kept = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( flight.world, kept, size ), WISP_OK );
     balloon_steps( &flight, 5 );
     uint64_t there = wisp_world_hash( flight.world );
@@ -504,8 +501,7 @@ static void holes_that_meet_at_a_vertex_are_refused( void** state )
 {
     (void)state;
     balloon_mesh sphere = balloon_sphere( 1, 0.15 ), mesh = { sphere.vertex_count, 0, sphere.positions, NULL };
-    mesh.triangles = calloc( 3 * (size_t)sphere.triangle_count, sizeof( int ) );
-    assert_non_null( mesh.triangles );
+    mesh.triangles = checked_calloc( 3 * (size_t)sphere.triangle_count, sizeof( int ) );
     // of the triangles around vertex 0 every other one: five or six leave at least two holes that meet there
     int around = 0, left_out = 0;
     int taken[2][2] = { { -1, -1 }, { -1, -1 } };

@@ -20,8 +20,7 @@ static balloon_mesh new_sphere( int level, double radius )
 
 static double* new_masses( const balloon_mesh* mesh, double areal_density )
 {
-    double* mass = calloc( (size_t)mesh->vertex_count, sizeof( double ) );
-    assert_non_null( mass );
+    double* mass = checked_calloc( (size_t)mesh->vertex_count, sizeof( double ) );
     balloon_oracle_masses( mesh->positions, mesh->vertex_count, mesh->triangles, mesh->triangle_count, areal_density,
                            mass );
     return mass;
@@ -81,8 +80,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_e
         const balloon_mesh* mesh = &meshes[n];
         balloon_mesh_topology t;
         assert_true( balloon_mesh_build_topology( mesh, &t ) );
-        int* pairs = calloc( 2 * (size_t)t.edge_count, sizeof( int ) );
-        assert_non_null( pairs );
+        int* pairs = checked_calloc( 2 * (size_t)t.edge_count, sizeof( int ) );
         assert_int_equal( t.edge_count, 3 * mesh->triangle_count / 2 );
         assert_int_equal( balloon_mesh_structural_pairs( &t, pairs ), t.edge_count );
         for ( int e = 1; e < t.edge_count; ++e )

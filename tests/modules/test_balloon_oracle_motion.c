@@ -12,10 +12,7 @@ static balloon_oracle new_body( const balloon_mesh* mesh, double areal_density, 
 {
     balloon_oracle body;
     wisp_error error = { 0 };
-    if ( balloon_oracle_create_from_mesh( mesh, areal_density, outlet, options, &body, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( balloon_oracle_create_from_mesh( mesh, areal_density, outlet, options, &body, &error ), error );
     return body;
 }
 

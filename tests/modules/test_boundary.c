@@ -276,8 +276,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     set_layer( b, b->ball, &def );
     ball_steps( b, 8 );
     const size_t size = wisp_world_snapshot_size( b->world );
-    void* kept = malloc( size );
-    assert_non_null( kept );
+    void* kept = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( b->world, kept, size ), WISP_OK );
     uint64_t through[6];
     for ( int i = 0; i < 6; ++i )

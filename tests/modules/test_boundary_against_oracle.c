@@ -159,12 +159,8 @@ static balloon_mesh bunny( void )
 {
     wisp_mesh read = { 0 };
     wisp_error error = { 0 };
-    if ( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &read, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
-    double3* points = calloc( (size_t)read.vertex_count, sizeof( double3 ) );
-    assert_non_null( points );
+    assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &read, &error ), error );
+    double3* points = checked_calloc( (size_t)read.vertex_count, sizeof( double3 ) );
     for ( int i = 0; i < read.vertex_count; ++i )
     {
         points[i] = double3_make( (double)read.points[i].x, (double)read.points[i].y, (double)read.points[i].z );
@@ -312,8 +308,7 @@ static void points_follow_a_pulsation_as_those_of_the_oracle( void** state )
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
-        double3* x = calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
-        assert_non_null( x );
+        double3* x = checked_calloc( (size_t)mesh.vertex_count, sizeof( double3 ) );
         for ( int c = 0; c < 6; ++c )
         {
             const duel_def def = { .spacing = spacing_of( MESHES + n, &mesh ),

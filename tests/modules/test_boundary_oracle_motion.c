@@ -244,8 +244,7 @@ static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( v
     balloon_mesh mesh = reference_sphere();
     balloon_mesh_topology topology;
     assert_true( balloon_mesh_build_topology( &mesh, &topology ) );
-    int* pairs = calloc( 2 * (size_t)topology.edge_count, sizeof( int ) );
-    assert_non_null( pairs );
+    int* pairs = checked_calloc( 2 * (size_t)topology.edge_count, sizeof( int ) );
     double mass[872];
     for ( int i = 0; i < 872; ++i )
     {

@@ -110,8 +110,7 @@ static double sag_of_strip( int columns, int substeps )
     open_world( &h, substeps, 1 );
     const float spacing = 1.0f / (float)( columns - 1 );
     test_mesh mesh = hanging_mesh( columns, 2, spacing, spacing );
-    wisp_vec3* start = calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( start );
+    wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
         // the rest shape is laid flat; the strip starts as a V of its own length between the pins, 0.3 m deep

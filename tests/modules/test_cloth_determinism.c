@@ -79,8 +79,7 @@ typedef struct running
 
 static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
-    running* r = calloc( 1, sizeof( *r ) );
-    assert_non_null( r );
+    running* r = checked_calloc( 1, sizeof( *r ) );
     open_place( &r->h, cases + number, place, calls );
     r->cloth = add_case( r->h.world, cases + number, SIDE );
     r->base = ( determinism_run ){ number, 0, r->h.world, &r->h.host };

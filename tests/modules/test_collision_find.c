@@ -60,8 +60,7 @@ static void add_mesh( wisp_world* world, test_mesh mesh, float scale, wisp_vec3 
 // The last is a small ball that blocks are far away from.
 static meeting* new_meeting( void )
 {
-    meeting* m = calloc( 1, sizeof( *m ) );
-    assert_non_null( m );
+    meeting* m = checked_calloc( 1, sizeof( *m ) );
     m->h = new_colliding( 1, 1, 1 );
     m->blocks = calloc( 1, sizeof( particles ) );
     m->singly = calloc( 1, sizeof( particles ) );

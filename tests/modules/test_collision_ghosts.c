@@ -318,8 +318,7 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
         // what was moved is as far as it shall be
         assert_true( (double)stats.penetration <= ROUNDED );
         const int count = wisp_world_strands( world, hair )->vertex_count;
-        wisp_vec3* before = calloc( (size_t)count, sizeof( wisp_vec3 ) );
-        assert_non_null( before );
+        wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
         memcpy( before, guide_points( world, hair ), (size_t)count * sizeof( wisp_vec3 ) );
         guide_step( world );
         for ( int n = 0; n < count; ++n )

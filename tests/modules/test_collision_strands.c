@@ -16,8 +16,7 @@ typedef struct hair_world
 static hosted* new_hair_world( hair_world w )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module };
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
     h->def.modules = MODULES;
     h->def.module_count = WISP_COUNT( MODULES );

@@ -70,8 +70,7 @@ typedef struct trace
 // Cloth falls on a body that moves and turns.
 static trace* run( search how, bool double_sided, int workers )
 {
-    trace* t = calloc( 1, sizeof( trace ) );
-    assert_non_null( t );
+    trace* t = checked_calloc( 1, sizeof( trace ) );
     hosted* h = new_colliding( 2, 2, workers );
     test_mesh ball = make_bumpy_ball();
     wisp_collider_def body = mesh_body( &ball, how );

@@ -4,8 +4,7 @@
 
 static int open_refusing( void** state )
 {
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     open_contact( h, 2, 1, 1 );
     *state = h;
     return 0;

@@ -152,8 +152,7 @@ static void check_remembered( bool folds, int steps, float seconds )
         run_steps( both[w]->world, 1, seconds );
     }
     const size_t size = wisp_world_snapshot_size( h.world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     int contacts = 0, searches = 0;
     for ( int step = 0; step < steps; ++step )
     {

@@ -222,14 +222,12 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
 // Stages one at a time, each in a world of its own whose rest shape is what the stage before made, in a given order.
 static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
 {
-    int* counts = calloc( (size_t)groom->strand_count, sizeof( int ) );
-    assert_non_null( counts );
+    int* counts = checked_calloc( (size_t)groom->strand_count, sizeof( int ) );
     for ( int s = 0; s < groom->strand_count; ++s )
     {
         counts[s] = groom->offsets[s + 1] - groom->offsets[s];
     }
-    wisp_vec3* points = calloc( (size_t)groom->vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( points );
+    wisp_vec3* points = checked_calloc( (size_t)groom->vertex_count, sizeof( wisp_vec3 ) );
     memcpy( points, groom->points, (size_t)groom->vertex_count * sizeof( wisp_vec3 ) );
     for ( ; *order != 0; ++order )
     {

@@ -68,8 +68,7 @@ static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
     {
         n = 20000
     };
-    double* samples = malloc( 3 * n * sizeof( double ) );
-    assert_non_null( samples );
+    double* samples = checked_malloc( 3 * n * sizeof( double ) );
     frozen_oracle_options options = frozen_oracle_default_options();
     for ( int i = 0; i < n; ++i )
     {
@@ -108,8 +107,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
     const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_SIGNED, FROZEN_ORACLE_GAP_REVERSED };
     // printed does not count a pair that closes, closing does not count one that opens
     const double r1[] = { 0.004, 0.006 };
-    double* samples = malloc( n * sizeof( double ) );
-    assert_non_null( samples );
+    double* samples = checked_malloc( n * sizeof( double ) );
     frozen_oracle_options options = frozen_oracle_default_options();
     for ( int rule = 0; rule < 2; ++rule )
     {
@@ -294,8 +292,7 @@ typedef struct clumping
 static clumping measure_clumping( const frozen_scene* scene, const double3* p, double h )
 {
     clumping result = { 0, 0.0, INFINITY };
-    int* parent = malloc( (size_t)scene->vertex_count * sizeof( int ) );
-    assert_non_null( parent );
+    int* parent = checked_malloc( (size_t)scene->vertex_count * sizeof( int ) );
     for ( int v = 0; v < scene->vertex_count; ++v )
     {
         parent[v] = v;

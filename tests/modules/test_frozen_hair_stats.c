@@ -225,8 +225,7 @@ typedef struct clumping
 static clumping measure_clumping( const hair_groom* groom, const wisp_vec3* p, double h )
 {
     clumping result = { 0, 0.0 };
-    int* parent = malloc( (size_t)groom->vertex_count * sizeof( int ) );
-    assert_non_null( parent );
+    int* parent = checked_malloc( (size_t)groom->vertex_count * sizeof( int ) );
     for ( int v = 0; v < groom->vertex_count; ++v )
     {
         parent[v] = v;

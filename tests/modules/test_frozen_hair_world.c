@@ -403,8 +403,7 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
     hair_step( world );
     wisp_vec3* first = hair_points( world, entity, 600 );
     size_t size = wisp_world_snapshot_size( world );
-    void* snapshot = malloc( size );
-    assert_non_null( snapshot );
+    void* snapshot = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
     hair_command( world, entity, def.cursor );
     hair_step( world );
@@ -438,8 +437,7 @@ static void a_step_after_a_restore_changes_nothing( void** state )
         hair_step( world );
         wisp_vec3* first = hair_points( world, entity, 600 );
         size_t size = wisp_world_snapshot_size( world );
-        void* snapshot = malloc( size );
-        assert_non_null( snapshot );
+        void* snapshot = checked_malloc( size );
         assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
         hair_command( world, entity, def.cursor );
         hair_step( world );

@@ -99,10 +99,7 @@ static guide_oracle oracle_of( const flock* f, const variant* c )
                                    f->ghost,          NULL };
     guide_oracle hair;
     wisp_error error = { 0 };
-    if ( guide_oracle_create( &def, &o, &hair, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( guide_oracle_create( &def, &o, &hair, &error ), error );
     return hair;
 }
 

@@ -30,10 +30,7 @@ static guide_oracle oracle_of( const flock* f, const wisp_ghosts_def* def )
                                        f->ghost,          NULL };
     guide_oracle hair;
     wisp_error error = { 0 };
-    if ( guide_oracle_create( &strands, &o, &hair, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( guide_oracle_create( &strands, &o, &hair, &error ), error );
     return hair;
 }
 
@@ -165,8 +162,7 @@ static void a_restored_world_goes_on_with_the_same_bits( void** state )
         guide_swing( &f );
     }
     const size_t size = wisp_world_snapshot_size( f.world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
     const scene then = f.s;
     wisp_vec3 first[12 * NODES], again[12 * NODES];

@@ -93,8 +93,7 @@ static void a_snapshot_brings_the_velocities_before_back( void** state )
         guide_swing( &f );
     }
     const size_t size = wisp_world_snapshot_size( f.world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
     const scene then = f.s;
     guide_swing( &f );

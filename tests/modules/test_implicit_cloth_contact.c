@@ -12,8 +12,7 @@ static hosted* new_solved( int substeps, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
                                                   &wisp_implicit_cloth_module };
-    hosted* h = calloc( 1, sizeof( hosted ) );
-    assert_non_null( h );
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
     h->def = hosted_def( h );
     h->def.modules = MODULES;
     h->def.module_count = WISP_COUNT( MODULES );

@@ -111,8 +111,7 @@ static void run_case_steps( determinism_run* base, int steps )
 
 static determinism_run* open_case( int number, const place_to_run* place, int* calls )
 {
-    running* r = calloc( 1, sizeof( *r ) );
-    assert_non_null( r );
+    running* r = checked_calloc( 1, sizeof( *r ) );
     r->c = cases + number;
     r->h.def = implicit_def( &r->h );
     determinism_place( &r->h.def, place, calls );

@@ -482,8 +482,7 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         run_steps( h.world, 5, DT );
         const size_t size = wisp_world_snapshot_size( h.world );
-        void* bytes = malloc( size );
-        assert_non_null( bytes );
+        void* bytes = checked_malloc( size );
         assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
         run_steps( h.world, 7, DT );
         const uint64_t points = hash_of( h.world, e, WISP_SURFACE_POINTS ), all = wisp_world_hash( h.world );

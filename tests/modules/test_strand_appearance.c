@@ -177,8 +177,7 @@ static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( 
     check_vertex( &appearance, 1.0, width[tip], colour[tip] );
 
     // frozen hair beside it: the look of the strands does not touch their shape, nor the other way round
-    wisp_vec3* painted_colour = calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
-    assert_non_null( painted_colour );
+    wisp_vec3* painted_colour = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
     memcpy( painted_colour, colour, (size_t)groom.vertex_count * sizeof( wisp_vec3 ) );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     hair_set( world, entity, &def );

@@ -478,8 +478,7 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
         move_busy( s.world, e, i );
     }
     const size_t size = wisp_world_snapshot_size( s.world );
-    void* bytes = malloc( size );
-    assert_non_null( bytes );
+    void* bytes = checked_malloc( size );
     assert_int_equal( wisp_world_snapshot( s.world, bytes, size ), WISP_OK );
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )

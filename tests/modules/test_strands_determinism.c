@@ -181,8 +181,7 @@ static determinism_run* open_case( int number, const place_to_run* place, int* c
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module, &wisp_strands_module,
                                                   &wisp_guide_hair_module };
-    running* r = calloc( 1, sizeof( *r ) );
-    assert_non_null( r );
+    running* r = checked_calloc( 1, sizeof( *r ) );
     r->c = cases + number;
     prepare_strands( &r->s, MODULES, WISP_COUNT( MODULES ) );
     determinism_place( &r->s.def, place, calls );

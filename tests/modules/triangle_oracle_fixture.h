@@ -27,10 +27,7 @@ static inline triangle_oracle make_cloth( const triangle_oracle_def* def, const 
 {
     triangle_oracle cloth;
     wisp_error error = { 0 };
-    if ( triangle_oracle_create( def, params, &cloth, &error ) != WISP_OK )
-    {
-        fail_msg( "%s", error.message );
-    }
+    assert_ok( triangle_oracle_create( def, params, &cloth, &error ), error );
     return cloth;
 }
 
