@@ -77,7 +77,7 @@ static inline void demand_bytes( const bad_file_list* list )
         size_t size = bad_file_build( list, i, made ), length = 0;
         char path[1024];
         path_in_bad_folder( path, sizeof path, list->files[i].name );
-        unsigned char* found = get_file( path, &length );
+        unsigned char* found = read_bytes( path, &length );
         if ( length != size || memcmp( found, made, size ) != 0 )
         {
             fail_msg( "%s: the file is not what make_bad_files writes", list->files[i].name );

@@ -9,11 +9,6 @@
 
 #include <sys/stat.h>
 
-static inline bool exists( const char* path )
-{
-    return access( path, R_OK ) == 0;
-}
-
 enum
 {
     FRAMES = 6,
@@ -110,17 +105,14 @@ static inline void write_sheet_mesh( const char* path )
 
 static inline int enter_folder( void** state )
 {
-    if ( enter_new_folder( state ) != 0 )
-    {
-        return -1;
-    }
-    write_file( "hair.yaml", hair_scene );
-    write_file( "cloth.yaml", cloth_scene );
-    write_file( "other.txt", "a letter\n" );
-    write_file( "triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" );
+    static const text_file files[] = { { "hair.yaml", hair_scene },
+                                       { "cloth.yaml", cloth_scene },
+                                       { "other.txt", "a letter\n" },
+                                       { "triangle.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" } };
+    const int status = enter_folder_with( state, files, WISP_COUNT( files ) );
     record_sheet( "fly.wisp", SPEED * (float)STEP );
     record_sheet( "fly.pc2", SPEED * (float)STEP );
     record_sheet( "stay.wisp", 0.0f );
     write_sheet_mesh( "sheet.obj" );
-    return 0;
+    return status;
 }

@@ -5,11 +5,9 @@
 #define _XOPEN_SOURCE 700
 #endif
 
-#include "unit.h"
+#include "files.h"
 
 #include <dirent.h>
-#include <stdbool.h>
-#include <unistd.h>
 
 typedef struct folder
 {
@@ -75,33 +73,6 @@ static inline int remove_folder( void** state )
     int status = rmdir( ( (folder*)*state )->path );
     free( *state );
     return status;
-}
-
-static inline void put_file( const char* path, const void* bytes, size_t size )
-{
-    FILE* file = fopen( path, "wb" );
-    assert_non_null( file );
-    assert_int_equal( fwrite( bytes, 1, size, file ), size );
-    fclose( file );
-}
-
-/// @return zero-terminated, for free()
-static inline unsigned char* get_file( const char* path, size_t* size )
-{
-    FILE* file = fopen( path, "rb" );
-    if ( file == NULL )
-    {
-        fail_msg( "%s: missing", path );
-        return NULL;
-    }
-    fseek( file, 0, SEEK_END );
-    *size = (size_t)ftell( file );
-    rewind( file );
-    unsigned char* bytes = checked_malloc( *size + 1 );
-    assert_int_equal( fread( bytes, 1, *size, file ), *size );
-    bytes[*size] = 0;
-    fclose( file );
-    return bytes;
 }
 
 #define TEST_IN_FOLDER( name ) cmocka_unit_test_setup_teardown( name, make_folder, remove_folder )

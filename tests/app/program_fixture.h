@@ -1,7 +1,7 @@
 /// The built program is started and watched: exit status, standard output, error stream, also on a terminal.
 #pragma once
 
-#include "unit.h"
+#include "files.h"
 
 #include "wisp/base.h"
 
@@ -9,12 +9,22 @@
 #include <ftw.h>
 #include <pty.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #define OUTPUT_MAX 262144
 #define ARGUMENTS_MAX 24
 
 static char program[4096];
+
+/// Find the program, whose path is the only argument of main().
+static inline bool find_program( int argc, char** argv )
+{
+    const bool found = argc == 2 && realpath( argv[1], program ) != NULL;
+    if ( !found )
+    {
+        fprintf( stderr, "usage: %s PROGRAM\n", argv[0] );
+    }
+    return found;
+}
 
 /// What a run left behind.
 typedef struct run_result
@@ -123,12 +133,14 @@ static inline int line_count( const char* text )
     return count;
 }
 
-static inline void write_file( const char* path, const char* text )
+/// The run must end well.
+static inline void run_ok( const char* command )
 {
-    FILE* file = fopen( path, "w" );
-    assert_non_null( file );
-    assert_true( fputs( text, file ) >= 0 );
-    fclose( file );
+    run( command );
+    if ( result.status != 0 )
+    {
+        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
+    }
 }
 
 /// The run must have been refused as input: status 2, nothing on standard output, one message that names something.
@@ -169,6 +181,22 @@ static inline int enter_new_folder( void** state )
     *state = mkdtemp( folder );
     unsetenv( "NO_COLOR" );
     return *state && chdir( folder ) == 0 ? 0 : -1;
+}
+
+typedef struct text_file
+{
+    const char *name, *text;
+} text_file;
+
+/// Make a folder, go there and write files. @return 0, or -1
+static inline int enter_folder_with( void** state, const text_file* files, int count )
+{
+    const int status = enter_new_folder( state );
+    for ( int i = 0; i < count && status == 0; ++i )
+    {
+        write_text( files[i].name, files[i].text );
+    }
+    return status;
 }
 
 /// Remove the folder with whatever the program left in it.

@@ -114,7 +114,7 @@ static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
     unsigned char good[BAD_FILE_MAX];
     bad_recording_good_wisp( good );
     size_t size = 0;
-    unsigned char* found = get_file( path, &size );
+    unsigned char* found = read_bytes( path, &size );
     assert_int_equal( size, WISP_SIZE );
     assert_memory_equal( found, good, WISP_SIZE );
     free( found );

@@ -8,7 +8,7 @@
 static void assert_file_is( const char* path, const char* text )
 {
     size_t length = 0;
-    char* found = (char*)get_file( path, &length );
+    char* found = read_bytes( path, &length );
     assert_int_equal( length, strlen( text ) );
     assert_string_equal( found, text );
     free( found );
@@ -33,7 +33,7 @@ static void a_file_that_starts_with_HAIR_is_a_hair_file_whatever_it_is_called( v
     wisp_groom again;
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
-    put_file( path_in( state, "a.tfx" ), bytes, size );
+    write_bytes( path_in( state, "a.tfx" ), bytes, size );
     free( bytes );
     assert_int_equal( wisp_groom_read( path_in( state, "a.tfx" ), &again, NULL ), WISP_OK );
     assert_same_groom( &groom, &again );
@@ -90,7 +90,7 @@ static void a_groom_that_cannot_be_written_leaves_the_old_file( void** state )
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         char* path = path_in( state, names[i] );
-        put_file( path, "precious", 8 );
+        write_bytes( path, "precious", 8 );
         wisp_error error = { .status = WISP_OK };
         assert_int_equal( wisp_groom_write( path, &groom, &error ), WISP_BAD_INPUT );
         assert_contains( error.message, names[i] );
@@ -106,7 +106,7 @@ static void a_disk_without_room_leaves_the_old_file( void** state )
     wisp_groom groom;
     assert_int_equal( wisp_groom_generate( &generator, &groom, NULL ), WISP_OK );
     char* path = path_in( state, "a.hair" );
-    put_file( path, "precious", 8 );
+    write_bytes( path, "precious", 8 );
 
     // Files may not grow beyond 8 KiB: the write fails in the middle, as on a full disk.
     struct rlimit before;
@@ -151,7 +151,7 @@ static void a_symbolic_link_and_the_permissions_of_its_file_survive_a_write( voi
     char file[512];
     strcpy( file, path_in( state, "file.hair" ) );
     char* link = path_in( state, "link.hair" );
-    put_file( file, "old", 3 );
+    write_bytes( file, "old", 3 );
     assert_int_equal( chmod( file, 0640 ), 0 );
     assert_int_equal( symlink( "file.hair", link ), 0 );
     assert_int_equal( wisp_groom_write( link, &groom, NULL ), WISP_OK );

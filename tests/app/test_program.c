@@ -27,12 +27,8 @@ static const char good_scene[] =
 
 static int enter_folder( void** state )
 {
-    if ( enter_new_folder( state ) != 0 )
-    {
-        return -1;
-    }
-    write_file( "good.yaml", good_scene );
-    return 0;
+    static const text_file files[] = { { "good.yaml", good_scene } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
 // ---- the command line ----
@@ -40,8 +36,7 @@ static int enter_folder( void** state )
 static void the_version_is_told( void** state )
 {
     (void)state;
-    run( "--version" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "--version" );
     assert_string_equal( result.out, "wisp " WISP_VERSION_STRING "\n" );
     assert_string_equal( result.err, "" );
     char numbers[32];
@@ -77,8 +72,7 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
-        run( commands[i][0] );
-        assert_int_equal( result.status, 0 );
+        run_ok( commands[i][0] );
         assert_non_null( strstr( result.out, commands[i][1] ) );
         assert_non_null( strstr( result.out, "Exit status:\n  0   success\n" ) );
         assert_lines_fit( result.out );
@@ -93,8 +87,7 @@ static void every_command_has_a_usage( void** state )
                                             "info --usage", "render --usage", "tune --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
-        run( commands[i] );
-        assert_int_equal( result.status, 0 );
+        run_ok( commands[i] );
         assert_memory_equal( result.out, "Usage: wisp", 11 );
     }
 }
@@ -177,7 +170,7 @@ static void a_file_that_is_not_there_is_named_in_one_message( void** state )
 static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** state )
 {
     (void)state;
-    write_file( "bad.yaml", "wisp: 1\n"
+    write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
                             "    generate: { shape: wavy, dimension: 2, strnads: 40 }\n" );
@@ -191,7 +184,7 @@ static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** st
 static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene( void** state )
 {
     (void)state;
-    write_file( "bad.yaml", "wisp: 1\n"
+    write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
                             "    file: absent.hair\n"
@@ -204,9 +197,8 @@ static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene
 static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** state )
 {
     (void)state;
-    run( "run good.yaml" );
-    assert_int_equal( result.status, 0 );
-    write_file( "bad.yaml", "wisp: 1\n"
+    run_ok( "run good.yaml" );
+    write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
                             "    file: written.hair\n"
@@ -230,7 +222,7 @@ static void results_that_cannot_be_written_fail_the_run( void** state )
 static void what_cannot_be_written_is_told_before_the_first_step( void** state )
 {
     (void)state;
-    write_file( "lost.yaml", "wisp: 1\n"
+    write_text( "lost.yaml", "wisp: 1\n"
                              "strands:\n"
                              "  - name: hair\n"
                              "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
@@ -248,8 +240,7 @@ static void what_cannot_be_written_is_told_before_the_first_step( void** state )
 
 static json_t* run_for_json( const char* command )
 {
-    run( command );
-    assert_int_equal( result.status, 0 );
+    run_ok( command );
     json_t* root = json_loads( result.out, JSON_REJECT_DUPLICATES, NULL );
     assert_non_null( root );
     return root;
@@ -285,8 +276,7 @@ static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set(
 static void a_run_prints_passes_counters_and_hash( void** state )
 {
     (void)state;
-    run( "run good.yaml --steps 2" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run good.yaml --steps 2" );
     assert_string_equal( result.err, "" );
     // the search takes most of the time; passes below 1 % may be summed
     static const char* const expected[] = {
@@ -310,8 +300,7 @@ static void a_run_prints_passes_counters_and_hash( void** state )
 static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** state )
 {
     (void)state;
-    run( "run good.yaml --steps 2" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run good.yaml --steps 2" );
     assert_memory_equal( result.out, "scene ", 6 );
     char* machine = strstr( result.out, "\nmachine: " );
     assert_non_null( machine );
@@ -333,8 +322,7 @@ static void every_format_can_be_queried_for( void** state )
     };
     for ( int i = 0; i < WISP_COUNT( starts ); ++i )
     {
-        run( starts[i][0] );
-        assert_int_equal( result.status, 0 );
+        run_ok( starts[i][0] );
         assert_memory_equal( result.out, starts[i][1], strlen( starts[i][1] ) );
     }
 }
@@ -342,8 +330,7 @@ static void every_format_can_be_queried_for( void** state )
 static void the_summary_goes_to_a_file_when_queried( void** state )
 {
     (void)state;
-    run( "run good.yaml --format csv --output summary.csv" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run good.yaml --format csv --output summary.csv" );
     assert_string_equal( result.out, "" );
     assert_int_equal( access( "summary.csv", R_OK ), 0 );
 }
@@ -351,13 +338,11 @@ static void the_summary_goes_to_a_file_when_queried( void** state )
 static void info_prints_the_keys_of_a_block( void** state )
 {
     (void)state;
-    run( "info --keys surfaces.cloth" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info --keys surfaces.cloth" );
     assert_non_null( strstr( result.out, "### `surfaces[].cloth`" ) );
     assert_non_null( strstr( result.out, "- `internal_damping` (number, 1/s" ) );
     assert_null( strstr( result.out, "balloon" ) );
-    run( "info --keys" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info --keys" );
     assert_non_null( strstr( result.out, "### The scene" ) );
     assert_refused( "info --keys clot", "--keys: got 'clot', expected a block" );
 }
@@ -367,11 +352,9 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
     (void)state;
     remove( "written.hair" );
     remove( "written.obj" );
-    run( "run good.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run good.yaml" );
     assert_int_equal( access( "written.obj", R_OK ), 0 );
-    run( "info written.hair" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info written.hair" );
     assert_non_null( strstr( result.out, "800" ) );
     // the defaults of the look: 80 micrometres at the root, 20 at the tip
     assert_non_null( strstr( result.out, "min 2e-05" ) );
@@ -389,14 +372,14 @@ static void stretched_cloth_is_reported_and_statistics_are_printed( void** state
                                 "    cloth: {}\n";
     char text[600];
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\nsubsteps: 1\n%s", cloth );
-    write_file( "soft.yaml", text );
+    write_text( "soft.yaml", text );
     run( "run soft.yaml" );
     assert_int_equal( result.status, 0 );
     assert_non_null( strstr( result.out, "links.xpbd" ) ); // without the key compute a surface is simulated
     assert_non_null( strstr( result.out, "flag is stretched by " ) );
     assert_null( strstr( result.out, "Motion at the end" ) );
     snprintf( text, sizeof( text ), "wisp: 1\nsteps: 60\n%s    compute: [ points, motion_stats ]\n", cloth );
-    write_file( "good_cloth.yaml", text );
+    write_text( "good_cloth.yaml", text );
     run( "run good_cloth.yaml" );
     assert_int_equal( result.status, 0 );
     assert_null( strstr( result.out, "is stretched" ) );
@@ -407,16 +390,14 @@ static void stretched_cloth_is_reported_and_statistics_are_printed( void** state
 static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
     (void)state;
-    write_file( "empty.yaml", "wisp: 1\n"
+    write_text( "empty.yaml", "wisp: 1\n"
                               "strands:\n"
                               "  - name: hair\n"
                               "    generate: { shape: straight, dimension: 2, strands: 3, vertices: 4 }\n"
                               "    compute: []\n" );
-    run( "plan empty.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan empty.yaml" );
     assert_non_null( strstr( result.out, ": 0 passes" ) );
-    run( "plan good.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan good.yaml" );
     assert_non_null( strstr( result.out, "frozen_hair.freeze" ) );
     assert_null( strstr( result.out, ": 0 passes" ) );
 }
@@ -424,50 +405,38 @@ static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 static void info_tells_scenes_results_and_grooms_apart( void** state )
 {
     (void)state;
-    run( "info good.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info good.yaml" );
     assert_non_null( strstr( result.out, "hair (line 4): 40 strands, 800 vertices" ) );
-    run( "run good.yaml --format json --output result.json" );
-    assert_int_equal( result.status, 0 );
-    run( "info result.json" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run good.yaml --format json --output result.json" );
+    run_ok( "info result.json" );
     assert_non_null( strstr( result.out, "good.yaml/run strands=40 vertices=800" ) );
-    run( "info written.hair" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info written.hair" );
 }
 
 static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
 {
     (void)state;
-    write_file( "other.txt", "a letter\n" );
+    write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
-    write_file( "cut.hair", "HAIR" );
+    write_text( "cut.hair", "HAIR" );
     assert_refused( "info cut.hair", "cut.hair" );
-    write_file( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );
+    write_text( "result.json", "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":[{}]}" );
     assert_refused( "info result.json", "rows[0].case" );
 }
 
 static void bench_lists_its_cases( void** state )
 {
     (void)state;
-    run( "bench --list" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "bench --list" );
     assert_memory_equal( result.out, "paper ", 6 );
 }
 
 static void copy_program( const char* path )
 {
-    static char bytes[65536];
-    FILE* from = fopen( program, "rb" );
-    FILE* to = fopen( path, "wb" );
-    assert_true( from && to );
-    for ( size_t count = 1; count > 0; )
-    {
-        count = fread( bytes, 1, sizeof( bytes ), from );
-        assert_int_equal( fwrite( bytes, 1, count, to ), count );
-    }
-    fclose( from );
-    assert_int_equal( fclose( to ), 0 );
+    size_t size;
+    void* bytes = read_bytes( program, &size );
+    write_bytes( path, bytes, size );
+    free( bytes );
     assert_int_equal( chmod( path, 0700 ), 0 );
 }
 
@@ -541,11 +510,6 @@ static void a_dumb_terminal_and_a_file_see_no_bar( void** state )
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || !realpath( argv[1], program ) )
-    {
-        fputs( "usage: test_program PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_version_is_told ),
         cmocka_unit_test( help_of_every_command_names_its_usage_and_the_exit_statuses ),
@@ -579,5 +543,6 @@ int main( int argc, char** argv )
         cmocka_unit_test( no_color_takes_the_colour_away_and_leaves_the_bar ),
         cmocka_unit_test( a_dumb_terminal_and_a_file_see_no_bar ),
     };
-    return cmocka_run_group_tests_name( "program", tests, enter_folder, leave_folder );
+    return find_program( argc, argv ) ? cmocka_run_group_tests_name( "program", tests, enter_folder, leave_folder )
+                                      : 64;
 }

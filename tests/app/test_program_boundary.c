@@ -1,10 +1,9 @@
 // The built program, whose path is the first argument, tells of boundary points and contact, writes the points, and
 // draws them.
+#include "png_fixture.h"
 #include "program_fixture.h"
 
 #include "mesh.h"
-
-#include <png.h>
 
 static const char ball_scene[] = "wisp: 1\n"
                                  "steps: 4\n"
@@ -39,28 +38,15 @@ static const char plain_scene[] = "wisp: 1\n"
 
 static int enter_folder( void** state )
 {
-    if ( enter_new_folder( state ) != 0 )
-    {
-        return -1;
-    }
-    write_file( "ball.yaml", ball_scene );
-    write_file( "two.yaml", two_balls_scene );
-    write_file( "plain.yaml", plain_scene );
-    return 0;
-}
-
-static bool exists( const char* path )
-{
-    return access( path, F_OK ) == 0;
+    static const text_file files[] = { { "ball.yaml", ball_scene },
+                                       { "two.yaml", two_balls_scene },
+                                       { "plain.yaml", plain_scene } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
 static void run_well( const char* command )
 {
-    run( command );
-    if ( result.status != 0 )
-    {
-        fail_msg( "'%s' ended with %d and said: %s", command, result.status, result.err );
-    }
+    run_ok( command );
     assert_string_equal( result.err, "" );
 }
 
@@ -177,15 +163,13 @@ static void files_do_not_depend_on_the_number_of_workers( void** state )
     (void)state;
     run_well( "run ball.yaml --boundary one.ply --workers 1" );
     run_well( "run ball.yaml --boundary three.ply --workers 3" );
-    static char a[1 << 20], b[1 << 20];
-    FILE *one = fopen( "one_0005.ply", "rb" ), *three = fopen( "three_0005.ply", "rb" );
-    assert_true( one && three );
-    const size_t size = fread( a, 1, sizeof a, one );
-    assert_true( size > 10000 && size < sizeof a );
-    assert_int_equal( fread( b, 1, sizeof b, three ), size );
-    assert_memory_equal( a, b, size );
-    fclose( one );
-    fclose( three );
+    size_t size, other;
+    char *one = read_bytes( "one_0005.ply", &size ), *three = read_bytes( "three_0005.ply", &other );
+    assert_true( size > 10000 );
+    assert_int_equal( other, size );
+    assert_memory_equal( one, three, size );
+    free( one );
+    free( three );
 }
 
 static void points_that_cannot_be_written_are_refused( void** state )
@@ -204,26 +188,6 @@ static void a_place_where_bench_can_have_no_folder_is_refused_before_anything_is
 }
 
 // ---- pictures ----
-
-typedef struct picture
-{
-    int width, height;
-    unsigned char* rgb; ///< [height][width][3]
-} picture;
-
-static picture read_picture( const char* path )
-{
-    png_image info = { .version = PNG_IMAGE_VERSION };
-    if ( !png_image_begin_read_from_file( &info, path ) )
-    {
-        fail_msg( "%s: %s", path, info.message );
-    }
-    info.format = PNG_FORMAT_RGB;
-    picture out = { (int)info.width, (int)info.height, malloc( PNG_IMAGE_SIZE( info ) ) };
-    assert_non_null( out.rgb );
-    assert_true( png_image_finish_read( &info, NULL, out.rgb, 0, NULL ) != 0 );
-    return out;
-}
 
 // Pixels that differ by more than noise could; with the same camera and seed there is none of it.
 static int count_differing( const char* a, const char* b )
@@ -283,11 +247,6 @@ static void points_of_what_has_none_are_refused( void** state )
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || !realpath( argv[1], program ) )
-    {
-        fputs( "usage: test_program_boundary PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew ),
         cmocka_unit_test( a_run_tells_of_contact_where_stats_are_requested ),
@@ -302,5 +261,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( the_start_has_no_points_yet ),
         cmocka_unit_test( points_of_what_has_none_are_refused ),
     };
-    return cmocka_run_group_tests_name( "program boundary", tests, enter_folder, leave_folder );
+    return find_program( argc, argv )
+               ? cmocka_run_group_tests_name( "program boundary", tests, enter_folder, leave_folder )
+               : 64;
 }

@@ -16,19 +16,13 @@ static const char scene[] = "wisp: 1\n"
 
 static int enter_folder( void** state )
 {
-    if ( enter_new_folder( state ) != 0 )
-    {
-        return -1;
-    }
-    write_file( "hair.yaml", scene );
-    write_file( "quo\"te.yaml", scene );
-    return 0;
+    static const text_file files[] = { { "hair.yaml", scene }, { "quo\"te.yaml", scene } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
 static json_t* read_json( const char* command )
 {
-    run( command );
-    assert_int_equal( result.status, 0 );
+    run_ok( command );
     assert_string_equal( result.err, "" );
     json_error_t error;
     json_t* root = json_loads( result.out, JSON_REJECT_DUPLICATES, &error );
@@ -105,8 +99,7 @@ static void without_steps_nothing_is_measured_and_all_else_is_told( void** state
     assert_true( json_is_null( json_object_get( root, "measured" ) ) );
     assert_true( fabs( sum_of( json_object_get( root, "passes" ), "predicted_fraction", &count ) - 1.0 ) < 1e-12 );
     json_decref( root );
-    run( "plan hair.yaml --steps 0" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan hair.yaml --steps 0" );
     assert_null( strstr( result.out, "measured 0" ) );
     assert_non_null( strstr( result.out, "nothing was measured: --steps 0" ) );
 }
@@ -143,8 +136,7 @@ static void every_absent_module_and_pass_has_its_reason_in_every_form( void** st
     static const char* const FORMS[] = { "plan hair.yaml --verbose", "plan hair.yaml --format dot" };
     for ( int form = 0; form < WISP_COUNT( FORMS ); ++form )
     {
-        run( FORMS[form] );
-        assert_int_equal( result.status, 0 );
+        run_ok( FORMS[form] );
         for ( size_t i = 0; i < json_array_size( modules ); ++i )
         {
             const json_t* m = json_array_get( modules, i );
@@ -165,8 +157,7 @@ static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
 {
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
-    run( "plan hair.yaml --verbose" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan hair.yaml --verbose" );
     const json_t* passes = json_object_get( root, "passes" );
     for ( size_t i = 0; i < json_array_size( passes ); ++i )
     {
@@ -183,8 +174,7 @@ static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( vo
 {
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
-    run( "plan hair.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan hair.yaml" );
     const json_t* passes = json_object_get( root, "passes" );
     for ( size_t i = 0; i < json_array_size( passes ); ++i )
     {
@@ -235,8 +225,7 @@ static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
 {
     (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
-    run( "plan hair.yaml --format dot" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan hair.yaml --format dot" );
     assert_int_equal( strncmp( result.out, "digraph wisp_plan {", 19 ), 0 );
     assert_balanced( result.out );
     const json_t* passes = json_object_get( root, "passes" );
@@ -261,8 +250,7 @@ static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
 static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
 {
     (void)state;
-    run( "plan quo\"te.yaml --format dot --steps 0" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan quo\"te.yaml --format dot --steps 0" );
     assert_balanced( result.out );
     assert_non_null( strstr( result.out, "quo\\\"te.yaml" ) );
     json_t* root = read_json( "plan quo\"te.yaml --format json --steps 0" );
@@ -281,16 +269,14 @@ static void an_empty_scene_has_a_plan_in_every_form( void** state )
     sum_of( json_object_get( root, "passes" ), "measured_fraction", &count );
     assert_int_equal( count, 0 );
     json_decref( root );
-    run( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format dot" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format dot" );
     assert_balanced( result.out );
 }
 
 static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void** state )
 {
     (void)state;
-    run( "plan " WISP_SOURCE_ROOT "/data/scenes/hanging_cloth.yaml --format dot --steps 1" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "plan " WISP_SOURCE_ROOT "/data/scenes/hanging_cloth.yaml --format dot --steps 1" );
     assert_balanced( result.out );
     static const char* const LOOPS[] = { "substep", "iteration", "substep end", "after" };
     for ( int i = 0; i < WISP_COUNT( LOOPS ); ++i )
@@ -333,11 +319,6 @@ static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void**
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || realpath( argv[1], program ) == NULL )
-    {
-        fputs( "usage: test_program_plan PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( shares_of_the_json_form_sum_to_one ),
         cmocka_unit_test( without_steps_nothing_is_measured_and_all_else_is_told ),
@@ -352,5 +333,5 @@ int main( int argc, char** argv )
         cmocka_unit_test( what_runs_together_is_told_in_every_form ),
         cmocka_unit_test( wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input ),
     };
-    return cmocka_run_group_tests( tests, enter_folder, leave_folder );
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
 }

@@ -15,8 +15,7 @@ static void a_run_is_recorded_in_every_format( void** state )
     {
         char command[100];
         snprintf( command, sizeof( command ), "run hair.yaml --record %s", files[i][0] );
-        run( command );
-        assert_int_equal( result.status, 0 );
+        run_ok( command );
         assert_string_equal( result.err, "" );
         assert_non_null( strstr( result.out, ": 4 frames\n" ) );
         assert_true( exists( files[i][1] ) );
@@ -26,8 +25,7 @@ static void a_run_is_recorded_in_every_format( void** state )
 static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** state )
 {
     (void)state;
-    run( "run hair.yaml --steps 7 --every 3 --record nth.wisp" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --steps 7 --every 3 --record nth.wisp" );
     wisp_error error = { 0 };
     wisp_recording* recording;
     assert_int_equal( wisp_recording_open( "nth.wisp", &recording, &error ), WISP_OK );
@@ -51,8 +49,7 @@ static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** sta
 static void tracks_are_the_points_of_the_recording( void** state )
 {
     (void)state;
-    run( "run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv" );
     assert_non_null( strstr( result.out, "t.csv: 3 vertices over 4 frames" ) );
     FILE* table = fopen( "t.csv", "r" );
     assert_non_null( table );
@@ -85,13 +82,10 @@ static void tracks_are_the_points_of_the_recording( void** state )
 static void a_run_verifies_its_recording_on_other_workers( void** state )
 {
     (void)state;
-    run( "run hair.yaml --record proof.wisp --workers 1" );
-    assert_int_equal( result.status, 0 );
-    run( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --record proof.wisp --workers 1" );
+    run_ok( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
     assert_non_null( strstr( result.out, "proof.wisp: 4 frames, every bit equal" ) );
-    run( "run hair.yaml --verify proof.wisp --steps 2" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --verify proof.wisp --steps 2" );
     assert_non_null( strstr( result.out, "proof.wisp: 3 frames, every bit equal" ) );
     assert_non_null( strstr( result.out, "proof.wisp: 1 frames after the last step" ) );
 }
@@ -127,8 +121,7 @@ static void copy_with_one_bit_off( const char* from, const char* to )
 static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** state )
 {
     (void)state;
-    run( "run hair.yaml --record proof.wisp" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --record proof.wisp" );
     copy_with_one_bit_off( "proof.wisp", "off.wisp" );
     assert_refused( "run hair.yaml --verify off.wisp", "off.wisp: frame 2 " );
     assert_non_null( strstr( result.err, "hair differs at vertex 123: " ) );
@@ -148,15 +141,13 @@ static void a_recording_of_something_else_is_not_compared( void** state )
 static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
 {
     (void)state;
-    run( "info sheet.obj" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info sheet.obj" );
     assert_non_null( strstr( result.out, "triangles            32" ) );
     assert_non_null( strstr( result.out, "open edges" ) );
-    write_file( "turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n" );
-    run( "info turned.obj" );
-    assert_int_equal( result.status, 0 );
+    write_text( "turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 4\n" );
+    run_ok( "info turned.obj" );
     assert_non_null( strstr( result.out, "winding" ) );
-    write_file( "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n" );
+    write_text( "broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n" );
     assert_refused( "info broken.obj", "broken.obj" );
     assert_string_equal( result.out, "" );
 }
@@ -164,23 +155,16 @@ static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
 static void info_tells_whether_a_recording_is_whole( void** state )
 {
     (void)state;
-    run( "info fly.wisp" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info fly.wisp" );
     assert_non_null( strstr( result.out, "6 frames" ) );
-    run( "info fly.pc2" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "info fly.pc2" );
 
-    FILE* file = fopen( "fly.wisp", "rb" );
-    assert_non_null( file );
-    char bytes[65536];
-    size_t size = fread( bytes, 1, sizeof( bytes ), file );
-    fclose( file );
-    assert_true( size > 1000 && size < sizeof( bytes ) );
+    size_t size;
+    char* bytes = read_bytes( "fly.wisp", &size );
+    assert_true( size > 1000 );
     bytes[size - 200] ^= 1;
-    file = fopen( "damaged.wisp", "wb" );
-    assert_non_null( file );
-    assert_int_equal( fwrite( bytes, 1, size, file ), size );
-    fclose( file );
+    write_bytes( "damaged.wisp", bytes, size );
+    free( bytes );
     assert_refused( "info damaged.wisp", "frame 5" );
     assert_refused( "render damaged.wisp -o damaged.png", "frame 5" );
     assert_false( exists( "damaged.png" ) );
@@ -188,11 +172,6 @@ static void info_tells_whether_a_recording_is_whole( void** state )
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || !realpath( argv[1], program ) )
-    {
-        fputs( "usage: test_program_record PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_run_is_recorded_in_every_format ),
         cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
@@ -203,5 +182,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( info_names_what_is_wrong_with_a_mesh_by_element ),
         cmocka_unit_test( info_tells_whether_a_recording_is_whole ),
     };
-    return cmocka_run_group_tests_name( "program record", tests, enter_folder, leave_folder );
+    return find_program( argc, argv )
+               ? cmocka_run_group_tests_name( "program record", tests, enter_folder, leave_folder )
+               : 64;
 }

@@ -1,31 +1,11 @@
 // The built program, whose path is the first argument, draws: pictures are read back by libpng, and every wrong word and
 // file is answered with one message.
 #include "flying_sheet.h"
+#include "png_fixture.h"
 
-#include <png.h>
 #include <sys/stat.h>
 
 // ---- pictures, read back ----
-
-typedef struct picture
-{
-    int width, height;
-    unsigned char* rgb; ///< [height][width][3]
-} picture;
-
-static picture read_picture( const char* path )
-{
-    png_image info = { .version = PNG_IMAGE_VERSION };
-    if ( !png_image_begin_read_from_file( &info, path ) )
-    {
-        fail_msg( "%s: %s", path, info.message );
-    }
-    info.format = PNG_FORMAT_RGB;
-    picture out = { (int)info.width, (int)info.height, malloc( PNG_IMAGE_SIZE( info ) ) };
-    assert_non_null( out.rgb );
-    assert_true( png_image_finish_read( &info, NULL, out.rgb, 0, NULL ) != 0 );
-    return out;
-}
 
 static const unsigned char* pixel( const picture* p, int x, int y )
 {
@@ -96,15 +76,11 @@ static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void*
     static const char* const inputs[] = {
         "hair.yaml", "fly.wisp", "fly.pc2 --mesh sheet.obj", "sheet.obj", "hair.hair",
     };
-    run( "run hair.yaml --steps 1" );
-    assert_int_equal( result.status, 0 );
-    write_file( "hair_out.yaml", hair_scene );
-    FILE* scene = fopen( "hair_out.yaml", "a" );
-    assert_non_null( scene );
-    fputs( "output:\n  - { strands: hair, file: hair.hair }\n", scene );
-    fclose( scene );
-    run( "run hair_out.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --steps 1" );
+    char scene[1024];
+    snprintf( scene, sizeof( scene ), "%soutput:\n  - { strands: hair, file: hair.hair }\n", hair_scene );
+    write_text( "hair_out.yaml", scene );
+    run_ok( "run hair_out.yaml" );
     for ( int i = 0; i < WISP_COUNT( inputs ); ++i )
     {
         char command[200];
@@ -146,13 +122,10 @@ static void frames_and_times_name_the_same_pictures( void** state )
 static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** state )
 {
     (void)state;
-    run( "run hair.yaml --record drawn.wisp" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run hair.yaml --record drawn.wisp" );
     // a recording has neither widths nor colours, which the look of the scene has: only where something is can be equal
-    run( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
-    assert_int_equal( result.status, 0 );
-    run( "render hair.yaml -o drawn.png --size 64x48 --samples 1 --frames 0:3 --background white" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
+    run_ok( "render hair.yaml -o drawn.png --size 64x48 --samples 1 --frames 0:3 --background white" );
     for ( int i = 1; i <= 4; ++i )
     {
         char a[40], b[40];
@@ -175,8 +148,7 @@ static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** st
 static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void** state )
 {
     (void)state;
-    run( "run cloth.yaml --record cloth.wisp" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run cloth.yaml --record cloth.wisp" );
     run( "info cloth.wisp" );
     assert_non_null( strstr( result.out, "cloth " ) );
     assert_non_null( strstr( result.out, "ball " ) );
@@ -186,20 +158,16 @@ static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void*
     run( "render cloth.wisp -o from_file.png --size 80x60 --samples 1 --ground 0" );
     free( assert_picture( "from_file.png", 80, 60 ).rgb );
     assert_true( same_file( "from_scene.png", "from_file.png" ) );
-    run( "run cloth.yaml --verify cloth.wisp --workers 3" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run cloth.yaml --verify cloth.wisp --workers 3" );
     assert_non_null( strstr( result.out, ": 7 frames, every bit equal" ) );
 }
 
 static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
 {
     (void)state;
-    run( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
-    assert_int_equal( result.status, 0 );
-    run( "render cloth.yaml -o pace.png --size 80x60 --samples 1 --frames 0:6:3 --colour speed" );
-    assert_int_equal( result.status, 0 );
-    run( "render cloth.yaml -o pull.png --size 80x60 --samples 1 --frames 0:6:3 --colour strain" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
+    run_ok( "render cloth.yaml -o pace.png --size 80x60 --samples 1 --frames 0:6:3 --colour speed" );
+    run_ok( "render cloth.yaml -o pull.png --size 80x60 --samples 1 --frames 0:6:3 --colour strain" );
     assert_false( same_file( "body_0003.png", "pace_0003.png" ) );
     assert_false( same_file( "body_0003.png", "pull_0003.png" ) );
     assert_false( same_file( "pace_0003.png", "pull_0003.png" ) );
@@ -208,8 +176,7 @@ static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
 static void a_sequence_is_numbered_from_one( void** state )
 {
     (void)state;
-    run( "render fly.wisp -o run.png --size 40x30 --samples 1 --frames 0:4:2" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render fly.wisp -o run.png --size 40x30 --samples 1 --frames 0:4:2" );
     assert_non_null( strstr( result.out, "run_0001.png: the first of 3 pictures of 40 x 30 pixels, frames 0 to 4" ) );
     assert_true( exists( "run_0001.png" ) && exists( "run_0003.png" ) );
     assert_false( exists( "run_0004.png" ) || exists( "run.png" ) );
@@ -228,8 +195,7 @@ static void parts_of_a_range_of_frames_may_be_left_out( void** state )
 static void a_flying_body_stays_in_view_under_one_camera( void** state )
 {
     (void)state;
-    run( "render fly.wisp -o view.png --size 160x90 --samples 1 --frames : --background white --ground none" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render fly.wisp -o view.png --size 160x90 --samples 1 --frames : --background white --ground none" );
     int left[FRAMES];
     for ( int f = 0; f < FRAMES; ++f )
     {
@@ -253,8 +219,7 @@ static void a_flying_body_stays_in_view_under_one_camera( void** state )
 static void a_sheet_has_its_pictures_in_columns( void** state )
 {
     (void)state;
-    run( "render fly.wisp -o sheet.png --size 60x40 --samples 1 --frames 0:4 --sheet=3" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render fly.wisp -o sheet.png --size 60x40 --samples 1 --frames 0:4 --sheet=3" );
     assert_non_null( strstr( result.out, "sheet.png: 5 pictures of 60 x 40 pixels, frames 0 to 4" ) );
     picture p = read_picture( "sheet.png" );
     // three columns and two rows, with gaps and labels between them that are narrower than a picture
@@ -267,16 +232,14 @@ static void a_sheet_has_its_pictures_in_columns( void** state )
 static void a_sheet_without_frames_shows_all_of_a_short_recording( void** state )
 {
     (void)state;
-    run( "render fly.wisp -o few.png --size 40x30 --samples 1 --sheet" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render fly.wisp -o few.png --size 40x30 --samples 1 --sheet" );
     assert_non_null( strstr( result.out, "6 pictures of 40 x 30 pixels, frames 0 to 5" ) );
 }
 
 static void a_turntable_shows_other_sides_and_keeps_the_body_in_view( void** state )
 {
     (void)state;
-    run( "render sheet.obj -o turn.png --size 80x60 --samples 1 --turntable 4 --background white --ground none" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "render sheet.obj -o turn.png --size 80x60 --samples 1 --turntable 4 --background white --ground none" );
     for ( int i = 1; i <= 4; ++i )
     {
         char path[40];
@@ -316,12 +279,12 @@ static double green_over_blue( const char* path )
 static void strain_is_measured_from_the_first_frame( void** state )
 {
     (void)state;
-    run( "render stay.wisp -o rest.png --size 120x90 --samples 1 --frame 0 --colour strain --range 0,1 --background "
-         "white --ground none" );
-    assert_int_equal( result.status, 0 );
-    run( "render stay.wisp -o wide.png --size 120x90 --samples 1 --frame 4 --colour strain --range 0,1 --background "
-         "white --ground none" );
-    assert_int_equal( result.status, 0 );
+    run_ok(
+        "render stay.wisp -o rest.png --size 120x90 --samples 1 --frame 0 --colour strain --range 0,1 --background "
+        "white --ground none" );
+    run_ok(
+        "render stay.wisp -o wide.png --size 120x90 --samples 1 --frame 4 --colour strain --range 0,1 --background "
+        "white --ground none" );
     // from dark violet at no strain to yellow at a strain of 1, which frame 4 has
     assert_true( green_over_blue( "rest.png" ) < -10.0 );
     assert_true( green_over_blue( "wide.png" ) > 40.0 );
@@ -330,12 +293,11 @@ static void strain_is_measured_from_the_first_frame( void** state )
 static void speed_is_measured_between_neighbouring_frames( void** state )
 {
     (void)state;
-    run( "render fly.wisp -o slow.png --size 120x90 --samples 1 --frame 2 --color speed --range 10,1000 --background "
-         "white --ground none" );
-    assert_int_equal( result.status, 0 );
-    run( "render fly.wisp -o fast.png --size 120x90 --samples 1 --frame 2 --colour speed --range 0,9 --background "
-         "white --ground none" );
-    assert_int_equal( result.status, 0 );
+    run_ok(
+        "render fly.wisp -o slow.png --size 120x90 --samples 1 --frame 2 --color speed --range 10,1000 --background "
+        "white --ground none" );
+    run_ok( "render fly.wisp -o fast.png --size 120x90 --samples 1 --frame 2 --colour speed --range 0,9 --background "
+            "white --ground none" );
     // the sheet flies with 10 m/s and is stretched with at most 2.5 m/s
     assert_true( green_over_blue( "slow.png" ) < -10.0 );
     assert_true( green_over_blue( "fast.png" ) > 40.0 );
@@ -469,11 +431,6 @@ static void the_progress_of_pictures_is_drawn_on_a_terminal_only( void** state )
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || !realpath( argv[1], program ) )
-    {
-        fputs( "usage: test_program_render PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( every_kind_of_input_becomes_a_picture_of_the_size_queried_for ),
         cmocka_unit_test( a_picture_does_not_depend_on_the_number_of_workers ),
@@ -495,5 +452,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( output_that_cannot_be_written_is_refused_in_one_message ),
         cmocka_unit_test( the_progress_of_pictures_is_drawn_on_a_terminal_only ),
     };
-    return cmocka_run_group_tests_name( "program render", tests, enter_folder, leave_folder );
+    return find_program( argc, argv )
+               ? cmocka_run_group_tests_name( "program render", tests, enter_folder, leave_folder )
+               : 64;
 }

@@ -6,25 +6,11 @@
 
 static char page[4 << 20];
 
-static void read_page( const char* path )
-{
-    FILE* file = fopen( path, "r" );
-    assert_non_null( file );
-    page[fread( page, 1, sizeof( page ) - 1, file )] = '\0';
-    fclose( file );
-}
-
-static bool exists( const char* path )
-{
-    return access( path, F_OK ) == 0;
-}
-
 static void a_report_is_written_beside_the_usual_output( void** state )
 {
     (void)state;
-    run( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
-    assert_int_equal( result.status, 0 );
-    read_page( "page.html" );
+    run_ok( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
+    read_text( "page.html", page, sizeof( page ) );
     assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
     assert_non_null( strstr( page, "<h1>collision</h1>" ) );
     assert_non_null( strstr( page, "quick, about 0.01 s per case, up to 1 worker<" ) );
@@ -73,10 +59,10 @@ static void a_report_over_the_output_is_wrong_usage( void** state )
 static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
 {
     (void)state;
-    write_file( "kept.html", "a page of last week" );
+    write_text( "kept.html", "a page of last week" );
     assert_refused( "bench collision --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
                     "nowhere/out.txt" );
-    read_page( "kept.html" );
+    read_text( "kept.html", page, sizeof( page ) );
     assert_string_equal( page, "a page of last week" );
     assert_refused( "bench collision --quick --seconds 0.01 --output new.txt --report nowhere/page.html",
                     "nowhere/page.html" );
@@ -101,18 +87,12 @@ static void a_disk_that_fills_up_is_a_failed_run( void** state )
 static void help_tells_of_the_report( void** state )
 {
     (void)state;
-    run( "bench --help" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "bench --help" );
     assert_non_null( strstr( result.out, "--report=FILE" ) );
 }
 
 int main( int argc, char** argv )
 {
-    if ( argc != 2 || !realpath( argv[1], program ) )
-    {
-        fputs( "usage: test_program_report PROGRAM\n", stderr );
-        return 64;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( a_report_is_written_beside_the_usual_output ),
         cmocka_unit_test( a_report_that_cannot_be_written_is_refused_before_anything_is_measured ),
@@ -121,5 +101,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_disk_that_fills_up_is_a_failed_run ),
         cmocka_unit_test( help_tells_of_the_report ),
     };
-    return cmocka_run_group_tests_name( "program report", tests, enter_new_folder, leave_folder );
+    return find_program( argc, argv )
+               ? cmocka_run_group_tests_name( "program report", tests, enter_new_folder, leave_folder )
+               : 64;
 }

@@ -34,14 +34,10 @@ static const char unmade_scene[] = "wisp: 1\n"
 
 static int enter_folder( void** state )
 {
-    if ( enter_new_folder( state ) != 0 )
-    {
-        return -1;
-    }
-    write_file( "cloth.yaml", cloth_scene );
-    write_file( "still.yaml", still_scene );
-    write_file( "unmade.yaml", unmade_scene );
-    return 0;
+    static const text_file files[] = { { "cloth.yaml", cloth_scene },
+                                       { "still.yaml", still_scene },
+                                       { "unmade.yaml", unmade_scene } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
 /// A number of the text behind some words; NaN if they are not there.
@@ -61,21 +57,12 @@ static const char* chosen_line( void )
     return line;
 }
 
-static void read_whole( const char* path, char* out, size_t size )
-{
-    FILE* file = fopen( path, "r" );
-    assert_non_null( file );
-    out[fread( out, 1, size - 1, file )] = '\0';
-    fclose( file );
-}
-
 // ---- what is found ----
 
 static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void** state )
 {
     (void)state;
-    run( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
     assert_string_equal( result.err, "" );
     assert_memory_equal( result.out, "target     met: error at most 0.02 m\n", 37 );
     assert_true( number_behind( result.out, "ms per step, error " ) <= 0.02 );
@@ -97,12 +84,11 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
     wisp_scene_release( &scene );
 
     char text[2000];
-    read_whole( "tuned.yaml", text, sizeof text );
+    read_text( "tuned.yaml", text, sizeof text );
     assert_memory_equal( text, "# A small cloth.\nwisp: 1\n", 25 );
     assert_non_null( strstr( text, " # as it was\n" ) );
     assert_non_null( strstr( text, "    # soft\n    cloth: {" ) );
-    run( "run tuned.yaml" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "run tuned.yaml" );
 }
 
 static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
@@ -112,9 +98,8 @@ static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** stat
                                 "    generate: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
                                 "    pins: [0, 16]\n    levels: 2\n    finest_level: 2 # coarse\n"
                                 "    cloth: { bending: none, level_passes: 2 }\n";
-    write_file( "levels.yaml", scene );
-    run( "tune levels.yaml --error 10 --workers 1 -o no_levels.yaml" );
-    assert_int_equal( result.status, 0 );
+    write_text( "levels.yaml", scene );
+    run_ok( "tune levels.yaml --error 10 --workers 1 -o no_levels.yaml" );
     static const char* const values[] = { "finest 3 ", "finest 2 ", "finest 1 ", "off " };
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
@@ -128,7 +113,7 @@ static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** stat
     assert_int_equal( tuned.surfaces[0].finest_level, isnan( chosen ) ? 1 : (int)chosen );
     wisp_scene_release( &tuned );
     char text[2000];
-    read_whole( "no_levels.yaml", text, sizeof text );
+    read_text( "no_levels.yaml", text, sizeof text );
     assert_non_null( strstr( text, " # coarse\n" ) );
 }
 
@@ -138,9 +123,8 @@ static void passes_of_strands_are_tuned_and_their_choice_is_written( void** stat
     static const char scene[] = "wisp: 1\nsteps: 8\nstrands:\n  - name: hair\n"
                                 "    generate: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
                                 "    dynamics: { stretch_passes: 3, rest: straight }\n";
-    write_file( "strands.yaml", scene );
-    run( "tune strands.yaml --error 0.01 --workers 1 -o passes.yaml" );
-    assert_int_equal( result.status, 0 );
+    write_text( "strands.yaml", scene );
+    run_ok( "tune strands.yaml --error 0.01 --workers 1 -o passes.yaml" );
     wisp_scene tuned;
     assert_int_equal( wisp_scene_read( "passes.yaml", &tuned, NULL ), WISP_OK );
     assert_int_equal( tuned.strands[0].dynamics.stretch_passes,
@@ -151,8 +135,7 @@ static void passes_of_strands_are_tuned_and_their_choice_is_written( void** stat
 static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
 {
     (void)state;
-    run( "tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1" );
     assert_non_null( strstr( result.out, "target     met: at most 1000 ms per step" ) );
     assert_non_null( strstr( result.out, "81 points and 6 steps" ) );
     run( "tune cloth.yaml --budget 1e-9 --workers 1 --seconds 0.1 -o unmet.yaml" );
@@ -175,8 +158,7 @@ static void an_error_out_of_reach_ends_with_1_and_the_best( void** state )
 static void a_report_in_json_has_a_row_for_every_setting( void** state )
 {
     (void)state;
-    run( "tune cloth.yaml --error 0.02 --workers 1 --seconds 0.1 --format json" );
-    assert_int_equal( result.status, 0 );
+    run_ok( "tune cloth.yaml --error 0.02 --workers 1 --seconds 0.1 --format json" );
     assert_int_equal( result.out[0], '{' );
     assert_non_null( strstr( result.out, "\"chosen\"" ) );
     assert_non_null( strstr( result.out, "\"rms_m\"" ) );
@@ -194,8 +176,8 @@ static void a_limit_leaves_one_run_and_says_that_there_may_be_better( void** sta
 static void a_repair_is_told_once_and_not_with_every_run( void** state )
 {
     (void)state;
-    write_file( "doubled.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\nf 2 3 4\n" );
-    write_file( "doubled.yaml", "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    file: doubled.obj\n"
+    write_text( "doubled.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\nf 2 3 4\n" );
+    write_text( "doubled.yaml", "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    file: doubled.obj\n"
                                 "    repair: [duplicates]\n    pins: [0]\n    cloth: { bending: none }\n" );
     run( "tune doubled.yaml --error 1e-9 --workers 1" );
     assert_int_equal( result.status, 1 );
@@ -224,14 +206,14 @@ static void scenes_that_cannot_be_tuned_are_refused( void** state )
     (void)state;
     assert_refused( "tune no_such.yaml --error 1", "no_such.yaml" );
     assert_refused( "tune still.yaml --error 1", "nothing in the scene moves" );
-    write_file( "bad.yaml", "wisp: 1\nsubsteps: none\n" );
+    write_text( "bad.yaml", "wisp: 1\nsubsteps: none\n" );
     assert_refused( "tune bad.yaml --error 1", "bad.yaml:2:11" );
 }
 
 static void a_place_where_the_scene_would_not_find_its_files_is_refused( void** state )
 {
     (void)state;
-    write_file( "mesh.yaml", "wisp: 1\nsurfaces:\n  - { name: a, file: a.obj, cloth: {} }\n" );
+    write_text( "mesh.yaml", "wisp: 1\nsurfaces:\n  - { name: a, file: a.obj, cloth: {} }\n" );
     assert_refused( "tune mesh.yaml --error 1 -o elsewhere/tuned.yaml",
                     "elsewhere/tuned.yaml must be in the same folder" );
     assert_refused( "tune cloth.yaml --error 10 --seconds 0.02 --workers 1 -o elsewhere/tuned.yaml", "elsewhere" );
@@ -252,7 +234,7 @@ static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void
 static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state )
 {
     (void)state;
-    write_file( "kept.yaml", "kept\n" );
+    write_text( "kept.yaml", "kept\n" );
     assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
     if ( access( "kept.yaml", W_OK ) == 0 )
     {
@@ -264,10 +246,10 @@ static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state
 static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
 {
     (void)state;
-    write_file( "before.yaml", "before\n" );
+    write_text( "before.yaml", "before\n" );
     assert_refused( "tune unmade.yaml --error 1 -o before.yaml", "no vertex starts in pin_box" );
     char text[100];
-    read_whole( "before.yaml", text, sizeof text );
+    read_text( "before.yaml", text, sizeof text );
     assert_string_equal( text, "before\n" );
     assert_refused( "tune unmade.yaml --error 1 -o new.yaml", "no vertex starts in pin_box" );
     assert_int_equal( access( "new.yaml", F_OK ), -1 );
@@ -275,11 +257,6 @@ static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** sta
 
 int main( int argc, char** argv )
 {
-    if ( argc < 2 || !realpath( argv[1], program ) )
-    {
-        fprintf( stderr, "usage: test_program_tune PROGRAM\n" );
-        return 2;
-    }
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( an_error_is_met_and_the_scene_that_is_written_has_the_choice ),
         cmocka_unit_test( levels_of_a_scene_are_tuned_and_their_choice_is_written ),
@@ -296,5 +273,5 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_file_that_may_only_be_read_is_refused_before_any_run ),
         cmocka_unit_test( trying_whether_a_file_can_be_written_leaves_it_as_it_was ),
     };
-    return cmocka_run_group_tests( tests, enter_folder, leave_folder );
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
 }

@@ -156,7 +156,7 @@ static sample make_sample( void** state )
     wisp_recorder_def def = fixture_def();
     char* path = path_in( state, "sample.wisp" );
     fixture_record( path, &def, s.count );
-    s.bytes = get_file( path, &s.size );
+    s.bytes = read_bytes( path, &s.size );
     wisp_recording* recording = open_good( path );
     s.header = (size_t)wisp_recording_describe( recording ).first_byte;
     s.frame = (size_t)wisp_recording_describe( recording ).frame_bytes;
@@ -283,7 +283,7 @@ static void a_frame_of_another_recording_is_refused( void** state )
     char* path = path_in( state, "other.wisp" );
     fixture_record( path, &def, 3 );
     size_t size = 0;
-    unsigned char* other = get_file( path, &size );
+    unsigned char* other = read_bytes( path, &size );
     assert_int_equal( size, s.size );
     memcpy( s.bytes + s.header + s.frame, other + s.header + s.frame, s.frame );
     wisp_recording* recording = NULL;
@@ -316,7 +316,7 @@ static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** 
     static const int32_t early[] = { 0, 4 };
     wisp_record_body mesh = { .name = "m", .triangles = beyond, .vertex_count = 4, .triangle_count = 2 };
     wisp_record_body strands = { .name = "s", .offsets = late, .vertex_count = 5, .strand_count = 1 };
-    put_file( path_in( state, "precious.wisp" ), "precious", 8 );
+    write_bytes( path_in( state, "precious.wisp" ), "precious", 8 );
     assert_refused_body( state, mesh, "precious.wisp: body m: triangle 1: got vertex 4, expected 0 .. 3" );
     mesh.triangles = NULL;
     assert_refused_body( state, mesh, "body m: the list of its 2 triangles is missing" );
@@ -342,7 +342,7 @@ static void a_malformed_body_is_refused_by_name_and_leaves_the_old_file( void** 
     strands.strand_count = 0;
     assert_refused_body( state, strands, "body s: got 0 strands" );
     size_t size = 0;
-    unsigned char* kept = get_file( path_in( state, "precious.wisp" ), &size );
+    unsigned char* kept = read_bytes( path_in( state, "precious.wisp" ), &size );
     assert_string_equal( (char*)kept, "precious" );
     free( kept );
     assert_int_equal( count_files( state ), 1 );

@@ -47,7 +47,7 @@ static void a_point_cache_has_the_layout_of_its_format( void** state )
     def.body_count = 1;
     fixture_record( path_in( state, "a.pc2" ), &def, 3 );
     size_t size = 0;
-    unsigned char* bytes = get_file( path_in( state, "a.pc2" ), &size );
+    unsigned char* bytes = read_bytes( path_in( state, "a.pc2" ), &size );
     assert_int_equal( size, 32 + 3 * CLOTH_VERTICES * 12 );
     assert_memory_equal( bytes, "POINTCACHE2\0", 12 );
     assert_int_equal( get_u32( bytes + 12 ), 1 );
@@ -199,7 +199,7 @@ static void paraview_finds_triangles_lines_and_points_in_every_frame( void** sta
     {
         fixture_frame expected = fixture_points( f );
         size_t size = 0;
-        char* text = (char*)get_file( path_in( state, f == 0 ? "a/cloth_0001.vtp" : "a/cloth_0002.vtp" ), &size );
+        char* text = read_bytes( path_in( state, f == 0 ? "a/cloth_0001.vtp" : "a/cloth_0002.vtp" ), &size );
         assert_xml( text );
         assert_contains( text, "NumberOfPoints=\"4\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
                                "NumberOfPolys=\"2\"" );
@@ -207,7 +207,7 @@ static void paraview_finds_triangles_lines_and_points_in_every_frame( void** sta
         assert_numbers( text, "connectivity", fixture_triangles, 6 );
         assert_numbers( text, "offsets", ends, 2 );
         free( text );
-        text = (char*)get_file( path_in( state, f == 0 ? "a/hair-2_0001.vtp" : "a/hair-2_0002.vtp" ), &size );
+        text = read_bytes( path_in( state, f == 0 ? "a/hair-2_0001.vtp" : "a/hair-2_0002.vtp" ), &size );
         assert_xml( text );
         assert_contains( text, "NumberOfLines=\"2\"" );
         assert_vtp_points( text, expected.hair, HAIR_VERTICES );
@@ -222,7 +222,7 @@ static void the_list_of_frames_has_their_times_and_paths_beside_it( void** state
     wisp_recorder_def def = fixture_def();
     fixture_record( path_in( state, "a&b.pvd" ), &def, 2 );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a&b.pvd" ), &size );
+    char* text = read_bytes( path_in( state, "a&b.pvd" ), &size );
     assert_xml( text );
     assert_int_equal( count_of( text, "<DataSet " ), 4 );
     for ( int f = 0; f < 2; ++f )
@@ -245,7 +245,7 @@ static void a_strand_without_a_segment_is_no_line( void** state )
     wisp_recorder_def def = { bodies, 2, 0.1 };
     fixture_record( path_in( state, "a.pvd" ), &def, 1 );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a/hair-2_0001.vtp" ), &size );
+    char* text = read_bytes( path_in( state, "a/hair-2_0001.vtp" ), &size );
     assert_contains( text, "NumberOfPoints=\"5\" NumberOfVerts=\"0\" NumberOfLines=\"1\"" );
     assert_numbers( text, "connectivity", line, 4 );
     assert_numbers( text, "offsets", ends, 1 );
@@ -295,7 +295,7 @@ static void obj_frames_are_numbered_from_1_and_come_back( void** state )
     for ( int f = 0; f < 2; ++f )
     {
         size_t size = 0;
-        char* text = (char*)get_file( path_in( state, f == 0 ? "a_0001.obj" : "a_0002.obj" ), &size );
+        char* text = read_bytes( path_in( state, f == 0 ? "a_0001.obj" : "a_0002.obj" ), &size );
         assert_obj( text, f );
         free( text );
     }
@@ -381,7 +381,7 @@ static void usd_has_every_frame_of_every_body_as_a_time_sample( void** state )
     fixture_record( path_in( state, "a.usda" ), &def, 3 );
     assert_int_equal( count_files( state ), 1 );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a.usda" ), &size );
+    char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
     assert_balanced( text );
     assert_contains( text, "    startTimeCode = 1\n    timeCodesPerSecond = 60\n" );
@@ -403,12 +403,12 @@ static void a_recording_without_frames_is_still_a_file( void** state )
     fixture_record( path_in( state, "a.pvd" ), &def, 0 );
     fixture_record( path_in( state, "a.pc2" ), &def, 0 );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a.usda" ), &size );
+    char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_balanced( text );
     // a float's sixtieth is not a sixtieth, and USD wants a rate that programs know
     assert_contains( text, "timeCodesPerSecond = 60\n" );
     free( text );
-    text = (char*)get_file( path_in( state, "a.pvd" ), &size );
+    text = read_bytes( path_in( state, "a.pvd" ), &size );
     assert_xml( text );
     free( text );
     wisp_pc2* cache = NULL;
@@ -441,16 +441,16 @@ static void files_that_cannot_be_read_half_written_appear_when_they_are_finished
     for ( int i = 0; i < WISP_COUNT( names ); ++i )
     {
         char* path = path_in( state, names[i] );
-        put_file( path, "precious", 8 );
+        write_bytes( path, "precious", 8 );
         wisp_recorder* recorder = NULL;
         assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, NULL ), WISP_OK );
         assert_int_equal( fixture_add_frame( recorder, 0, NULL ), WISP_OK );
         size_t size = 0;
-        char* text = (char*)get_file( path, &size );
+        char* text = read_bytes( path, &size );
         assert_string_equal( text, "precious" );
         free( text );
         assert_int_equal( wisp_recorder_close( recorder, NULL ), WISP_OK );
-        text = (char*)get_file( path, &size );
+        text = read_bytes( path, &size );
         assert_true( size > 8 );
         free( text );
     }
@@ -510,7 +510,7 @@ static void a_file_in_the_place_of_the_folder_of_frames_is_a_message( void** sta
     wisp_recorder_def def = fixture_def();
     wisp_recorder* recorder = NULL;
     wisp_error error = { .status = WISP_OK };
-    put_file( path_in( state, "a" ), "precious", 8 );
+    write_bytes( path_in( state, "a" ), "precious", 8 );
     char* path = path_in( state, "a.pvd" );
     assert_int_equal( wisp_recorder_open( path, WISP_RECORD_BY_NAME, &def, &recorder, &error ), WISP_IO_ERROR );
     assert_one_message( &error, WISP_IO_ERROR, "/a: cannot make a folder: " );

@@ -41,7 +41,7 @@ static void tracks_are_a_table_whose_numbers_come_back_bit_for_bit( void** state
     }
     assert_int_equal( wisp_track_close( track, NULL ), WISP_OK );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a.csv" ), &size );
+    char* text = read_bytes( path_in( state, "a.csv" ), &size );
     static const char names[] = "time,hair-2.4.x,hair-2.4.y,hair-2.4.z,cloth.1.x,cloth.1.y,cloth.1.z\n";
     assert_int_equal( strncmp( text, names, strlen( names ) ), 0 );
     char* at = text + strlen( names );
@@ -79,7 +79,7 @@ static void numbers_have_points_in_a_locale_with_commas( void** state )
     setlocale( LC_NUMERIC, "C" );
     assert_int_equal( status, WISP_OK );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a.csv" ), &size );
+    char* text = read_bytes( path_in( state, "a.csv" ), &size );
     assert_contains( text, "\n0.0166666" );
     free( text );
 }
@@ -118,7 +118,7 @@ static void a_number_that_is_not_finite_writes_no_line( void** state )
     assert_int_equal( wisp_track_frame( track, 0.0, points, NULL ), WISP_OK );
     assert_int_equal( wisp_track_close( track, NULL ), WISP_OK );
     size_t size = 0;
-    char* text = (char*)get_file( path_in( state, "a.csv" ), &size );
+    char* text = read_bytes( path_in( state, "a.csv" ), &size );
     int lines = 0;
     for ( size_t i = 0; i < size; ++i )
     {
@@ -225,12 +225,12 @@ static void info_names_the_first_ten_damaged_frames_and_counts_the_rest( void** 
     wisp_error error = { .status = WISP_OK };
     record_plain( path, 14 );
     size_t size = 0;
-    unsigned char* bytes = get_file( path, &size );
+    unsigned char* bytes = read_bytes( path, &size );
     for ( int f = 1; f < 14; ++f )
     {
         bytes[80 + 84 * f + 50] ^= 4;
     }
-    put_file( path, bytes, size );
+    write_bytes( path, bytes, size );
     free( bytes );
     char* text = print_recording( path, WISP_BAD_INPUT, &error );
     assert_one_message( &error, WISP_BAD_INPUT, "sail.wisp: frame 1 at byte 164 is damaged" );

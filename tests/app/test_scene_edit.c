@@ -1,27 +1,11 @@
 // Single values of a scene's file are changed: every other byte stays, whatever the file looks like.
-#include "unit.h"
+#include "files.h"
 
 #include "scene.h"
 #include "scene_edit.h"
 
 #define FROM "scene_edit_from.yaml"
 #define TO "scene_edit_to.yaml"
-
-static void write_text( const char* path, const char* text )
-{
-    FILE* file = fopen( path, "wb" );
-    assert_non_null( file );
-    assert_int_equal( fwrite( text, 1, strlen( text ), file ), strlen( text ) );
-    assert_int_equal( fclose( file ), 0 );
-}
-
-static void read_text( const char* path, char* out, size_t size )
-{
-    FILE* file = fopen( path, "rb" );
-    assert_non_null( file );
-    out[fread( out, 1, size - 1, file )] = '\0';
-    fclose( file );
-}
 
 static void assert_edited( const char* text, const wisp_scene_edit* edits, int count, const char* expected )
 {

@@ -3,6 +3,8 @@
 
 #include "scene_world_fixture.h"
 
+#include "files.h"
+
 #include <unistd.h>
 
 static wisp_vec3 point_of( fixture* f, int body, int vertex )
@@ -197,10 +199,7 @@ static void pins_are_named_by_number_by_place_and_by_box( void** state )
 static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void** state )
 {
     (void)state;
-    FILE* file = fopen( "scene_world_loose.obj", "w" );
-    assert_non_null( file );
-    fputs( "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n", file );
-    fclose( file );
+    write_text( "scene_world_loose.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n" );
     fixture f;
     build(
         &f,

@@ -1,5 +1,5 @@
 // What may be tuned in a scene: which parameters it has, what they turn in memory, and what they change in the file.
-#include "unit.h"
+#include "files.h"
 
 #include "tune_parameters.h"
 
@@ -247,18 +247,12 @@ static void write_choice( const char* text, int parameter, int value, char* out,
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
     configuration[parameter] = value;
     assert_int_equal( tune_parameters_edits( &parameters, configuration, &scene, &edits, &count, NULL ), WISP_OK );
-    FILE* file = fopen( "tune_parameters_from.yaml", "w" );
-    assert_non_null( file );
-    assert_true( fputs( text, file ) >= 0 );
-    fclose( file );
+    write_text( "tune_parameters_from.yaml", text );
     assert_ok( wisp_scene_edit_file( "tune_parameters_from.yaml", edits, count, "tune_parameters_to.yaml", &error ),
                error );
     assert_ok( wisp_scene_read( "tune_parameters_to.yaml", &written, &error ), error );
     assert_true( tune_parameters_agree( &parameters, configuration, &written ) );
-    file = fopen( "tune_parameters_to.yaml", "r" );
-    assert_non_null( file );
-    out[fread( out, 1, size - 1, file )] = '\0';
-    fclose( file );
+    read_text( "tune_parameters_to.yaml", out, size );
     remove( "tune_parameters_from.yaml" );
     remove( "tune_parameters_to.yaml" );
     free( edits );

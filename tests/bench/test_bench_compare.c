@@ -1,5 +1,6 @@
 // `wisp bench cloth --compare` at sizes of moments: its reference files, which nobody vouches for, and what its tables say.
 #include "bench_tables.h"
+#include "files.h"
 
 #include "compare_bench.h"
 
@@ -51,11 +52,7 @@ static file_bytes written( const compare_reference* reference )
     wisp_error error = { 0 };
     file_bytes file = { .size = 0 };
     assert_ok( compare_reference_write( reference, file_name, &error ), error );
-    FILE* stream = fopen( file_name, "rb" );
-    assert_non_null( stream );
-    file.bytes = checked_malloc( 65536 );
-    file.size = fread( file.bytes, 1, 65536, stream );
-    fclose( stream );
+    file.bytes = read_bytes( file_name, &file.size );
     remove( file_name );
     return file;
 }

@@ -1,11 +1,11 @@
 // The report: whatever stands in the results, the page is whole, stands alone, and says nothing else.
+#include "files.h"
 #include "report_fixture.h"
 
 #include "report/report_text.h"
 
 #include <locale.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 // ---- results ----
 
@@ -229,14 +229,6 @@ static size_t make_picture( unsigned char* out, size_t size )
     memcpy( out, head, sizeof( head ) );
     memcpy( out + size - sizeof( tail ), tail, sizeof( tail ) );
     return size;
-}
-
-static void write_bytes( const char* path, const void* bytes, size_t size )
-{
-    FILE* file = fopen( path, "wb" );
-    assert_non_null( file );
-    assert_int_equal( fwrite( bytes, 1, size, file ), size );
-    assert_int_equal( fclose( file ), 0 );
 }
 
 static void a_picture_is_embedded_byte_by_byte( void** state )
