@@ -61,11 +61,6 @@ static void shake( plain_cloth* cloth )
     }
 }
 
-static double3 widened( wisp_vec3 p )
-{
-    return double3_make( (double)p.x, (double)p.y, (double)p.z );
-}
-
 static void every_edge_is_a_link_once_and_every_interior_edge_a_pair( void** state )
 {
     (void)state;
@@ -77,7 +72,7 @@ static void every_edge_is_a_link_once_and_every_interior_edge_a_pair( void** sta
     for ( int i = 0; i < cloth.link_count; ++i )
     {
         const plain_link* link = &cloth.links[i];
-        double rest = double3_distance( widened( p.points[link->a] ), widened( p.points[link->b] ) );
+        double rest = double3_distance( double3_widen( p.points[link->a] ), double3_widen( p.points[link->b] ) );
         assert_true( fabs( (double)link->rest - rest ) <= 2.0 * (double)FLT_EPSILON );
         assert_true( link->stiffness == ( i < cloth.edge_count ? 1.0f : 0.2f ) );
     }
@@ -94,7 +89,7 @@ static void a_pass_is_equation_6_link_by_link( void** state )
     double3 expected[VERTICES];
     for ( int v = 0; v < VERTICES; ++v )
     {
-        expected[v] = widened( cloth.position[v] );
+        expected[v] = double3_widen( cloth.position[v] );
     }
     for ( int i = 0; i < cloth.link_count; ++i )
     {
@@ -109,7 +104,8 @@ static void a_pass_is_equation_6_link_by_link( void** state )
     for ( int v = 0; v < VERTICES; ++v )
     {
         // coordinates below 1 m, a dozen links at a vertex and their neighbours' roundings behind them
-        assert_true( double3_distance( widened( cloth.position[v] ), expected[v] ) < 64.0 * (double)FLT_EPSILON );
+        assert_true( double3_distance( double3_widen( cloth.position[v] ), expected[v] ) <
+                     64.0 * (double)FLT_EPSILON );
     }
     plain_cloth_destroy( &cloth );
 }

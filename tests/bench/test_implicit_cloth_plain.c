@@ -22,11 +22,6 @@ typedef struct fixture
     double* masses;
 } fixture;
 
-static double3 widened( wisp_vec3 p )
-{
-    return double3_make( (double)p.x, (double)p.y, (double)p.z );
-}
-
 static int make_fixture( void** state )
 {
     fixture* f = calloc( 1, sizeof( fixture ) );
@@ -49,7 +44,7 @@ static int make_fixture( void** state )
     f->masses = calloc( VERTICES, sizeof( double ) );
     for ( int v = 0; v < VERTICES; ++v )
     {
-        f->points[v] = widened( f->scene.mesh.points[v] );
+        f->points[v] = double3_widen( f->scene.mesh.points[v] );
     }
     *state = f;
     return 0;
@@ -118,7 +113,7 @@ static double farthest( const plain_implicit_cloth* plain, const triangle_oracle
     double most = 0.0;
     for ( int v = 0; v < VERTICES; ++v )
     {
-        most = fmax( most, double3_distance( widened( plain->position[v] ), oracle->x[v] ) );
+        most = fmax( most, double3_distance( double3_widen( plain->position[v] ), oracle->x[v] ) );
     }
     return most;
 }
@@ -171,7 +166,7 @@ static void a_hanging_cloth_moves_as_that_of_the_engine( void** state )
     for ( int v = 0; v < VERTICES; ++v )
     {
         // twice as far as scalar C may be from the oracle
-        assert_true( double3_distance( widened( plain.position[v] ), widened( points[v] ) ) <
+        assert_true( double3_distance( double3_widen( plain.position[v] ), double3_widen( points[v] ) ) <
                      64.0 * (double)FLT_EPSILON );
     }
     surface_implementation_destroy( &ours );

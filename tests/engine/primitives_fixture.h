@@ -4,6 +4,7 @@
 #include "kernels_fixture.h"
 
 #include "contact_oracle.h"
+#include "random_vector.h"
 
 enum
 {
@@ -59,33 +60,15 @@ static inline int32_t item_of( const scene* s, int side, int primitive )
     return s->row[side][primitive / 8].item[primitive % 8];
 }
 
-static inline double3 vector_of( const float* p )
-{
-    return double3_make( (double)p[0], (double)p[1], (double)p[2] );
-}
-
 static inline double3 at( scene* s, int side, int primitive, int k )
 {
-    return vector_of( corner( s, side, primitive, k ) );
+    return double3_from( corner( s, side, primitive, k ) );
 }
 
 static inline void put( scene* s, int side, int primitive, int k, double3 p )
 {
     const float xyz[3] = { (float)p.x, (float)p.y, (float)p.z };
     memcpy( corner( s, side, primitive, k ), xyz, sizeof( xyz ) );
-}
-
-static inline double3 random_vector( int a, int b, double size )
-{
-    const float most = (float)size;
-    return double3_make( (double)test_random_float( a, 3 * b, -most, most ),
-                         (double)test_random_float( a, 3 * b + 1, -most, most ),
-                         (double)test_random_float( a, 3 * b + 2, -most, most ) );
-}
-
-static inline double3 unit( double3 v )
-{
-    return double3_scale( 1.0 / double3_length( v ), v );
 }
 
 /// Primitives are not called in the order of their lanes. The last lanes may have none: their points are those of others.
@@ -118,7 +101,7 @@ static inline scene* new_scene( primitive_shape shape, int seed )
     s->within = test_random_float( seed, 0, 0.05f, 0.4f );
     s->seen = s->within + test_random_float( seed, 1, 0.0f, 1.0f );
     const double apart = (double)test_random_float( seed, 2, 0.0f, 3.0f );
-    const double3 aside = double3_scale( apart, unit( random_vector( seed, 3, 1.0 ) ) );
+    const double3 aside = double3_scale( apart, double3_unit( random_vector( seed, 3, 1.0 ) ) );
     for ( int side = 0; side < 2; ++side )
     {
         name_primitives( s, side );
@@ -321,7 +304,7 @@ static inline scene* make_two( primitive_shape shape, float points[4][3], float 
     for ( int k = 0; k < 4; ++k )
     {
         const int side = k < s->corners[0] ? 0 : 1;
-        put( s, side, 0, side == 0 ? k : k - s->corners[0], vector_of( points[k] ) );
+        put( s, side, 0, side == 0 ? k : k - s->corners[0], double3_from( points[k] ) );
     }
     run( widest_table(), s );
     return s;

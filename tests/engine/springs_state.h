@@ -43,11 +43,6 @@ typedef struct springs
     int undirected;
 } springs;
 
-static inline double3 vector( const float* quad )
-{
-    return double3_make( (double)quad[0], (double)quad[1], (double)quad[2] );
-}
-
 static inline double3 lane_vector( const float ( *vectors )[3][8], int row )
 {
     const float( *v )[8] = vectors[row / 8];
@@ -105,7 +100,7 @@ static inline void place_entries( springs* s )
 static inline void add_spring( springs* s, int i, int j, bool bends )
 {
     const int n = s->link_count;
-    const float length = (float)double3_distance( vector( s->position[i] ), vector( s->position[j] ) );
+    const float length = (float)double3_distance( double3_from( s->position[i] ), double3_from( s->position[j] ) );
     s->link[s->link_count++] = ( spring ){
         .i = i,
         .j = j,

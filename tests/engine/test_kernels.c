@@ -1,38 +1,11 @@
 // Every kernel table gives the same bits, and the sums through the grid are those of brute force, bit for bit.
-#include "unit.h"
+#include "kernels_fixture.h"
 
 #include "frozen_hair.h"
-#include "kernel_tables.h"
 #include "trig.h"
 #include "world.h"
 
 #include "wisp/module/space.h"
-
-extern const wisp_kernels kernels_plain;
-#if defined( TEST_AVX512_EMULATED )
-extern const wisp_kernels kernels_avx512_emulated;
-#endif
-
-// Tables that run here: every one the processor has, the one without intrinsics, and AVX-512 emulated.
-static int usable_tables( const wisp_kernels* tables[5] )
-{
-    int count = 0;
-    tables[count++] = kernels_select( "baseline", NULL );
-    tables[count++] = &kernels_plain;
-#if defined( TEST_AVX512_EMULATED )
-    tables[count++] = &kernels_avx512_emulated;
-#endif
-    const char* const caps[] = { "avx2", "avx512" };
-    for ( int i = 0; i < WISP_COUNT( caps ); ++i )
-    {
-        const wisp_kernels* k = kernels_select( caps[i], NULL );
-        if ( strcmp( k->isa, caps[i] ) == 0 )
-        {
-            tables[count++] = k;
-        }
-    }
-    return count;
-}
 
 // ---- whole pipeline ----
 
@@ -106,7 +79,7 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
 static void every_table_gives_the_same_bits( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[5];
+    const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     groom* g = checked_malloc( sizeof( groom ) );
     for ( int dimension = 2; dimension <= 3; ++dimension )
@@ -234,7 +207,7 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
 static void sums_through_the_grid_are_those_of_brute_force( void** state )
 {
     (void)state;
-    const wisp_kernels* tables[5];
+    const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     const wisp_allocator allocator = { 0 };
     jobs_pool* pool = jobs_create( &allocator, 1, NULL, NULL );

@@ -3,6 +3,7 @@
 #include "kernels_fixture.h"
 
 #include "contact_oracle.h"
+#include "random_vector.h"
 
 enum
 {
@@ -49,22 +50,9 @@ static void put( pairs* s, int pair, int k, double3 p )
     memcpy( corner( s, pair, k ), xyz, sizeof( xyz ) );
 }
 
-static double3 random_vector( int pair, int k, double size )
-{
-    const float most = (float)size;
-    return double3_make( (double)test_random_float( pair, 3 * k, -most, most ),
-                         (double)test_random_float( pair, 3 * k + 1, -most, most ),
-                         (double)test_random_float( pair, 3 * k + 2, -most, most ) );
-}
-
 static double3 blend( double3 a, double t, double3 b )
 {
     return double3_add( a, double3_scale( t, double3_sub( b, a ) ) );
-}
-
-static double3 unit( double3 v )
-{
-    return double3_scale( 1.0 / double3_length( v ), v );
 }
 
 static pairs* new_pairs( pair_shape shape )
@@ -108,7 +96,7 @@ static void make_random( pairs* s )
 static void make_near_triangle( pairs* s, int i )
 {
     const double3 a = at( s, i, 1 ), b = at( s, i, 2 ), c = at( s, i, 3 );
-    const double3 n = unit( double3_cross( double3_sub( b, a ), double3_sub( c, a ) ) );
+    const double3 n = double3_unit( double3_cross( double3_sub( b, a ), double3_sub( c, a ) ) );
     const double v = (double)test_random_float( i, 20, 0.0f, 1.0f ),
                  w = (double)test_random_float( i, 21, 0.0f, 1.0f );
     const double d = pow( 10.0, (double)test_random_float( i, 22, -5.0f, -3.0f ) );
@@ -122,7 +110,7 @@ static void make_near_triangle( pairs* s, int i )
         const double3 from = at( s, i, 1 + side % 3 ), to = at( s, i, 1 + ( side + 1 ) % 3 );
         put( s, i, 0,
              double3_add( blend( from, side < 4 ? v : 0.0, to ),
-                          double3_scale( d, unit( random_vector( i, 9, 1.0 ) ) ) ) );
+                          double3_scale( d, double3_unit( random_vector( i, 9, 1.0 ) ) ) ) );
     }
 }
 
@@ -138,7 +126,8 @@ static void make_near_segments( pairs* s, int i )
     {
         along = double3_add( u, double3_scale( pow( 10.0, -(double)( i % 6 ) ), along ) );
     }
-    const double3 away = i % 5 == 0 ? unit( random_vector( i, 9, 1.0 ) ) : unit( double3_cross( u, along ) );
+    const double3 away =
+        i % 5 == 0 ? double3_unit( random_vector( i, 9, 1.0 ) ) : double3_unit( double3_cross( u, along ) );
     const double3 meet = double3_add( blend( a, x, b ), double3_scale( d, away ) );
     put( s, i, 2, double3_sub( meet, double3_scale( y, along ) ) );
     put( s, i, 3, double3_add( meet, double3_scale( 1.0 - y, along ) ) );

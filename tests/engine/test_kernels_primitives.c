@@ -398,7 +398,8 @@ static double closing_of( const point_sets* s, int pair, int split )
         for ( int k = split; k < 4; ++k )
         {
             const float *p = in_set( s, i, pair ), *q = in_set( s, k, pair );
-            most = fmax( most, double3_distance( vector_of( p ), vector_of( q ) ) + (double)p[3] + (double)q[3] );
+            most =
+                fmax( most, double3_distance( double3_from( p ), double3_from( q ) ) + (double)p[3] + (double)q[3] );
         }
     }
     return most;
@@ -429,7 +430,7 @@ static void pairs_come_nearer_by_no_more_than_their_points( void** state )
 static point_sets make_apart( int seed, float along[3][3] )
 {
     point_sets s = make_sets( seed );
-    const double3 way = unit( random_vector( seed, 500, 1.0 ) );
+    const double3 way = double3_unit( random_vector( seed, 500, 1.0 ) );
     const double distance = 0.1 * seed;
     for ( int i = 0; i < LIST; ++i )
     {
@@ -465,12 +466,12 @@ static double apart_of( const point_sets* s, float along[3][3], double* parted )
     *parted = -1.0;
     for ( int k = 0; k < 3; ++k )
     {
-        const double3 direction = unit( vector_of( along[k] ) );
+        const double3 direction = double3_unit( double3_from( along[k] ) );
         double one = INFINITY, other = INFINITY;
         for ( int i = 0; i < 8 * LIST; ++i )
         {
             const double3 between =
-                double3_sub( vector_of( in_set( s, 1, i / 8 ) ), vector_of( in_set( s, 0, i % 8 ) ) );
+                double3_sub( double3_from( in_set( s, 1, i / 8 ) ), double3_from( in_set( s, 0, i % 8 ) ) );
             one = fmin( one, double3_dot( direction, between ) );
             other = fmin( other, -double3_dot( direction, between ) );
             nearest = fmin( nearest, double3_length( between ) );

@@ -163,7 +163,7 @@ typedef struct term
 static term term_of( const springs* s, const spring* l, int variant )
 {
     const double h = (double)STEP, damping = h * (double)l->damping, rest = (double)l->rest, load = (double)l->load;
-    const double3 way = double3_sub( vector( s->position[l->j] ), vector( s->position[l->i] ) );
+    const double3 way = double3_sub( double3_from( s->position[l->j] ), double3_from( s->position[l->i] ) );
     const double r = double3_length( way ), y = r / rest;
     term t = { .d = way };
     if ( r == 0.0 )
@@ -208,7 +208,7 @@ static double3 spread( double3 d, double along, double foreign, double3 u )
 // Where the larger of two bending loads is a matter of rounding, so is the slope.
 static bool is_at_a_corner( const springs* s, const spring* l )
 {
-    const double r = double3_distance( vector( s->position[l->i] ), vector( s->position[l->j] ) ),
+    const double r = double3_distance( double3_from( s->position[l->i] ), double3_from( s->position[l->j] ) ),
                  rest = (double)l->rest;
     const double arc = (double)l->load * triangle_oracle_arc_load( fmin( r / rest, 1.0 ) );
     const double straight = (double)l->ramp * ( r - rest );
@@ -243,7 +243,7 @@ static void add_plain( plain_rows* p, const springs* s, const spring* l, int var
     const bool lost = double3_length( t.d ) == 0.0;
     const double h = (double)STEP, along = repeat ? t.damping_along : t.along;
     const double foreign = repeat ? t.damping_across : t.foreign;
-    const double3 u = double3_sub( vector( s->velocity[l->i] ), vector( s->velocity[l->j] ) );
+    const double3 u = double3_sub( double3_from( s->velocity[l->i] ), double3_from( s->velocity[l->j] ) );
     const double3 drag = lost ? double3_scale( foreign, u ) : spread( t.d, along, foreign, u );
     const double3 push = double3_sub( double3_scale( h * t.pull, t.d ), drag );
     const double off =
@@ -270,7 +270,7 @@ static plain_rows* plain_formulas( const springs* s, int variant )
         p->matrix[row][0][0] = p->matrix[row][1][1] = p->matrix[row][2][2] = p->size[row] = m;
         if ( ( variant & REPEAT ) != 0 )
         {
-            const double3 back = double3_sub( vector( s->start[row] ), vector( s->velocity[row] ) );
+            const double3 back = double3_sub( double3_from( s->start[row] ), double3_from( s->velocity[row] ) );
             p->rhs[row] = double3_scale( m, back );
             p->off[row] = 4.0 * EPSILON * m * double3_length( back );
         }
@@ -502,7 +502,8 @@ static void the_preconditioner_is_positive_however_light_a_vertex_is( void** sta
     {
         add_spring( s, i, i + 1, false );
         spring* l = s->link + s->link_count - 1;
-        l->rest = 0.999999f * (float)double3_distance( vector( s->position[i] ), vector( s->position[i + 1] ) );
+        l->rest =
+            0.999999f * (float)double3_distance( double3_from( s->position[i] ), double3_from( s->position[i + 1] ) );
         l->load = 200.0f;
         l->damping = 0.0f;
         s->position[i][3] = s->position[i + 1][3] =
@@ -541,13 +542,13 @@ static void a_product_is_that_of_the_matrix( void** state )
         double reference = 0.0, size = 0.0;
         for ( int row = 0; row < ROWS; ++row )
         {
-            p->rhs[row] = double3_scale( (double)s->position[row][3], vector( s->direction[row] ) );
+            p->rhs[row] = double3_scale( (double)s->position[row][3], double3_from( s->direction[row] ) );
         }
         for ( int k = 0; k < s->link_count; ++k )
         {
             const spring* l = s->link + k;
             const term t = term_of( s, l, variant & ~FULL );
-            const double3 u = double3_sub( vector( s->direction[l->i] ), vector( s->direction[l->j] ) );
+            const double3 u = double3_sub( double3_from( s->direction[l->i] ), double3_from( s->direction[l->j] ) );
             const double along = double3_length( t.d ) > 0.0 ? t.along : t.foreign;
             const double3 push = spread( t.d, along, t.foreign, u );
             const double off = ( 16.0 * EPSILON * ( t.along + t.foreign ) + t.along_off ) * double3_length( u );
@@ -562,10 +563,10 @@ static void a_product_is_that_of_the_matrix( void** state )
         {
             const double3 found = lane_vector( (const float( * )[3][8])s->product, row );
             const double rounding =
-                EPSILON * (double)s->position[row][3] * double3_length( vector( s->direction[row] ) );
+                EPSILON * (double)s->position[row][3] * double3_length( double3_from( s->direction[row] ) );
             assert_near( double3_distance( found, p->rhs[row] ), 0.0, p->off[row] + 2.0 * rounding, "product of row",
                          row );
-            reference += double3_dot( vector( s->direction[row] ), p->rhs[row] );
+            reference += double3_dot( double3_from( s->direction[row] ), p->rhs[row] );
             size += 2.0 * ( p->off[row] + rounding );
         }
         assert_near( sum, reference, size + 64.0 * EPSILON * reference, "c . q of variant", variant );
@@ -582,7 +583,7 @@ static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS
     double sum = 0.0;
     for ( int row = 0; row < ROWS; ++row )
     {
-        sum += double3_dot( vector( p[row] ), lane_vector( (const float( * )[3][8])s->product, row ) );
+        sum += double3_dot( double3_from( p[row] ), lane_vector( (const float( * )[3][8])s->product, row ) );
     }
     return sum;
 }
@@ -661,13 +662,13 @@ static void an_advance_and_a_turn_are_what_they_say( void** state )
     for ( int row = 0; row < ROWS; ++row )
     {
         const double3 search = lane_vector( (const float( * )[3][8])s->search, row );
-        const double3 old = vector( before->direction[row] ), dv = double3_scale( (double)a, old );
+        const double3 old = double3_from( before->direction[row] ), dv = double3_scale( (double)a, old );
         const double3 c = double3_add( search, double3_scale( (double)b, old ) );
         assert_near( double3_distance( lane_vector( (const float( * )[3][8])s->solution, row ), dv ), 0.0, 0.0, "dv",
                      row );
         assert_true( s->direction[row][3] == before->position[row][3] );
-        assert_near( double3_distance( vector( s->direction[row] ), c ), 0.0, EPSILON * double3_length( c ) + 1e-30,
-                     "c", row );
+        assert_near( double3_distance( double3_from( s->direction[row] ), c ), 0.0,
+                     EPSILON * double3_length( c ) + 1e-30, "c", row );
     }
     free( s );
     free( before );

@@ -18,17 +18,12 @@ typedef struct particles
     double w[4];
 } particles;
 
-static double3 widen( const float* quad )
-{
-    return double3_make( (double)quad[0], (double)quad[1], (double)quad[2] );
-}
-
 static particles particles_of( constraints* s, int c )
 {
     particles found;
     for ( int k = 0; k < 4; ++k )
     {
-        found.p[k] = widen( body( s, c, k ) );
+        found.p[k] = double3_from( body( s, c, k ) );
         found.w[k] = (double)body( s, c, k )[3];
     }
     return found;
@@ -38,7 +33,7 @@ static void assert_at( constraints* s, const particles* expected, int c, double 
 {
     for ( int k = 0; k < 4; ++k )
     {
-        double gap = double3_distance( widen( body( s, c, k ) ), expected->p[k] );
+        double gap = double3_distance( double3_from( body( s, c, k ) ), expected->p[k] );
         assert_near( gap, 0.0, tolerance, "gap of constraint", c );
         assert_near( (double)body( s, c, k )[3], expected->w[k], 0.0, "inverse mass of constraint", c );
     }
@@ -430,7 +425,7 @@ static void dihedral_gradients_are_central_differences_of_the_angle( void** stat
             }
             double3 g = double3_make( gradient[0], gradient[1], gradient[2] );
             double3 expected = double3_scale( -error / double3_dot( g, g ), g );
-            double3 moved = double3_sub( widen( body( after, c, corner ) ), at.p[corner] );
+            double3 moved = double3_sub( double3_from( body( after, c, corner ) ), at.p[corner] );
 
             // the angle to rest is a difference of floats near 3, a relative error of 3 FLT_EPSILON / 0.01
             double tolerance = ROUNDING + 2e-4 * double3_length( expected );
@@ -544,8 +539,8 @@ static void sum_momentum( constraints* before, constraints* after, int c, int co
     for ( int k = 0; k < corners; ++k )
     {
         double m = 1.0 / (double)body( before, c, k )[3];
-        double3 p = widen( body( before, c, k ) );
-        double3 moved = double3_scale( m, double3_sub( widen( body( after, c, k ) ), p ) );
+        double3 p = double3_from( body( before, c, k ) );
+        double3 moved = double3_scale( m, double3_sub( double3_from( body( after, c, k ) ), p ) );
         linear = double3_add( linear, moved );
         angular = double3_add( angular, double3_cross( p, moved ) );
         mass += m;

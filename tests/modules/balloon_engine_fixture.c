@@ -206,11 +206,6 @@ float* balloon_velocities( const balloon_flight* flight )
     return wisp_world_column( flight->world, flight->entity, WISP_PARTICLE_VELOCITY, 0 );
 }
 
-static double3 widen( const float* p )
-{
-    return double3_make( (double)p[0], (double)p[1], (double)p[2] );
-}
-
 static double mass_of( const float* p )
 {
     return p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
@@ -229,7 +224,7 @@ double3 balloon_momentum( const balloon_flight* flight )
     double3 sum = { 0.0, 0.0, 0.0 };
     for ( int i = 0; i < 4 * count_of( flight ); i += 4 )
     {
-        sum = double3_add( sum, double3_scale( mass_of( x + i ), widen( v + i ) ) );
+        sum = double3_add( sum, double3_scale( mass_of( x + i ), double3_from( v + i ) ) );
     }
     return sum;
 }
@@ -241,14 +236,14 @@ double3 balloon_angular_momentum( const balloon_flight* flight )
     double mass = 0.0;
     for ( int i = 0; i < 4 * count_of( flight ); i += 4 )
     {
-        centre = double3_add( centre, double3_scale( mass_of( x + i ), widen( x + i ) ) );
+        centre = double3_add( centre, double3_scale( mass_of( x + i ), double3_from( x + i ) ) );
         mass += mass_of( x + i );
     }
     centre = double3_scale( 1.0 / mass, centre );
     for ( int i = 0; i < 4 * count_of( flight ); i += 4 )
     {
-        double3 r = double3_sub( widen( x + i ), centre );
-        sum = double3_add( sum, double3_scale( mass_of( x + i ), double3_cross( r, widen( v + i ) ) ) );
+        double3 r = double3_sub( double3_from( x + i ), centre );
+        sum = double3_add( sum, double3_scale( mass_of( x + i ), double3_cross( r, double3_from( v + i ) ) ) );
     }
     return sum;
 }
@@ -409,8 +404,8 @@ static void copy_state( const balloon_flight* flight, balloon_oracle* b )
     b->total_mass = 0.0;
     for ( int slot = 0; slot < b->vertex_count; ++slot )
     {
-        b->x[slot] = b->p[slot] = widen( x + 4 * slot );
-        b->v[slot] = widen( v + 4 * slot );
+        b->x[slot] = b->p[slot] = double3_from( x + 4 * slot );
+        b->v[slot] = double3_from( v + 4 * slot );
         b->w[slot] = (double)x[4 * slot + 3];
         b->mass[slot] = mass_of( x + 4 * slot );
         b->total_mass += b->mass[slot];
@@ -463,7 +458,7 @@ double balloon_distance( const balloon_flight* flight, const balloon_oracle* ora
     double largest = 0.0;
     for ( int slot = 0; slot < oracle->vertex_count; ++slot )
     {
-        double distance = double3_distance( widen( x + 4 * slot ), oracle->x[slot] );
+        double distance = double3_distance( double3_from( x + 4 * slot ), oracle->x[slot] );
         largest = distance > largest || isnan( distance ) ? distance : largest;
     }
     return largest;

@@ -265,7 +265,7 @@ static frozen_oracle_options widen_options( const wisp_frozen_hair_def* d, int d
     };
     frozen_oracle_options o = frozen_oracle_default_options();
     o.theta_max = (double)d->max_bend_angle;
-    o.cursor = hair_widen( d->cursor );
+    o.cursor = double3_widen( d->cursor );
     o.cursor_radius = (double)d->reach;
     o.clump_radius = (double)d->clump_radius;
     o.clump_iterations = d->clump_iterations;
@@ -326,11 +326,6 @@ void hair_oracle_destroy( hair_oracle* oracle )
 
 // ---- numbers ----
 
-double3 hair_widen( wisp_vec3 p )
-{
-    return double3_make( (double)p.x, (double)p.y, (double)p.z );
-}
-
 double3* hair_new_points( int count )
 {
     return new_memory( (size_t)count * sizeof( double3 ) );
@@ -341,7 +336,7 @@ double3* hair_widen_all( const wisp_vec3* points, int count )
     double3* wide = hair_new_points( count );
     for ( int v = 0; v < count; ++v )
     {
-        wide[v] = hair_widen( points[v] );
+        wide[v] = double3_widen( points[v] );
     }
     return wide;
 }
@@ -353,7 +348,7 @@ bool hair_same_bits( const wisp_vec3* a, const wisp_vec3* b, int count )
 
 double hair_distance( wisp_vec3 a, wisp_vec3 b )
 {
-    return double3_distance( hair_widen( a ), hair_widen( b ) );
+    return double3_distance( double3_widen( a ), double3_widen( b ) );
 }
 
 void hair_assert_close( double actual, double expected, double tolerance )

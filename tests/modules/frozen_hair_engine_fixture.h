@@ -85,7 +85,6 @@ typedef struct hair_oracle
 hair_oracle hair_oracle_create( const hair_groom* groom, const wisp_frozen_hair_def* def, uint64_t event );
 void hair_oracle_destroy( hair_oracle* oracle );
 
-double3 hair_widen( wisp_vec3 p );
 /// @return a copy in double precision, to be freed
 double3* hair_widen_all( const wisp_vec3* points, int count );
 double3* hair_new_points( int count );

@@ -36,7 +36,7 @@ static void hold( hair_shadow* shadow, const char* stage, int iteration, const d
 {
     for ( int v = 0; v < count; ++v )
     {
-        double offset = double3_distance( expected[v], hair_widen( actual[v] ) );
+        double offset = double3_distance( expected[v], double3_widen( actual[v] ) );
         if ( !( offset <= bound[v] ) )
         {
             fail_msg( "%s %d: vertex %d is %.3g m off, %.3g are allowed", stage, iteration, v, offset, bound[v] );
@@ -235,7 +235,7 @@ void hair_compare_pipeline( const hair_groom* groom, const wisp_frozen_hair_def*
     double offset = 0.0;
     for ( int v = 0; v < count; ++v )
     {
-        double distance = double3_distance( expected[v], hair_widen( actual[v] ) );
+        double distance = double3_distance( expected[v], double3_widen( actual[v] ) );
         assert_true( isfinite( distance ) );
         offset = fmax( offset, distance );
     }

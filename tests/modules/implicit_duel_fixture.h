@@ -39,11 +39,6 @@ typedef struct match
     int steps;
 } match;
 
-static inline double3 widen( const float* v )
-{
-    return double3_make( (double)v[0], (double)v[1], (double)v[2] );
-}
-
 static inline size_t slot_of( match* m, int vertex )
 {
     return (size_t)wisp_world_fabric( m->h.world, m->cloth )->vertex_slot[vertex];
@@ -123,7 +118,7 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
         const float weight = quad_of( m, v, WISP_PARTICLE_POSITION )[3];
-        points[v] = widen( &mesh->points[v].x );
+        points[v] = double3_from( &mesh->points[v].x );
         masses[v] = weight > 0.0f ? 1.0 / (double)weight : 1.0;
     }
     for ( int i = 0; i < 3 * DUEL_TRIANGLES; ++i )
@@ -152,8 +147,8 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
     }
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
-        m->oracle.x[v] = widen( quad_of( m, v, WISP_PARTICLE_POSITION ) );
-        m->oracle.v[v] = widen( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
+        m->oracle.x[v] = double3_from( quad_of( m, v, WISP_PARTICLE_POSITION ) );
+        m->oracle.v[v] = double3_from( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
         if ( quad_of( m, v, WISP_PARTICLE_POSITION )[3] == 0.0f )
         {
             triangle_oracle_pin( &m->oracle, v );
@@ -210,12 +205,12 @@ static inline bool sensed_touch( void* user, int vertex, double3 x, triangle_ora
     const float* friction = wisp_world_column( m->h.world, m->cloth, WISP_PARTICLE_CONTACTS, 3 );
     for ( size_t k = row; k < row + WISP_MAX_PARTICLE_CONTACTS; ++k )
     {
-        const double3 n = widen( plane + 4 * k );
+        const double3 n = double3_from( plane + 4 * k );
         if ( double3_length( n ) > 0.5 && fabs( (double)friction[3 * k] - touch->still ) < 1e-6 )
         {
             touch->normal = double3_scale( 1.0 / double3_length( n ), n );
             touch->gap = (double)plane[4 * k + 3];
-            touch->motion = widen( motion + 4 * k );
+            touch->motion = double3_from( motion + 4 * k );
             touch->margin = (double)motion[4 * k + 3];
             touch->still = (double)friction[3 * k];
             touch->slip = (double)friction[3 * k + 1];
@@ -234,7 +229,7 @@ static inline void carry_pin( match* m )
     const float t = (float)m->steps * m->rules->dt;
     const wisp_vec3 target = { 0.21875f - 0.3f * t, 0.4f * t, 0.2f * t };
     assert_status( m->h.world, wisp_move_pins( m->h.world, m->cloth, &pin, &target, 1 ), WISP_OK );
-    m->oracle.target[pin] = widen( &target.x );
+    m->oracle.target[pin] = double3_from( &target.x );
 }
 
 /// @param friction [body_count] static friction, another one for each body
@@ -263,7 +258,8 @@ static inline double apart( match* m, int* vertex )
     double most = 0.0;
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
-        const double distance = double3_distance( widen( quad_of( m, v, WISP_PARTICLE_POSITION ) ), m->oracle.x[v] );
+        const double distance =
+            double3_distance( double3_from( quad_of( m, v, WISP_PARTICLE_POSITION ) ), m->oracle.x[v] );
         if ( isnan( most ) == false && !( distance <= most ) )
         {
             most = distance;

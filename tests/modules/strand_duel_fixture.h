@@ -57,11 +57,6 @@ typedef struct match
     strand_oracle strand[STRANDS];
 } match;
 
-static inline double3 widen( wisp_vec3 v )
-{
-    return double3_make( (double)v.x, (double)v.y, (double)v.z );
-}
-
 static inline float random_at( int n, int what )
 {
     const double unit = wisp_random_unit( wisp_random_make_key( 7, 0, 0 ), (uint32_t)n, (uint32_t)what, 0 );
@@ -202,7 +197,7 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
     strand_oracle* strand = m->strand + n;
     for ( int i = 0; i < COUNTS[n]; ++i )
     {
-        m->rest[n][i] = widen( shape_at( n, i, COUNTS[n], 0.0f ) );
+        m->rest[n][i] = double3_widen( shape_at( n, i, COUNTS[n], 0.0f ) );
     }
     assert_true( strand_oracle_shape( strand, m->rest[n], COUNTS[n] ) );
     strand_oracle_weigh( strand, (double)m->def.line_density, true );
@@ -249,7 +244,7 @@ static inline void kick( match* m, float speed )
             row[0] = v.x;
             row[WISP_LANES] = v.y;
             row[2 * WISP_LANES] = v.z;
-            strand->velocity[i] = widen( v );
+            strand->velocity[i] = double3_widen( v );
         }
     }
 }
@@ -262,7 +257,7 @@ static inline match* open_match( const duel* rules, int substeps, float speed )
     m->def = def_of( rules );
     m->substeps = substeps;
     m->dt = (double)rules->dt;
-    m->gravity = widen( m->def.gravity );
+    m->gravity = double3_widen( m->def.gravity );
     m->from = m->to = origin;
     open_strands( &m->s, substeps, rules->iterations > 0 ? rules->iterations : 1, 1 );
     m->e = add_strands( m->s.world, COUNTS, STRANDS, shape_at, 0.0f );
@@ -307,8 +302,8 @@ static inline pose pose_at( const match* m, double fraction )
                                    s * (double)a.w + fraction * (double)b.w };
     const double length = sqrt( q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w );
     q = ( strand_oracle_quaternion ){ q.x / length, q.y / length, q.z / length, q.w / length };
-    return ( pose ){ q, double3_add( double3_scale( s, widen( m->from.translation ) ),
-                                     double3_scale( fraction, widen( m->to.translation ) ) ) };
+    return ( pose ){ q, double3_add( double3_scale( s, double3_widen( m->from.translation ) ),
+                                     double3_scale( fraction, double3_widen( m->to.translation ) ) ) };
 }
 
 static inline double3 carry( pose p, double3 at )
@@ -363,7 +358,7 @@ static inline void force_and_predict( match* m, int n, pose from, pose to )
     if ( def->drag_coefficient > 0.0f )
     {
         const double drag = 0.5 * (double)def->air_density * (double)def->drag_coefficient * (double)def->diameter;
-        strand_oracle_air( strand, widen( def->wind ), drag, m->dt );
+        strand_oracle_air( strand, double3_widen( def->wind ), drag, m->dt );
     }
     strand_oracle_predict( strand, &root, m->gravity, m->dt );
     if ( def->bending == WISP_STRAND_BEND_ROD )
@@ -490,7 +485,7 @@ static inline double apart( match* m, int* strand, int* vertex )
     {
         for ( int i = 0; i < COUNTS[n]; ++i )
         {
-            const double distance = double3_distance( widen( points[first + i] ), m->strand[n].position[i] );
+            const double distance = double3_distance( double3_widen( points[first + i] ), m->strand[n].position[i] );
             if ( isnan( most ) == false && !( distance <= most ) )
             {
                 most = distance;

@@ -7,11 +7,6 @@
 static const float DT = 0.01f;        // s
 static const float THICK = 0.015625f; // m
 
-static double3 from_floats( const float* x )
-{
-    return double3_make( (double)x[0], (double)x[1], (double)x[2] );
-}
-
 // ---- two triangles that meet in one pair ----
 
 typedef struct meeting
@@ -79,9 +74,9 @@ static contact_oracle_contact expect_places( const meeting* m, int n, int iterat
     for ( int i = 0; i < 6; ++i )
     {
         const float* at = place_of( m->h.world, m->body[i / 3], i % 3 );
-        before[i] = from_floats( at );
+        before[i] = double3_from( at );
         w[i] = (double)at[3];
-        const double3 v = from_floats( velocity_of( m->h.world, m->body[i / 3], i % 3 ) );
+        const double3 v = double3_from( velocity_of( m->h.world, m->body[i / 3], i % 3 ) );
         x[i] = w[i] > 0.0 ? double3_add( before[i], double3_scale( (double)DT, v ) ) : before[i];
     }
     const contact_oracle_closest c = m->is_edges ? contact_oracle_segments( before, before + 3 )
@@ -123,7 +118,7 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
         for ( int i = 0; i < 6; ++i )
         {
             // places are of about one metre: some roundings of a float
-            const double off = double3_distance( from_floats( place_of( m.h.world, m.body[i / 3], i % 3 ) ), x[i] );
+            const double off = double3_distance( double3_from( place_of( m.h.world, m.body[i / 3], i % 3 ) ), x[i] );
             assert_near( off, 0.0, 4e-6 );
         }
         const wisp_contact_stats f = contact_stats( m.h.world );

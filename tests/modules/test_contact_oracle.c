@@ -9,11 +9,6 @@ static const uint64_t random_seed = 41;
 
 static const double tolerance = 1e-12;
 
-static double3 along( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // ---- closest points ----
 
 // Two simplices of at most three corners.
@@ -36,7 +31,7 @@ static void assert_is_of( const double weights[3], const double3* corners, int c
     {
         assert_true( weights[i] >= 0.0 && ( i < count || weights[i] == 0.0 ) );
         sum += weights[i];
-        there = i < count ? along( there, weights[i], corners[i] ) : there;
+        there = i < count ? double3_add_scaled( there, weights[i], corners[i] ) : there;
     }
     assert_close( sum, 1.0, tolerance );
     assert_close( double3_distance( there, point ), 0.0, tolerance );
@@ -137,15 +132,15 @@ static void no_sample_is_nearer( void** state )
             for ( int k = 0; k <= STEPS; ++k )
             {
                 const double s = (double)i / STEPS, t = (double)k / STEPS;
-                double3 a = c.a[0], b = along( c.b[0], t, double3_sub( c.b[1], c.b[0] ) );
+                double3 a = c.a[0], b = double3_add_scaled( c.b[0], t, double3_sub( c.b[1], c.b[0] ) );
                 if ( c.count_a == 2 )
                 {
-                    a = along( a, s, double3_sub( c.a[1], c.a[0] ) );
+                    a = double3_add_scaled( a, s, double3_sub( c.a[1], c.a[0] ) );
                 }
                 else
                 {
                     // s runs from the first edge to the third corner, so that all of the triangle is met
-                    b = along( b, s, double3_sub( c.b[2], b ) );
+                    b = double3_add_scaled( b, s, double3_sub( c.b[2], b ) );
                 }
                 nearest = fmin( nearest, double3_distance( a, b ) );
             }
@@ -163,25 +158,26 @@ static couple degenerate_couple( int n )
     switch ( n % 6 )
     {
         case 0: // a line
-            c.b[2] = along( c.b[0], random_between( n, 90, -2.0, 2.0 ), way );
+            c.b[2] = double3_add_scaled( c.b[0], random_between( n, 90, -2.0, 2.0 ), way );
             break;
         case 1: // a point, or a line of two corners
             c.b[1] = c.b[0];
             c.b[2] = n % 12 < 6 ? c.b[0] : c.b[2];
             break;
         case 2: // parallel
-            c.a[1] = along( c.a[0], random_between( n, 90, -2.0, 2.0 ), way );
+            c.a[1] = double3_add_scaled( c.a[0], random_between( n, 90, -2.0, 2.0 ), way );
             break;
         case 3: // nearly parallel
-            c.a[1] = along( along( c.a[0], random_between( n, 90, -2.0, 2.0 ), way ), 1e-9, random_vector( n, 31 ) );
+            c.a[1] = double3_add_scaled( double3_add_scaled( c.a[0], random_between( n, 90, -2.0, 2.0 ), way ), 1e-9,
+                                         random_vector( n, 31 ) );
             break;
         case 4: // without length
             c.a[1] = c.a[0];
             c.b[1] = n % 12 < 6 ? c.b[0] : c.b[1];
             break;
         default: // in one line
-            c.a[0] = along( c.b[0], random_between( n, 90, -2.0, 2.0 ), way );
-            c.a[1] = along( c.b[0], random_between( n, 91, -2.0, 2.0 ), way );
+            c.a[0] = double3_add_scaled( c.b[0], random_between( n, 90, -2.0, 2.0 ), way );
+            c.a[1] = double3_add_scaled( c.b[0], random_between( n, 91, -2.0, 2.0 ), way );
             break;
     }
     return c;
@@ -255,7 +251,7 @@ static scene random_scene( int n )
     {
         s.w[i] = pow( 10.0, random_between( n, 120 + i, -1.0, 1.0 ) );
         s.before[i] = random_vector( n, 20 + i );
-        s.x[i] = along( s.before[i], 0.5, random_vector( n, 10 + i ) );
+        s.x[i] = double3_add_scaled( s.before[i], 0.5, random_vector( n, 10 + i ) );
     }
     const double3 apart = double3_sub( contact_oracle_point_of( &s.contact.a, s.before ),
                                        contact_oracle_point_of( &s.contact.b, s.before ) );
@@ -279,7 +275,7 @@ static double3 momentum_of( const scene* s, const double3* from )
     double3 sum = double3_make( 0.0, 0.0, 0.0 );
     for ( int i = 0; i < VERTICES; ++i )
     {
-        sum = s->w[i] > 0.0 ? along( sum, 1.0 / s->w[i], double3_sub( s->x[i], from[i] ) ) : sum;
+        sum = s->w[i] > 0.0 ? double3_add_scaled( sum, 1.0 / s->w[i], double3_sub( s->x[i], from[i] ) ) : sum;
     }
     return sum;
 }
@@ -330,7 +326,7 @@ static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** s
         for ( int i = 0; i < VERTICES; ++i )
         {
             const double3 way = double3_sub( s.x[i], at[i] );
-            moment = along( moment, 1.0 / s.w[i], double3_cross( at[i], way ) );
+            moment = double3_add_scaled( moment, 1.0 / s.w[i], double3_cross( at[i], way ) );
         }
         assert_close( double3_length( moment ), 0.0, tolerance );
     }
@@ -388,7 +384,7 @@ static void what_was_pushed_too_far_is_given_back_and_no_more( void** state )
         const double moved = random_between( n, 140, 0.0, 0.5 );
         for ( int i = 0; i < s.contact.a.count; ++i )
         {
-            s.x[i] = along( s.x[i], moved, s.contact.normal );
+            s.x[i] = double3_add_scaled( s.x[i], moved, s.contact.normal );
         }
         const double change = contact_oracle_push( &s.contact, s.w, s.x );
         const double mobility = contact_oracle_mobility( &s.contact, s.w );
@@ -450,7 +446,7 @@ static double3 slid( const scene* s )
     const double3 then = double3_sub( contact_oracle_point_of( &s->contact.a, s->before ),
                                       contact_oracle_point_of( &s->contact.b, s->before ) );
     const double3 way = double3_sub( now, then );
-    return along( way, -double3_dot( way, s->contact.normal ), s->contact.normal );
+    return double3_add_scaled( way, -double3_dot( way, s->contact.normal ), s->contact.normal );
 }
 
 // Within the cone nothing slides; on its border what is left slides on the way it went.
@@ -488,7 +484,7 @@ static void friction_goes_when_the_push_is_given_back( void** state )
         gone += double3_length( s.contact.rubbed ) > 0.0 ? 1 : 0;
         for ( int i = 0; i < s.contact.a.count; ++i )
         {
-            s.x[i] = along( s.x[i], 10.0, s.contact.normal );
+            s.x[i] = double3_add_scaled( s.x[i], 10.0, s.contact.normal );
         }
         settle( &s, 1 );
         assert_close( s.contact.lambda, 0.0, 0.0 );

@@ -10,7 +10,7 @@ static const double pi = 3.14159265358979323846;
 
 static double3 arm_of( const wisp_vec3* points, int a, int b )
 {
-    return double3_sub( hair_widen( points[b] ), hair_widen( points[a] ) );
+    return double3_sub( double3_widen( points[b] ), double3_widen( points[a] ) );
 }
 
 // The largest distance from the origin: what coordinates round by is this times u.
@@ -19,7 +19,7 @@ static double extent( const wisp_vec3* points, int count )
     double most = 0.0;
     for ( int v = 0; v < count; ++v )
     {
-        most = fmax( most, double3_length( hair_widen( points[v] ) ) );
+        most = fmax( most, double3_length( double3_widen( points[v] ) ) );
     }
     return most;
 }
@@ -89,7 +89,7 @@ static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** st
     for ( int s = 0; s < strands; ++s )
     {
         // two lengths of 4 u each, a division, a product
-        double length = double3_length( hair_widen( points[2 * s + 1] ) );
+        double length = double3_length( double3_widen( points[2 * s + 1] ) );
         hair_assert_close( hair_distance( out[2 * s + 1], points[2 * s + 1] ) / length, 0.0, 10.0 * u );
     }
     free( out );
@@ -373,7 +373,7 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
                 def.direction_from_root ? FROZEN_ORACLE_DIRECTION_ROOT : FROZEN_ORACLE_DIRECTION_MEAN;
             double3* wide = hair_widen_all( p, 20 );
             double3 v = frozen_oracle_representative( wide, 20, kind );
-            double3 t = double3_sub( hair_widen( def.cursor ), wide[0] );
+            double3 t = double3_sub( double3_widen( def.cursor ), wide[0] );
 
             // twenty rounded coordinates before and after the turn, seen from the length of v; the axis of an almost
             // opposite strand is worse known, but what it turns by pi ends opposite all the same

@@ -11,7 +11,7 @@ static double extent( const wisp_vec3* points, int count )
     double most = 0.0;
     for ( int v = 0; v < count; ++v )
     {
-        most = fmax( most, double3_length( hair_widen( points[v] ) ) );
+        most = fmax( most, double3_length( double3_widen( points[v] ) ) );
     }
     return most;
 }

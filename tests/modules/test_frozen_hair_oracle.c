@@ -3,11 +3,6 @@
 // test_frozen_hair_oracle_stats.c. Numbers of equations, figures and sections are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
-static double3 unit( double3 v )
-{
-    return double3_scale( 1.0 / double3_length( v ), v );
-}
-
 // Eq. 1
 static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( void** state )
 {
@@ -114,7 +109,7 @@ static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void*
     // in space the axis goes round the segment with psi, on both sides of the equator
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 t = unit( random_vector( n, 0 ) ), b1, b2;
+        double3 t = double3_unit( random_vector( n, 0 ) ), b1, b2;
         double psi = random_between( n, 4, 0.0, 2.0 * pi );
         frozen_oracle_frame( t, &b1, &b2 );
         double3 axis = frozen_oracle_bend_axis( t, t, 3, 3, psi );
@@ -133,7 +128,7 @@ static void a_rodrigues_matrix_is_a_rotation( void** state )
     {
         double m[3][3];
         double angle = random_between( n, 3, -pi, pi );
-        double3 axis = unit( random_vector( n, 0 ) );
+        double3 axis = double3_unit( random_vector( n, 0 ) );
         frozen_oracle_rodrigues( axis, angle, m );
         for ( int a = 0; a < 3; ++a )
         {
@@ -314,7 +309,7 @@ static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengt
     (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
-        double3 root = random_vector( n + 5000, 0 ), axis = unit( random_vector( n, 0 ) ), b1, b2;
+        double3 root = random_vector( n + 5000, 0 ), axis = double3_unit( random_vector( n, 0 ) ), b1, b2;
         double phi = random_between( n, 3, 0.0, pi ), w = random_between( n, 4, 0.0, 1.0 );
         frozen_oracle_frame( axis, &b1, &b2 );
         double3 arm = double3_scale( 0.3, b1 );

@@ -8,7 +8,7 @@ static const double pi = 3.14159265358979323846;
 
 static double3 arm_of( const wisp_vec3* points, int a, int b )
 {
-    return double3_sub( hair_widen( points[b] ), hair_widen( points[a] ) );
+    return double3_sub( double3_widen( points[b] ), double3_widen( points[a] ) );
 }
 
 // ---- Eq. 20, Table 1: cost ----

@@ -62,11 +62,6 @@ static int expected( const double3* nodes, int count, wisp_curve_kind kind, int 
     return guide_oracle_draw( controls, guide_oracle_curve_count( count, curve ), samples, false, points );
 }
 
-static double3 widen( wisp_vec3 p )
-{
-    return double3_make( (double)p.x, (double)p.y, (double)p.z );
-}
-
 // Every sample of every strand against the oracle.
 static void check( const drawn* d, const tuft* t, const double3* nodes )
 {
@@ -78,7 +73,7 @@ static void check( const drawn* d, const tuft* t, const double3* nodes )
         const int count = expected( nodes + t->first[s], t->counts[s], d->def.kind, d->def.samples, reference );
         for ( int k = 0; k < count; ++k, ++at )
         {
-            assert_at( widen( points[at] ), reference[k], tolerance );
+            assert_at( double3_widen( points[at] ), reference[k], tolerance );
         }
     }
     wisp_view view;
@@ -216,7 +211,7 @@ static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** stat
         double3 curve[MAX_POINTS];
         for ( int k = 0; k < count; ++k )
         {
-            curve[k] = widen( points[k] );
+            curve[k] = double3_widen( points[k] );
         }
         const double before = guide_oracle_largest_turn( t.nodes, lengths[n] );
         assert_true( guide_oracle_largest_turn( curve, count ) < 0.5 * before );
@@ -245,7 +240,7 @@ static void curves_are_drawn_behind_the_appearance_of_their_source( void** state
             const wisp_vec3* points = guide_points( d.world, d.source );
             for ( int n = 0; n < t.first[STRANDS]; ++n )
             {
-                frozen[n] = widen( points[n] );
+                frozen[n] = double3_widen( points[n] );
             }
             check( &d, &t, frozen );
         }

@@ -69,13 +69,13 @@ static void follow( match* m )
     const bool two = m->oracle.params.integrator == TRIANGLE_ORACLE_BDF2;
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
-        m->oracle.x[v] = widen( quad_of( m, v, WISP_PARTICLE_POSITION ) );
-        m->oracle.v[v] = widen( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
+        m->oracle.x[v] = double3_from( quad_of( m, v, WISP_PARTICLE_POSITION ) );
+        m->oracle.v[v] = double3_from( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
         for ( int column = 0; two && column < 2; ++column )
         {
             const float* before = wisp_world_column( m->h.world, m->cloth, state->history, column );
             double3* to = column == 0 ? m->oracle.x_before : m->oracle.v_before;
-            to[v] = widen( before + slot_of( m, v ) * 4 );
+            to[v] = double3_from( before + slot_of( m, v ) * 4 );
         }
     }
 }
@@ -292,7 +292,7 @@ static void let_fall( match* m, float speed )
     for ( int v = 0; v < DUEL_VERTICES; ++v )
     {
         velocity_of( m->h.world, m->cloth, v )[1] -= speed;
-        m->oracle.v[v] = widen( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
+        m->oracle.v[v] = double3_from( quad_of( m, v, WISP_PARTICLE_VELOCITY ) );
     }
 }
 

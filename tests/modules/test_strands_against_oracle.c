@@ -164,7 +164,7 @@ static drift drift_in_a_step( const duel* rules )
         d.strands += holds ? 1 : 0;
         for ( int i = 0; i < COUNTS[n] && holds; ++i )
         {
-            d.engine = fmax( d.engine, double3_distance( widen( points[first + i] ), m->rest[n][i] ) );
+            d.engine = fmax( d.engine, double3_distance( double3_widen( points[first + i] ), m->rest[n][i] ) );
             d.oracle = fmax( d.oracle, double3_distance( m->strand[n].position[i], m->rest[n][i] ) );
         }
     }

@@ -7,11 +7,6 @@ static const double pi = 3.14159265358979323846;
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // Rigid pieces.
 
 double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v )
@@ -130,8 +125,8 @@ double balloon_oracle_angle( balloon_oracle_quaternion q )
 
 double3 balloon_oracle_predict( double3 x, double3* v, double w, double3 force, double dt )
 {
-    *v = add_scaled( *v, dt * w, force );
-    return add_scaled( x, dt, *v );
+    *v = double3_add_scaled( *v, dt * w, force );
+    return double3_add_scaled( x, dt, *v );
 }
 
 double3 balloon_oracle_velocity( double3 x, double3 p, double dt )
@@ -192,10 +187,10 @@ double3 balloon_oracle_centre( const double3* x, const double* mass, int vertex_
     for ( int i = 0; i < vertex_count; ++i )
     {
         // differences from the first vertex: a body far from the origin keeps its digits
-        sum = add_scaled( sum, mass[i], double3_sub( x[i], x[0] ) );
+        sum = double3_add_scaled( sum, mass[i], double3_sub( x[i], x[0] ) );
         total += mass[i];
     }
-    return add_scaled( x[0], 1.0 / total, sum );
+    return double3_add_scaled( x[0], 1.0 / total, sum );
 }
 
 balloon_oracle_matrix balloon_oracle_inertia( const double3* x, const double* mass, int vertex_count, double3 centre )
@@ -234,7 +229,7 @@ double3 balloon_oracle_momentum( const double3* v, const double* mass, int verte
     double3 sum = zero;
     for ( int i = 0; i < vertex_count; ++i )
     {
-        sum = add_scaled( sum, mass[i], v[i] );
+        sum = double3_add_scaled( sum, mass[i], v[i] );
     }
     return sum;
 }
@@ -245,7 +240,7 @@ double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, con
     double3 sum = zero;
     for ( int i = 0; i < vertex_count; ++i )
     {
-        sum = add_scaled( sum, mass[i], double3_cross( double3_sub( x[i], centre ), v[i] ) );
+        sum = double3_add_scaled( sum, mass[i], double3_cross( double3_sub( x[i], centre ), v[i] ) );
     }
     return sum;
 }
@@ -307,7 +302,7 @@ static void place_hubs( balloon_oracle_caps* caps, const double3* p )
         if ( caps->hub[v] >= 0 )
         {
             double3* hub = caps->x + caps->hub[v];
-            *hub = add_scaled( *hub, 1.0 / caps->size[caps->hub[v] - n], double3_sub( p[v], p[0] ) );
+            *hub = double3_add_scaled( *hub, 1.0 / caps->size[caps->hub[v] - n], double3_sub( p[v], p[0] ) );
         }
     }
 }
@@ -327,8 +322,9 @@ void balloon_oracle_capped_gradient( balloon_oracle_caps* caps, const double3* p
     for ( int v = 0; v < n; ++v )
     {
         int hub = caps->hub[v];
-        gradient[v] = hub < 0 ? caps->gradient[v]
-                              : add_scaled( caps->gradient[v], 1.0 / caps->size[hub - n], caps->gradient[hub] );
+        gradient[v] = hub < 0
+                          ? caps->gradient[v]
+                          : double3_add_scaled( caps->gradient[v], 1.0 / caps->size[hub - n], caps->gradient[hub] );
     }
 }
 
@@ -353,7 +349,7 @@ void balloon_oracle_project_capped( balloon_oracle_caps* caps, double3* p, const
     *lambda += delta;
     for ( int i = 0; i < n; ++i )
     {
-        p[i] = add_scaled( p[i], delta * w[i], gradient[i] );
+        p[i] = double3_add_scaled( p[i], delta * w[i], gradient[i] );
     }
 }
 

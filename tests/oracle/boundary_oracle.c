@@ -2,16 +2,6 @@
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
-static double3 blend( double3 a, double3 b, double tau )
-{
-    return add_scaled( double3_scale( 1.0 - tau, a ), tau, b );
-}
-
 // Counts and places.
 
 int boundary_oracle_count( double length, double d, boundary_oracle_rounding rounding )
@@ -76,8 +66,8 @@ boundary_oracle_axis boundary_oracle_axis_on( const double3 corner[3], int edge 
         return axis;
     }
     axis.along = double3_scale( 1.0 / axis.base, base );
-    axis.foot = add_scaled( a, double3_dot( side, axis.along ), axis.along );
-    const double3 u = add_scaled( side, -double3_dot( side, axis.along ), axis.along );
+    axis.foot = double3_add_scaled( a, double3_dot( side, axis.along ), axis.along );
+    const double3 u = double3_add_scaled( side, -double3_dot( side, axis.along ), axis.along );
     axis.height = double3_length( u );
     axis.upward = axis.height > 0.0 ? double3_scale( 1.0 / axis.height, u ) : zero;
     return axis;
@@ -168,7 +158,7 @@ void boundary_oracle_vertex_normals( const double3* x, int vertex_count, const i
 
 double3 boundary_oracle_edge_normal( double3 n0, double3 n1, double tau )
 {
-    return boundary_oracle_unit( blend( n0, n1, tau ) );
+    return boundary_oracle_unit( double3_blend( n0, n1, tau ) );
 }
 
 double3 boundary_oracle_inner_normal( const double3 normal[3], const boundary_oracle_axis* axis, double q, double r,
@@ -185,7 +175,7 @@ double3 boundary_oracle_inner_normal( const double3 normal[3], const boundary_or
     double3 sum = zero;
     for ( int k = 0; k < 3; ++k )
     {
-        sum = add_scaled( sum, weight[k], normal[k] );
+        sum = double3_add_scaled( sum, weight[k], normal[k] );
     }
     return boundary_oracle_unit( sum );
 }
@@ -223,7 +213,7 @@ double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, 
     }
     if ( criteria->by_screen )
     {
-        queried = fmin( queried, boundary_oracle_spacing_by_screen( criteria->eye, blend( p0, p1, 0.5 ),
+        queried = fmin( queried, boundary_oracle_spacing_by_screen( criteria->eye, double3_blend( p0, p1, 0.5 ),
                                                                     criteria->pixel_angle, criteria->pixels ) );
     }
     queried = isinf( queried ) ? d : queried;
@@ -249,7 +239,7 @@ bool boundary_oracle_contact( int count, double3* x, const double* w, const doub
     const bool acts = c < 0.0 && sum > 0.0;
     for ( int i = 0; acts && i < count; ++i )
     {
-        x[i] = add_scaled( x[i], -c * w[i] * b[i] / sum, unit_normal );
+        x[i] = double3_add_scaled( x[i], -c * w[i] * b[i] / sum, unit_normal );
     }
     if ( plane_move != NULL )
     {

@@ -6,11 +6,6 @@ static const double pi = 3.14159265358979323846;
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 static double squared_length( double3 a )
 {
     return double3_dot( a, a );
@@ -98,8 +93,8 @@ constraint_oracle_term constraint_oracle_dihedral( const double3 p[4], double re
     term.value = remainder( constraint_oracle_dihedral_angle( p ) - rest_angle, 2.0 * pi );
     double3 g2 = double3_scale( -sqrt( ee ) / nn0, n0 );
     double3 g3 = double3_scale( -sqrt( ee ) / nn1, n1 );
-    term.gradient[0] = add_scaled( double3_scale( t2 - 1.0, g2 ), t3 - 1.0, g3 );
-    term.gradient[1] = add_scaled( double3_scale( -t2, g2 ), -t3, g3 );
+    term.gradient[0] = double3_add_scaled( double3_scale( t2 - 1.0, g2 ), t3 - 1.0, g3 );
+    term.gradient[1] = double3_add_scaled( double3_scale( -t2, g2 ), -t3, g3 );
     term.gradient[2] = g2;
     term.gradient[3] = g3;
     return term;
@@ -146,7 +141,7 @@ constraint_oracle_term constraint_oracle_isometric_energy( const double3 p[4], d
         // rows of Q sum to zero, so positions may be taken from p0: no digits are lost far from the origin
         for ( int j = 1; j < 4; ++j )
         {
-            term.gradient[i] = add_scaled( term.gradient[i], q[i][j], double3_sub( p[j], p[0] ) );
+            term.gradient[i] = double3_add_scaled( term.gradient[i], q[i][j], double3_sub( p[j], p[0] ) );
         }
         term.value += 0.5 * double3_dot( double3_sub( p[i], p[0] ), term.gradient[i] );
     }
@@ -211,7 +206,7 @@ static void move( const constraint_oracle_term* term, const int* vertices, const
     for ( int n = 0; n < term->count; ++n )
     {
         int i = vertices[n];
-        p[i] = add_scaled( p[i], lambda * w[i], term->gradient[n] );
+        p[i] = double3_add_scaled( p[i], lambda * w[i], term->gradient[n] );
     }
 }
 
@@ -346,7 +341,7 @@ void constraint_oracle_volume_gradient( const double3* p, int vertex_count, cons
         {
             double3 a = p[corner[k]], b = p[corner[( k + 1 ) % 3]], c = p[corner[( k + 2 ) % 3]];
             double3 fraction = double3_cross( double3_sub( b, a ), double3_sub( c, a ) );
-            gradient[corner[k]] = add_scaled( gradient[corner[k]], 1.0 / 6.0, fraction );
+            gradient[corner[k]] = double3_add_scaled( gradient[corner[k]], 1.0 / 6.0, fraction );
         }
     }
 }
@@ -375,7 +370,7 @@ static void move_all( double3* p, const double* w, int vertex_count, double lamb
 {
     for ( int i = 0; i < vertex_count; ++i )
     {
-        p[i] = add_scaled( p[i], lambda * w[i], gradient[i] );
+        p[i] = double3_add_scaled( p[i], lambda * w[i], gradient[i] );
     }
 }
 

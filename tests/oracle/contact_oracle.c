@@ -1,10 +1,5 @@
 #include "contact_oracle.h"
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // ---- closest points: the nearest of all candidates ----
 
 static contact_oracle_closest measured( const double* a, const double3* corners_a, int count_a, const double* b,
@@ -14,12 +9,12 @@ static contact_oracle_closest measured( const double* a, const double3* corners_
     for ( int i = 0; i < count_a; ++i )
     {
         c.a[i] = a[i];
-        c.on_a = add_scaled( c.on_a, a[i], corners_a[i] );
+        c.on_a = double3_add_scaled( c.on_a, a[i], corners_a[i] );
     }
     for ( int j = 0; j < count_b; ++j )
     {
         c.b[j] = b[j];
-        c.on_b = add_scaled( c.on_b, b[j], corners_b[j] );
+        c.on_b = double3_add_scaled( c.on_b, b[j], corners_b[j] );
     }
     const double3 between = double3_sub( c.on_a, c.on_b );
     c.distance = double3_length( between );
@@ -111,7 +106,7 @@ double3 contact_oracle_point_of( const contact_oracle_side* side, const double3*
     double3 point = double3_make( 0.0, 0.0, 0.0 );
     for ( int i = 0; i < side->count; ++i )
     {
-        point = add_scaled( point, side->weight[i], x[side->vertex[i]] );
+        point = double3_add_scaled( point, side->weight[i], x[side->vertex[i]] );
     }
     return point;
 }
@@ -146,7 +141,7 @@ static void move_side( const contact_oracle_side* side, const double* w, double3
     for ( int i = 0; i < side->count; ++i )
     {
         const int vertex = side->vertex[i];
-        x[vertex] = add_scaled( x[vertex], w[vertex] * side->weight[i], push );
+        x[vertex] = double3_add_scaled( x[vertex], w[vertex] * side->weight[i], push );
     }
 }
 
@@ -178,8 +173,8 @@ double3 contact_oracle_rub( contact_oracle_contact* contact, const double* w, co
         return double3_make( 0.0, 0.0, 0.0 );
     }
     const double3 way = double3_sub( between( contact, x ), between( contact, before ) );
-    const double3 across = add_scaled( way, -double3_dot( contact->normal, way ), contact->normal );
-    double3 next = add_scaled( contact->rubbed, -1.0 / mobility, across );
+    const double3 across = double3_add_scaled( way, -double3_dot( contact->normal, way ), contact->normal );
+    double3 next = double3_add_scaled( contact->rubbed, -1.0 / mobility, across );
     const double requested = double3_length( next ), allowed = contact->friction * contact->lambda;
     if ( requested > allowed )
     {

@@ -9,11 +9,6 @@ static const double slow_speed = 1e-6; // m/s; below it a velocity has no direct
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // Eq. 1.
 
 double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes )
@@ -104,7 +99,7 @@ double3 guide_oracle_mean( const double3* points, int count )
     {
         sum = double3_add( sum, double3_sub( points[n], points[0] ) );
     }
-    return count > 0 ? add_scaled( points[0], 1.0 / count, sum ) : zero;
+    return count > 0 ? double3_add_scaled( points[0], 1.0 / count, sum ) : zero;
 }
 
 double guide_oracle_spread( const double3* points, int count )
@@ -154,7 +149,7 @@ guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int coun
     double growth = exact ? sqrt( requested / v ) - 1.0 : -( v - requested ) / ( 2.0 * v );
     for ( int n = 0; n < count; ++n )
     {
-        points[n] = add_scaled( points[n], growth, double3_sub( points[n], c ) );
+        points[n] = double3_add_scaled( points[n], growth, double3_sub( points[n], c ) );
     }
     return GUIDE_ORACLE_SPREAD_SOUND;
 }
@@ -219,7 +214,7 @@ int guide_oracle_repair_lengths( double3* strand, int node_count, const double* 
             skipped += 1;
             continue;
         }
-        strand[i] = add_scaled( strand[i - 1], segment_lengths[i] / length, segment );
+        strand[i] = double3_add_scaled( strand[i - 1], segment_lengths[i] / length, segment );
     }
     return skipped;
 }
@@ -293,7 +288,7 @@ guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, 
     {
         *reversed = true;
         double3 least = min_axis( a );
-        return guide_oracle_turn_about( add_scaled( least, -double3_dot( least, a ), a ), acos( -1.0 ) );
+        return guide_oracle_turn_about( double3_add_scaled( least, -double3_dot( least, a ), a ), acos( -1.0 ) );
     }
     return guide_oracle_turn_about( axis, double3_angle( a, b ) );
 }
@@ -349,8 +344,8 @@ int guide_oracle_strand_step( const guide_oracle_strand* strand, double3* x, dou
         for ( int i = 0; i < n; ++i )
         {
             bool pinned = strand->w[i] == 0.0;
-            v[i] = !pinned ? add_scaled( v[i], h, strand->gravity ) : i == 0 ? head_velocity : zero;
-            x[i] = add_scaled( x[i], h, v[i] );
+            v[i] = !pinned ? double3_add_scaled( v[i], h, strand->gravity ) : i == 0 ? head_velocity : zero;
+            x[i] = double3_add_scaled( x[i], h, v[i] );
         }
         for ( int k = 0; k < strand->iterations; ++k )
         {

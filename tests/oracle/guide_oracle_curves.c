@@ -1,17 +1,6 @@
 // Eq. 6 and the splines: everything of the guide hair oracle that is a curve.
 #include "guide_oracle.h"
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
-// (1-t) a + t b, which is a and b to the last bit at the ends.
-static double3 between( double3 a, double3 b, double t )
-{
-    return add_scaled( double3_scale( 1.0 - t, a ), t, b );
-}
-
 // Eq. 6.
 
 void guide_oracle_bezier_weights( double t, bool printed, double weight[4] )
@@ -30,7 +19,7 @@ double3 guide_oracle_bezier( const double3 control[4], double t, bool printed )
     double3 sum = double3_scale( weight[0], control[0] );
     for ( int n = 1; n < 4; ++n )
     {
-        sum = add_scaled( sum, weight[n], control[n] );
+        sum = double3_add_scaled( sum, weight[n], control[n] );
     }
     return sum;
 }
@@ -49,8 +38,9 @@ static void raise_degree( const double3* nodes, int degree, double3 control[4] )
 {
     double3 end = nodes[degree];
     control[0] = nodes[0];
-    control[1] = degree == 1 ? between( nodes[0], end, 1.0 / 3.0 ) : between( nodes[0], nodes[1], 2.0 / 3.0 );
-    control[2] = degree == 1 ? between( nodes[0], end, 2.0 / 3.0 ) : between( nodes[1], end, 1.0 / 3.0 );
+    control[1] =
+        degree == 1 ? double3_blend( nodes[0], end, 1.0 / 3.0 ) : double3_blend( nodes[0], nodes[1], 2.0 / 3.0 );
+    control[2] = degree == 1 ? double3_blend( nodes[0], end, 2.0 / 3.0 ) : double3_blend( nodes[1], end, 1.0 / 3.0 );
     control[3] = end;
 }
 
@@ -72,8 +62,8 @@ static void group_controls( const double3* nodes, int node_count, int group, dou
 static void smooth_controls( const double3* nodes, int node_count, int k, double3 control[4] )
 {
     control[0] = nodes[k];
-    control[1] = add_scaled( nodes[k], 1.0 / 3.0, guide_oracle_tangent( nodes, node_count, k ) );
-    control[2] = add_scaled( nodes[k + 1], -1.0 / 3.0, guide_oracle_tangent( nodes, node_count, k + 1 ) );
+    control[1] = double3_add_scaled( nodes[k], 1.0 / 3.0, guide_oracle_tangent( nodes, node_count, k ) );
+    control[2] = double3_add_scaled( nodes[k + 1], -1.0 / 3.0, guide_oracle_tangent( nodes, node_count, k + 1 ) );
     control[3] = nodes[k + 1];
 }
 
@@ -135,15 +125,15 @@ double guide_oracle_largest_turn( const double3* points, int count )
 double3 guide_oracle_hermite( double3 p0, double3 m0, double3 p1, double3 m1, double u )
 {
     double u2 = u * u, u3 = u2 * u;
-    double3 points = add_scaled( double3_scale( 2.0 * u3 - 3.0 * u2 + 1.0, p0 ), 3.0 * u2 - 2.0 * u3, p1 );
-    return add_scaled( add_scaled( points, u3 - 2.0 * u2 + u, m0 ), u3 - u2, m1 );
+    double3 points = double3_add_scaled( double3_scale( 2.0 * u3 - 3.0 * u2 + 1.0, p0 ), 3.0 * u2 - 2.0 * u3, p1 );
+    return double3_add_scaled( double3_add_scaled( points, u3 - 2.0 * u2 + u, m0 ), u3 - u2, m1 );
 }
 
 double3 guide_oracle_hermite_slope( double3 p0, double3 m0, double3 p1, double3 m1, double u )
 {
     double u2 = u * u;
     double3 points = double3_scale( 6.0 * u - 6.0 * u2, double3_sub( p1, p0 ) );
-    return add_scaled( add_scaled( points, 3.0 * u2 - 4.0 * u + 1.0, m0 ), 3.0 * u2 - 2.0 * u, m1 );
+    return double3_add_scaled( double3_add_scaled( points, 3.0 * u2 - 4.0 * u + 1.0, m0 ), 3.0 * u2 - 2.0 * u, m1 );
 }
 
 double3 guide_oracle_between_frames( double3 x0, double3 v0, double3 x1, double3 v1, double dt, double u )
@@ -263,7 +253,7 @@ double3 guide_oracle_gather( const guide_oracle_stencil* stencil, const double3*
     double3 sum = double3_scale( stencil->weight[0], nodes[stencil->node[0]] );
     for ( int n = 1; n < 4; ++n )
     {
-        sum = add_scaled( sum, stencil->weight[n], nodes[stencil->node[n]] );
+        sum = double3_add_scaled( sum, stencil->weight[n], nodes[stencil->node[n]] );
     }
     return sum;
 }

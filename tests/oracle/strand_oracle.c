@@ -5,11 +5,6 @@
 // Shorter than this, m, a segment has no direction.
 static const double min_length = 1e-15;
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 static double3 segment_of( const strand_oracle* strand, int s )
 {
     return double3_sub( strand->position[s + 1], strand->position[s] );
@@ -93,8 +88,8 @@ void strand_oracle_predict( strand_oracle* strand, const double3* root, double3 
         strand->previous[i] = p;
         if ( strand->weight[i] > 0.0 )
         {
-            strand->velocity[i] = add_scaled( strand->velocity[i], dt, acceleration );
-            strand->position[i] = add_scaled( p, dt, strand->velocity[i] );
+            strand->velocity[i] = double3_add_scaled( strand->velocity[i], dt, acceleration );
+            strand->position[i] = double3_add_scaled( p, dt, strand->velocity[i] );
         }
         else if ( i == 0 )
         {
@@ -104,7 +99,7 @@ void strand_oracle_predict( strand_oracle* strand, const double3* root, double3 
         }
         else
         {
-            strand->previous[i] = add_scaled( p, -dt, strand->velocity[i] );
+            strand->previous[i] = double3_add_scaled( p, -dt, strand->velocity[i] );
         }
     }
 }
@@ -113,11 +108,11 @@ void strand_oracle_velocity( strand_oracle* strand, double dt )
 {
     for ( int i = 0; i < strand->count; ++i )
     {
-        const double3 predicted = add_scaled( strand->previous[i], dt, strand->velocity[i] );
+        const double3 predicted = double3_add_scaled( strand->previous[i], dt, strand->velocity[i] );
         if ( strand->weight[i] > 0.0 )
         {
             const double3 moved = double3_sub( strand->position[i], predicted );
-            strand->velocity[i] = add_scaled( strand->velocity[i], 1.0 / dt, moved );
+            strand->velocity[i] = double3_add_scaled( strand->velocity[i], 1.0 / dt, moved );
         }
     }
 }
@@ -130,7 +125,7 @@ void strand_oracle_damp( strand_oracle* strand, double keep, double3 linear, dou
         const double3 rigid = double3_add( linear, double3_cross( angular, arm ) );
         if ( strand->weight[i] > 0.0 )
         {
-            strand->velocity[i] = add_scaled( rigid, keep, double3_sub( strand->velocity[i], rigid ) );
+            strand->velocity[i] = double3_add_scaled( rigid, keep, double3_sub( strand->velocity[i], rigid ) );
         }
     }
 }
@@ -146,12 +141,12 @@ void strand_oracle_air( strand_oracle* strand, double3 wind, double drag, double
         double3 across = against;
         if ( squared > min_length * min_length )
         {
-            across = add_scaled( against, -double3_dot( against, along ) / squared, along );
+            across = double3_add_scaled( against, -double3_dot( against, along ) / squared, along );
         }
         const double reach =
             0.5 * ( ( i > 0 ? strand->length[i - 1] : 0.0 ) + ( i < last ? strand->length[i] : 0.0 ) );
         const double a = drag * reach * double3_length( across ) * strand->weight[i] * dt;
-        strand->velocity[i] = add_scaled( strand->velocity[i], a / ( 1.0 + a ), across );
+        strand->velocity[i] = double3_add_scaled( strand->velocity[i], a / ( 1.0 + a ), across );
     }
 }
 
@@ -238,9 +233,9 @@ static void newton_pass( strand_oracle* strand, strand_oracle_measure measure, d
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         strand->tension[s] -= lambda[s] * double3_length( gradient[s] ) / ( dt * dt );
-        strand->position[s] = add_scaled( strand->position[s], -strand->weight[s] * lambda[s], gradient[s] );
+        strand->position[s] = double3_add_scaled( strand->position[s], -strand->weight[s] * lambda[s], gradient[s] );
         strand->position[s + 1] =
-            add_scaled( strand->position[s + 1], strand->weight[s + 1] * lambda[s], gradient[s] );
+            double3_add_scaled( strand->position[s + 1], strand->weight[s + 1] * lambda[s], gradient[s] );
     }
 }
 
@@ -266,12 +261,12 @@ static void lay_out( strand_oracle* strand, double dt )
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         double3* put = &strand->position[s + 1];
-        *put = add_scaled( strand->position[s], strand->length[s], direction[s] );
+        *put = double3_add_scaled( strand->position[s], strand->length[s], direction[s] );
         const double3 way = double3_sub( *put, strand->previous[s + 1] );
         const double length = double3_length( way ), predicted = dt * double3_length( strand->velocity[s + 1] );
         if ( !( length <= reach ) || predicted < length )
         {
-            strand->previous[s + 1] = add_scaled( *put, length <= reach ? -predicted / length : 0.0, way );
+            strand->previous[s + 1] = double3_add_scaled( *put, length <= reach ? -predicted / length : 0.0, way );
         }
         strand->tension[s] = 0.0;
     }
@@ -320,8 +315,8 @@ void strand_oracle_link( strand_oracle* strand, const double* rest, double* lamb
         {
             lambda[a] += change;
         }
-        strand->position[a] = add_scaled( strand->position[a], -strand->weight[a] * change / length, along );
-        strand->position[b] = add_scaled( strand->position[b], strand->weight[b] * change / length, along );
+        strand->position[a] = double3_add_scaled( strand->position[a], -strand->weight[a] * change / length, along );
+        strand->position[b] = double3_add_scaled( strand->position[b], strand->weight[b] * change / length, along );
     }
 }
 
@@ -335,11 +330,11 @@ void strand_oracle_follow( strand_oracle* strand, double fraction )
         {
             continue;
         }
-        strand->position[s + 1] = add_scaled( strand->position[s], strand->length[s] / length, e );
+        strand->position[s + 1] = double3_add_scaled( strand->position[s], strand->length[s] / length, e );
         if ( strand->weight[s] > 0.0 )
         {
             const double3 correction = double3_sub( strand->position[s + 1], p );
-            strand->previous[s] = add_scaled( strand->previous[s], fraction, correction );
+            strand->previous[s] = double3_add_scaled( strand->previous[s], fraction, correction );
         }
     }
 }

@@ -6,11 +6,6 @@
 static const double3 zero = { 0.0, 0.0, 0.0 };
 static const double3 z_axis = { 0.0, 0.0, 1.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // ---- rotations ----
 
 strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle )
@@ -22,7 +17,7 @@ strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle )
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b )
 {
     const double3 u = { a.x, a.y, a.z }, v = { b.x, b.y, b.z };
-    const double3 sum = add_scaled( add_scaled( double3_cross( u, v ), a.w, v ), b.w, u );
+    const double3 sum = double3_add_scaled( double3_add_scaled( double3_cross( u, v ), a.w, v ), b.w, u );
     return ( strand_oracle_quaternion ){ sum.x, sum.y, sum.z, a.w * b.w - double3_dot( u, v ) };
 }
 
@@ -30,7 +25,7 @@ double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v )
 {
     const double3 u = { q.x, q.y, q.z };
     const double3 across = double3_scale( 2.0, double3_cross( u, v ) );
-    return double3_add( add_scaled( v, q.w, across ), double3_cross( u, across ) );
+    return double3_add( double3_add_scaled( v, q.w, across ), double3_cross( u, across ) );
 }
 
 static strand_oracle_quaternion conjugate( strand_oracle_quaternion q )
@@ -66,7 +61,7 @@ strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to )
     const bool min_y_is = fabs( from.y ) <= fabs( from.z );
     const double3 across =
         double3_make( min_x_is ? 1.0 : 0.0, !min_x_is && min_y_is ? 1.0 : 0.0, !min_x_is && !min_y_is ? 1.0 : 0.0 );
-    const double3 turn = add_scaled( across, -double3_dot( across, from ), from );
+    const double3 turn = double3_add_scaled( across, -double3_dot( across, from ), from );
     return normalised( ( strand_oracle_quaternion ){ turn.x, turn.y, turn.z, 0.0 }, none );
 }
 
@@ -272,7 +267,7 @@ static void gradient_of( const strand_oracle* strand, const vertex_state* v, dou
         const vertex_state *a = v + s, *b = v + s + 1;
         const double3 ma = double3_scale( strand->stiffness[s], double3_sub( a->bend, a->rest ) );
         const double3 mb = double3_scale( strand->stiffness[s + 1], double3_sub( b->bend, b->rest ) );
-        const double3 twist = add_scaled( double3_scale( 0.5 * a->moment, a->kb ), 0.5 * b->moment, b->kb );
+        const double3 twist = double3_add_scaled( double3_scale( 0.5 * a->moment, a->kb ), 0.5 * b->moment, b->kb );
         const double3 g = double3_scale( 1.0 / strand->length[s], double3_add( double3_sub( ma, mb ), twist ) );
         gradient[s] = double3_sub( gradient[s], g );
         gradient[s + 1] = g;
@@ -338,7 +333,7 @@ static void balance_twist( strand_oracle* strand, vertex_state* v )
         const strand_oracle_quaternion about_itself = { 0.0, 0.0, 0.5 * turn[s], 1.0 };
         strand->frame[s] = normalised( strand_oracle_product( strand->frame[s], about_itself ), strand->frame[s] );
         const double before = s > 0 ? turn[s - 1] : 0.0;
-        v[s].rest = add_scaled( v[s].rest, 0.5 * ( before + turn[s] ), v[s].turned );
+        v[s].rest = double3_add_scaled( v[s].rest, 0.5 * ( before + turn[s] ), v[s].turned );
         v[s].moment += strand->twist_stiffness[s] * ( turn[s] - before );
     }
 }
@@ -357,13 +352,13 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
         double3 force = zero;
         if ( i + 1 < strand->count )
         {
-            force = add_scaled( force, strand->tension[i], tangent( strand, place, i ) );
+            force = double3_add_scaled( force, strand->tension[i], tangent( strand, place, i ) );
         }
         if ( i > 0 )
         {
-            force = add_scaled( force, -strand->tension[i - 1], tangent( strand, place, i - 1 ) );
+            force = double3_add_scaled( force, -strand->tension[i - 1], tangent( strand, place, i - 1 ) );
         }
-        strand->position[i] = add_scaled( strand->position[i], dt * dt * strand->weight[i], force );
+        strand->position[i] = double3_add_scaled( strand->position[i], dt * dt * strand->weight[i], force );
     }
 }
 
@@ -380,11 +375,11 @@ static void rate_gradient( const strand_oracle* strand, double3* gradient )
     {
         double c[3];
         coefficients( strand, i, c );
-        double3 change = add_scaled( double3_scale( c[1], way[i] ), c[2], way[i + 1] );
-        change = i > 0 ? add_scaled( change, c[0], way[i - 1] ) : change;
+        double3 change = double3_add_scaled( double3_scale( c[1], way[i] ), c[2], way[i + 1] );
+        change = i > 0 ? double3_add_scaled( change, c[0], way[i - 1] ) : change;
         for ( int a = i > 0 ? 0 : 1; a < 3; ++a )
         {
-            gradient[i - 1 + a] = add_scaled( gradient[i - 1 + a], strand->stiffness[i] * c[a], change );
+            gradient[i - 1 + a] = double3_add_scaled( gradient[i - 1 + a], strand->stiffness[i] * c[a], change );
         }
     }
 }
@@ -394,14 +389,14 @@ static void solve_and_move( strand_oracle* strand, double3* x )
     const int n = strand->count;
     for ( int i = 0; i < n; ++i )
     {
-        x[i] = i > 0 ? add_scaled( x[i], -strand->factor[i][1], x[i - 1] ) : x[i];
-        x[i] = i > 1 ? add_scaled( x[i], -strand->factor[i][2], x[i - 2] ) : x[i];
+        x[i] = i > 0 ? double3_add_scaled( x[i], -strand->factor[i][1], x[i - 1] ) : x[i];
+        x[i] = i > 1 ? double3_add_scaled( x[i], -strand->factor[i][2], x[i - 2] ) : x[i];
     }
     for ( int i = n - 1; i >= 0; --i )
     {
         x[i] = double3_scale( strand->factor[i][0], x[i] );
-        x[i] = i + 1 < n ? add_scaled( x[i], -strand->factor[i + 1][1], x[i + 1] ) : x[i];
-        x[i] = i + 2 < n ? add_scaled( x[i], -strand->factor[i + 2][2], x[i + 2] ) : x[i];
+        x[i] = i + 1 < n ? double3_add_scaled( x[i], -strand->factor[i + 1][1], x[i + 1] ) : x[i];
+        x[i] = i + 2 < n ? double3_add_scaled( x[i], -strand->factor[i + 2][2], x[i + 2] ) : x[i];
         strand->position[i] = double3_add( strand->position[i], x[i] );
     }
 }
@@ -436,7 +431,7 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
     for ( int i = 0; i < strand->count; ++i )
     {
         const bool gained = acceleration != NULL && strand->weight[i] > 0.0;
-        place[i] = gained ? add_scaled( strand->position[i], -dt * dt, *acceleration ) : strand->position[i];
+        place[i] = gained ? double3_add_scaled( strand->position[i], -dt * dt, *acceleration ) : strand->position[i];
     }
     pull( strand, place, dt );
     measure_rod( strand, acceleration != NULL ? place : strand->position, v );
@@ -444,7 +439,7 @@ void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const 
     rate_gradient( strand, rate );
     for ( int i = 0; i < strand->count; ++i )
     {
-        right[i] = add_scaled( double3_scale( -dt * dt, right[i] ), -damping * dt, rate[i] );
+        right[i] = double3_add_scaled( double3_scale( -dt * dt, right[i] ), -damping * dt, rate[i] );
     }
     solve_and_move( strand, right );
 }
@@ -503,7 +498,7 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
     const double3 t = tangent( strand, strand->position, s );
     const double3 z = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), z_axis );
     const double3 u = double3_cross( v.bend, z );
-    double3 m = add_scaled( add_scaled( h->moment, l, h->weight ), -0.5, h->twist_moment );
+    double3 m = double3_add_scaled( double3_add_scaled( h->moment, l, h->weight ), -0.5, h->twist_moment );
     double twist = 0.0;
     if ( strand->twist_stiffness[s] > 0.0 )
     {
@@ -511,18 +506,18 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
         twist /= 1.0 - 0.25 * double3_dot( v.kb, u );
     }
     h->twist_moment = double3_scale( twist, v.kb );
-    m = add_scaled( m, -0.5, h->twist_moment );
+    m = double3_add_scaled( m, -0.5, h->twist_moment );
     const double lean = double3_dot( t, z );
     const double alpha = lean > 1e-12 ? double3_dot( m, z ) / ( l * lean ) : 0.0;
-    m = add_scaled( m, -l * alpha, t );
+    m = double3_add_scaled( m, -l * alpha, t );
     h->moment = m;
     h->twist = twist;
     h->load = double3_dot( m, u );
 
     const bool bends = strand->stiffness[s] > 0.0;
-    h->turn = bends ? add_scaled( h->turn, 1.0 / strand->stiffness[s], m ) : h->turn;
+    h->turn = bends ? double3_add_scaled( h->turn, 1.0 / strand->stiffness[s], m ) : h->turn;
     h->largest_turn = fmax( h->largest_turn, double3_length( h->turn ) );
-    const double3 k = bends ? add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;
+    const double3 k = bends ? double3_add_scaled( v.bend, -1.0 / strand->stiffness[s], m ) : v.bend;
     strand->rest[s] = into_middle( strand, s, k );
     strand->rest_twist[s] = twist != 0.0 ? -2.0 * atan( 0.5 * twist / strand->twist_stiffness[s] ) : 0.0;
     strand->tension[s] = alpha;
@@ -536,7 +531,7 @@ static double balance( strand_oracle* strand, double3 gravity )
     for ( int s = strand->count - 2; s >= 0; --s )
     {
         const bool is_held = strand->weight[s + 1] <= 0.0;
-        h.weight = is_held ? zero : add_scaled( h.weight, strand->mass[s + 1], gravity );
+        h.weight = is_held ? zero : double3_add_scaled( h.weight, strand->mass[s + 1], gravity );
         balance_vertex( strand, s, &h );
     }
     strand->tension[strand->count - 1] = 0.0;

@@ -6,11 +6,6 @@
 static const double pi = 3.14159265358979323846;
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // ---- the arc ----
 
 // (-1)^n u^2n c_n / (2n+1)! from n = 1: what is left when cosine and sine cancel, which they do below u = 1.
@@ -202,8 +197,8 @@ void triangle_oracle_forces( const triangle_oracle* cloth, const double3* x, dou
     {
         const int i = cloth->link[k].i, j = cloth->link[k].j;
         const triangle_oracle_term term = triangle_oracle_term_at( cloth, k, x );
-        force[i] = add_scaled( force[i], term.force, term.direction );
-        force[j] = add_scaled( force[j], -term.force, term.direction );
+        force[i] = double3_add_scaled( force[i], term.force, term.direction );
+        force[j] = double3_add_scaled( force[j], -term.force, term.direction );
     }
 }
 
@@ -224,8 +219,8 @@ void triangle_oracle_damping_forces( const triangle_oracle* cloth, const double3
             apart = double3_scale( double3_dot( apart, term.direction ), term.direction );
         }
         const double rate = term.length > 0.0 ? cloth->link[k].scale * cloth->link[k].damping : 0.0;
-        force[i] = add_scaled( force[i], -rate, apart );
-        force[j] = add_scaled( force[j], rate, apart );
+        force[i] = double3_add_scaled( force[i], -rate, apart );
+        force[j] = double3_add_scaled( force[j], rate, apart );
     }
 }
 
@@ -294,7 +289,7 @@ double3 triangle_oracle_momentum( const triangle_oracle* cloth )
     double3 sum = zero;
     for ( int i = 0; i < cloth->count; ++i )
     {
-        sum = add_scaled( sum, cloth->mass[i], cloth->v[i] );
+        sum = double3_add_scaled( sum, cloth->mass[i], cloth->v[i] );
     }
     return sum;
 }

@@ -4,11 +4,6 @@
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 // ---- bodies ----
 
 triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal )
@@ -130,7 +125,7 @@ static double3 spanned( const frame* f, const double* products )
     fractions_of( f, products, fractions );
     for ( int k = 0; k < f->count; ++k )
     {
-        sum = add_scaled( sum, fractions[k], f->n[k] );
+        sum = double3_add_scaled( sum, fractions[k], f->n[k] );
     }
     return sum;
 }
@@ -211,7 +206,8 @@ static double approach( const moment* now, const triangle_oracle_touch* touch )
 // The gap at the end if the vertex goes on as v^ says.
 static double gap_ahead( const moment* now, const triangle_oracle_touch* touch )
 {
-    const double3 way = add_scaled( add_scaled( now->gone, now->s, now->v_hat ), -now->h, touch->motion );
+    const double3 way =
+        double3_add_scaled( double3_add_scaled( now->gone, now->s, now->v_hat ), -now->h, touch->motion );
     return touch->gap + double3_dot( way, touch->normal );
 }
 
@@ -323,7 +319,8 @@ static double way_out( const moment* now, const triangle_oracle_touch* touch, bo
 // so what x^ has gone already counts; of Euler this is the surface's velocity and `out / h`.
 static double3 velocity_with( const moment* now, double3 surface, double3 out )
 {
-    return add_scaled( double3_scale( now->h / now->s, surface ), 1.0 / now->s, double3_sub( out, now->gone ) );
+    return double3_add_scaled( double3_scale( now->h / now->s, surface ), 1.0 / now->s,
+                               double3_sub( out, now->gone ) );
 }
 
 static void prescribe( triangle_oracle* cloth, int vertex, const moment* now, const grip* g )
@@ -452,7 +449,7 @@ void triangle_oracle_contact_settle( triangle_oracle* cloth, double h )
         const double3 gone = sticks ? double3_scale( h, surface ) : way;
         cloth->v[i] = double3_add( along, across_normals( &f, v ) );
         cloth->v_before[i] = double3_add( along, across_normals( &f, v_before ) );
-        const double3 whole = add_scaled( across_normals( &f, gone ), h, along );
+        const double3 whole = double3_add_scaled( across_normals( &f, gone ), h, along );
         cloth->x_before[i] = double3_sub( cloth->x[i], whole );
     }
 }

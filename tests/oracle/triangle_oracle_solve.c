@@ -5,11 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double3 add_scaled( double3 a, double s, double3 b )
-{
-    return double3_add( a, double3_scale( s, b ) );
-}
-
 static double3* new_vectors( const triangle_oracle* cloth )
 {
     return calloc( (size_t)cloth->count, sizeof( double3 ) );
@@ -217,7 +212,7 @@ static void combine( const triangle_oracle* cloth, double3* a, double scale, con
 {
     for ( int i = 0; i < cloth->count; ++i )
     {
-        a[i] = add_scaled( a[i], scale, b[i] );
+        a[i] = double3_add_scaled( a[i], scale, b[i] );
     }
 }
 
@@ -259,7 +254,7 @@ void triangle_oracle_solve( triangle_oracle* cloth, const double3* b, const doub
         const double delta_new = dot( cloth, r, s ), along = delta_new / delta;
         for ( int i = 0; i < cloth->count; ++i )
         {
-            c[i] = add_scaled( s[i], along, c[i] );
+            c[i] = double3_add_scaled( s[i], along, c[i] );
         }
         delta = delta_new;
         negative = !( delta >= 0.0 );
@@ -377,9 +372,9 @@ static double predict( const triangle_oracle* cloth, double h, double3* x_hat, d
     const double kept = 1.0 / ( 1.0 + cloth->params.drag * s );
     for ( int i = 0; i < cloth->count; ++i )
     {
-        x_hat[i] = add_scaled( double3_scale( now, cloth->x[i] ), before, cloth->x_before[i] );
-        const double3 v = add_scaled( double3_scale( now, cloth->v[i] ), before, cloth->v_before[i] );
-        v_hat[i] = add_scaled( double3_scale( kept, v ), s, cloth->params.gravity );
+        x_hat[i] = double3_add_scaled( double3_scale( now, cloth->x[i] ), before, cloth->x_before[i] );
+        const double3 v = double3_add_scaled( double3_scale( now, cloth->v[i] ), before, cloth->v_before[i] );
+        v_hat[i] = double3_add_scaled( double3_scale( kept, v ), s, cloth->params.gravity );
     }
     return s;
 }
@@ -393,7 +388,7 @@ static void first_right( const triangle_oracle* cloth, const double3* x, const d
     for ( int i = 0; i < cloth->count; ++i )
     {
         b[i] = double3_sub( double3_scale( cloth->mass[i], v_hat[i] ), b[i] );
-        b[i] = add_scaled( b[i], cloth->s, force[i] );
+        b[i] = double3_add_scaled( b[i], cloth->s, force[i] );
     }
     free( force );
 }
@@ -408,7 +403,7 @@ static void missing( const triangle_oracle* cloth, double s, const double3* x, c
     for ( int i = 0; i < cloth->count; ++i )
     {
         b[i] = double3_scale( cloth->mass[i], double3_sub( v_hat[i], v[i] ) );
-        b[i] = add_scaled( b[i], s, double3_add( force[i], damping[i] ) );
+        b[i] = double3_add_scaled( b[i], s, double3_add( force[i], damping[i] ) );
     }
     free( force );
     free( damping );
@@ -478,7 +473,7 @@ static void advance( triangle_oracle* cloth, double h, double s, const double3* 
     for ( int i = 0; i < cloth->count; ++i )
     {
         cloth->v[i] = v[i];
-        cloth->x[i] = cloth->pinned[i] ? cloth->target[i] : add_scaled( x_hat[i], s, v[i] );
+        cloth->x[i] = cloth->pinned[i] ? cloth->target[i] : double3_add_scaled( x_hat[i], s, v[i] );
     }
     cloth->h_before = h;
 }
