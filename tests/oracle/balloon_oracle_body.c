@@ -1,6 +1,7 @@
 #include "balloon_oracle.h"
 
-#include <stdarg.h>
+#include "oracle_check.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,41 +40,11 @@ balloon_oracle_options balloon_oracle_default_options( void )
     return options;
 }
 
-// What the method cannot take. The oracle links nothing of the engine, so it writes its own messages.
-
-static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
-
-static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
-{
-    if ( error != NULL )
-    {
-        va_list arguments;
-        va_start( arguments, format );
-        error->status = status;
-        vsnprintf( error->message, sizeof( error->message ), format, arguments );
-        va_end( arguments );
-    }
-    return status;
-}
-
-static bool is_within( double value, double lower, double upper )
-{
-    return value >= lower && value <= upper; // false for a NaN
-}
-
-static bool is_coordinate( double3 p )
-{
-    return is_within( p.x, -1e6, 1e6 ) && is_within( p.y, -1e6, 1e6 ) && is_within( p.z, -1e6, 1e6 );
-}
+// What the method cannot take.
 
 static wisp_status check_options( const balloon_oracle_options* o, wisp_error* error )
 {
-    const struct
-    {
-        const char* name;
-        double value, lower, upper;
-    } limits[] = {
+    const oracle_limit limits[] = {
         { "dt", o->dt, 1e-9, 1e3 },
         { "substeps", o->substeps, 1.0, 1e6 },
         { "iterations", o->iterations, 1.0, 1e6 },
@@ -92,13 +63,10 @@ static wisp_status check_options( const balloon_oracle_options* o, wisp_error* e
         { "least volume", o->min_volume, 1e-3, 1.0 },
         { "inflow", o->inflow, -1e6, 1e6 },
     };
-    for ( int n = 0; n < WISP_COUNT( limits ); ++n )
+    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
+    if ( status != WISP_OK )
     {
-        if ( !is_within( limits[n].value, limits[n].lower, limits[n].upper ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value,
-                           limits[n].lower, limits[n].upper );
-        }
+        return status;
     }
     return WISP_OK;
 }

@@ -1,5 +1,7 @@
 #include "boundary_oracle.h"
 
+#include "oracle_check.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,16 +13,6 @@ boundary_oracle_options boundary_oracle_default_options( void )
 }
 
 // ---- making and unmaking ----
-
-static wisp_status refuse( wisp_error* error, wisp_status status, const char* what, double value )
-{
-    if ( error != NULL )
-    {
-        error->status = status;
-        snprintf( error->message, sizeof( error->message ), what, value );
-    }
-    return status;
-}
 
 static wisp_status check_options( const boundary_oracle_options* o, wisp_error* error )
 {
@@ -52,7 +44,7 @@ wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_ora
                                    .triangle_count = mesh->triangle_count };
     if ( !balloon_mesh_build_topology( mesh, &made.topology ) )
     {
-        return refuse( error, WISP_NO_MEMORY, "out of memory for the edges of %g triangles", mesh->triangle_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for the edges of %d triangles", mesh->triangle_count );
     }
     made.edge_count = made.topology.edge_count;
     made.element_count = made.edge_count + made.triangle_count;
@@ -66,7 +58,7 @@ wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_ora
          made.changed == NULL )
     {
         boundary_oracle_destroy( &made );
-        return refuse( error, WISP_NO_MEMORY, "out of memory for a layer on %g vertices", mesh->vertex_count );
+        return refuse( error, WISP_NO_MEMORY, "out of memory for a layer on %d vertices", mesh->vertex_count );
     }
     memcpy( made.triangles, mesh->triangles, 3 * (size_t)mesh->triangle_count * sizeof( int ) );
     *out = made;

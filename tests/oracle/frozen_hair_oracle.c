@@ -1,8 +1,9 @@
 #include "frozen_hair_oracle.h"
 
+#include "oracle_check.h"
+
 #include "wisp/module/random.h"
 
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,61 +31,29 @@ frozen_oracle_options frozen_oracle_default_options( void )
     return options;
 }
 
-// What the method cannot take. The oracle links nothing of the engine, so it writes its own messages.
-
-static wisp_status refuse( wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
-
-static wisp_status refuse( wisp_error* error, const char* format, ... )
-{
-    if ( error != NULL )
-    {
-        va_list arguments;
-        va_start( arguments, format );
-        error->status = WISP_BAD_INPUT;
-        vsnprintf( error->message, sizeof( error->message ), format, arguments );
-        va_end( arguments );
-    }
-    return WISP_BAD_INPUT;
-}
-
-static bool is_within( double value, double lower, double upper )
-{
-    return value >= lower && value <= upper; // false for a NaN
-}
-
-static bool is_coordinate( double3 p )
-{
-    return is_within( p.x, -1e6, 1e6 ) && is_within( p.y, -1e6, 1e6 ) && is_within( p.z, -1e6, 1e6 );
-}
+// What the method cannot take.
 
 static wisp_status check_options( const frozen_oracle_options* o, wisp_error* error )
 {
-    const struct
-    {
-        const char* name;
-        double value, lower, upper;
-    } limits[] = {
+    const oracle_limit limits[] = {
         { "theta_max", o->theta_max, 0.0, pi },    { "cursor radius", o->cursor_radius, 0.0, 1e6 },
         { "clump step", o->clump_step, 0.0, 1e6 }, { "guard distance", o->min_distance, 0.0, 1e6 },
         { "lambda_min", o->lambda_min, 0.0, 1.0 }, { "length floor", o->length_floor, 0.0, 1.0 },
         { "epsilon", o->epsilon, 0.0, 1.0 },       { "clump iterations", o->clump_iterations, 0.0, 1000.0 },
         { "dimension", o->dimension, 2.0, 3.0 },
     };
-    for ( int n = 0; n < WISP_COUNT( limits ); ++n )
+    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
+    if ( status != WISP_OK )
     {
-        if ( !is_within( limits[n].value, limits[n].lower, limits[n].upper ) )
-        {
-            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].lower,
-                           limits[n].upper );
-        }
+        return status;
     }
     if ( o->clump_iterations > 0 && !( o->clump_radius > 0.0 && o->clump_radius <= 1e6 ) )
     {
-        return refuse( error, "clump radius is %g, must be > 0", o->clump_radius );
+        return refuse( error, WISP_BAD_INPUT, "clump radius is %g, must be > 0", o->clump_radius );
     }
     if ( !is_coordinate( o->cursor ) )
     {
-        return refuse( error, "cursor is not finite or beyond 1e6 m" );
+        return refuse( error, WISP_BAD_INPUT, "cursor is not finite or beyond 1e6 m" );
     }
     return WISP_OK;
 }
@@ -93,22 +62,24 @@ static wisp_status check_strand( const frozen_oracle_hair* hair, int s, wisp_err
 {
     if ( hair->offsets[s + 1] < hair->offsets[s] )
     {
-        return refuse( error, "strand %d ends before it begins", s );
+        return refuse( error, WISP_BAD_INPUT, "strand %d ends before it begins", s );
     }
     if ( !is_within( hair->stretch_stiffness[s], 1e-3, 1e12 ) || !is_within( hair->bend_stiffness[s], 1e-3, 1e12 ) )
     {
-        return refuse( error, "strand %d has stiffness %g and %g, must be in [1e-3, 1e12]", s,
+        return refuse( error, WISP_BAD_INPUT, "strand %d has stiffness %g and %g, must be in [1e-3, 1e12]", s,
                        hair->stretch_stiffness[s], hair->bend_stiffness[s] );
     }
     if ( !is_within( hair->intensity[s], 0.0, 1.0 ) )
     {
-        return refuse( error, "strand %d has intensity %g, must be in [0, 1]", s, hair->intensity[s] );
+        return refuse( error, WISP_BAD_INPUT, "strand %d has intensity %g, must be in [0, 1]", s,
+                       hair->intensity[s] );
     }
     for ( int v = hair->offsets[s]; v < hair->offsets[s + 1]; ++v )
     {
         if ( !is_coordinate( hair->rest[v] ) || ( hair->previous != NULL && !is_coordinate( hair->previous[v] ) ) )
         {
-            return refuse( error, "strand %d, vertex %d is not finite or beyond 1e6 m", s, v - hair->offsets[s] );
+            return refuse( error, WISP_BAD_INPUT, "strand %d, vertex %d is not finite or beyond 1e6 m", s,
+                           v - hair->offsets[s] );
         }
     }
     return WISP_OK;
@@ -119,11 +90,11 @@ wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_or
 {
     if ( hair->strand_count < 0 || ( hair->strand_count > 0 && hair->offsets[0] != 0 ) )
     {
-        return refuse( error, "a strand set starts at vertex 0 and has no negative count" );
+        return refuse( error, WISP_BAD_INPUT, "a strand set starts at vertex 0 and has no negative count" );
     }
     if ( options->base == FROZEN_ORACLE_BASE_PREVIOUS && hair->previous == NULL && hair->strand_count > 0 )
     {
-        return refuse( error, "base is the previous output, and there is none" );
+        return refuse( error, WISP_BAD_INPUT, "base is the previous output, and there is none" );
     }
     wisp_status status = check_options( options, error );
     for ( int s = 0; s < hair->strand_count && status == WISP_OK; ++s )

@@ -1,7 +1,8 @@
 // The ghosts of a head of hair: what may come in, the set-up, and one step in the order of the specification.
 #include "guide_oracle.h"
 
-#include <stdarg.h>
+#include "oracle_check.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,22 +10,6 @@
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
 // What may come in.
-
-static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
-    __attribute__( ( format( printf, 3, 4 ) ) );
-
-static wisp_status refuse( wisp_error* error, wisp_status status, const char* format, ... )
-{
-    if ( error != NULL )
-    {
-        error->status = status;
-        va_list arguments;
-        va_start( arguments, format );
-        vsnprintf( error->message, sizeof( error->message ), format, arguments );
-        va_end( arguments );
-    }
-    return status;
-}
 
 guide_oracle_options guide_oracle_default_options( void )
 {
@@ -45,11 +30,7 @@ guide_oracle_options guide_oracle_default_options( void )
 static wisp_status check_options( const guide_oracle_options* o, wisp_error* error )
 {
     // Vbar must be positive; 1e-12 is far below any spread that a picture could show
-    const struct
-    {
-        const char* name;
-        double value, lower, upper;
-    } limits[] = {
+    const oracle_limit limits[] = {
         { "dt", o->dt, 1e-9, 1e3 },
         { "tau", o->tau, 0.0, 1e3 },
         { "elastic_gain", o->elastic_gain, 0.0, 1e6 },
@@ -57,13 +38,10 @@ static wisp_status check_options( const guide_oracle_options* o, wisp_error* err
         { "centre_gain", o->centre_gain, 0.0, 1e6 },
         { "spread", o->spread, 1e-12, 1e12 },
     };
-    for ( size_t n = 0; n < sizeof( limits ) / sizeof( limits[0] ); ++n )
+    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
+    if ( status != WISP_OK )
     {
-        if ( !( limits[n].value >= limits[n].lower && limits[n].value <= limits[n].upper ) )
-        {
-            return refuse( error, WISP_BAD_INPUT, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value,
-                           limits[n].lower, limits[n].upper );
-        }
+        return status;
     }
     if ( o->feedback && ( o->frame != GUIDE_ORACLE_FRAME_OFF || o->link_count != 1 ) )
     {

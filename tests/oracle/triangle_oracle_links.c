@@ -1,26 +1,12 @@
 // What may come in, the links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
 #include "triangle_oracle.h"
 
-#include <stdarg.h>
+#include "oracle_check.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
 // ---- what may come in ----
-
-static wisp_status refuse( wisp_error* error, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
-
-static wisp_status refuse( wisp_error* error, const char* format, ... )
-{
-    if ( error != NULL )
-    {
-        error->status = WISP_BAD_INPUT;
-        va_list arguments;
-        va_start( arguments, format );
-        vsnprintf( error->message, sizeof( error->message ), format, arguments );
-        va_end( arguments );
-    }
-    return WISP_BAD_INPUT;
-}
 
 triangle_oracle_params triangle_oracle_default_params( void )
 {
@@ -40,11 +26,7 @@ triangle_oracle_params triangle_oracle_default_params( void )
 
 static wisp_status check_params( const triangle_oracle_def* def, const triangle_oracle_params* p, wisp_error* error )
 {
-    const struct
-    {
-        const char* name;
-        double value, lower, upper;
-    } limits[] = {
+    const oracle_limit limits[] = {
         { "stretch_stiffness", p->stretch_stiffness, 0.0, 1e12 },
         { "bend_stiffness", p->bend_stiffness, 0.0, 1e12 },
         { "bend_rigidity", p->bend_rigidity, 0.0, 1e12 },
@@ -56,18 +38,16 @@ static wisp_status check_params( const triangle_oracle_def* def, const triangle_
         { "max_iterations", p->max_iterations, 0.0, 1e9 },
         { "release_hysteresis", p->release_hysteresis, 0.0, 1e12 },
     };
-    for ( size_t n = 0; n < sizeof( limits ) / sizeof( limits[0] ); ++n )
+    const wisp_status status = oracle_check_limits( limits, WISP_COUNT( limits ), error );
+    if ( status != WISP_OK )
     {
-        if ( !( limits[n].value >= limits[n].lower && limits[n].value <= limits[n].upper ) )
-        {
-            return refuse( error, "%s is %g, must be in [%g, %g]", limits[n].name, limits[n].value, limits[n].lower,
-                           limits[n].upper );
-        }
+        return status;
     }
     if ( p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL &&
          ( def->stretch_pairs != NULL || def->bend_pairs != NULL ) )
     {
-        return refuse( error, "a sheet's stiffness needs the mesh's own links, pairs by hand have no area" );
+        return refuse( error, WISP_BAD_INPUT,
+                       "a sheet's stiffness needs the mesh's own links, pairs by hand have no area" );
     }
     return WISP_OK;
 }
@@ -80,13 +60,14 @@ static wisp_status check_indices( const int* index, int count, int each, int ver
         const int first = n / each * each;
         if ( index[n] < 0 || index[n] >= vertices )
         {
-            return refuse( error, "%s %d has vertex %d, there are %d", what, n / each, index[n], vertices );
+            return refuse( error, WISP_BAD_INPUT, "%s %d has vertex %d, there are %d", what, n / each, index[n],
+                           vertices );
         }
         for ( int m = first; m < n; ++m )
         {
             if ( index[m] == index[n] )
             {
-                return refuse( error, "%s %d has vertex %d twice", what, n / each, index[n] );
+                return refuse( error, WISP_BAD_INPUT, "%s %d has vertex %d twice", what, n / each, index[n] );
             }
         }
     }
@@ -102,7 +83,8 @@ static wisp_status check_def( const triangle_oracle_def* def, wisp_error* error 
         if ( counts[n] < ( n == 0 ? 1 : 0 ) || counts[n] > most )
         {
             const char* names[4] = { "vertices", "triangles", "stretch pairs", "bend pairs" };
-            return refuse( error, "there are %d %s, must be in [%d, %d]", counts[n], names[n], n == 0 ? 1 : 0, most );
+            return refuse( error, WISP_BAD_INPUT, "there are %d %s, must be in [%d, %d]", counts[n], names[n],
+                           n == 0 ? 1 : 0, most );
         }
     }
     for ( int i = 0; i < def->count; ++i )
@@ -110,11 +92,11 @@ static wisp_status check_def( const triangle_oracle_def* def, wisp_error* error 
         const double3 p = def->points[i];
         if ( !isfinite( p.x ) || !isfinite( p.y ) || !isfinite( p.z ) )
         {
-            return refuse( error, "vertex %d is not finite", i );
+            return refuse( error, WISP_BAD_INPUT, "vertex %d is not finite", i );
         }
         if ( !( def->masses[i] > 0.0 ) || !isfinite( def->masses[i] ) )
         {
-            return refuse( error, "vertex %d has the mass %g, must be above 0", i, def->masses[i] );
+            return refuse( error, WISP_BAD_INPUT, "vertex %d has the mass %g, must be above 0", i, def->masses[i] );
         }
     }
     const int* indices[3] = { def->triangles, def->stretch_pairs, def->bend_pairs };
@@ -288,7 +270,8 @@ static wisp_status add_links( triangle_oracle* cloth, const triangle_oracle_def*
         const double length = double3_distance( def->points[pairs[n].i], def->points[pairs[n].j] );
         if ( !( length > 0.0 ) )
         {
-            return refuse( error, "the link of the vertices %d and %d has no length", pairs[n].i, pairs[n].j );
+            return refuse( error, WISP_BAD_INPUT, "the link of the vertices %d and %d has no length", pairs[n].i,
+                           pairs[n].j );
         }
         cloth->link[cloth->link_count++] = make_link( &cloth->params, pairs[n], bends, length );
     }
