@@ -120,6 +120,14 @@ static inline void assert_one_message( const char* message )
     assert_true( message[length - 1] != '.' );
 }
 
+/// A call was refused with one message that has these words.
+static inline void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* words )
+{
+    assert_int_equal( actual, expected );
+    assert_one_message( wisp_world_message( world ) );
+    assert_contains( wisp_world_message( world ), words );
+}
+
 // ---- numbers ----
 
 /// A number below `count`, the same in every run; (a, b) pick it.

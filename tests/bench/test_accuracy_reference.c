@@ -76,10 +76,7 @@ static reference_files written( const accuracy_reference* reference )
 static void expect_said( const wisp_error* error, const char* name, const char* part )
 {
     assert_ptr_equal( strstr( error->message, name ), error->message );
-    if ( !strstr( error->message, part ) )
-    {
-        fail_msg( "'%s' does not say '%s'", error->message, part );
-    }
+    assert_contains( error->message, part );
 }
 
 // Blocks of exactly this size, so that the sanitizer sees a byte that is read beyond them.

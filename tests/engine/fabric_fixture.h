@@ -4,32 +4,9 @@
 #include "support.h"
 
 #include "fabric.h"
+#include "test_mesh.h"
 
 // ---- meshes ----
-
-/// A mesh as a user hands it over.
-typedef struct test_mesh
-{
-    wisp_vec3* points;
-    int32_t* triangles;
-    int vertex_count, triangle_count;
-} test_mesh;
-
-static inline test_mesh test_mesh_make( int vertex_count, int triangle_count )
-{
-    return ( test_mesh ){
-        .points = calloc( (size_t)vertex_count + 1, sizeof( wisp_vec3 ) ),
-        .triangles = calloc( 3 * (size_t)triangle_count + 1, sizeof( int32_t ) ),
-        .vertex_count = vertex_count,
-        .triangle_count = triangle_count,
-    };
-}
-
-static inline void test_mesh_free( test_mesh* mesh )
-{
-    free( mesh->points );
-    free( mesh->triangles );
-}
 
 static inline void test_mesh_triangle( test_mesh* mesh, int* next, int32_t a, int32_t b, int32_t c )
 {
@@ -177,16 +154,6 @@ static inline void test_mesh_shuffle( test_mesh* mesh )
         memmove( a, b, sizeof( kept ) );
         memcpy( b, kept, sizeof( kept ) );
     }
-}
-
-static inline wisp_fabric_def test_fabric_def( const test_mesh* mesh )
-{
-    wisp_fabric_def def = wisp_default_fabric_def();
-    def.points = mesh->points;
-    def.triangles = mesh->triangles;
-    def.vertex_count = mesh->vertex_count;
-    def.triangle_count = mesh->triangle_count;
-    return def;
 }
 
 static inline wisp_fabric* test_fabric_cook( const wisp_fabric_def* def )

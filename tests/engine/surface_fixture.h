@@ -1,18 +1,12 @@
 /// Meshes and surfaces for tests: a plane of n x n vertices and a ball of eight times four to the level triangles.
 #pragma once
 
+#include "test_mesh.h"
 #include "world_fixture.h"
 
 #include "cloth.h"
 #include "wisp/fabric.h"
 #include "wisp/module/components.h"
-
-typedef struct test_mesh
-{
-    wisp_vec3* points;
-    int32_t* triangles;
-    int vertex_count, triangle_count;
-} test_mesh;
 
 /// In the plane y = 0, vertex j n + i at (i, 0, j) spacing, diagonals alternating.
 static inline test_mesh test_plane( int n, float spacing )
@@ -95,22 +89,6 @@ static inline test_mesh test_ball( int level )
     return m;
 }
 
-static inline void test_mesh_free( test_mesh* m )
-{
-    free( m->points );
-    free( m->triangles );
-}
-
-static inline wisp_fabric_def test_fabric_def( const test_mesh* m )
-{
-    wisp_fabric_def def = wisp_default_fabric_def();
-    def.points = m->points;
-    def.triangles = m->triangles;
-    def.vertex_count = m->vertex_count;
-    def.triangle_count = m->triangle_count;
-    return def;
-}
-
 /// A surface of a mesh; the fabric lives as long as the world.
 static inline wisp_entity test_surface_of( wisp_world* world, const wisp_fabric_def* fabric_def,
                                            wisp_surface_def def )
@@ -134,4 +112,9 @@ static inline wisp_motion_stats motion_stats_of( wisp_world* world, wisp_entity 
     wisp_motion_stats q;
     assert_int_equal( wisp_read_motion_stats( world, e, &q ), WISP_OK );
     return q;
+}
+
+static inline wisp_vec3 point_of( wisp_world* world, wisp_entity e, int vertex )
+{
+    return ( (const wisp_vec3*)view_of( world, e, WISP_SURFACE_POINTS ).data )[vertex];
 }

@@ -4,43 +4,9 @@
 
 static const float DT = 0.01f;
 
-static void assert_near( double actual, double expected, double tolerance )
-{
-    if ( !( fabs( actual - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
-    }
-}
-
-static void open_world( hosted* h, int substeps, int iterations )
-{
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.substeps = substeps;
-    h->def.iterations = iterations;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-}
-
-static void close_world( hosted* h )
-{
-    wisp_world_destroy( h->world );
-    assert_host_has_all_back( &h->host );
-}
-
 static void run( wisp_world* world, int steps )
 {
-    for ( int i = 0; i < steps; ++i )
-    {
-        if ( wisp_world_step( world, DT ) != WISP_OK )
-        {
-            fail_msg( "no step: %s", wisp_world_message( world ) );
-        }
-    }
-}
-
-static wisp_vec3 point( wisp_world* world, wisp_entity e, int vertex )
-{
-    return ( (const wisp_vec3*)view_of( world, e, WISP_SURFACE_POINTS ).data )[vertex];
+    run_steps( world, steps, DT );
 }
 
 static bool has_pass( wisp_world* world, const char* name )
@@ -98,7 +64,7 @@ static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_STIFFNESS, 0.25f );
         run( h.world, 1 );
         // a few roundings of places near 1.5 m, 1.2e-7 m each
-        assert_near( (double)point( h.world, e, 2 ).x, 1.0 + 0.5 * pow( 0.75, iterations ), 5e-7 );
+        assert_near( (double)point_of( h.world, e, 2 ).x, 1.0 + 0.5 * pow( 0.75, iterations ), 5e-7 );
         close_world( &h );
     }
 }
@@ -115,7 +81,7 @@ static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** sta
         open_world( &h, 1, iterations );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_COMPLIANCE, 1e-3f );
         run( h.world, 1 );
-        assert_near( (double)point( h.world, e, 2 ).x, expected, 5e-7 );
+        assert_near( (double)point_of( h.world, e, 2 ).x, expected, 5e-7 );
         const float* lambda = wisp_world_column( h.world, e, WISP_LINK_COMPLIANCE, 1 );
         double largest = 0.0;
         for ( int slot = 0; slot < wisp_world_fabric( h.world, e )->link_order.slot_count; ++slot )
@@ -139,7 +105,7 @@ static void lambda_starts_at_nothing_in_every_substep( void** state )
         open_world( &h, 3, i == 0 ? 1 : 5 );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_COMPLIANCE, 1e-3f );
         run( h.world, 4 );
-        x[i] = (double)point( h.world, e, 2 ).x;
+        x[i] = (double)point_of( h.world, e, 2 ).x;
         close_world( &h );
     }
     assert_near( x[0], x[1], 5e-6 );
@@ -161,7 +127,7 @@ static void a_strain_limit_brings_a_length_back_from_both_sides( void** state )
         wisp_entity e = add_link( &h, links[i].start, WISP_LINK_STIFFNESS, 0.0f );
         assert_int_equal( wisp_set_strain_limit( h.world, e, 0.9f, 1.1f ), WISP_OK );
         run( h.world, 1 );
-        const wisp_vec3 p = point( h.world, e, 2 );
+        const wisp_vec3 p = point_of( h.world, e, 2 );
         double length = hypot( (double)p.x, (double)p.y );
         double other = hypot( (double)p.x - 1.0, (double)p.y - 1.0 );
         assert_true( length >= 0.9 - 1e-4 && length <= 1.1 + 1e-4 );
@@ -221,7 +187,7 @@ static void a_tether_holds_at_its_distance_and_lets_go_within( void** state )
         run( h.world, 1 );
         for ( int v = 1; v < 81; ++v )
         {
-            const wisp_vec3 p = point( h.world, e, v ), q = point( h.world, loose, v );
+            const wisp_vec3 p = point_of( h.world, e, v ), q = point_of( h.world, loose, v );
             const wisp_fabric* f = wisp_world_fabric( h.world, e );
             double limit = (double)f->tether_rest[f->vertex_slot[v]] * (double)slacks[i];
             assert_near( hypot( (double)p.x, (double)p.z ), limit, 2e-6 );
@@ -250,7 +216,7 @@ static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
     assert_true( motion_stats_of( h.world, stretched ).strain_mean < 0.1 );
     for ( int v = 0; v < 17 * 17; ++v )
     {
-        const wisp_vec3 p = point( h.world, slack, v );
+        const wisp_vec3 p = point_of( h.world, slack, v );
         assert_true( p.x == 0.75f * ( 0.1f * (float)( v % 17 ) ) && p.y == 0.0f );
     }
     close_world( &h );
@@ -357,10 +323,10 @@ static void a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back( v
     run( h->world, 1 );
     assert_true( wisp_is_halted( h->world, e ) );
     assert_int_equal( wisp_resume( h->world, e ), WISP_OK );
-    float held = point( h->world, e, 24 ).y, free = point( h->world, e, 0 ).y;
+    float held = point_of( h->world, e, 24 ).y, free = point_of( h->world, e, 0 ).y;
     run( h->world, 3 );
-    assert_true( point( h->world, e, 24 ).y == held );
-    assert_true( point( h->world, e, 0 ).y < free );
+    assert_true( point_of( h->world, e, 24 ).y == held );
+    assert_true( point_of( h->world, e, 0 ).y < free );
 }
 
 // ---- what is observed ----

@@ -3,23 +3,9 @@
 
 static const float DT = 0.01f;
 
-static void assert_near( double actual, double expected, double tolerance )
-{
-    if ( !( fabs( actual - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
-    }
-}
-
 static void run( wisp_world* world, int steps )
 {
-    for ( int i = 0; i < steps; ++i )
-    {
-        if ( wisp_world_step( world, DT ) != WISP_OK )
-        {
-            fail_msg( "no step: %s", wisp_world_message( world ) );
-        }
-    }
+    run_steps( world, steps, DT );
 }
 
 // A plane of n x n vertices whose points and figures are wanted.

@@ -101,4 +101,36 @@ static inline void step( wisp_world* world )
     }
 }
 
+static inline void run_steps( wisp_world* world, int steps, float dt )
+{
+    for ( int i = 0; i < steps; ++i )
+    {
+        assert_status( world, wisp_world_step( world, dt ), WISP_OK );
+    }
+}
+
+/// A world of its own, for a test that needs several or chooses substeps. Close with close_world().
+static inline void open_world( hosted* h, int substeps, int iterations )
+{
+    *h = ( hosted ){ 0 };
+    h->def = hosted_def( h );
+    h->def.substeps = substeps;
+    h->def.iterations = iterations;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+}
+
+static inline void close_world( hosted* h )
+{
+    wisp_world_destroy( h->world );
+    assert_host_has_all_back( &h->host );
+}
+
+static inline void assert_near( double actual, double expected, double tolerance )
+{
+    if ( !( fabs( actual - expected ) <= tolerance ) )
+    {
+        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
+    }
+}
+
 #define WORLD_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hosted, close_hosted )

@@ -1,26 +1,9 @@
 /// What both groom fuzz targets do with a groom that was read: describe it, check it, and write and read it again.
 #pragma once
 
-#ifndef _XOPEN_SOURCE
-#define _XOPEN_SOURCE 700 // open_memstream
-#endif
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "fuzz.h"
 
 #include "groom.h"
-
-/// Called by libFuzzer or by replay.c.
-int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
-
-static inline void fuzz_demand( bool condition )
-{
-    if ( !condition )
-    {
-        abort();
-    }
-}
 
 static inline bool fuzz_same( const void* a, const void* b, size_t size )
 {
@@ -35,13 +18,13 @@ static inline char* fuzz_write( fuzz_writer* write, const wisp_groom* groom, siz
     char* bytes = NULL;
     *size = 0;
     FILE* stream = open_memstream( &bytes, size );
-    fuzz_demand( stream != NULL );
+    demand( stream != NULL );
     wisp_error error = { .status = WISP_OK };
     wisp_status status = write( stream, groom, "fuzz", &error );
     fclose( stream );
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error.message[0] != 0 && *size == 0 );
+        demand( status == WISP_BAD_INPUT && error.message[0] != 0 && *size == 0 );
         free( bytes );
         return NULL;
     }
@@ -57,16 +40,16 @@ static inline void fuzz_round_trip( const wisp_groom* groom )
         return;
     }
     wisp_groom again;
-    fuzz_demand( wisp_groom_read_hair( bytes, size, "again", &again, NULL ) == WISP_OK );
+    demand( wisp_groom_read_hair( bytes, size, "again", &again, NULL ) == WISP_OK );
     free( bytes );
     size_t vertices = (size_t)groom->vertex_count;
-    fuzz_demand( again.strand_count == groom->strand_count && again.vertex_count == groom->vertex_count );
-    fuzz_demand( again.dimension == groom->dimension );
-    fuzz_demand( fuzz_same( again.offsets, groom->offsets, ( (size_t)groom->strand_count + 1 ) * sizeof( int ) ) );
-    fuzz_demand( fuzz_same( again.points, groom->points, vertices * sizeof( wisp_vec3 ) ) );
-    fuzz_demand( fuzz_same( again.thickness, groom->thickness, vertices * sizeof( float ) ) );
-    fuzz_demand( fuzz_same( again.transparency, groom->transparency, vertices * sizeof( float ) ) );
-    fuzz_demand( fuzz_same( again.colour, groom->colour, vertices * sizeof( wisp_vec3 ) ) );
+    demand( again.strand_count == groom->strand_count && again.vertex_count == groom->vertex_count );
+    demand( again.dimension == groom->dimension );
+    demand( fuzz_same( again.offsets, groom->offsets, ( (size_t)groom->strand_count + 1 ) * sizeof( int ) ) );
+    demand( fuzz_same( again.points, groom->points, vertices * sizeof( wisp_vec3 ) ) );
+    demand( fuzz_same( again.thickness, groom->thickness, vertices * sizeof( float ) ) );
+    demand( fuzz_same( again.transparency, groom->transparency, vertices * sizeof( float ) ) );
+    demand( fuzz_same( again.colour, groom->colour, vertices * sizeof( wisp_vec3 ) ) );
     wisp_groom_release( &again );
 }
 
@@ -75,21 +58,21 @@ static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_g
 {
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
-        fuzz_demand( groom->offsets == NULL && groom->points == NULL );
+        demand_refusal( status, error );
+        demand( groom->offsets == NULL && groom->points == NULL );
         return;
     }
     // Either answer is right; a refusal must come with its message.
     wisp_error check = { .status = WISP_OK };
-    fuzz_demand( wisp_groom_check( groom, &check ) == WISP_OK || check.message[0] != 0 );
+    demand( wisp_groom_check( groom, &check ) == WISP_OK || check.message[0] != 0 );
     fuzz_round_trip( groom );
     size_t size = 0;
     free( fuzz_write( wisp_groom_write_usda, groom, &size ) );
     free( fuzz_write( wisp_groom_write_obj, groom, &size ) );
     char* text = NULL;
     FILE* stream = open_memstream( &text, &size );
-    fuzz_demand( stream != NULL );
-    fuzz_demand( wisp_groom_info( stream, groom, "fuzz" ) == WISP_OK );
+    demand( stream != NULL );
+    demand( wisp_groom_info( stream, groom, "fuzz" ) == WISP_OK );
     fclose( stream );
     free( text );
     wisp_groom_release( groom );

@@ -1,26 +1,9 @@
 /// What both mesh fuzz targets do with a mesh that was read: examine, repair, describe, and write and read it again.
 #pragma once
 
-#ifndef _XOPEN_SOURCE
-#define _XOPEN_SOURCE 700 // open_memstream
-#endif
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "fuzz.h"
 
 #include "mesh_internal.h"
-
-/// Called by libFuzzer or by replay.c.
-int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
-
-static inline void fuzz_demand( bool condition )
-{
-    if ( !condition )
-    {
-        abort();
-    }
-}
 
 typedef wisp_status fuzz_writer( FILE* out, const wisp_mesh* mesh, const char* name, wisp_error* error );
 typedef wisp_status fuzz_reader( const void* bytes, size_t size, const char* name, wisp_mesh* out,
@@ -31,17 +14,17 @@ static inline void fuzz_round_trip( const wisp_mesh* mesh, fuzz_writer* write, f
     char* bytes = NULL;
     size_t size = 0;
     FILE* stream = open_memstream( &bytes, &size );
-    fuzz_demand( stream != NULL );
-    fuzz_demand( write( stream, mesh, "fuzz", NULL ) == WISP_OK );
+    demand( stream != NULL );
+    demand( write( stream, mesh, "fuzz", NULL ) == WISP_OK );
     fclose( stream );
     wisp_mesh again;
-    fuzz_demand( read( bytes, size, "again", &again, NULL ) == WISP_OK );
+    demand( read( bytes, size, "again", &again, NULL ) == WISP_OK );
     free( bytes );
-    fuzz_demand( again.vertex_count == mesh->vertex_count && again.triangle_count == mesh->triangle_count );
+    demand( again.vertex_count == mesh->vertex_count && again.triangle_count == mesh->triangle_count );
     size_t points = (size_t)mesh->vertex_count * sizeof *mesh->points;
     size_t triangles = (size_t)mesh->triangle_count * 3 * sizeof *mesh->triangles;
-    fuzz_demand( memcmp( again.points, mesh->points, points ) == 0 );
-    fuzz_demand( memcmp( again.triangles, mesh->triangles, triangles ) == 0 );
+    demand( memcmp( again.points, mesh->points, points ) == 0 );
+    demand( memcmp( again.triangles, mesh->triangles, triangles ) == 0 );
     wisp_mesh_release( &again );
 }
 
@@ -50,8 +33,8 @@ static inline void fuzz_examine( const wisp_mesh* mesh )
     char* text = NULL;
     size_t size = 0;
     FILE* stream = open_memstream( &text, &size );
-    fuzz_demand( stream != NULL );
-    fuzz_demand( wisp_mesh_info( stream, mesh, "fuzz" ) == WISP_OK );
+    demand( stream != NULL );
+    demand( wisp_mesh_info( stream, mesh, "fuzz" ) == WISP_OK );
     fclose( stream );
     free( text );
 }
@@ -65,12 +48,12 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     int triangle_count = mesh->triangle_count;
     if ( wisp_mesh_repair( mesh, WISP_MESH_REPAIR_ALL, &repairs, &error ) != WISP_OK )
     {
-        fuzz_demand( error.message[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
+        demand( error.message[0] != 0 && repairs.kept == NULL && mesh->triangle_count == triangle_count );
         return;
     }
-    fuzz_demand( wisp_mesh_examine( mesh, &report, NULL ) == WISP_OK );
-    fuzz_demand( wisp_mesh_require( &report, WISP_MESH_CLEAN, "fuzz", NULL ) == WISP_OK );
-    fuzz_demand( report.windings.count == 0 && repairs.kept_count == mesh->vertex_count );
+    demand( wisp_mesh_examine( mesh, &report, NULL ) == WISP_OK );
+    demand( wisp_mesh_require( &report, WISP_MESH_CLEAN, "fuzz", NULL ) == WISP_OK );
+    demand( report.windings.count == 0 && repairs.kept_count == mesh->vertex_count );
     wisp_mesh_repairs_release( &repairs );
 }
 
@@ -79,8 +62,8 @@ static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_m
 {
     if ( status != WISP_OK )
     {
-        fuzz_demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
-        fuzz_demand( mesh->points == NULL && mesh->triangles == NULL );
+        demand_refusal( status, error );
+        demand( mesh->points == NULL && mesh->triangles == NULL );
         return;
     }
     fuzz_examine( mesh );

@@ -1,34 +1,9 @@
 // Any bytes as a .wisp and as a .pc2 file: refused with a message, or described and read frame by frame. Checksums
 // would keep nearly all bytes from what is behind them, so a second run makes them right.
-#define _XOPEN_SOURCE 700 // open_memstream
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "fuzz.h"
 
 #include "../bad/bad_recordings.h"
 #include "record.h"
-
-/// Called by libFuzzer or by replay.c.
-int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size );
-
-static void demand( bool condition )
-{
-    if ( !condition )
-    {
-        abort();
-    }
-}
-
-static void demand_refusal( wisp_status status, const wisp_error* error )
-{
-    demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );
-    for ( const char* c = error->message; *c != 0; ++c )
-    {
-        demand( (unsigned char)*c >= 0x20 && *c != 0x7f );
-    }
-}
 
 static void demand_finite( const wisp_vec3* points, int count )
 {

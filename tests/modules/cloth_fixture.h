@@ -5,38 +5,6 @@
 
 static const wisp_vec3 EARTH = { 0.0f, -9.81f, 0.0f };
 
-static inline void assert_near( double actual, double expected, double tolerance )
-{
-    if ( !( fabs( actual - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
-    }
-}
-
-/// A world of its own, for a test that needs several or chooses substeps. Close with close_world().
-static inline void open_world( hosted* h, int substeps, int iterations )
-{
-    *h = ( hosted ){ 0 };
-    h->def = hosted_def( h );
-    h->def.substeps = substeps;
-    h->def.iterations = iterations;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-}
-
-static inline void close_world( hosted* h )
-{
-    wisp_world_destroy( h->world );
-    assert_host_has_all_back( &h->host );
-}
-
-static inline void run_steps( wisp_world* world, int steps, float seconds )
-{
-    for ( int i = 0; i < steps; ++i )
-    {
-        assert_status( world, wisp_world_step( world, seconds ), WISP_OK );
-    }
-}
-
 /// Columns x rows vertices in the plane z = 0 that hang down from row 0: vertex j columns + i at (i dx, -j dy, 0).
 /// Right triangles, diagonals alternating.
 static inline test_mesh hanging_mesh( int columns, int rows, float dx, float dy )
@@ -85,11 +53,6 @@ static inline wisp_entity add_cloth( wisp_world* world, const wisp_fabric_def* f
     assert_status( world, wisp_request( world, e, WISP_SURFACE_POINTS ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_MOTION_STATS ), WISP_OK );
     return e;
-}
-
-static inline wisp_vec3 point_of( wisp_world* world, wisp_entity e, int vertex )
-{
-    return ( (const wisp_vec3*)view_of( world, e, WISP_SURFACE_POINTS ).data )[vertex];
 }
 
 /// Velocity of a vertex in the user's order, to read and to write.

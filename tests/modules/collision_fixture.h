@@ -5,14 +5,6 @@
 
 #include "collision.h"
 
-static inline void assert_near( double actual, double expected, double tolerance )
-{
-    if ( !( fabs( actual - expected ) <= tolerance ) )
-    {
-        fail_msg( "%.9g is not within %g of %.9g", actual, tolerance, expected );
-    }
-}
-
 static inline wisp_world_def colliding_def( hosted* h )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module };
@@ -49,13 +41,7 @@ static inline void free_colliding( hosted* h )
 
 static inline void run_for( wisp_world* world, float dt, int steps )
 {
-    for ( int i = 0; i < steps; ++i )
-    {
-        if ( wisp_world_step( world, dt ) != WISP_OK )
-        {
-            fail_msg( "no step: %s", wisp_world_message( world ) );
-        }
-    }
+    run_steps( world, steps, dt );
 }
 
 /// A surface of a mesh that collides as `def` says; its points and figures are wanted.
@@ -93,11 +79,6 @@ static inline wisp_collision_stats collision_of( wisp_world* world, wisp_entity 
     return stats;
 }
 
-static inline wisp_vec3 point_of( wisp_world* world, wisp_entity e, int vertex )
-{
-    return ( (const wisp_vec3*)view_of( world, e, WISP_SURFACE_POINTS ).data )[vertex];
-}
-
 /// One triangle with a corner at `at`, edges of about `size`.
 static inline test_mesh test_triangle( wisp_vec3 at, float size )
 {
@@ -124,4 +105,50 @@ static inline void move_mesh( test_mesh* m, float scale, wisp_vec3 by )
 static inline wisp_quat about_z( double angle )
 {
     return ( wisp_quat ){ 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
+}
+
+/// A square cloth with its middle at `middle`.
+static inline wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_vec3 middle, float gravity )
+{
+    test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
+    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ middle.x - 0.5f * side, middle.y, middle.z - 0.5f * side } );
+    wisp_collision_def collision = wisp_default_collision_def();
+    wisp_entity e = add_colliding( world, &mesh, &collision );
+    test_mesh_free( &mesh );
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    assert_int_equal( wisp_set_cloth( world, e, &cloth ), WISP_OK );
+    give_gravity( world, e, gravity );
+    return e;
+}
+
+static inline wisp_collider_def body_of( wisp_collider_kind kind )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = kind;
+    def.radius = 0.3f;
+    def.half_length = 0.2f;
+    def.half_extent = ( wisp_vec3 ){ 0.3f, 0.2f, 0.25f };
+    return def;
+}
+
+static inline wisp_collider_def mesh_body( const test_mesh* mesh )
+{
+    wisp_collider_def def = wisp_default_collider_def();
+    def.kind = WISP_COLLIDER_MESH;
+    def.points = mesh->points;
+    def.triangles = mesh->triangles;
+    def.point_count = mesh->vertex_count;
+    def.triangle_count = mesh->triangle_count;
+    return def;
+}
+
+/// Steps of 1/60 s with a collider that turns and moves.
+static inline void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
+{
+    for ( int n = from; n < to; ++n )
+    {
+        const wisp_transform pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
+        assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
+        run_for( world, 1.0f / 60.0f, 1 );
+    }
 }

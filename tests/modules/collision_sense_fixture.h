@@ -58,13 +58,13 @@ static inline hosted* new_world( int substeps, int workers )
     return h;
 }
 
-static inline int open_world( void** state )
+static inline int open_sense( void** state )
 {
     *state = new_world( 1, 1 );
     return 0;
 }
 
-#define SENSE_TEST( test ) cmocka_unit_test_setup_teardown( test, open_world, close_hosted )
+#define SENSE_TEST( test ) cmocka_unit_test_setup_teardown( test, open_sense, close_hosted )
 
 static inline wisp_entity add_surface( wisp_world* world, const test_mesh* mesh )
 {
@@ -103,16 +103,6 @@ static inline wisp_entity add_probe( wisp_world* world, wisp_vec3 at )
 static inline void give_velocity( wisp_world* world, wisp_entity e, float x, float y, float z )
 {
     assert_int_equal( wisp_set_velocity( world, e, ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ 0 } ), WISP_OK );
-}
-
-static inline wisp_collider_def body_of( wisp_collider_kind kind )
-{
-    wisp_collider_def def = wisp_default_collider_def();
-    def.kind = kind;
-    def.radius = 0.3f;
-    def.half_length = 0.2f;
-    def.half_extent = ( wisp_vec3 ){ 0.3f, 0.2f, 0.25f };
-    return def;
 }
 
 // ---- what was sensed ----
@@ -183,17 +173,6 @@ static inline bool is_planned( wisp_world* world, const char* pass )
 }
 
 // ---- meshes ----
-
-static inline wisp_collider_def mesh_body( const test_mesh* mesh )
-{
-    wisp_collider_def def = wisp_default_collider_def();
-    def.kind = WISP_COLLIDER_MESH;
-    def.points = mesh->points;
-    def.triangles = mesh->triangles;
-    def.point_count = mesh->vertex_count;
-    def.triangle_count = mesh->triangle_count;
-    return def;
-}
 
 // A ball of radius 0.3, or a square of side 2 in the plane y = 0. Without Embree there is none.
 static inline bool add_mesh( wisp_world* world, bool double_sided, wisp_transform pose )

@@ -44,7 +44,7 @@ static const float SLOW = 1.0f / 480.0f, FAST = 1.0f / 1920.0f;
 typedef struct match
 {
     const duel* rules;
-    strand_world s;
+    hosted s;
     wisp_entity e;
     wisp_strand_dynamics_def def;
     int substeps;
@@ -280,7 +280,7 @@ static inline void close_match( match* m )
     // all that is compared here is solved for
     assert_int_equal( wisp_world_counter( m->s.world, WISP_COUNT_STRAND_RESET ), 0 );
     assert_int_equal( wisp_world_counter( m->s.world, WISP_COUNT_HALTED ), 0 );
-    close_strands( &m->s );
+    close_world( &m->s );
     free( m );
 }
 

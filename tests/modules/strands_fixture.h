@@ -6,18 +6,10 @@
 #include "collision.h"
 #include "strands.h"
 
-typedef struct strand_world
-{
-    test_host host;
-    test_log log;
-    wisp_world_def def;
-    wisp_world* world;
-} strand_world;
-
 /// A world of these modules that is not made yet: what else it needs goes into s->def. Modules live as long as it does.
-static inline void prepare_strands( strand_world* s, const wisp_module* const* modules, int module_count )
+static inline void prepare_strands( hosted* s, const wisp_module* const* modules, int module_count )
 {
-    *s = ( strand_world ){ 0 };
+    *s = ( hosted ){ 0 };
     s->def = wisp_default_world_def();
     s->def.substeps = 1;
     s->def.modules = modules;
@@ -27,13 +19,13 @@ static inline void prepare_strands( strand_world* s, const wisp_module* const* m
     s->def.log_user = &s->log;
 }
 
-/// Close with close_strands().
-static inline void open_prepared( strand_world* s )
+/// Close with close_world().
+static inline void open_prepared( hosted* s )
 {
     assert_int_equal( wisp_world_create( &s->def, &s->world, NULL ), WISP_OK );
 }
 
-static inline void open_strands( strand_world* s, int substeps, int iterations, int workers )
+static inline void open_strands( hosted* s, int substeps, int iterations, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
                                                   &wisp_strand_appearance_module, &wisp_strands_module };
@@ -42,12 +34,6 @@ static inline void open_strands( strand_world* s, int substeps, int iterations, 
     s->def.substeps = substeps;
     s->def.iterations = iterations;
     open_prepared( s );
-}
-
-static inline void close_strands( strand_world* s )
-{
-    wisp_world_destroy( s->world );
-    assert_host_has_all_back( &s->host );
 }
 
 /// Where vertex i of a strand of `count` vertices stands; `length` is the strand's, in m.

@@ -449,7 +449,7 @@ static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_numb
 
 // ---- refusals ----
 
-static void expect_refusal( wisp_world* world, wisp_status actual, const char* message )
+static void expect_message( wisp_world* world, wisp_status actual, const char* message )
 {
     assert_int_equal( actual, WISP_BAD_INPUT );
     assert_string_equal( wisp_world_message( world ), message );
@@ -462,7 +462,7 @@ static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* 
     wisp_world* world = balloon_world_create( &scene );
     wisp_entity entity = balloon_surface_add( world, &scene );
     uint64_t hash = wisp_world_hash( world );
-    expect_refusal( world, wisp_set_balloon( world, entity, &scene.def ), message );
+    expect_message( world, wisp_set_balloon( world, entity, &scene.def ), message );
     assert_true( wisp_world_hash( world ) == hash );
     wisp_world_destroy( world );
 }

@@ -59,17 +59,6 @@ static const char* break_def( int number, wisp_balloon_def* d )
     return expected;
 }
 
-static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
-{
-    assert_int_equal( actual, expected );
-    const char* message = wisp_world_message( world );
-    assert_one_message( message );
-    if ( strstr( message, named ) == NULL )
-    {
-        fail_msg( "'%s' does not say '%s'", message, named );
-    }
-}
-
 static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
 {
     (void)state;

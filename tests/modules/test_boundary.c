@@ -388,17 +388,6 @@ static void without_memory_nothing_has_changed( void** state )
     X( "pixels: got 0,", d->pixels = 0.0f )                                                                          \
     X( "eye.y: got inf,", d->eye.y = INFINITY )
 
-static void expect_refusal( wisp_world* world, wisp_status actual, wisp_status expected, const char* named )
-{
-    assert_int_equal( actual, expected );
-    const char* message = wisp_world_message( world );
-    assert_one_message( message );
-    if ( strstr( message, named ) == NULL )
-    {
-        fail_msg( "'%s' does not say '%s'", message, named );
-    }
-}
-
 static void what_a_layer_cannot_be_is_refused_by_name( void** state )
 {
     (void)state;

@@ -25,30 +25,6 @@ static double nearest( wisp_world* world, wisp_entity e, const wisp_collider_def
     return least;
 }
 
-// A square cloth with its middle at `middle`.
-static wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_vec3 middle, float gravity )
-{
-    test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
-    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ middle.x - 0.5f * side, middle.y, middle.z - 0.5f * side } );
-    wisp_collision_def collision = wisp_default_collision_def();
-    wisp_entity e = add_colliding( world, &mesh, &collision );
-    test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( world, e, &cloth ), WISP_OK );
-    give_gravity( world, e, gravity );
-    return e;
-}
-
-static wisp_collider_def body_of( wisp_collider_kind kind )
-{
-    wisp_collider_def def = wisp_default_collider_def();
-    def.kind = kind;
-    def.radius = 0.3f;
-    def.half_length = 0.2f;
-    def.half_extent = ( wisp_vec3 ){ 0.3f, 0.2f, 0.25f };
-    return def;
-}
-
 // ---- rest ----
 
 static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** state )
@@ -367,16 +343,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     def.pose.translation.y = -0.3f;
     add_collider( world, &def );
     return add_cloth( world, 40, 1.4f, ( wisp_vec3 ){ 0.0f, 0.35f, 0.0f }, GRAVITY );
-}
-
-static void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
-{
-    for ( int n = from; n < to; ++n )
-    {
-        const wisp_transform pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
-        assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
-        run_for( world, DT, 1 );
-    }
 }
 
 static void any_number_of_workers_gives_the_same_bits( void** state )

@@ -4,17 +4,6 @@
 static const float GRAVITY = 9.8f;
 static const float DT = 1.0f / 60.0f;
 
-static wisp_collider_def mesh_body( const test_mesh* mesh )
-{
-    wisp_collider_def def = wisp_default_collider_def();
-    def.kind = WISP_COLLIDER_MESH;
-    def.points = mesh->points;
-    def.triangles = mesh->triangles;
-    def.point_count = mesh->vertex_count;
-    def.triangle_count = mesh->triangle_count;
-    return def;
-}
-
 // Is there an Embree to build trees with?
 static bool has_meshes( void )
 {
@@ -34,19 +23,6 @@ static bool has_meshes( void )
     {                                                                                                                \
         skip();                                                                                                      \
     }
-
-static wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_vec3 middle, float gravity )
-{
-    test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
-    move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ middle.x - 0.5f * side, middle.y, middle.z - 0.5f * side } );
-    wisp_collision_def collision = wisp_default_collision_def();
-    wisp_entity e = add_colliding( world, &mesh, &collision );
-    test_mesh_free( &mesh );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    assert_int_equal( wisp_set_cloth( world, e, &cloth ), WISP_OK );
-    give_gravity( world, e, gravity );
-    return e;
-}
 
 // A ball of radius 0.3 in closed form or as 8 4^level triangles.
 static wisp_entity add_ball( wisp_world* world, bool as_mesh, float scale )

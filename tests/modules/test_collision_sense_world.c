@@ -153,16 +153,6 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
     return e;
 }
 
-static void run_busy( wisp_world* world, wisp_entity ball, int from, int to )
-{
-    for ( int n = from; n < to; ++n )
-    {
-        const wisp_transform pose = { about_z( 0.1 * n ), { 0.01f * (float)n, 0.0f, 0.005f * (float)n } };
-        assert_int_equal( wisp_move_collider( world, ball, pose ), WISP_OK );
-        run_for( world, DT, 1 );
-    }
-}
-
 static void any_number_of_workers_gives_the_same_bits( void** state )
 {
     (void)state;

@@ -103,7 +103,7 @@ static wisp_entity add_head_of_hair( wisp_world* world, int count )
     return e;
 }
 
-static wisp_collider_def body_of( wisp_collider_kind kind )
+static wisp_collider_def small_body( wisp_collider_kind kind )
 {
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = kind;
@@ -173,7 +173,7 @@ static void strands_that_fall_on_a_body_rest_outside( void** state )
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
-        wisp_collider_def body = body_of( (wisp_collider_kind)kind );
+        wisp_collider_def body = small_body( (wisp_collider_kind)kind );
         body.pose.translation.y = kind == WISP_COLLIDER_PLANE ? -0.05f : 0.0f;
         add_collider( h->world, &body );
         wisp_entity e = add_fringe( h->world );
@@ -198,7 +198,7 @@ static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
     for ( int k = 0; k < 2 && has_embree; ++k )
     {
         hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
-        const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+        const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
         if ( k == 0 )
         {
             add_collider( h->world, &ball );
@@ -228,7 +228,7 @@ static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
 static double downhill( double angle, float mu )
 {
     hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
-    wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
+    wisp_collider_def plane = small_body( WISP_COLLIDER_PLANE );
     plane.static_friction = plane.kinetic_friction = mu;
     add_collider( h->world, &plane );
     const wisp_vec3 root = { 0.0f, 0.25f * SEGMENT, 0.0f }, direction = { 1.0f, 0.0f, 0.0f };
@@ -265,7 +265,7 @@ static wisp_transform shaken( int n )
 static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch, bool as_mesh )
 {
     hosted* h = new_hair_world( w );
-    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     bool has_embree = true;
     wisp_entity head = as_mesh ? add_mesh_ball( h->world, 0.1f, &has_embree ) : add_collider( h->world, &ball );
     wisp_entity e = add_head_of_hair( h->world, 100 );
@@ -301,7 +301,7 @@ static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
 static void a_body_that_strikes_hair_in_one_step_carries_it_along( void** state )
 {
     hosted* h = *state;
-    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     ball.radius = 0.05f;
     ball.pose.translation = ( wisp_vec3 ){ 0.1f, 0.0f, 0.5f };
     wisp_entity body = add_collider( h->world, &ball );
@@ -333,7 +333,7 @@ static bool leaves_calmly( wisp_collider_kind kind )
 {
     hosted* h = new_hair_world( ( hair_world ){ 4, 1, 1, NULL } );
     bool there = true;
-    wisp_collider_def body = body_of( kind );
+    wisp_collider_def body = small_body( kind );
     body.half_extent.y = 0.04f; // or strands would be run through a box whose nearest faces are at its two ends
     body.pose.translation = ( wisp_vec3 ){ 0.05f, 0.13f, 0.0f };
     wisp_entity ball = { 0, 0 };
@@ -391,8 +391,8 @@ static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state 
 static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats )
 {
     hosted* h = new_hair_world( w );
-    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
-    wisp_collider_def box = body_of( WISP_COLLIDER_BOX ), floor = body_of( WISP_COLLIDER_PLANE );
+    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
+    wisp_collider_def box = small_body( WISP_COLLIDER_BOX ), floor = small_body( WISP_COLLIDER_PLANE );
     bool has_embree;
     wisp_entity head = add_collider( h->world, &ball );
     box.pose.translation = ( wisp_vec3 ){ 0.25f, -0.05f, 0.0f };
@@ -435,7 +435,7 @@ static void workers_and_instruction_sets_give_the_same_bits( void** state )
 static void a_warm_step_allocates_nothing( void** state )
 {
     hosted* h = *state;
-    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     wisp_entity head = add_collider( h->world, &ball );
     wisp_entity e = add_head_of_hair( h->world, 40 );
     int64_t queried = 0;
@@ -470,7 +470,7 @@ static void contact_comes_before_lengths_in_the_item_loop( void** state )
     hosted* h = *state;
     wisp_entity e = add_fringe( h->world );
     int bare = wisp_world_plan_passes( h->world );
-    const wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    const wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     wisp_entity body = add_collider( h->world, &ball );
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 );
     plan_lines found = { 0 };
@@ -485,7 +485,7 @@ static void contact_comes_before_lengths_in_the_item_loop( void** state )
 static void layers_and_pins_are_kept( void** state )
 {
     hosted* h = *state;
-    wisp_collider_def ball = body_of( WISP_COLLIDER_SPHERE );
+    wisp_collider_def ball = small_body( WISP_COLLIDER_SPHERE );
     ball.layers = 4;
     ball.pose.translation = ( wisp_vec3 ){ -0.13f, 0.14f, 0.0f }; // over the roots
     add_collider( h->world, &ball );

@@ -21,14 +21,9 @@ static const search VOXELS = { WISP_MESH_SEARCH_VOXELS, 0.0f };
 static const search FINE_VOXELS = { WISP_MESH_SEARCH_VOXELS, 0.01f };
 static const search BRUTE_FORCE = { WISP_MESH_SEARCH_VOXELS, 10.0f }; // all triangles in the list of one voxel
 
-static wisp_collider_def mesh_body( const test_mesh* mesh, search how )
+static wisp_collider_def searched_body( const test_mesh* mesh, search how )
 {
-    wisp_collider_def def = wisp_default_collider_def();
-    def.kind = WISP_COLLIDER_MESH;
-    def.points = mesh->points;
-    def.triangles = mesh->triangles;
-    def.point_count = mesh->vertex_count;
-    def.triangle_count = mesh->triangle_count;
+    wisp_collider_def def = mesh_body( mesh );
     def.search = how.kind;
     def.voxel_size = how.voxel_size;
     return def;
@@ -51,7 +46,7 @@ static bool has_trees( void )
 {
     hosted* h = new_colliding( 1, 1, 1 );
     test_mesh mesh = test_ball( 0 );
-    wisp_collider_def def = mesh_body( &mesh, TREE );
+    wisp_collider_def def = searched_body( &mesh, TREE );
     wisp_entity e;
     wisp_status status = wisp_add_collider( h->world, &def, &e );
     test_mesh_free( &mesh );
@@ -73,7 +68,7 @@ static trace* run( search how, bool double_sided, int workers )
     trace* t = checked_calloc( 1, sizeof( trace ) );
     hosted* h = new_colliding( 2, 2, workers );
     test_mesh ball = make_bumpy_ball();
-    wisp_collider_def body = mesh_body( &ball, how );
+    wisp_collider_def body = searched_body( &ball, how );
     body.double_sided = double_sided;
     wisp_entity collider = add_collider( h->world, &body );
     test_mesh_free( &ball );
@@ -150,7 +145,7 @@ static void voxels_go_with_their_bodies_and_are_the_worlds_memory( void** state 
 {
     hosted* h = *state;
     test_mesh ball = make_bumpy_ball();
-    wisp_collider_def coarse = mesh_body( &ball, BRUTE_FORCE ), fine = mesh_body( &ball, VOXELS );
+    wisp_collider_def coarse = searched_body( &ball, BRUTE_FORCE ), fine = searched_body( &ball, VOXELS );
     wisp_entity first = add_collider( h->world, &coarse );
     assert_int_equal( wisp_remove( h->world, first ), WISP_OK );
     const size_t before = wisp_world_memory( h->world );
@@ -181,7 +176,7 @@ static void a_wrong_search_is_refused( void** state )
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
-        wisp_collider_def def = mesh_body( &ball, wrong[i].how );
+        wisp_collider_def def = searched_body( &ball, wrong[i].how );
         wisp_entity e;
         assert_int_equal( wisp_add_collider( h->world, &def, &e ), WISP_BAD_INPUT );
         if ( strstr( wisp_world_message( h->world ), wrong[i].word ) == NULL )

@@ -2,33 +2,13 @@
 // are in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_stats.c.
 // A float rounds by u = 2^-24: where a bound for double precision is known, the bound here is the number
 // of roundings times u times the size of what is rounded.
-#include "frozen_hair_engine_fixture.h"
-
-static const double u = HAIR_ROUNDING;
+#include "frozen_hair_contract.h"
 
 static const double pi = 3.14159265358979323846;
 
 static double3 arm_of( const wisp_vec3* points, int a, int b )
 {
     return double3_sub( double3_widen( points[b] ), double3_widen( points[a] ) );
-}
-
-// The largest distance from the origin: what coordinates round by is this times u.
-static double extent( const wisp_vec3* points, int count )
-{
-    double most = 0.0;
-    for ( int v = 0; v < count; ++v )
-    {
-        most = fmax( most, double3_length( double3_widen( points[v] ) ) );
-    }
-    return most;
-}
-
-// The number that the first command draws with the default seed.
-static double draw( uint64_t stream, int strand, int vertex )
-{
-    const wisp_random_key key = wisp_random_make_key( 1, stream, 0 );
-    return wisp_random_unit( key, (uint32_t)strand, (uint32_t)vertex, 0 );
 }
 
 // ---- Eq. 1-7: strands, lengths, bends ----

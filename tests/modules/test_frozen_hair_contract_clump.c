@@ -1,27 +1,7 @@
 // Frozen hair (Kim 2026, Eq. 14-19 and Algorithm 1): adhesion, gaps, guard, and the pipeline as one, held by the
 // engine against closed forms through its public interface alone. Eq. 1-13 are in test_frozen_hair_contract.c,
 // and say how tolerances are counted in u = 2^-24.
-#include "frozen_hair_engine_fixture.h"
-
-static const double u = HAIR_ROUNDING;
-
-// The largest distance from the origin: what coordinates round by is this times u.
-static double extent( const wisp_vec3* points, int count )
-{
-    double most = 0.0;
-    for ( int v = 0; v < count; ++v )
-    {
-        most = fmax( most, double3_length( double3_widen( points[v] ) ) );
-    }
-    return most;
-}
-
-// The number that the first command draws with the default seed.
-static double draw( uint64_t stream, int strand, int vertex )
-{
-    const wisp_random_key key = wisp_random_make_key( 1, stream, 0 );
-    return wisp_random_unit( key, (uint32_t)strand, (uint32_t)vertex, 0 );
-}
+#include "frozen_hair_contract.h"
 
 // ---- Eq. 14-19: clumping ----
 

@@ -1,5 +1,6 @@
 // Frozen hair as experiments, on the oracle: the laws of its random numbers and the three figures of
 // Kim 2026. Bounds on sampled figures are three standard deviations of the sampling.
+#include "clumping.h"
 #include "frozen_hair_fixture.h"
 
 static const double degree = 3.14159265358979323846 / 180.0;
@@ -272,60 +273,6 @@ static void stiffness_seven_is_less_wavy_than_three_by_the_printed_angles( void*
     }
 }
 
-static int root_of( int* parent, int v )
-{
-    while ( parent[v] != v )
-    {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
-typedef struct clumping
-{
-    int clusters;       // sets of vertices joined by other-strand distances below h/2
-    double mean_gap;    // m, mean over moving vertices of the distance to the nearest vertex of another strand
-    double nearest_gap; // m, the smallest of these
-} clumping;
-
-static clumping measure_clumping( const frozen_scene* scene, const double3* p, double h )
-{
-    clumping result = { 0, 0.0, INFINITY };
-    int* parent = checked_malloc( (size_t)scene->vertex_count * sizeof( int ) );
-    for ( int v = 0; v < scene->vertex_count; ++v )
-    {
-        parent[v] = v;
-    }
-    int moving = 0;
-    for ( int v = 0; v < scene->vertex_count; ++v )
-    {
-        double nearest = INFINITY;
-        for ( int q = 0; q < scene->vertex_count; ++q )
-        {
-            double r = same_strand( scene, v, q ) ? INFINITY : double3_distance( p[v], p[q] );
-            nearest = fmin( nearest, r );
-            if ( r < h / 2.0 )
-            {
-                parent[root_of( parent, q )] = root_of( parent, v );
-            }
-        }
-        if ( v % scene->offsets[1] > 0 )
-        {
-            result.mean_gap += nearest;
-            result.nearest_gap = fmin( result.nearest_gap, nearest );
-            moving += 1;
-        }
-    }
-    for ( int v = 0; v < scene->vertex_count; ++v )
-    {
-        result.clusters += root_of( parent, v ) == v;
-    }
-    result.mean_gap /= moving;
-    free( parent );
-    return result;
-}
-
 // Fig. 3: hair aligned by the cursor, then clumped by wet, printed and prose rule; result[0] is before clumping
 static void clump_aligned_hair( const frozen_scene* scene, int dimension, int event, bool min_distance_clamp,
                                 clumping result[4] )
@@ -347,7 +294,7 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, int ev
         {
             assert_true( same_bits( out + 20 * s, scene->rest + 20 * s, 1 ) ); // roots fixed
         }
-        result[n] = measure_clumping( scene, out, options.clump_radius );
+        result[n] = measure_clumping( out, scene->vertex_count, scene->offsets[1], options.clump_radius );
         free( out );
     }
 }

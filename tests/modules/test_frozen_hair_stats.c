@@ -1,5 +1,6 @@
 // Frozen hair: cost, figures and table of Kim 2026, what belongs to a strand, what belongs to a command, dimensions. The
 // equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
+#include "clumping.h"
 #include "frozen_hair_engine_fixture.h"
 
 static const double u = HAIR_ROUNDING;
@@ -206,52 +207,6 @@ static void stiffness_seven_stays_closer_to_the_original_than_three( void** stat
 
 // ---- Fig. 3 ----
 
-static int root_of( int* parent, int v )
-{
-    while ( parent[v] != v )
-    {
-        parent[v] = parent[parent[v]];
-        v = parent[v];
-    }
-    return v;
-}
-
-typedef struct clumping
-{
-    int clusters;    // sets of vertices joined by distances below h/2 between strands
-    double mean_gap; // m, mean over moving vertices of the distance to the nearest vertex of another strand
-} clumping;
-
-static clumping measure_clumping( const hair_groom* groom, const wisp_vec3* p, double h )
-{
-    clumping result = { 0, 0.0 };
-    int* parent = checked_malloc( (size_t)groom->vertex_count * sizeof( int ) );
-    for ( int v = 0; v < groom->vertex_count; ++v )
-    {
-        parent[v] = v;
-    }
-    for ( int v = 0; v < groom->vertex_count; ++v )
-    {
-        double nearest = INFINITY;
-        for ( int q = 0; q < groom->vertex_count; ++q )
-        {
-            double r = v / 20 == q / 20 ? INFINITY : hair_distance( p[v], p[q] );
-            nearest = fmin( nearest, r );
-            if ( r < h / 2.0 )
-            {
-                parent[root_of( parent, q )] = root_of( parent, v );
-            }
-        }
-        result.mean_gap += v % 20 > 0 ? nearest / ( groom->strand_count * 19.0 ) : 0.0;
-    }
-    for ( int v = 0; v < groom->vertex_count; ++v )
-    {
-        result.clusters += root_of( parent, v ) == v ? 1 : 0;
-    }
-    free( parent );
-    return result;
-}
-
 // Spacings are those at which the oracle keeps the figure's promise; in dense flat hair the clusters of before break
 // up.
 static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet( void** state )
@@ -280,7 +235,9 @@ static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_ove
             {
                 assert_true( hair_same_bits( out + 20 * s, groom.points + 20 * s, 1 ) );
             }
-            c[rule] = measure_clumping( &groom, out, (double)def.clump_radius );
+            double3* points = hair_widen_all( out, groom.vertex_count );
+            c[rule] = measure_clumping( points, groom.vertex_count, 20, (double)def.clump_radius );
+            free( points );
             free( out );
         }
         assert_true( c[1].clusters < c[0].clusters && c[2].clusters < c[0].clusters &&

@@ -270,10 +270,7 @@ static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const cha
 {
     const uint64_t before = wisp_world_hash( f->world );
     assert_int_equal( wisp_set_ghosts( f->world, f->ghosts, &def ), status );
-    if ( strstr( wisp_world_message( f->world ), word ) == NULL )
-    {
-        fail_msg( "'%s' does not say '%s'", wisp_world_message( f->world ), word );
-    }
+    assert_contains( wisp_world_message( f->world ), word );
     assert_int_equal( wisp_world_hash( f->world ), before );
 }
 

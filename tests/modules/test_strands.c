@@ -15,7 +15,7 @@ static wisp_strand_dynamics_def default_def( void )
 static void a_strand_hangs_and_stays_at_rest_length( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 17, 20, straight_down, 0.1f, &def );
@@ -24,14 +24,14 @@ static void a_strand_hangs_and_stays_at_rest_length( void** state )
     // a hanging strand is in balance; rounding of the positions, 1e-8 m, is what remains
     assert_true( drift_from( s.world, e, 17, 20, straight_down, 0.1f ) < 1e-6 );
     assert_true( motion_stats_of( s.world, e ).strain_max < 1e-5 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void falling_strands_of_different_lengths_keep_them( void** state )
 {
     (void)state;
     const int counts[] = { 20, 3, 1, 0, 12, 2, 20 };
-    strand_world s;
+    hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.bending = WISP_STRAND_BEND_NONE;
@@ -46,33 +46,33 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
     }
     // half a metre per second at least: they do fall
     assert_true( motion_stats_of( s.world, e ).speed_max > 0.5 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void balanced_curls_stay( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
     strand_steps( s.world, 60, FRAME );
     // balance is exact in the equations; what single precision leaves of it is below a ten-thousandth of the length
     assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) < 1e-4 * 0.1 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void curls_that_are_not_balanced_sag( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 8, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.rest = WISP_STRAND_REST_SHAPE;
     const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
     strand_steps( s.world, 60, FRAME );
     assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) > 1e-3 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
@@ -80,7 +80,7 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
     (void)state;
     for ( int k = 0; k < WISP_STRAND_STRETCH_COUNT * WISP_STRAND_BEND_COUNT * 4; ++k )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 4, 1 + k / 9 % 2, 1 );
         wisp_strand_dynamics_def def = default_def();
         def.stretch = (wisp_strand_stretch)( k % 3 );
@@ -94,14 +94,14 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
         // one sweep of links leaves 2 % at most on four segments: g dt^2 / l a substep, not quite taken away
         assert_true( drift_from( s.world, e, 18, 5, straight_down, 0.1f ) < 0.02 * 0.1 );
         assert_false( wisp_is_halted( s.world, e ) );
-        close_strands( &s );
+        close_world( &s );
     }
 }
 
 static void tension_at_the_root_is_the_weight( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 20, straight_down, 0.1f, &def );
@@ -114,7 +114,7 @@ static void tension_at_the_root_is_the_weight( void** state )
     // step of 1/60 s would bear a part of it
     assert_true( fabs( (double)tension[0] / weight - 1.0 ) < 1e-2 );
     assert_true( tension[19] == 0.0f );
-    close_strands( &s );
+    close_world( &s );
 }
 
 // What falls has another tension in every substep: that of the last one is read, as if each had been a step.
@@ -126,7 +126,7 @@ static void tension_is_that_of_the_last_substep( void** state )
         float tension[2][18 * 8];
         for ( int k = 0; k < 2; ++k )
         {
-            strand_world s;
+            hosted s;
             open_strands( &s, k == 0 ? 4 : 1, iterations, 1 );
             wisp_strand_dynamics_def def = default_def();
             def.bending = WISP_STRAND_BEND_LINKS;
@@ -134,7 +134,7 @@ static void tension_is_that_of_the_last_substep( void** state )
             const wisp_entity e = add_moving( s.world, 18, 8, straight_out, 0.1f, &def );
             strand_steps( s.world, k == 0 ? 5 : 20, k == 0 ? 1.0f / 64.0f : 1.0f / 256.0f );
             assert_int_equal( wisp_read_strand_tension( s.world, e, tension[k] ), WISP_OK );
-            close_strands( &s );
+            close_world( &s );
         }
         assert_true( tension[0][0] > 0.0f );
         assert_memory_equal( tension[0], tension[1], sizeof( tension[0] ) );
@@ -145,7 +145,7 @@ static void tension_is_that_of_the_last_substep( void** state )
 static void every_pass_of_strands_has_its_time_in_every_step( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 3, 2, 1 );
     const wisp_strand_dynamics_def def = default_def();
     add_moving( s.world, 160, 20, straight_out, 0.1f, &def );
@@ -161,7 +161,7 @@ static void every_pass_of_strands_has_its_time_in_every_step( void** state )
         }
         assert_true( p.count > 4 && sum <= p.seconds * ( 1.0 + 1e-12 ) );
     }
-    close_strands( &s );
+    close_world( &s );
 }
 
 static wisp_vec3 doubled_out( int strand, int i, int count, float length )
@@ -174,7 +174,7 @@ static wisp_vec3 doubled_out( int strand, int i, int count, float length )
 static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 12, doubled_out, 0.1f, &def );
@@ -192,13 +192,13 @@ static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trou
     }
     // segments without a length get a thousandth of the mean one, two of them here
     assert_true( fabs( length / ( 0.1 * 9.0 / 11.0 ) - 1.0 ) < 5e-3 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void changing_how_strands_move_leaves_them_where_they_are( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 4, 2, 1 );
     wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 5, 10, straight_out, 0.1f, &def );
@@ -221,13 +221,13 @@ static void changing_how_strands_move_leaves_them_where_they_are( void** state )
         }
     }
     assert_false( wisp_is_halted( s.world, e ) );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void strands_of_no_and_of_one_vertex_step( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 2, 1, 1 );
     const int ones[] = { 1, 1, 0 }, none = 0;
     const wisp_strand_dynamics_def def = default_def();
@@ -246,7 +246,7 @@ static void strands_of_no_and_of_one_vertex_step( void** state )
     strand_steps( s.world, 2, FRAME );
     assert_true( strand_points( s.world, e[0] )[1].y == 2.0f );
     assert_true( motion_stats_of( s.world, e[1] ).mass == 0.0 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 // ---- heads and surfaces ----
@@ -254,7 +254,7 @@ static void strands_of_no_and_of_one_vertex_step( void** state )
 static void a_head_carries_its_roots_and_pins( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     const int32_t pins[] = { 5, 26 };
@@ -273,13 +273,13 @@ static void a_head_carries_its_roots_and_pins( void** state )
         // a few roundings of numbers of 0.1 m
         assert_true( vec_distance( p[held[k]], at ) < 1e-7 );
     }
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 5, 20, curl_down, 0.1f, &def );
@@ -295,13 +295,13 @@ static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void**
         assert_true( vec_distance( p[v], at ) < 1e-4 );
     }
     assert_true( motion_stats_of( s.world, e ).speed_max < 0.05 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 2, 1, 1 );
     test_mesh mesh = test_plane( 5, 0.05f );
     const wisp_fabric_def fabric = test_fabric_def( &mesh );
@@ -327,7 +327,7 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
     strand_steps( s.world, 3, FRAME );
     assert_memory_equal( strand_points( s.world, e ) + 10, &root, sizeof( root ) );
     test_mesh_free( &mesh );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
@@ -336,7 +336,7 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
     double worst[2] = { 0.0, 0.0 };
     for ( int k = 0; k < 2; ++k )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 4, 1, 1 );
         wisp_strand_dynamics_def def = default_def();
         def.bending = WISP_STRAND_BEND_NONE;
@@ -348,7 +348,7 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
             strand_steps( s.world, 1, FRAME );
             worst[k] = fmax( worst[k], motion_stats_of( s.world, e ).strain_max );
         }
-        close_strands( &s );
+        close_world( &s );
     }
     assert_true( worst[0] < 2e-5 && worst[1] < 2e-6 );
 }
@@ -356,7 +356,7 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
 static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
@@ -378,7 +378,7 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
     grid.enabled = false;
     assert_int_equal( wisp_set_strand_grid( s.world, e, &grid ), WISP_OK );
     assert_true( plan_says( s.world, "strands.grid", "absent" ) );
-    close_strands( &s );
+    close_world( &s );
 }
 
 // ---- the plan ----
@@ -390,7 +390,7 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
         "strands.roots",   "strands.pins",       "strands.damping", "strands.air",
         "strands.predict", "strands.rod_curved", "strands.stretch", "strands.velocity"
     };
-    strand_world s;
+    hosted s;
     open_strands( &s, 2, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
     const int32_t pin = 3;
@@ -408,19 +408,19 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
     }
     assert_true( plan_says( s.world, "strands.state_check", "after" ) );
     assert_true( plan_says( s.world, "strands.factor", "before" ) );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void strands_without_dynamics_have_no_pass_that_moves_them( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 2, 1, 1 );
     const int count = 5;
     const wisp_entity e = add_strands( s.world, &count, 1, straight_out, 0.1f );
     assert_int_equal( wisp_request( s.world, e, WISP_STRAND_POINTS ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( s.world ), 1 );
-    close_strands( &s );
+    close_world( &s );
 }
 
 // ---- bits ----
@@ -454,7 +454,7 @@ static void two_workers_have_the_bits_of_one( void** state )
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 3, 1, k + 1 );
         const wisp_entity e = add_busy( s.world );
         for ( int i = 0; i < 10; ++i )
@@ -462,7 +462,7 @@ static void two_workers_have_the_bits_of_one( void** state )
             move_busy( s.world, e, i );
         }
         hashes[k] = wisp_world_hash( s.world );
-        close_strands( &s );
+        close_world( &s );
     }
     assert_true( hashes[0] == hashes[1] );
 }
@@ -470,7 +470,7 @@ static void two_workers_have_the_bits_of_one( void** state )
 static void a_restored_snapshot_goes_on_bitwise( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 3, 1, 1 );
     const wisp_entity e = add_busy( s.world );
     for ( int i = 0; i < 5; ++i )
@@ -492,7 +492,7 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
     }
     free( bytes );
     assert_true( hashes[0] == hashes[1] );
-    close_strands( &s );
+    close_world( &s );
 }
 
 // ---- what goes wrong ----
@@ -500,7 +500,7 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
 static void a_nan_puts_the_strands_back_and_halts_them( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 2, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 3, 10, curl_down, 0.1f, &def );
@@ -516,13 +516,13 @@ static void a_nan_puts_the_strands_back_and_halts_them( void** state )
     assert_int_equal( wisp_resume( s.world, e ), WISP_OK );
     strand_steps( s.world, 10, FRAME );
     assert_false( wisp_is_halted( s.world, e ) );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void wrong_definitions_are_refused_and_change_nothing( void** state )
 {
     (void)state;
-    strand_world s;
+    hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def good = default_def();
     const wisp_entity e = add_moving( s.world, 2, 5, straight_out, 0.1f, &good );
@@ -557,7 +557,7 @@ static void wrong_definitions_are_refused_and_change_nothing( void** state )
     const int count = 3;
     const wisp_entity still = add_strands( s.world, &count, 1, straight_out, 0.1f );
     assert_int_equal( wisp_read_strand_tension( s.world, still, tension ), WISP_CONFLICT );
-    close_strands( &s );
+    close_world( &s );
 }
 
 static void without_memory_the_strands_are_what_they_were( void** state )
@@ -566,7 +566,7 @@ static void without_memory_the_strands_are_what_they_were( void** state )
     bool succeeded = false;
     for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 1, 1, 1 );
         const int counts[] = { 6, 4 };
         const wisp_entity e = add_strands( s.world, counts, 2, curl_down, 0.1f );
@@ -582,7 +582,7 @@ static void without_memory_the_strands_are_what_they_were( void** state )
             assert_true( wisp_world_hash( s.world ) == hash );
             assert_true( wisp_world_snapshot_size( s.world ) == bytes );
         }
-        close_strands( &s );
+        close_world( &s );
     }
     assert_true( succeeded );
 }

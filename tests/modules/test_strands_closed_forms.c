@@ -16,7 +16,7 @@ enum
 /// One strand of its own shape in a world of its own.
 typedef struct single
 {
-    strand_world s;
+    hosted s;
     wisp_entity e;
     int count;
 } single;
@@ -52,7 +52,7 @@ static void open_single( single* one, const wisp_vec3* points, int count, int su
 static void close_single( single* one )
 {
     assert_false( wisp_is_halted( one->s.world, one->e ) );
-    close_strands( &one->s );
+    close_world( &one->s );
 }
 
 static void lay_straight( wisp_vec3 direction, double length, int count, wisp_vec3* points )
@@ -378,7 +378,7 @@ typedef struct fall
 
 static double drift_after( const fall* f )
 {
-    strand_world s;
+    hosted s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.bending = f->bend;
@@ -401,7 +401,7 @@ static double drift_after( const fall* f )
         at.y += (float)depth;
         farthest = fmax( farthest, vec_distance( strand_points( s.world, e )[v], at ) );
     }
-    close_strands( &s );
+    close_world( &s );
     return farthest;
 }
 
@@ -502,7 +502,7 @@ typedef struct resting
 // The farthest that a vertex gets from its place in 2 s, after 5 s of rest.
 static double wavering_of( const resting* r )
 {
-    strand_world s;
+    hosted s;
     open_strands( &s, r->substeps, 1, 1 );
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.rest = r->rest;
@@ -521,7 +521,7 @@ static double wavering_of( const resting* r )
         }
     }
     assert_false( wisp_is_halted( s.world, e ) );
-    close_strands( &s );
+    close_world( &s );
     return farthest;
 }
 

@@ -79,7 +79,7 @@ static wisp_transform nod( int frame )
 
 static course run( int vertices, int substeps, const wisp_strand_dynamics_def* def, int nod_frames )
 {
-    strand_world s;
+    hosted s;
     open_strands( &s, substeps, 1, 1 );
     const wisp_entity e = add_moving( s.world, STRANDS, vertices, curls, HEIGHT, def );
     course c = { .drift = 0.0 };
@@ -97,7 +97,7 @@ static course run( int vertices, int substeps, const wisp_strand_dynamics_def* d
     }
     c.drift = drift_from( s.world, e, STRANDS, vertices, curls, HEIGHT );
     c.lightened = wisp_world_counter( s.world, WISP_COUNT_GRAVITY_SCALED );
-    close_strands( &s );
+    close_world( &s );
     return c;
 }
 

@@ -86,7 +86,7 @@ typedef struct running
 {
     determinism_run base;
     const golden_case* c;
-    strand_world s;
+    hosted s;
     wisp_entity strands, ghosts, curves;
 } running;
 
@@ -195,7 +195,7 @@ static determinism_run* open_case( int number, const place_to_run* place, int* c
 
 static void close_case( determinism_run* base )
 {
-    close_strands( &( (running*)base )->s );
+    close_world( &( (running*)base )->s );
     free( base );
 }
 

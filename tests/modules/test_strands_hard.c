@@ -159,7 +159,7 @@ typedef struct cell
     const hard_case* hard;
     const way* way;
     int substeps;
-    strand_world s;
+    hosted s;
     wisp_entity e;
     wisp_strand_dynamics_def def;
     wisp_vec3 rest[POINTS_MAX];
@@ -449,7 +449,7 @@ static void run_cell( cell* c )
     {
         look_at_the_end( c, last, c->energy - energy );
     }
-    close_strands( &c->s );
+    close_world( &c->s );
 }
 
 // Says what fails in which cell. @return how many cells fail
@@ -525,7 +525,7 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
         {
             blame( &c, POSES + REST, "speed, m/s,", slow, 0.5 * fast );
         }
-        close_strands( &c.s );
+        close_world( &c.s );
         if ( c.why[0] != '\0' )
         {
             fail_msg( "%s", c.why );
@@ -541,7 +541,7 @@ static void a_nan_in_one_position_halts_that_entity_alone( void** state )
     uint64_t hashes[2][4];
     for ( int k = 0; k < 2; ++k )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 4, 1, 1 );
         const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
         // more than a group each
@@ -565,7 +565,7 @@ static void a_nan_in_one_position_halts_that_entity_alone( void** state )
         {
             assert_true( isfinite( largest_coordinate( strand_points( s.world, sick )[v] ) ) );
         }
-        close_strands( &s );
+        close_world( &s );
     }
     assert_memory_equal( hashes[0], hashes[1], sizeof( hashes[0] ) );
 }

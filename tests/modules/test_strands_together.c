@@ -72,7 +72,7 @@ static const shape_case CASES[] = {
 
 typedef struct run
 {
-    strand_world s;
+    hosted s;
     wisp_entity strands, surface;
     test_mesh mesh;
     int vertex_count;
@@ -170,7 +170,7 @@ static bool is_together( run* r )
 static void close_run( run* r )
 {
     test_mesh_free( &r->mesh );
-    close_strands( &r->s );
+    close_world( &r->s );
 }
 
 static void compare_rows( run* a, run* b, wisp_component component, const char* name, int step )
@@ -260,7 +260,7 @@ static void rods_contacts_and_other_lengths_run_apart( void** state )
     (void)state;
     for ( int k = 0; k < 4; ++k )
     {
-        strand_world s;
+        hosted s;
         open_strands( &s, 4, k == 3 ? 2 : 1, 1 );
         wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
         def.bending = k == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_LINKS;
@@ -276,7 +276,7 @@ static void rods_contacts_and_other_lengths_run_apart( void** state )
         }
         strand_steps( s.world, 1, SECONDS );
         assert_false( plan_says( s.world, "strands.predict", "strands.substeps" ) );
-        close_strands( &s );
+        close_world( &s );
     }
 }
 
