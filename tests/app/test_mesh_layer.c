@@ -136,10 +136,7 @@ static void assert_refused( const sheet* s, const char* words )
 {
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.message, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
     assert_int_equal( access( FILE_NAME, F_OK ), -1 );
 }
 

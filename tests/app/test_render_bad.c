@@ -62,10 +62,7 @@ static void assert_refused( const spoilt* s, const char* words )
     assert_int_equal( image_make( 3, 2, ( image_colour ){ 1, 2, 3 }, &old, NULL ), WISP_OK );
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( draw( s, &old, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.message, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
     assert_int_equal( old.width, 3 );
     assert_int_equal( fixture_pixel( &old, 2, 1 )[2], 3 );
     image_release( &old );

@@ -25,10 +25,7 @@ static void assert_colour( const image* picture, int x, int y, image_colour colo
 
 static void assert_words( const wisp_error* error, const char* words )
 {
-    if ( strstr( error->message, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in: %s", words, error->message );
-    }
+    assert_contains( error->message, words );
 }
 
 // ---- memory ----

@@ -214,10 +214,7 @@ static void assert_refused( const render_points* points, int count, const char* 
     image out = { 0 };
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( render_picture( &scene, &camera, &options, &out, &error ), WISP_BAD_INPUT );
-    if ( strstr( error.message, words ) == NULL )
-    {
-        fail_msg( "expected \"%s\" in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
     assert_null( out.rgb );
 }
 

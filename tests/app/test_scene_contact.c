@@ -4,19 +4,6 @@
 
 #include "scene_world_fixture.h"
 
-// A surface of four vertices with a mapping as one of its keys.
-static wisp_scene with_block( const char* key, const char* mapping )
-{
-    char text[1024];
-    int length =
-        snprintf( text, sizeof text,
-                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 2, rows: 2 }\n"
-                  "    %s: %s\n",
-                  key, mapping );
-    assert_true( length > 0 && (size_t)length < sizeof text );
-    return parsed( text );
-}
-
 static wisp_scene with_settings( const char* mapping )
 {
     char text[512];

@@ -25,10 +25,7 @@ static void assert_not_edited( const char* text, wisp_scene_edit edit, const cha
     write_text( TO, "what was there" );
     wisp_error error = { 0 };
     assert_int_equal( wisp_scene_edit_file( FROM, &edit, 1, TO, &error ), WISP_BAD_INPUT );
-    if ( !strstr( error.message, words ) )
-    {
-        fail_msg( "'%s' is not in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
     char is[4000];
     read_text( TO, is, sizeof is );
     assert_string_equal( is, "what was there" );

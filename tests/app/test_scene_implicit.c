@@ -3,25 +3,12 @@
 
 #include "scene_world_fixture.h"
 
-// A surface of four vertices with the mapping as its key `implicit`.
-static wisp_scene with_implicit( const char* mapping )
-{
-    char text[1024];
-    int length =
-        snprintf( text, sizeof text,
-                  "wisp: 1\nsurfaces:\n  - name: cloth\n    generate: { shape: plane, columns: 2, rows: 2 }\n"
-                  "    implicit: %s\n",
-                  mapping );
-    assert_true( length > 0 && (size_t)length < sizeof text );
-    return parsed( text );
-}
-
 // ---- what is left out ----
 
 static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void** state )
 {
     (void)state;
-    wisp_scene scene = with_implicit( "{}" );
+    wisp_scene scene = with_block( "implicit", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def *d = &s->implicit, def = wisp_default_implicit_cloth_def();
     assert_true( s->has_implicit && !s->has_cloth && !s->has_balloon && !s->has_quad_links );
@@ -52,13 +39,13 @@ static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
 static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
 {
     (void)state;
-    wisp_scene scene = with_implicit(
-        "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
-        "compression_stiffness: "
-        "150, link_damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, "
-        "newton_iterations: 3, "
-        "max_newton_iterations: 5, "
-        "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
+    wisp_scene scene = with_block(
+        "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
+                    "compression_stiffness: "
+                    "150, link_damping: 0.5, weights: none, damping_form: axial, jacobian: full, integrator: bdf2, "
+                    "newton_iterations: 3, "
+                    "max_newton_iterations: 5, "
+                    "tolerance: 1e-6, max_iterations: 77, warm_start: false, speculative: false, links: mesh }" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def* d = &s->implicit;
     assert_int_equal( d->stiffness_model, WISP_IMPLICIT_STIFFNESS_MATERIAL );
@@ -105,7 +92,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
                                                WISP_IMPLICIT_INTEGRATOR_COUNT );
     for ( int i = 0; i < WISP_COUNT( words ); ++i )
     {
-        wisp_scene scene = with_implicit( words[i].mapping );
+        wisp_scene scene = with_block( "implicit", words[i].mapping );
         int value = -1;
         memcpy( &value, (const char*)&scene.surfaces[0].implicit + words[i].at, sizeof value );
         assert_int_equal( value, words[i].value );
@@ -349,7 +336,7 @@ static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
     };
     for ( int i = 0; i < WISP_COUNT( mappings ); ++i )
     {
-        fixture f = { .scene = with_implicit( mappings[i] ) };
+        fixture f = { .scene = with_block( "implicit", mappings[i] ) };
         create( &f, 1 );
         release( &f );
     }

@@ -256,6 +256,70 @@ static inline wisp_mesh_hit sweep( wisp_collision_mesh* tree, wisp_vec3 from, wi
     return hit;
 }
 
+/// The closest point is that of brute force, bit for bit. @return it
+static inline wisp_mesh_nearest assert_closest_is_naive( const test_mesh* m, const float* xyzw,
+                                                         wisp_collision_mesh* tree, wisp_vec3 p, float radius )
+{
+    triangle_nearest naive = { 0 };
+    int32_t expected = naive_closest( m, xyzw, p, &naive );
+    wisp_mesh_nearest found = closest( tree, p, radius );
+    if ( naive.squared > (double)radius * (double)radius )
+    {
+        assert_int_equal( found.triangle, -1 );
+        return found;
+    }
+    wisp_vec3 point = double3_narrow( naive.point );
+    assert_int_equal( found.triangle, expected );
+    assert_memory_equal( &found.point, &point, sizeof( point ) );
+    for ( int k = 0; k < 3; ++k )
+    {
+        assert_true( found.weights[k] == (float)naive.weights[k] );
+    }
+    assert_true( fabsf( found.distance ) == (float)sqrt( naive.squared ) );
+    return found;
+}
+
+static inline void crumple( test_mesh* m, const wisp_vec3* rest, int step )
+{
+    for ( int i = 0; i < m->point_count; ++i )
+    {
+        m->points[i] = test_sum( rest[i], test_point( i, 60 + step, 0.05f * (float)step ) );
+    }
+}
+
+/// Refuse every request for memory in turn: each is a message and leaves nothing behind.
+/// @return how many requests a mesh needs; *bytes [2] are those that the mesh and that the host counts
+static inline int assert_refused_blocks_are_messages( const wisp_collision_mesh_def* def, int64_t bytes[2] )
+{
+    for ( int n = 1;; ++n )
+    {
+        test_host host = { 0 };
+        wisp_allocator allocator = test_host_allocator( &host );
+        wisp_collision_mesh* mesh;
+        wisp_error error = { 0 };
+        test_host_refuse( &host, n, false );
+        wisp_status status = wisp_collision_mesh_create( def, &allocator, &mesh, &error );
+        const bool refused = test_host_has_refused( &host );
+        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+        assert_true( ( mesh == NULL ) == refused );
+        if ( refused )
+        {
+            assert_one_message( error.message );
+        }
+        else
+        {
+            bytes[0] = (int64_t)wisp_collision_mesh_bytes( mesh );
+            bytes[1] = atomic_load( &host.bytes );
+        }
+        wisp_collision_mesh_release( mesh );
+        assert_host_has_all_back( &host );
+        if ( !refused )
+        {
+            return n;
+        }
+    }
+}
+
 // Its middle and half the edge of a cube around it.
 static inline wisp_vec3 middle_of( const test_mesh* m, float* size )
 {
@@ -270,7 +334,7 @@ static inline wisp_vec3 middle_of( const test_mesh* m, float* size )
     return ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
 }
 
-/// Numbers that are none are counted and answered with nothing.
+/// NaN, infinity and what is beyond the reach are counted and answered with nothing.
 static inline void assert_refuses_bad_numbers( wisp_collision_mesh* tree )
 {
     const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, 1e18f, 2e18f, -FLT_MAX };

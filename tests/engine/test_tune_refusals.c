@@ -9,10 +9,7 @@ static void assert_no_search( searched* args, wisp_status expected, const char* 
     assert_int_equal( wisp_tune( &args->args, &result, &error ), expected );
     assert_int_equal( result.run_count, 0 );
     assert_null( result.trials );
-    if ( !strstr( error.message, words ) )
-    {
-        fail_msg( "'%s' is not in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
 }
 
 static void bad_targets_are_refused( void** state )

@@ -235,10 +235,7 @@ static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const
     assert_int_equal( result.run_count, 0 );
     assert_null( result.trials );
     assert_one_message( error.message );
-    if ( !strstr( error.message, words ) )
-    {
-        fail_msg( "'%s' is not in: %s", words, error.message );
-    }
+    assert_contains( error.message, words );
     assert_int_equal( host->built, host->destroyed );
     assert_host_has_all_back( &host->memory );
 }

@@ -33,6 +33,21 @@ static inline wisp_world_def hosted_def( hosted* h )
     return def;
 }
 
+/// A world of these modules. Modules live as long as it does. Free with close_hosted().
+static inline hosted* new_hosted( const wisp_module* const* modules, int module_count, int substeps, int iterations,
+                                  int workers )
+{
+    hosted* h = checked_calloc( 1, sizeof( hosted ) );
+    h->def = hosted_def( h );
+    h->def.modules = modules;
+    h->def.module_count = module_count;
+    h->def.substeps = substeps;
+    h->def.iterations = iterations;
+    h->def.workers = workers;
+    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
+    return h;
+}
+
 static inline int open_hosted( void** state )
 {
     hosted* h = checked_calloc( 1, sizeof( hosted ) );

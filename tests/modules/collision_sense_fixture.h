@@ -48,14 +48,7 @@ static const wisp_module FOLLOWER = { .name = "follower", .declare = declare_fol
 static inline hosted* new_world( int substeps, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_collision_module, &FOLLOWER };
-    hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = substeps;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-    return h;
+    return new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, wisp_default_world_def().iterations, workers );
 }
 
 static inline int open_sense( void** state )

@@ -20,12 +20,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_cloth_def* def,
 {
     uint64_t before = wisp_world_hash( h->world );
     int passes = wisp_world_plan_passes( h->world );
-    assert_int_equal( wisp_set_cloth( h->world, e, def ), expected );
-    assert_one_message( wisp_world_message( h->world ) );
-    if ( strstr( wisp_world_message( h->world ), word ) == NULL )
-    {
-        fail_msg( "'%s' does not name %s", wisp_world_message( h->world ), word );
-    }
+    expect_refusal( h->world, wisp_set_cloth( h->world, e, def ), expected, word );
     assert_int_equal( wisp_world_hash( h->world ), before );
     assert_int_equal( wisp_world_plan_passes( h->world ), passes );
 }

@@ -12,14 +12,7 @@ static hosted* new_solved( int substeps, int workers )
 {
     static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_collision_module,
                                                   &wisp_implicit_cloth_module };
-    hosted* h = checked_calloc( 1, sizeof( hosted ) );
-    h->def = hosted_def( h );
-    h->def.modules = MODULES;
-    h->def.module_count = WISP_COUNT( MODULES );
-    h->def.substeps = substeps;
-    h->def.workers = workers;
-    assert_int_equal( wisp_world_create( &h->def, &h->world, NULL ), WISP_OK );
-    return h;
+    return new_hosted( MODULES, WISP_COUNT( MODULES ), substeps, wisp_default_world_def().iterations, workers );
 }
 
 static wisp_entity add_solved( wisp_world* world, const test_mesh* mesh, const wisp_implicit_cloth_def* def,
