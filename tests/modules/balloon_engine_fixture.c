@@ -157,10 +157,10 @@ wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene )
 
 // ---- flights ----
 
-void balloon_start( balloon_flight* flight, const balloon_scene* scene )
+balloon_flight balloon_start( const balloon_scene* scene )
 {
-    *flight = ( balloon_flight ){ .scene = scene, .world = balloon_world_create( scene ) };
-    flight->entity = balloon_add( flight->world, scene );
+    wisp_world* world = balloon_world_create( scene );
+    return ( balloon_flight ){ world, balloon_add( world, scene ), scene };
 }
 
 void balloon_end( balloon_flight* flight )

@@ -59,7 +59,7 @@ wisp_entity balloon_surface_add( wisp_world* world, const balloon_scene* scene )
 wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene );
 
 /// A flight of a scene, which must live as long.
-void balloon_start( balloon_flight* flight, const balloon_scene* scene );
+balloon_flight balloon_start( const balloon_scene* scene );
 void balloon_end( balloon_flight* flight );
 void balloon_steps( const balloon_flight* flight, int steps );
 wisp_balloon_stats balloon_read( const balloon_flight* flight );

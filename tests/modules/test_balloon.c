@@ -43,8 +43,7 @@ static void one_substep_is_the_oracles_in_every_mode( void** state )
         scene.def.pressure = (wisp_balloon_pressure)( mode / 2 % WISP_BALLOON_PRESSURE_COUNT );
         scene.def.spin = mode / 6 % 2 == 0 ? WISP_BALLOON_SPIN_VELOCITY : WISP_BALLOON_SPIN_POSITION;
         scene.def.drag_model = (wisp_balloon_drag)( mode / 12 % WISP_BALLOON_DRAG_COUNT );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, thrusts ? 3.0f : 0.5f );
         balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
         for ( int step = 0; step < ( thrusts ? 1 : 2 ); ++step )
@@ -70,8 +69,7 @@ static void the_stats_of_a_substep_are_the_oracles( void** state )
     balloon_scene scene = busy_scene( &mesh );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_stir( &flight, 0.5f );
     balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     const double3 place = oracle.x[oracle.outlet_vertex];
@@ -192,8 +190,7 @@ static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles(
         {
             scene.def.bend_link_stiffness = scene.def.edge_stiffness;
         }
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_oracle oracle = balloon_oracle_of( &flight, order );
         double3 impulse;
         fly_both( &flight, &oracle, 600, &impulse );
@@ -273,8 +270,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_link_over_eac
     for ( int n = 0; n < WISP_COUNT( meshes ); ++n )
     {
         balloon_scene scene = balloon_scene_of( meshes + n );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         const wisp_fabric* f = wisp_world_fabric( flight.world, flight.entity );
         assert_int_equal( f->edge_count, 3 * f->triangle_count / 2 );
         assert_int_equal( f->link_count, 2 * f->edge_count );
@@ -302,8 +298,7 @@ static double figure_volume( const balloon_mesh* mesh, wisp_vec3 place )
 {
     balloon_scene scene = balloon_scene_of( mesh );
     scene.place = place;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double volume = balloon_read( &flight ).volume;
     balloon_end( &flight );
@@ -329,8 +324,7 @@ static void area_vectors_are_the_gradient_of_the_volume( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1e-6f;
     scene.substeps = scene.iterations = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
     balloon_steps( &flight, 1 );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -385,8 +379,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
         scene.def.bend_link_stiffness = 0.2f;
         scene.def.min_gas_ratio = 0.5f;
         scene.def.gas_ratio = target[n % 4];
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 60 );
         double reached = balloon_motion_stats( &flight ).volume / balloon_read( &flight ).rest_volume;
         print_message( "           %s, target %.1f V_rest: V = %.4f V_rest\n", n < 4 ? "xpbd" : "pbd",
@@ -406,8 +399,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
     scene.damping = 30.0f;
     scene.def.edge_stiffness = 200.0f;
     scene.def.bend_link_stiffness = 2.0f;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 10 );
     double rest = balloon_read( &flight ).rest_volume;
     for ( int half = 0; half < 2; ++half )
@@ -439,8 +431,7 @@ static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** st
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.3f;
     scene.def.pressure = WISP_BALLOON_PRESSURE_GAS;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
     const balloon_gas* gas = wisp_world_column( flight.world, flight.entity, s->gas, 0 );
     // printed digits
@@ -470,8 +461,7 @@ static double settled_pressure( const balloon_mesh* mesh, int substeps, int iter
     scene.bend_links = false;
     scene.def.gas_ratio = 1.2f;
     scene.def.pressure = reading;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
     double pressure = balloon_read( &flight ).pressure;
     balloon_end( &flight );
@@ -528,8 +518,7 @@ static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.scale = scale[n];
         scene.substeps = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
         balloon_steps( &flight, 1 );
         double sum = 0.0, edges = 0.0;
@@ -566,8 +555,7 @@ static void a_slack_skin_reads_no_pressure( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.scale = 0.9;
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     assert_true( balloon_read( &flight ).pressure == 0.0 );
     balloon_end( &flight );
@@ -586,8 +574,7 @@ static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( 
     scene.dt = 1.0f / 6000.0f;
     scene.def.gas_ratio = 1.2f;
     scene.def.pressure = WISP_BALLOON_PRESSURE_MULTIPLIER;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1000 );
     double settled = balloon_read( &flight ).pressure;
     scene.dt = 1.0f / 12000.0f;

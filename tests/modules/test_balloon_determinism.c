@@ -64,7 +64,7 @@ static determinism_run* open_case( int number, const place_to_run* place, int* c
     r->scene.parallel_for = place->parallel_for;
     r->scene.parallel_for_user = calls;
     r->scene.allocator = test_host_allocator( &r->host );
-    balloon_start( &r->flight, &r->scene );
+    r->flight = balloon_start( &r->scene );
     r->base = ( determinism_run ){ number, 0, r->flight.world, &r->host };
     return &r->base;
 }

@@ -17,8 +17,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.gravity = ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f };
         scene.substeps = substeps;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         double h = 1.0 / ( 60.0 * substeps ), worst = 0.0;
         for ( int n = 1; n <= 60; ++n )
         {
@@ -51,8 +50,7 @@ static void a_pinned_vertex_stays_whatever_pulls( void** state )
     scene.pins = &pin;
     scene.pin_count = 1;
     balloon_scene_give_outlet( &scene, 5, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const float* x =
         balloon_positions( &flight ) + 4 * wisp_world_fabric( flight.world, flight.entity )->vertex_slot[0];
     const float before[3] = { x[0], x[1], x[2] };
@@ -68,13 +66,12 @@ static double height_of_three_grams( double radius )
     balloon_mesh mesh = balloon_sphere( 4, radius );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double area = balloon_motion_stats( &flight ).mass / (double)scene.area_density;
     balloon_end( &flight );
     scene.area_density = (float)( 0.003 / area );
-    balloon_start( &flight, &scene );
+    flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
     double height = balloon_motion_stats( &flight ).centre[1];
     balloon_end( &flight );
@@ -100,8 +97,7 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
     balloon_mesh mesh = balloon_pear( 3 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.drag_coefficient = 0.0f;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 20 );
     wisp_balloon_stats f = balloon_read( &flight );
     wisp_motion_stats q = balloon_motion_stats( &flight );
@@ -133,8 +129,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
         scene.area_density = 1.0f;
         scene.def.drag_coefficient = 0.5f;
         scene.def.drag_model = (wisp_balloon_drag)mode;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         const wisp_vec3 v = { 1.2f, -0.9f, 2.0f };
         balloon_throw( &flight, v );
         balloon_steps( &flight, 1 );
@@ -172,8 +167,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     scene.area_density = (float)( 0.003 / ( 4.0 * PI * 0.15 * 0.15 ) );
     scene.dt = 1.0f / 1200.0f;
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     for ( int n = 0; n < 480; ++n )
     {
         balloon_steps( &flight, 1 );
@@ -197,8 +191,7 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
         scene.substeps = 1;
         scene.def.drag_coefficient = 0.5f;
         scene.def.drag_model = (wisp_balloon_drag)mode;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_throw( &flight, ( wisp_vec3 ){ 0.0f, 300.0f, 0.0f } );
         double before = balloon_momentum( &flight ).y;
         balloon_steps( &flight, 1 );
@@ -222,8 +215,7 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
     scene.def.gas_ratio = 1.331f;
     scene.dt = 1e-4f;
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
     double sum = 0.0;
     for ( int e = 0; e < oracle.structural_count; ++e )
@@ -248,8 +240,7 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
     {
         balloon_scene scene = pressed_scene( &mesh, gauge[n] );
         balloon_scene_give_outlet( &scene, 17, true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_fraction( f.pressure, gauge[n], 1e-5 );
@@ -271,8 +262,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     size_t bytes = (size_t)fabric->slot_count * 4 * sizeof( float );
     float* shape = checked_malloc( bytes );
@@ -306,8 +296,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     scene.substeps = 1;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.4, 1.0, 0.2 ) ), true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     double3 given = { 0.0, 0.0, 0.0 };
     double blown = 0.0;
     for ( int n = 0; n < 600; ++n )
@@ -341,8 +330,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
     scene.def.gas_ratio = 2.0f;
     scene.def.outlet_area = 1e-8f;
     balloon_scene_give_outlet( &scene, 3, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const wisp_fabric* fabric = wisp_world_fabric( flight.world, flight.entity );
     double per = 1000.0 / ( 0.1 / 1.21 ); // P = per (s - 1) / s^2
     for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
@@ -380,8 +368,7 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, false );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 10 );
     wisp_balloon_stats shut = balloon_read( &flight );
     assert_true( shut.pressure > 1000.0 && shut.gas_lost == 0.0 && shut.outlet_speed == 0.0 );
@@ -414,8 +401,7 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
     }
     assert_true( scene.def.outlet_count > 5 );
     scene.def.outlet_open = true;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     double3 jet = balloon_from( balloon_read( &flight ).jet );
     balloon_assert_fraction( double3_length( jet ), 0.2, 1e-5 );
@@ -435,8 +421,7 @@ static void the_four_external_forces_point_where_they_should( void** state )
     scene.scale = 1.05;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 1.0f, 2.0f, -0.5f } );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -469,8 +454,7 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
     scene.scale = 1.05;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_throw( &flight, ( wisp_vec3 ){ 4.0f, 2.0f, -3.0f } );
     for ( int n = 0; n < 10; ++n )
     {

@@ -40,8 +40,7 @@ static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
     (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = loose_body( &mesh, 0 );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
     double force = double3_length( balloon_from( f.jet ) ), arm = 0.15 * force;
@@ -62,8 +61,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = loose_pear( &mesh );
     scene.dt = 1.0f / 600.0f;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_stir( &flight, 0.1f );
     double3 place = vertex_of( &flight, scene.def.outlet[0] );
     double3 before = balloon_angular_momentum( &flight ), momentum = balloon_momentum( &flight );
@@ -96,8 +94,7 @@ static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
         balloon_scene scene = loose_pear( &mesh );
         scene.dt = n == 0 ? 0.04f : 0.02f;
         scene.def.outlet_area = 5e-5f;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         strain[n] = balloon_motion_stats( &flight ).strain_max;
         const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -128,8 +125,7 @@ static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.place = ( wisp_vec3 ){ 1.0f, -2.0f, 3.0f };
         scene.substeps = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_oracle b = balloon_oracle_of( &flight, BALLOON_ORDER_PARTED );
         balloon_steps( &flight, 1 );
         const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -168,8 +164,7 @@ static void the_inertia_follows_the_shape( void** state )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.substeps = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         float* x = balloon_positions( &flight );
         for ( int i = 0; i < 4 * mesh.vertex_count; ++i )
@@ -203,8 +198,7 @@ static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
     scene.dt = 1.0f / (float)steps;
     scene.def.edge_stiffness = 2000.0f;
     scene.def.outlet_area = 2.5e-5f * (float)steps / 50.0f; // the same omega whatever the step
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     double3 chord = double3_sub( mesh->positions[0], mesh->positions[3] );
     balloon_steps( &flight, 1 );
     assert_int_equal( wisp_open_balloon( flight.world, flight.entity, false ), WISP_OK );
@@ -253,8 +247,7 @@ static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void
     {
         balloon_scene scene = loose_pear( &mesh );
         scene.def.spin = n == 0 ? WISP_BALLOON_SPIN_VELOCITY : WISP_BALLOON_SPIN_POSITION;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         wisp_balloon_stats f = balloon_read( &flight );
         double given = double3_length( balloon_from( f.torque ) ) * (double)scene.dt;
@@ -280,8 +273,7 @@ static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = loose_pear( &mesh );
     scene.def.spin = WISP_BALLOON_SPIN_NONE;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats f = balloon_read( &flight );
     double push = double3_length( balloon_from( f.jet ) ) * (double)scene.dt;
@@ -306,8 +298,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
         scene.def.volume = n / 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
         scene.def.gas_ratio = 1.1f;
         scene.substeps = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 1.0f );
         double worst = 0.0, mass = 0.0;
         for ( int k = 0; k < 50; ++k )
@@ -337,8 +328,7 @@ static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_sub
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.substeps = 5 << n;
         scene.iterations = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 3.0f, 0.0f };
         assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
         double start = double3_length( balloon_angular_momentum( &flight ) );
@@ -369,8 +359,7 @@ static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void
         scene.damping = 30.0f;
         scene.substeps = substeps;
         scene.iterations = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_oracle oracle = balloon_oracle_of( &flight, BALLOON_ORDER_ENGINE );
         for ( int n = 0; n < 20; ++n )
         {
@@ -401,8 +390,7 @@ static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_ke
         scene.def.gas_ratio = 1.5f;
         scene.substeps = substeps;
         scene.iterations = 2;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 120 );
         double spin = double3_length( balloon_from( balloon_read( &flight ).angular_velocity ) );
         print_message( "           %3d substeps: %.4f rad/s after two seconds\n", substeps, spin );
@@ -419,8 +407,7 @@ static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept(
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.keep_angular_momentum = true;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 3.0f, 0.0f };
     assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
     balloon_steps( &flight, 60 );
@@ -437,8 +424,7 @@ static void stats_turn_with_a_body_that_spins( void** state )
     (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     const wisp_vec3 still = { 0.0f, 0.0f, 0.0f }, spin = { 0.0f, 0.0f, 1.0f };
     assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
     balloon_steps( &flight, 1 );

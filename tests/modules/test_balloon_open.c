@@ -68,8 +68,7 @@ static balloon_scene open_scene( const balloon_mesh* mesh )
 
 static wisp_balloon_stats first_stats( const balloon_scene* scene )
 {
-    balloon_flight flight;
-    balloon_start( &flight, scene );
+    balloon_flight flight = balloon_start( scene );
     balloon_steps( &flight, 1 );
     wisp_balloon_stats stats = balloon_read( &flight );
     balloon_end( &flight );
@@ -204,8 +203,7 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
         balloon_scene scene = busy_scene( &mesh, (wisp_solver)solver );
         scene.dt = 1.0f / 600.0f;
         scene.substeps = 1;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_stir( &flight, 0.5f );
         balloon_oracle oracle = open_oracle( &flight );
         balloon_steps( &flight, 2 );
@@ -237,8 +235,7 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     scene.dt = 1.0f / 600.0f;
     scene.substeps = 1;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_oracle oracle = open_oracle( &flight );
     balloon_steps( &flight, 300 );
     for ( int step = 0; step < 300; ++step )
@@ -309,8 +306,7 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
     balloon_mesh mesh = pear_with_two_holes( 3 );
     balloon_scene scene = open_scene( &mesh );
     scene.def.gas_ratio = 1.3f;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 30 );
     const wisp_balloon_stats f = balloon_read( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -348,8 +344,7 @@ static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
         scene.def.stretch_stiffness = scene.def.bend_stiffness = 1e-3f;
         scene.def.gas_ratio = 1.5f;
         scene.damping = 20.0f;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 120 );
         wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_fraction( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 asks a closed skin for 1 %
@@ -362,8 +357,7 @@ static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
 
 static uint64_t hash_of( const balloon_scene* scene, int steps )
 {
-    balloon_flight flight;
-    balloon_start( &flight, scene );
+    balloon_flight flight = balloon_start( scene );
     balloon_steps( &flight, steps );
     assert_true( balloon_is_finite( &flight ) );
     uint64_t hash = balloon_hash( &flight );
@@ -407,8 +401,7 @@ static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
     (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 5 );
     size_t size = wisp_world_snapshot_size( flight.world );
     void* kept = checked_malloc( size );
@@ -428,8 +421,7 @@ static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_numb
     (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 3 );
     uint64_t before = balloon_hash( &flight );
     const balloon_state* s = wisp_world_module_state( flight.world, "balloon" );
@@ -542,8 +534,7 @@ static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state 
     (void)state;
     balloon_mesh mesh = pear_with_two_holes( 1 );
     balloon_scene scene = open_scene( &mesh );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 1 );
     uint64_t hash = wisp_world_hash( flight.world );
     wisp_balloon_def def = scene.def;

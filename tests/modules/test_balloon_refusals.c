@@ -110,8 +110,7 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
         for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
         {
             d->solver = d->volume = (wisp_solver)solver;
-            balloon_flight flight;
-            balloon_start( &flight, &scene );
+            balloon_flight flight = balloon_start( &scene );
             balloon_steps( &flight, 5 );
             assert_true( balloon_is_finite( &flight ) );
             balloon_end( &flight );

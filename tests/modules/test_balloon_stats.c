@@ -67,8 +67,7 @@ static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
     scene.pins = pins;
     scene.pin_count = WISP_COUNT( pins );
     balloon_scene_give_outlet( &scene, outlet, false );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     double rest = rest_volume_of( &flight ), last = 0.0;
     for ( int n = 0; n < 3; ++n )
     {
@@ -123,8 +122,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
         scene.def.gas_ratio = 1.2f;
         scene.def.outlet_area = 0.25e-4f * (float)( 1 << n );
         balloon_scene_give_outlet( &scene, max_offset_vertex( &mesh ), false );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         assert_int_equal( wisp_set_damping( flight.world, flight.entity, 30.0f ), WISP_OK );
         balloon_steps( &flight, 20 );
         assert_int_equal( wisp_set_damping( flight.world, flight.entity, 0.0f ), WISP_OK );
@@ -169,8 +167,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
         scene.damping = 0.5f;
         scene.def.outlet_area = 2e-4f;
         balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.3, 1.0, 0.1 ) ), false );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         double rest = rest_volume_of( &flight );
         // a full skin slowly turns by itself (test_balloon_motion.c), so it is released before its outlet has left the top
         inflate( &flight, 0.4 * n * rest, 15 );
@@ -209,8 +206,7 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 5.0f;
     scene.def.min_gas_ratio = 0.6f;
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     double rest = rest_volume_of( &flight );
     inflate( &flight, -rest, 60 );
     wisp_balloon_stats f = balloon_read( &flight );
@@ -234,8 +230,7 @@ static void memory_is_proportional_to_the_vertices( void** state )
         scene.def.gas_ratio = 1.2f;
         scene.substeps = 1;
         balloon_scene_give_outlet( &scene, 0, true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 2 );
         wisp_world* empty = balloon_world_create( &scene );
         double bytes = (double)( wisp_world_memory( flight.world ) - wisp_world_memory( empty ) ) +

@@ -23,8 +23,7 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         scene.def.gas_ratio = 1.2f;
         scene.damping = 1.0f;
         balloon_scene_give_outlet( &scene, 7, true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 30 );
         assert_true( balloon_is_finite( &flight ) );
         wisp_balloon_stats f = balloon_read( &flight );
@@ -99,8 +98,7 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
     balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 3, true );
-    balloon_flight flight;
-    balloon_start( &flight, &scene );
+    balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 5 );
     wisp_balloon_stats f = balloon_read( &flight );
     assert_true( f.gas_lost > 0.0 && double3_length( balloon_from( f.drag ) ) > 0.0 );
@@ -143,8 +141,7 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
         scene.pins = &pin;
         scene.pin_count = 1;
         balloon_scene_give_outlet( &scene, 3, true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         float* x = balloon_positions( &flight );
         for ( int i = 0; i < 4 * mesh.vertex_count; ++i )
         {
@@ -171,8 +168,7 @@ static void a_flattened_or_everted_balloon_stays_finite( void** state )
     {
         balloon_scene scene = balloon_scene_of( &mesh );
         scene.damping = 5.0f;
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         float* x = balloon_positions( &flight );
         for ( int slot = 0; slot < mesh.vertex_count; ++slot )
         {
@@ -204,8 +200,7 @@ static void edges_without_length_and_triangles_without_area_do_no_harm( void** s
         scene.def.drag_model = (wisp_balloon_drag)drag;
         scene.def.gas_ratio = 1.2f;
         balloon_scene_give_outlet( &scene, mesh.triangles[1], true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         assert_true( balloon_read( &flight ).rest_volume > 0.01 );
         balloon_steps( &flight, 30 );
@@ -232,8 +227,7 @@ static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
         scene.def.gas_ratio = 1.5f;
         scene.def.solver = scene.def.volume = (wisp_solver)solver;
         balloon_scene_give_outlet( &scene, 0, true );
-        balloon_flight flight;
-        balloon_start( &flight, &scene );
+        balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 1 );
         uint64_t hash = balloon_hash( &flight );
         balloon_steps( &flight, 10 );
@@ -277,8 +271,7 @@ static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
         for ( int n = 0; n < 3; ++n )
         {
             const balloon_flight flight = { world, together[n], scenes + n };
-            balloon_flight alone;
-            balloon_start( &alone, scenes + n );
+            balloon_flight alone = balloon_start( scenes + n );
             balloon_steps( &alone, 10 );
             assert_true( balloon_hash( &alone ) == balloon_hash( &flight ) );
             assert_true( balloon_read( &alone ).gas_lost == balloon_read( &flight ).gas_lost );
@@ -306,7 +299,7 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
             scene.def.pressure = (wisp_balloon_pressure)reading;
             balloon_scene_give_outlet( &scene, 5, true );
             balloon_flight bad, alone;
-            balloon_start( &bad, &scene );
+            bad = balloon_start( &scene );
             const balloon_flight good = { bad.world, balloon_add( bad.world, &scene ), &scene };
             balloon_steps( &bad, 3 );
             uint64_t before = balloon_hash( &bad );
@@ -316,7 +309,7 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
             assert_false( wisp_is_halted( bad.world, good.entity ) );
             assert_true( balloon_hash( &bad ) == before );
 
-            balloon_start( &alone, &scene );
+            alone = balloon_start( &scene );
             balloon_steps( &alone, 5 );
             assert_true( balloon_hash( &alone ) == balloon_hash( &good ) );
             balloon_end( &alone );
