@@ -266,6 +266,17 @@ static inline const char* plan_text( wisp_world* world )
     return text;
 }
 
+/// Strands that have some components, and of which others are requested, have this plan.
+static inline void assert_plan( wisp_world* world, const char* components, const char* requests, const char* text )
+{
+    request( world, add_with( world, components ), requests );
+    assert_string_equal( plan_text( world ), text );
+    wisp_world_destroy( world );
+}
+
+#define ASSERT_PLAN( passes, components, requests, text )                                                            \
+    assert_plan( OPEN_WORLD( passes ), components, requests, text )
+
 /// What ran since the last time this was asked: "a1.0" is pass a on group 0 of entity 1, "a1.0-3" on groups 0 to 2,
 /// "a1" an entity pass.
 static inline const char* trace_text( void )

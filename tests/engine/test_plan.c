@@ -24,10 +24,7 @@ static void an_empty_world_has_no_pass( void** state )
 static void a_pass_that_has_what_it_needs_and_is_requested_exists( void** state )
 {
     (void)state;
-    wisp_world* world = OPEN_WORLD( LONE );
-    request( world, add_with( world, "N" ), "A" );
-    assert_string_equal( plan_text( world ), "[after] a" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( LONE, "N", "A", "[after] a" );
 }
 
 static void a_pass_whose_writes_nobody_requests_is_absent( void** state )
@@ -72,19 +69,13 @@ static const fake_pass CHAIN[] = {
 static void demand_reaches_back_through_a_chain( void** state )
 {
     (void)state;
-    wisp_world* world = OPEN_WORLD( CHAIN );
-    request( world, add_with( world, "" ), "D" );
-    assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( CHAIN, "", "D", "[after] a+b+c+d" );
 }
 
 static void demand_ends_where_nobody_requests_more( void** state )
 {
     (void)state;
-    wisp_world* world = OPEN_WORLD( CHAIN );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[after] a+b" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( CHAIN, "", "B", "[after] a+b" );
 }
 
 static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** state )
@@ -97,10 +88,7 @@ static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** st
         {
             turned[i] = CHAIN[( first + i ) % WISP_COUNT( CHAIN )];
         }
-        wisp_world* world = OPEN_WORLD( turned );
-        request( world, add_with( world, "" ), "D" );
-        assert_string_equal( plan_text( world ), "[after] a+b+c+d" );
-        wisp_world_destroy( world );
+        ASSERT_PLAN( turned, "", "D", "[after] a+b+c+d" );
     }
 }
 
@@ -215,10 +203,7 @@ static void a_circle_through_two_stages_is_last_steps_data( void** state )
         { "b", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
         { "a", WISP_STAGE_INPUT, GROUP, .reads = "B", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "A" );
-    assert_string_equal( plan_text( world ), "[before] a [after] b" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "A", "[before] a [after] b" );
 }
 
 static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
@@ -250,11 +235,9 @@ static void stages_come_in_their_order_whatever_the_order_of_declaration( void**
         { "force", WISP_STAGE_FORCE, ENTITY, .writes = "H" },
         { "input", WISP_STAGE_INPUT, GROUP, .writes = "I" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "ABCDEFGHI" );
-    assert_string_equal( plan_text( world ), "[before] input [substep] force,predict,contact [iteration] project "
-                                             "[substep end] velocity [after] derive,shape,observe" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "ABCDEFGHI",
+                 "[before] input [substep] force,predict,contact [iteration] project "
+                 "[substep end] velocity [after] derive,shape,observe" );
 }
 
 static void what_writes_goes_before_what_reads( void** state )
@@ -264,10 +247,7 @@ static void what_writes_goes_before_what_reads( void** state )
         { "reader", SHAPE, ENTITY, .reads = "A", .writes = "B" },
         { "writer", SHAPE, ENTITY, .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[after] writer reader" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "B", "[after] writer reader" );
 }
 
 static void what_makes_goes_before_what_changes_in_place_and_that_before_what_reads( void** state )
@@ -279,10 +259,7 @@ static void what_makes_goes_before_what_changes_in_place_and_that_before_what_re
         { "maker", SHAPE, ENTITY, .writes = "A" },
         { "reader", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[after] maker first second reader" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "B", "[after] maker first second reader" );
 }
 
 static void equals_keep_the_order_of_declaration( void** state )
@@ -293,10 +270,7 @@ static void equals_keep_the_order_of_declaration( void** state )
         { "m", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "a", SHAPE, ENTITY, .reads = "A", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "A" ), "A" );
-    assert_string_equal( plan_text( world ), "[after] z m a" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "A", "A", "[after] z m a" );
 }
 
 // ---- when it is compiled ----

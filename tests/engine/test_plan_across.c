@@ -71,10 +71,7 @@ static void two_of_them_never_share_a_wave( void** state )
         { "one", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "two", SHAPE, ENTITY, .required = "M", .writes = "C", .foreign = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "M" ), "BC" );
-    assert_string_equal( plan_text( world ), "[after] one two" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "M", "BC", "[after] one two" );
 }
 
 static void groups_that_it_touches_stay_in_the_substep_loop( void** state )

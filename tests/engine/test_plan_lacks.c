@@ -15,10 +15,7 @@ static const fake_pass SHY[] = { { "shy", SHAPE, GROUP, .required = "N", .exclud
 static void a_pass_exists_for_what_lacks_the_component( void** state )
 {
     (void)state;
-    wisp_world* world = OPEN_WORLD( SHY );
-    request( world, add_with( world, "N" ), "A" );
-    assert_string_equal( plan_text( world ), "[after] shy" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( SHY, "N", "A", "[after] shy" );
 }
 
 static void a_pass_is_absent_for_what_has_the_component( void** state )
@@ -74,10 +71,7 @@ static void a_request_for_the_component_keeps_nobody_out( void** state )
         { "make", SHAPE, GROUP, .required = "N", .writes = "L" },
         { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "N" ), "LA" );
-    assert_string_equal( plan_text( world ), "[after] make,shy" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "N", "LA", "[after] make,shy" );
 }
 
 static void what_a_pass_kept_out_would_have_written_is_missed_by_its_reader( void** state )

@@ -20,10 +20,7 @@ static void passes_without_a_conflict_share_a_wave( void** state )
         { "b", SHAPE, GROUP, .reads = "N", .writes = "B" },
         { "c", SHAPE, ENTITY, .reads = "N", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "N" ), "ABC" );
-    assert_string_equal( plan_text( world ), "[after] a,b,c" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "N", "ABC", "[after] a,b,c" );
 }
 
 static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state )
@@ -44,10 +41,7 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
             { "a", SHAPE, ENTITY, .reads = pairs[i].first_reads, .writes = pairs[i].first_writes },
             { "b", SHAPE, ENTITY, .reads = pairs[i].second_reads, .writes = pairs[i].second_writes },
         };
-        wisp_world* world = OPEN_WORLD( passes );
-        request( world, add_with( world, "A" ), pairs[i].requests );
-        assert_string_equal( plan_text( world ), pairs[i].plan );
-        wisp_world_destroy( world );
+        ASSERT_PLAN( passes, "A", pairs[i].requests, pairs[i].plan );
     }
 }
 
@@ -61,10 +55,7 @@ static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state 
         { "early", SHAPE, ENTITY, .reads = "A", .writes = "D" },
         { "free", SHAPE, ENTITY, .writes = "E" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "CDE" );
-    assert_string_equal( plan_text( world ), "[after] a,free b,early late" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "CDE", "[after] a,free b,early late" );
 }
 
 static void local_passes_over_the_same_groups_are_fused( void** state )
@@ -86,10 +77,7 @@ static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
         { "whole", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[after] a whole b" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "B", "[after] a whole b" );
 }
 
 static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state )
@@ -100,10 +88,7 @@ static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state
         { "beside", SHAPE, ENTITY, .writes = "C" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "BC" );
-    assert_string_equal( plan_text( world ), "[after] a+b,beside" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "BC", "[after] a+b,beside" );
 }
 
 static void entity_passes_are_never_fused( void** state )
@@ -114,10 +99,7 @@ static void entity_passes_are_never_fused( void** state )
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
         { "c", SHAPE, GROUP, .reads = "B", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "C" );
-    assert_string_equal( plan_text( world ), "[after] a b c" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "C", "[after] a b c" );
 }
 
 static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( void** state )
@@ -128,10 +110,7 @@ static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( voi
         { "b", SHAPE, GROUP, .writes = "B" },
         { "c", SHAPE, GROUP, .reads = "AB", .writes = "C" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "C" );
-    assert_string_equal( plan_text( world ), "[after] a,b c" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "C", "[after] a,b c" );
 }
 
 static void passes_of_another_loop_are_not_fused( void** state )
@@ -143,10 +122,7 @@ static void passes_of_another_loop_are_not_fused( void** state )
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[substep] predict contact [iteration] project [after] shape" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "B", "[substep] predict contact [iteration] project [after] shape" );
 }
 
 static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void** state )
@@ -173,10 +149,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_the
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
         { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "B" );
-    assert_string_equal( plan_text( world ), "[substep] predict sum" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "B", "[substep] predict sum" );
 }
 
 static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read( void** state )
@@ -186,10 +159,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_th
         { "wind", WISP_STAGE_FORCE, ENTITY, .writes = "B" },
         { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "A" );
-    assert_string_equal( plan_text( world ), "[substep] wind predict" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "A", "[substep] wind predict" );
 }
 
 static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop( void** state )
@@ -199,10 +169,7 @@ static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loo
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A", .asks = true },
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
     };
-    wisp_world* world = OPEN_WORLD( passes );
-    request( world, add_with( world, "" ), "A" );
-    assert_string_equal( plan_text( world ), "[substep] predict [iteration] project" );
-    wisp_world_destroy( world );
+    ASSERT_PLAN( passes, "", "A", "[substep] predict [iteration] project" );
 }
 
 static void a_node_takes_only_so_many_passes( void** state )

@@ -1,4 +1,5 @@
 // The public face: who is alive in a world, what it shows, and what it remembers.
+#include "saved_world.h"
 #include "world_fixture.h"
 
 // ---- stale handles ----
@@ -218,15 +219,13 @@ static void step_twice_from_a_snapshot( hosted* h, wisp_frozen_base base, uint64
     assert_int_equal( wisp_set_frozen_hair( h->world, e, &def ), WISP_OK );
     assert_int_equal( wisp_request( h->world, e, WISP_STRAND_POINTS ), WISP_OK );
     step( h->world );
-    size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    const saved_world saved = save_world( h->world );
     step( h->world );
     hashes[0] = wisp_world_hash( h->world );
-    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    assert_int_equal( wisp_world_restore( h->world, saved.bytes, saved.size ), WISP_OK );
     step( h->world );
     hashes[1] = wisp_world_hash( h->world );
-    free( bytes );
+    free( saved.bytes );
 }
 
 static void a_restored_world_goes_on_as_the_one_that_was_taken( void** state )
@@ -257,11 +256,9 @@ static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
     assert_int_equal( wisp_add_strands( other, &b_def, &e ), WISP_OK );
     test_strands_free( &a );
     test_strands_free( &b );
-    size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
-    wisp_status status = wisp_world_restore( other, bytes, size );
-    free( bytes );
+    const saved_world saved = save_world( h->world );
+    wisp_status status = wisp_world_restore( other, saved.bytes, saved.size );
+    free( saved.bytes );
     wisp_world_destroy( other );
     assert_int_equal( status, WISP_BAD_INPUT );
 }
@@ -289,12 +286,11 @@ static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused
     wisp_entity e, other_e;
     wisp_world* world = open_frozen_world( more + 2, 1, &e );
     wisp_world* other = open_frozen_world( more, 3, &other_e );
-    size_t size = wisp_world_snapshot_size( world );
-    void* bytes = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( world, bytes, size ), WISP_OK );
-    wisp_status status =
-        wisp_world_snapshot_size( other ) == size ? wisp_world_restore( other, bytes, size ) : WISP_BAD_INPUT;
-    free( bytes );
+    const saved_world saved = save_world( world );
+    wisp_status status = wisp_world_snapshot_size( other ) == saved.size
+                             ? wisp_world_restore( other, saved.bytes, saved.size )
+                             : WISP_BAD_INPUT;
+    free( saved.bytes );
     step( world );
     step( other );
     uint64_t hash = hash_of( world, e, WISP_STRAND_POINTS );
@@ -320,11 +316,9 @@ static void a_snapshot_of_flat_strands_is_refused_by_deep_ones( void** state )
     assert_int_equal( wisp_add_strands( other, &def, &e ), WISP_OK );
     def.dimension = 2;
     assert_int_equal( wisp_add_strands( h->world, &def, &e ), WISP_OK );
-    size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
-    wisp_status status = wisp_world_restore( other, bytes, size );
-    free( bytes );
+    const saved_world saved = save_world( h->world );
+    wisp_status status = wisp_world_restore( other, saved.bytes, saved.size );
+    free( saved.bytes );
     wisp_world_destroy( other );
     assert_int_equal( status, WISP_BAD_INPUT );
 }

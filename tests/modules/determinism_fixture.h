@@ -5,6 +5,7 @@
 #pragma once
 
 #include "golden_file.h"
+#include "saved_world.h"
 #include "world_fixture.h"
 
 typedef struct place_to_run
@@ -157,25 +158,15 @@ static void cases_and_a_nudge_have_other_hashes( void** state )
     }
 }
 
-/// The caller frees the bytes.
-static void* determinism_save( determinism_run* r, size_t* size )
-{
-    *size = wisp_world_snapshot_size( r->world );
-    void* bytes = checked_malloc( *size );
-    assert_status( r->world, wisp_world_snapshot( r->world, bytes, *size ), WISP_OK );
-    return bytes;
-}
-
-// Run so many steps and come back.
+// Run some steps and come back.
 static void run_there_and_back( const determinism* d, determinism_run* r, int steps )
 {
     const int before = r->steps;
-    size_t size;
-    void* bytes = determinism_save( r, &size );
+    const saved_world saved = save_world( r->world );
     d->run( r, steps );
-    assert_status( r->world, wisp_world_restore( r->world, bytes, size ), WISP_OK );
+    assert_status( r->world, wisp_world_restore( r->world, saved.bytes, saved.size ), WISP_OK );
     r->steps = before;
-    free( bytes );
+    free( saved.bytes );
 }
 
 static void a_step_that_is_warm_asks_for_no_memory( void** state )
@@ -210,15 +201,14 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         const int steps = d->describe( n ).steps, half = steps / 2 + 1;
         const traces straight = run_case( d, n, &PLAIN, NULL );
         determinism_run* both[2] = { d->open( n, &PLAIN, NULL ), d->open( n, &PLAIN, NULL ) };
-        size_t size;
         d->run( both[0], half );
-        void* bytes = determinism_save( both[0], &size );
+        const saved_world saved = save_world( both[0]->world );
         d->run( both[0], steps );
         assert_true( d->traces_of( both[0] ).state != straight.state );
         d->run( both[1], 1 ); // what is requested has its columns with the plan
         for ( int k = 0; k < 2; ++k )
         {
-            assert_status( both[k]->world, wisp_world_restore( both[k]->world, bytes, size ), WISP_OK );
+            assert_status( both[k]->world, wisp_world_restore( both[k]->world, saved.bytes, saved.size ), WISP_OK );
             both[k]->steps = half;
             d->run( both[k], steps - half );
             const traces t = d->traces_of( both[k] );
@@ -229,7 +219,7 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
             }
             d->close( both[k] );
         }
-        free( bytes );
+        free( saved.bytes );
     }
 }
 

@@ -1,5 +1,6 @@
 // Open skins (`allow_open`): each hole is closed by a virtual fan for the volume alone. The oracle is held to
 // central differences, the engine to the oracle, and both to what is true whatever the method.
+#include "saved_world.h"
 #include "balloon_engine_fixture.h"
 
 #include "balloon_internal.h"
@@ -403,15 +404,13 @@ static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     balloon_flight flight = balloon_start( &scene );
     balloon_steps( &flight, 5 );
-    size_t size = wisp_world_snapshot_size( flight.world );
-    void* kept = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( flight.world, kept, size ), WISP_OK );
+    const saved_world saved = save_world( flight.world );
     balloon_steps( &flight, 5 );
     uint64_t there = wisp_world_hash( flight.world );
-    assert_int_equal( wisp_world_restore( flight.world, kept, size ), WISP_OK );
+    assert_int_equal( wisp_world_restore( flight.world, saved.bytes, saved.size ), WISP_OK );
     balloon_steps( &flight, 5 );
     assert_true( wisp_world_hash( flight.world ) == there );
-    free( kept );
+    free( saved.bytes );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }

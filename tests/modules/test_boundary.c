@@ -1,4 +1,5 @@
 // Boundary particles in a world: passive, there only when asked for, right after whatever happens to the surface.
+#include "saved_world.h"
 #include "boundary_fixture.h"
 
 static uint64_t points_hash( ball_world* b, wisp_entity e )
@@ -275,9 +276,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     def.strain_gain = 2.0f;
     set_layer( b, b->ball, &def );
     ball_steps( b, 8 );
-    const size_t size = wisp_world_snapshot_size( b->world );
-    void* kept = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( b->world, kept, size ), WISP_OK );
+    const saved_world saved = save_world( b->world );
     uint64_t through[6];
     for ( int i = 0; i < 6; ++i )
     {
@@ -286,7 +285,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     }
     const uint64_t everything = wisp_world_hash( b->world );
     ball_steps( b, 20 );
-    assert_int_equal( wisp_world_restore( b->world, kept, size ), WISP_OK );
+    assert_int_equal( wisp_world_restore( b->world, saved.bytes, saved.size ), WISP_OK );
     ball_steps( b, 1 );
     // what was sampled anew on the way back is not what was on the way there, so all but that figure is compared
     const int first = stats_of( b, b->ball ).points;
@@ -297,7 +296,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     }
     assert_true( first > 0 );
     assert_true( wisp_world_hash( b->world ) == everything );
-    free( kept );
+    free( saved.bytes );
     ball_close( b );
 }
 

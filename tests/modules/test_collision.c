@@ -1,4 +1,5 @@
 // Bodies in closed form: what rests, what is pushed, what is refused, and what the plan holds.
+#include "saved_world.h"
 #include "collision_fixture.h"
 
 static const float GRAVITY = 9.8f;
@@ -373,15 +374,13 @@ static void a_snapshot_brings_moving_bodies_back( void** state )
     // taken between being told to move and moving
     assert_int_equal(
         wisp_move_collider( h->world, ball, ( wisp_transform ){ about_z( 1.0 ), { 0.3f, 0.0f, 0.0f } } ), WISP_OK );
-    size_t size = wisp_world_snapshot_size( h->world );
-    void* bytes = malloc( size );
-    assert_int_equal( wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    const saved_world saved = save_world( h->world );
     run_for( h->world, DT, 5 );
     uint64_t expected = wisp_world_hash( h->world );
-    assert_int_equal( wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    assert_int_equal( wisp_world_restore( h->world, saved.bytes, saved.size ), WISP_OK );
     run_for( h->world, DT, 5 );
     assert_int_equal( wisp_world_hash( h->world ), expected );
-    free( bytes );
+    free( saved.bytes );
 }
 
 static void a_warm_step_allocates_nothing( void** state )

@@ -1,4 +1,5 @@
 // Frozen hair as a participant of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
+#include "saved_world.h"
 #include "frozen_hair_engine_fixture.h"
 
 #include <stdatomic.h>
@@ -402,15 +403,13 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
     wisp_entity entity = hair_add_frozen( world, &groom, &def );
     hair_step( world );
     wisp_vec3* first = hair_points( world, entity, 600 );
-    size_t size = wisp_world_snapshot_size( world );
-    void* snapshot = checked_malloc( size );
-    assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
+    const saved_world saved = save_world( world );
     hair_command( world, entity, def.cursor );
     hair_step( world );
     wisp_vec3* second = hair_points( world, entity, 600 );
     uint64_t hash = wisp_world_hash( world );
 
-    assert_int_equal( wisp_world_restore( world, snapshot, size ), WISP_OK );
+    assert_int_equal( wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
     assert_true( hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) );
     hair_command( world, entity, def.cursor );
     hair_step( world );
@@ -418,7 +417,7 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
     assert_int_equal( wisp_world_hash( world ), hash );
     free( first );
     free( second );
-    free( snapshot );
+    free( saved.bytes );
     wisp_world_destroy( world );
     hair_groom_destroy( &groom );
 }
@@ -436,12 +435,10 @@ static void a_step_after_a_restore_changes_nothing( void** state )
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
         wisp_vec3* first = hair_points( world, entity, 600 );
-        size_t size = wisp_world_snapshot_size( world );
-        void* snapshot = checked_malloc( size );
-        assert_int_equal( wisp_world_snapshot( world, snapshot, size ), WISP_OK );
+        const saved_world saved = save_world( world );
         hair_command( world, entity, def.cursor );
         hair_step( world );
-        assert_int_equal( wisp_world_restore( world, snapshot, size ), WISP_OK );
+        assert_int_equal( wisp_world_restore( world, saved.bytes, saved.size ), WISP_OK );
         hair_step( world );
         if ( !hair_same_bits( first, hair_view( world, entity, 600 ), 600 ) )
         {
@@ -449,7 +446,7 @@ static void a_step_after_a_restore_changes_nothing( void** state )
                       base == WISP_FROZEN_BASE_REST ? "rest" : "previous" );
         }
         free( first );
-        free( snapshot );
+        free( saved.bytes );
         wisp_world_destroy( world );
     }
     hair_groom_destroy( &groom );

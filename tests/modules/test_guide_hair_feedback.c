@@ -1,4 +1,5 @@
 // Ghosts whose sway is fed back, and ghosts drawn between steps (section II.2.2): against the oracle, and what both promise.
+#include "saved_world.h"
 #include "guide_hair_fixture.h"
 
 // The scene is a metre wide, so a millionth of a metre is a relative 1e-6.
@@ -161,22 +162,20 @@ static void a_restored_world_goes_on_with_the_same_bits( void** state )
     {
         guide_swing( &f );
     }
-    const size_t size = wisp_world_snapshot_size( f.world );
-    void* bytes = checked_malloc( size );
-    guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
+    const saved_world saved = save_world( f.world );
     const scene then = f.s;
     wisp_vec3 first[12 * NODES], again[12 * NODES];
     guide_swing( &f );
     guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, first ) );
     const uint64_t hash = wisp_world_hash( f.world );
     guide_swing( &f );
-    guide_ok( f.world, wisp_world_restore( f.world, bytes, size ) );
+    guide_ok( f.world, wisp_world_restore( f.world, saved.bytes, saved.size ) );
     f.s = then;
     guide_swing( &f );
     assert_int_equal( wisp_world_hash( f.world ), hash );
     guide_ok( f.world, wisp_ghosts_between( f.world, f.ghosts, 0.3f, again ) );
     assert_memory_equal( first, again, sizeof( first ) );
-    free( bytes );
+    free( saved.bytes );
     wisp_world_destroy( f.world );
 }
 

@@ -1,4 +1,5 @@
 // Ghosts in a world: order within a step, determinism, memory, removal, refusals, and an appearance on top.
+#include "saved_world.h"
 #include "guide_hair_fixture.h"
 
 static double3 group_mean( const flock* f, int target, int ghosts, int node )
@@ -92,9 +93,7 @@ static void a_snapshot_brings_the_velocities_before_back( void** state )
     {
         guide_swing( &f );
     }
-    const size_t size = wisp_world_snapshot_size( f.world );
-    void* bytes = checked_malloc( size );
-    guide_ok( f.world, wisp_world_snapshot( f.world, bytes, size ) );
+    const saved_world saved = save_world( f.world );
     const scene then = f.s;
     guide_swing( &f );
     const uint64_t hash = wisp_world_hash( f.world );
@@ -102,11 +101,11 @@ static void a_snapshot_brings_the_velocities_before_back( void** state )
     {
         guide_swing( &f );
     }
-    guide_ok( f.world, wisp_world_restore( f.world, bytes, size ) );
+    guide_ok( f.world, wisp_world_restore( f.world, saved.bytes, saved.size ) );
     f.s = then;
     guide_swing( &f );
     assert_int_equal( wisp_world_hash( f.world ), hash );
-    free( bytes );
+    free( saved.bytes );
     wisp_world_destroy( f.world );
 }
 

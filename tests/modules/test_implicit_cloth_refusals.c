@@ -1,5 +1,6 @@
 // What implicit cloth refuses, in one message that names it; that a refusal or a lack of memory changes nothing; that all memory
 // comes back; several cloths in a world, and one that is changed on the fly.
+#include "saved_world.h"
 #include "implicit_cloth_fixture.h"
 
 static const float DT = 1.0f / 64.0f; // s
@@ -473,18 +474,16 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         def.warm_start = variant < 2;
         wisp_entity e = add_sheet( h.world, &def, 9, true );
         run_steps( h.world, 5, DT );
-        const size_t size = wisp_world_snapshot_size( h.world );
-        void* bytes = checked_malloc( size );
-        assert_status( h.world, wisp_world_snapshot( h.world, bytes, size ), WISP_OK );
+        const saved_world saved = save_world( h.world );
         run_steps( h.world, 7, DT );
         const uint64_t points = hash_of( h.world, e, WISP_SURFACE_POINTS ), all = wisp_world_hash( h.world );
         run_steps( h.world, 3, DT );
         assert_true( hash_of( h.world, e, WISP_SURFACE_POINTS ) != points );
-        assert_status( h.world, wisp_world_restore( h.world, bytes, size ), WISP_OK );
+        assert_status( h.world, wisp_world_restore( h.world, saved.bytes, saved.size ), WISP_OK );
         run_steps( h.world, 7, DT );
         assert_int_equal( hash_of( h.world, e, WISP_SURFACE_POINTS ), points );
         assert_int_equal( wisp_world_hash( h.world ), all );
-        free( bytes );
+        free( saved.bytes );
         close_world( &h );
     }
 }
