@@ -144,6 +144,12 @@ static inline float test_random_float( int a, int b, float lower, float upper )
            ( upper - lower ) * wisp_random_unit_float( wisp_random_make_key( 8, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
 }
 
+static inline double vec_distance( wisp_vec3 a, wisp_vec3 b )
+{
+    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
+    return sqrt( x * x + y * y + z * z );
+}
+
 // ---- strands ----
 
 /// Strands as a user hands them over.

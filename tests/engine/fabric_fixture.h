@@ -373,12 +373,6 @@ static inline void assert_hinges_are_two_triangles( const wisp_fabric* f )
     }
 }
 
-static inline double test_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - b.x, y = (double)a.y - b.y, z = (double)a.z - b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bool bend_links )
 {
     // bend links are counted by the hinges whose opposite vertices differ, in order
@@ -405,7 +399,7 @@ static inline void assert_lanes_hold_their_constraints( const wisp_fabric* f, bo
             c < f->edge_count ? f->edges + 2 * (size_t)c : f->hinges + 4 * (size_t)hinge_of_link[c] + 2;
         assert_int_equal( f->link_a_x4[i], 4 * v[0] );
         assert_int_equal( f->link_b_x4[i], 4 * v[1] );
-        assert_true( f->link_rest[i] == (float)test_distance( f->rest[v[0]], f->rest[v[1]] ) );
+        assert_true( f->link_rest[i] == (float)vec_distance( f->rest[v[0]], f->rest[v[1]] ) );
     }
     for ( int i = 0; i < f->hinge_order.slot_count; ++i )
     {
@@ -525,8 +519,8 @@ static inline void assert_areas_are_thirds_of_triangles( const wisp_fabric* f )
     for ( int t = 0; t < f->triangle_count; ++t )
     {
         const int32_t* v = f->triangles + 3 * (size_t)t;
-        double a = test_distance( f->rest[v[0]], f->rest[v[1]] ), b = test_distance( f->rest[v[1]], f->rest[v[2]] );
-        double c = test_distance( f->rest[v[2]], f->rest[v[0]] ), s = ( a + b + c ) / 2;
+        double a = vec_distance( f->rest[v[0]], f->rest[v[1]] ), b = vec_distance( f->rest[v[1]], f->rest[v[2]] );
+        double c = vec_distance( f->rest[v[2]], f->rest[v[0]] ), s = ( a + b + c ) / 2;
         double product = s * ( s - a ) * ( s - b ) * ( s - c ), whole = product > 0.0 ? sqrt( product ) : 0.0;
         largest = whole > largest ? whole : largest;
         for ( int k = 0; k < 3; ++k )

@@ -20,7 +20,7 @@ static double mean_edge( const wisp_fabric* f )
     double sum = 0.0;
     for ( int e = 0; e < f->edge_count; ++e )
     {
-        sum += test_distance( f->rest[f->edges[2 * e]], f->rest[f->edges[2 * e + 1]] );
+        sum += vec_distance( f->rest[f->edges[2 * e]], f->rest[f->edges[2 * e + 1]] );
     }
     return sum / f->edge_count;
 }
@@ -87,7 +87,7 @@ static void assert_levels_hold( const wisp_fabric* f )
             bool pads = at->schedule.constraint[i] < 0;
             links += pads ? 0 : 1;
             assert_true( pads ? at->rest[i] == 0.0f : level[a] > l && level[b] > l );
-            assert_true( pads || at->rest[i] >= test_distance( f->rest[a], f->rest[b] ) );
+            assert_true( pads || at->rest[i] >= vec_distance( f->rest[a], f->rest[b] ) );
         }
         assert_int_equal( links, at->link_count );
     }
@@ -107,7 +107,7 @@ static int wrong_links( const wisp_fabric* f, const wisp_vec3* flat, double tole
             if ( at->schedule.constraint[i] >= 0 )
             {
                 wisp_vec3 a = flat[f->slot_vertex[at->a_x4[i] / 4]], b = flat[f->slot_vertex[at->b_x4[i] / 4]];
-                double expected = test_distance( a, b );
+                double expected = vec_distance( a, b );
                 wrong += fabs( at->rest[i] - expected ) > tolerance * expected ? 1 : 0;
             }
         }
@@ -155,7 +155,7 @@ static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
                 for ( int i = 0; i < f->levels[l].vertex_count; ++i )
                 {
                     int b = f->levels[l].vertex_x4[i] / 4;
-                    nearest = a == b ? nearest : fmin( nearest, test_distance( f->rest[a], f->rest[b] ) );
+                    nearest = a == b ? nearest : fmin( nearest, vec_distance( f->rest[a], f->rest[b] ) );
                 }
 
                 // lengths are in single precision
@@ -360,7 +360,7 @@ static void a_closed_mesh_without_attachments_has_levels( void** state )
         const wisp_fabric_level* at = &f->levels[l];
         for ( int i = 0; i < at->schedule.slot_count; ++i )
         {
-            double chord = test_distance( f->rest[at->a_x4[i] / 4], f->rest[at->b_x4[i] / 4] );
+            double chord = vec_distance( f->rest[at->a_x4[i] / 4], f->rest[at->b_x4[i] / 4] );
             double circle = 2.0 * asin( fmin( 1.0, 0.5 * chord ) );
             assert_true( fabs( at->rest[i] - circle ) <= 0.02 * circle );
         }

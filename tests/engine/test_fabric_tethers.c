@@ -34,9 +34,9 @@ static double largest_error( const wisp_fabric* f, const wisp_vec3* flat )
         for ( int slot = 0; slot < f->vertex_count; ++slot )
         {
             int32_t to = tether_slot( f, k, slot );
-            double expected = test_distance( flat[f->slot_vertex[slot]], flat[f->slot_vertex[to]] );
+            double expected = vec_distance( flat[f->slot_vertex[slot]], flat[f->slot_vertex[to]] );
             double error = fabs( tether_rest( f, k, slot ) - expected ) / ( expected > 0.0 ? expected : 1.0 );
-            assert_true( tether_rest( f, k, slot ) >= test_distance( f->rest[slot], f->rest[to] ) );
+            assert_true( tether_rest( f, k, slot ) >= vec_distance( f->rest[slot], f->rest[to] ) );
             largest = error > largest ? error : largest;
         }
     }
@@ -98,7 +98,7 @@ static void on_a_sphere_tethers_follow_great_circles_within_two_percent( void** 
     {
         for ( int slot = 0; slot < f->vertex_count; ++slot )
         {
-            double chord = test_distance( f->rest[slot], f->rest[tether_slot( f, k, slot )] );
+            double chord = vec_distance( f->rest[slot], f->rest[tether_slot( f, k, slot )] );
             double circle = 2.0 * asin( chord < 2.0 ? 0.5 * chord : 1.0 );
             assert_true( fabs( tether_rest( f, k, slot ) - circle ) <= 0.02 * circle );
             assert_true( tether_rest( f, k, slot ) >= chord );
@@ -160,7 +160,7 @@ static void up_to_eight_attachments_give_the_four_nearest_in_order( void** state
             int nearer = 0;
             for ( int i = 0; i < count; ++i )
             {
-                double away = test_distance( f->rest[slot], mesh.points[attachments[i]] );
+                double away = vec_distance( f->rest[slot], mesh.points[attachments[i]] );
                 nearer += away < farthest * ( 1.0 - 2e-4 ) ? 1 : 0;
             }
             assert_true( nearer < f->tether_count );
@@ -265,13 +265,13 @@ static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_
         for ( int e = 0; e < f->edge_count; ++e )
         {
             int32_t a = f->edges[2 * e], b = f->edges[2 * e + 1];
-            double step = test_distance( f->rest[a], f->rest[b] ) + 1e-4;
+            double step = vec_distance( f->rest[a], f->rest[b] ) + 1e-4;
             assert_true( fabs( tether_rest( f, 0, a ) - tether_rest( f, 0, b ) ) <= step );
         }
         for ( int slot = 0; slot < f->vertex_count; ++slot )
         {
             int32_t to = f->vertex_slot[attachment];
-            assert_true( tether_rest( f, 0, slot ) >= test_distance( f->rest[slot], f->rest[to] ) );
+            assert_true( tether_rest( f, 0, slot ) >= vec_distance( f->rest[slot], f->rest[to] ) );
         }
         wisp_fabric_release( f );
         test_mesh_free( &meshes[i] );

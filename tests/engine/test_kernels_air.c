@@ -1,6 +1,8 @@
 // Air on the triangles around vertices: every table gives the same bits, and they are those of double precision.
 #include "kernels_fixture.h"
 
+#include "double3.h"
+
 enum
 {
     SLOTS = 64,
@@ -104,52 +106,32 @@ static void every_table_gives_the_same_bits( void** state )
 
 // ---- against double precision ----
 
-typedef struct vector
+static double3 combine( double s, double3 a, double t, double3 b )
 {
-    double x, y, z;
-} vector;
-
-static vector load( float xyzw[][4], int slot )
-{
-    return ( vector ){ (double)xyzw[slot][0], (double)xyzw[slot][1], (double)xyzw[slot][2] };
-}
-
-static vector combine( double s, vector a, double t, vector b )
-{
-    return ( vector ){ s * a.x + t * b.x, s * a.y + t * b.y, s * a.z + t * b.z };
-}
-
-static double dot( vector a, vector b )
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vector cross( vector a, vector b )
-{
-    return ( vector ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+    return double3_add_scaled( double3_scale( s, a ), t, b );
 }
 
 // F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) )
-static vector triangle_force( const wisp_ring_air_args* args, air_scene* s, const int slots[3], double* rate )
+static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, const int slots[3], double* rate )
 {
-    const vector p = load( s->position, slots[0] );
-    const vector e = combine( 1.0, load( s->position, slots[1] ), -1.0, p );
-    const vector f = combine( 1.0, load( s->position, slots[2] ), -1.0, p ), normal = cross( e, f );
-    vector u = { (double)args->wind.x, (double)args->wind.y, (double)args->wind.z };
+    const double3 p = double3_from( s->position[slots[0]] );
+    const double3 e = combine( 1.0, double3_from( s->position[slots[1]] ), -1.0, p );
+    const double3 f = combine( 1.0, double3_from( s->position[slots[2]] ), -1.0, p ), normal = double3_cross( e, f );
+    double3 u = double3_widen( args->wind );
     for ( int k = 0; k < 3; ++k )
     {
-        u = combine( 1.0, u, -1.0 / 3.0, load( s->old_velocity, slots[k] ) );
+        u = combine( 1.0, u, -1.0 / 3.0, double3_from( s->old_velocity[slots[k]] ) );
     }
-    const double area = 0.5 * sqrt( dot( normal, normal ) ), speed = sqrt( dot( u, u ) );
+    const double area = 0.5 * double3_length( normal ), speed = double3_length( u );
     *rate = 0.0;
     if ( area == 0.0 )
     {
-        return ( vector ){ 0.0, 0.0, 0.0 };
+        return ( double3 ){ 0.0, 0.0, 0.0 };
     }
-    const double facing = dot( u, normal ) / ( 2.0 * area );
-    const vector n = combine( ( facing < 0.0 ? -1.0 : 1.0 ) / ( 2.0 * area ), normal, 0.0, normal );
+    const double facing = double3_dot( u, normal ) / ( 2.0 * area );
+    const double3 n = combine( ( facing < 0.0 ? -1.0 : 1.0 ) / ( 2.0 * area ), normal, 0.0, normal );
     const double pressure = 0.5 * (double)args->density * area * fabs( facing );
-    const vector foreign = combine( speed, n, -dot( u, n ) / speed, u );
+    const double3 foreign = combine( speed, n, -double3_dot( u, n ) / speed, u );
     *rate = pressure * ( (double)args->drag + (double)args->lift );
     return combine( pressure * (double)args->drag, u, pressure * (double)args->lift, foreign );
 }
@@ -162,7 +144,7 @@ static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
     run( widest_table(), s );
     for ( int v = 0; v < SLOTS; ++v )
     {
-        vector force = { 0.0, 0.0, 0.0 };
+        double3 force = { 0.0, 0.0, 0.0 };
         double rate = 0.0;
         for ( int e = 1; e < RING; ++e )
         {
@@ -173,7 +155,7 @@ static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
             rate += own / 3.0;
         }
         const double w = (double)s->position[v][3], dt = (double)args.dt, change = dt * w / ( 1.0 + dt * w * rate );
-        const vector expected = combine( 1.0, load( s->old_velocity, v ), change, force );
+        const double3 expected = combine( 1.0, double3_from( s->old_velocity[v] ), change, force );
         // forces of a handful of newtons on as little as half a gram are taken back by the rate: what remains is below the
         // speeds of wind and vertices, and so is its rounding, some thirty times
         const double tolerance = 30.0 * 10.0 * (double)FLT_EPSILON;

@@ -63,12 +63,6 @@ static inline float* velocity_of( wisp_world* world, wisp_entity e, int vertex )
     return column + (size_t)wisp_world_fabric( world, e )->vertex_slot[vertex] * 4;
 }
 
-static inline double distance_of( wisp_vec3 a, wisp_vec3 b )
-{
-    double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 /// All coordinates of all vertices are finite.
 static inline bool is_finite( wisp_world* world, wisp_entity e )
 {

@@ -126,12 +126,6 @@ static inline const wisp_vec3* strand_points( wisp_world* world, wisp_entity e )
     return view_of( world, e, WISP_STRAND_POINTS ).data;
 }
 
-static inline double vec_distance( wisp_vec3 a, wisp_vec3 b )
-{
-    const double x = (double)a.x - (double)b.x, y = (double)a.y - (double)b.y, z = (double)a.z - (double)b.z;
-    return sqrt( x * x + y * y + z * z );
-}
-
 /// The farthest that a vertex is from where its curve puts it, m.
 static inline double drift_from( wisp_world* world, wisp_entity e, int strand_count, int vertex_count,
                                  strand_curve* curve, float length )

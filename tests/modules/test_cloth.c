@@ -380,7 +380,7 @@ static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** stat
     const wisp_vec3 at = point_of( h->world, e, 0 ), other = point_of( h->world, e, 80 );
     assert_true( at.x == 100.0f );
     // a diagonal of 1.13 m hangs from it, and has as much stretch as one pass a step leaves
-    assert_true( distance_of( at, other ) < 1.5 );
+    assert_true( vec_distance( at, other ) < 1.5 );
     test_mesh_free( &mesh );
 }
 

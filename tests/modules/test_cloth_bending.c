@@ -176,7 +176,7 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
     wisp_entity e = add_cloth( h.world, &fabric, surface, cloth, ( wisp_vec3 ){ 0 } );
     assert_status( h.world, wisp_set_damping( h.world, e, 20.0f ), WISP_OK );
     run_steps( h.world, 120, 1.0f / 60.0f );
-    double span = distance_of( point_of( h.world, e, 4 ), point_of( h.world, e, 7 ) );
+    double span = vec_distance( point_of( h.world, e, 4 ), point_of( h.world, e, 7 ) );
     test_mesh_free( &flat );
     test_mesh_free( &creased );
     close_world( &h );

@@ -89,9 +89,7 @@ static wisp_collision_stats stats_of( wisp_world* world, wisp_entity strands )
 // To the surface of the sphere; below 0 inside.
 static double gap_to( wisp_vec3 centre, wisp_vec3 p )
 {
-    const double x = (double)p.x - (double)centre.x, y = (double)p.y - (double)centre.y;
-    const double z = (double)p.z - (double)centre.z;
-    return sqrt( x * x + y * y + z * z ) - (double)RADIUS;
+    return vec_distance( p, centre ) - (double)RADIUS;
 }
 
 static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** state )

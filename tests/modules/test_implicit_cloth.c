@@ -132,7 +132,7 @@ static void damping_of_the_surface_brakes_all_velocity( void** state )
 
 static float length_of_link( wisp_world* world, wisp_entity e, int link )
 {
-    return (float)distance_of( point_of( world, e, link ), point_of( world, e, link + 1 ) );
+    return (float)vec_distance( point_of( world, e, link ), point_of( world, e, link + 1 ) );
 }
 
 // Lengths are below 0.4 m, whose rounding is 3e-8 m; the stretch of a link is the difference of two of those.
@@ -483,7 +483,7 @@ static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
     surface.pins = PINS;
     surface.pin_count = 2;
     wisp_entity e = test_surface_of( h->world, &fabric, surface );
-    const double rest = distance_of( mesh.points[0], mesh.points[1] );
+    const double rest = vec_distance( mesh.points[0], mesh.points[1] );
     test_mesh_free( &mesh );
     set_implicit( h->world, e, &def );
     assert_status( h->world, wisp_set_gravity( h->world, e, EARTH ), WISP_OK );

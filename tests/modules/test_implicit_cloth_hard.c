@@ -21,7 +21,7 @@ static double largest_strain( wisp_world* world, wisp_entity e )
     {
         const size_t a = (size_t)f->edges[2 * i], b = (size_t)f->edges[2 * i + 1];
         const wisp_vec3 p = { x[4 * a], x[4 * a + 1], x[4 * a + 2] }, q = { x[4 * b], x[4 * b + 1], x[4 * b + 2] };
-        most = fmax( most, distance_of( p, q ) / distance_of( f->rest[a], f->rest[b] ) - 1.0 );
+        most = fmax( most, vec_distance( p, q ) / vec_distance( f->rest[a], f->rest[b] ) - 1.0 );
     }
     return most;
 }
