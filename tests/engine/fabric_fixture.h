@@ -561,3 +561,23 @@ static inline int test_bandwidth( const wisp_fabric* f )
     }
     return widest;
 }
+
+// ---- memory ----
+
+/// Refuse requests for memory in turn, every `step`-th of them: no fabric comes of it, and nothing is left behind.
+static inline void assert_no_cook_without_memory( const wisp_fabric_def* def, int64_t step )
+{
+    bool refused = true;
+    for ( int64_t n = 1; refused; n += step )
+    {
+        test_host host = { 0 };
+        wisp_allocator allocator = test_host_allocator( &host );
+        wisp_fabric* f = NULL;
+        test_host_refuse( &host, n, n % 2 == 0 );
+        wisp_status status = wisp_fabric_cook( def, &allocator, &f, NULL );
+        refused = test_host_has_refused( &host );
+        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
+        wisp_fabric_release( f );
+        assert_host_has_all_back( &host );
+    }
+}

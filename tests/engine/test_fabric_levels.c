@@ -477,19 +477,7 @@ static void expect_failures( const test_mesh* mesh, int64_t step )
     def.levels = WISP_FABRIC_MAX_LEVELS;
     def.attachments = attachments;
     def.attachment_count = 3;
-    bool refused = true;
-    for ( int64_t n = 1; refused; n += step )
-    {
-        test_host host = { 0 };
-        wisp_allocator allocator = test_host_allocator( &host );
-        wisp_fabric* f = NULL;
-        test_host_refuse( &host, n, n % 2 == 0 );
-        wisp_status status = wisp_fabric_cook( &def, &allocator, &f, NULL );
-        refused = test_host_has_refused( &host );
-        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
-        wisp_fabric_release( f );
-        assert_host_has_all_back( &host );
-    }
+    assert_no_cook_without_memory( &def, step );
 }
 
 static void levels_without_memory_fail_and_leak_nothing( void** state )

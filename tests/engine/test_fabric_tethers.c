@@ -309,19 +309,7 @@ static void tethers_without_memory_fail_and_leak_nothing( void** state )
     def.tethers = true;
     def.attachments = attachments;
     def.attachment_count = 20;
-    bool refused = true;
-    for ( int64_t n = 1; refused; ++n )
-    {
-        test_host host = { 0 };
-        wisp_allocator allocator = test_host_allocator( &host );
-        wisp_fabric* f = NULL;
-        test_host_refuse( &host, n, n % 2 == 0 );
-        wisp_status status = wisp_fabric_cook( &def, &allocator, &f, NULL );
-        refused = test_host_has_refused( &host );
-        assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
-        wisp_fabric_release( f );
-        assert_host_has_all_back( &host );
-    }
+    assert_no_cook_without_memory( &def, 1 );
     test_mesh_free( &mesh );
 }
 

@@ -37,27 +37,8 @@
     X( "outlet 0: got vertex 42,", ( d->outlet_count = 1, d->outlet[0] = 42 ) )                                      \
     X( "outlet 1: got vertex -1,", ( d->outlet_count = 2, d->outlet[1] = -1 ) )
 
-enum
-{
-#define COUNT_ONE( message, statement ) +1
-    BROKEN_COUNT = 0 BROKEN_DEFS( COUNT_ONE )
-#undef COUNT_ONE
-};
-
-static const char* break_def( int number, wisp_balloon_def* d )
-{
-    int n = 0;
-    const char* expected = NULL;
-#define BREAK_ONE( message, statement )                                                                              \
-    if ( n++ == number )                                                                                             \
-    {                                                                                                                \
-        statement;                                                                                                   \
-        expected = message;                                                                                          \
-    }
-    BROKEN_DEFS( BREAK_ONE )
-#undef BREAK_ONE
-    return expected;
-}
+#define BROKEN_TYPE wisp_balloon_def
+#include "broken_defs.h"
 
 static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
 {

@@ -38,27 +38,8 @@
 
 static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
 
-enum
-{
-#define COUNT_ONE( message, statement ) +1
-    broken_count = 0 BROKEN_DEFS( COUNT_ONE )
-#undef COUNT_ONE
-};
-
-static const char* break_def( int number, wisp_frozen_hair_def* d )
-{
-    int n = 0;
-    const char* expected = NULL;
-#define BREAK_ONE( message, statement )                                                                              \
-    if ( n++ == number )                                                                                             \
-    {                                                                                                                \
-        statement;                                                                                                   \
-        expected = message;                                                                                          \
-    }
-    BROKEN_DEFS( BREAK_ONE )
-#undef BREAK_ONE
-    return expected;
-}
+#define BROKEN_TYPE wisp_frozen_hair_def
+#include "broken_defs.h"
 
 static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state )
 {
@@ -69,7 +50,7 @@ static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state 
     wisp_entity entity = hair_add_frozen( world, &groom, &good );
     hair_step( world );
     uint64_t hash = wisp_world_hash( world );
-    for ( int n = 0; n < broken_count; ++n )
+    for ( int n = 0; n < BROKEN_COUNT; ++n )
     {
         wisp_frozen_hair_def bad = good;
         const char* expected = break_def( n, &bad );
