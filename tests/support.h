@@ -1,4 +1,4 @@
-/// What the tests of the engine's rooms share: a host whose memory is counted and can run out, a log that listens,
+/// What tests share: a host whose memory is counted and can run out, a log that keeps the last message,
 /// and strands of chosen lengths.
 #pragma once
 
@@ -11,19 +11,19 @@
 
 // ---- memory ----
 
-/// A host that counts what it lends, fills it with rubbish, checks what comes back, and can refuse one request or all
+/// A host that counts what it allocates, fills it with rubbish, checks what is released, and can refuse one request or all
 /// from one on. Zero-initialised refuses nothing.
 typedef struct test_host
 {
     _Atomic int64_t queried; ///< requests so far
-    _Atomic int64_t blocks;  ///< lent now
-    _Atomic int64_t bytes;   ///< lent now
-    _Atomic int faults;      ///< blocks that came back with another size than they were asked with
+    _Atomic int64_t blocks;  ///< allocated now
+    _Atomic int64_t bytes;   ///< allocated now
+    _Atomic int faults;      ///< blocks that were released with another size than they were allocated with
     int64_t refuse;          ///< number of the request to refuse, from 1; 0 refuses none
     bool refuse_rest;        ///< and all behind it
 } test_host;
 
-/// What a block's owner must tell back. It lies in front of the block, so that the block's end stays the end of the
+/// What must be known of a block when it is released. It lies in front of it, so that the block's end stays the end of the
 /// memory that a sanitizer watches.
 typedef struct test_block
 {
@@ -79,14 +79,14 @@ static inline void test_host_refuse( test_host* host, int64_t n, bool rest )
     host->refuse_rest = rest;
 }
 
-/// Did anybody ask for the request that test_host_refuse() named?
+/// The request that test_host_refuse() named has come.
 static inline bool test_host_has_refused( const test_host* host )
 {
     return host->refuse != 0 && atomic_load( &host->queried ) >= host->refuse;
 }
 
-/// Everything lent came back, with the size it was asked with.
-static inline void assert_host_has_all_back( test_host* host )
+/// All memory was released, with the size of its allocation.
+static inline void assert_host_memory_is_released( test_host* host )
 {
     assert_int_equal( atomic_load( &host->blocks ), 0 );
     assert_int_equal( atomic_load( &host->bytes ), 0 );
@@ -95,7 +95,7 @@ static inline void assert_host_has_all_back( test_host* host )
 
 // ---- log ----
 
-/// Keeps the last message of a world. Zero-initialised has heard nothing.
+/// Keeps the last message of a world. Zero-initialised has none.
 typedef struct test_log
 {
     int count;
@@ -103,7 +103,7 @@ typedef struct test_log
     char last[600];
 } test_log;
 
-static inline void test_log_listen( void* user, wisp_log_level level, const char* message )
+static inline void test_log_write( void* user, wisp_log_level level, const char* message )
 {
     test_log* log = user;
     log->count += 1;

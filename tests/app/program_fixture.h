@@ -1,4 +1,4 @@
-/// The built program is started and watched: exit status, standard output, error stream, also on a terminal.
+/// Runs the built program and reads exit status, standard output, error stream, also on a terminal.
 #pragma once
 
 #include "files.h"

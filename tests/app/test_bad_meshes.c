@@ -40,7 +40,7 @@ static void demand_refusal( const bad_mesh* bad )
     assert_int_equal( error.status, WISP_BAD_INPUT );
     if ( strncmp( error.message, bad->name, strlen( bad->name ) ) != 0 )
     {
-        fail_msg( "%s: the sentence does not name the file: %s", bad->name, error.message );
+        fail_msg( "%s: the message does not name the file: %s", bad->name, error.message );
     }
     if ( strstr( error.message, bad->words ) == NULL )
     {

@@ -448,7 +448,7 @@ static void every_file_of_the_folder_has_its_message( void** state )
         ++files;
         if ( !find( entry->d_name ) )
         {
-            print_error( "%s has no sentence in the table\n", entry->d_name );
+            print_error( "%s has no message in the table\n", entry->d_name );
         }
         assert_non_null( find( entry->d_name ) );
     }

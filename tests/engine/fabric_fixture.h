@@ -578,6 +578,6 @@ static inline void assert_no_cook_without_memory( const wisp_fabric_def* def, in
         refused = test_host_has_refused( &host );
         assert_int_equal( status, refused ? WISP_NO_MEMORY : WISP_OK );
         wisp_fabric_release( f );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
     }
 }

@@ -44,7 +44,7 @@ static inline const wisp_kernels* widest_table( void )
     return kernels_select( "avx512", NULL );
 }
 
-/// Also false for what is no number.
+/// Fails for NaN too.
 static inline void assert_near( double found, double expected, double tolerance, const char* what, int number )
 {
     if ( !( fabs( found - expected ) <= tolerance ) )
@@ -67,7 +67,7 @@ typedef struct constraints
 {
     _Alignas( 64 ) float position[BODIES][4];
     int32_t slot_x4[GROUPS][4][8];                // corners of hinges; the first two are ends of links
-    int32_t a_x4[CONSTRAINTS], b_x4[CONSTRAINTS]; // the same two, as links want them
+    int32_t a_x4[CONSTRAINTS], b_x4[CONSTRAINTS]; // the same two, as links take them
     float rest[CONSTRAINTS];                      // m
     float angle[CONSTRAINTS];                     // rad
     float weights[GROUPS][4][8];                  // of isometric hinges

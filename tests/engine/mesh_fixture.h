@@ -312,7 +312,7 @@ static inline int assert_refused_blocks_are_messages( const wisp_collision_mesh_
             bytes[1] = atomic_load( &host.bytes );
         }
         wisp_collision_mesh_release( mesh );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
         if ( !refused )
         {
             return n;
@@ -321,7 +321,7 @@ static inline int assert_refused_blocks_are_messages( const wisp_collision_mesh_
 }
 
 // Its middle and half the edge of a cube around it.
-static inline wisp_vec3 middle_of( const test_mesh* m, float* size )
+static inline wisp_vec3 centre_of( const test_mesh* m, float* size )
 {
     wisp_vec3 lower = m->points[0], upper = lower;
     for ( int i = 1; i < m->point_count; ++i )

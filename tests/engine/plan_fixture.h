@@ -134,7 +134,7 @@ static inline wisp_world* open_world_with( const wisp_world_def* requested )
     wisp_world_def def = *requested;
     def.modules = def.modules != NULL ? def.modules : modules;
     def.module_count = def.module_count > 0 ? def.module_count : WISP_COUNT( modules );
-    def.log = test_log_listen;
+    def.log = test_log_write;
     def.log_user = &fake.log;
     wisp_world* world = NULL;
     wisp_error error = { WISP_OK, "" };
@@ -277,7 +277,7 @@ static inline void assert_plan( wisp_world* world, const char* components, const
 #define ASSERT_PLAN( passes, components, requests, text )                                                            \
     assert_plan( OPEN_WORLD( passes ), components, requests, text )
 
-/// What ran since the last time this was asked: "a1.0" is pass a on group 0 of entity 1, "a1.0-3" on groups 0 to 2,
+/// What ran since the last call: "a1.0" is pass a on group 0 of entity 1, "a1.0-3" on groups 0 to 2,
 /// "a1" an entity pass.
 static inline const char* trace_text( void )
 {

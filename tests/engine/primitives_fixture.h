@@ -1,4 +1,4 @@
-/// Rows of primitives that ask others, of many kinds: what tests of the kernels of primitives look at.
+/// Packs of primitives that query others, of many kinds, for tests of the kernels of primitives.
 #pragma once
 
 #include "kernels_fixture.h"
@@ -17,12 +17,12 @@ enum
 
 typedef enum primitive_shape
 {
-    EDGES,  // edges ask edges
-    FACES,  // points ask triangles
+    EDGES,  // edges query edges
+    FACES,  // points query triangles
     SHAPES, // how many shapes there are
 } primitive_shape;
 
-/// Side 0 asks. Where it asks itself, side 1 is not looked at.
+/// Side 0 queries side 1, or itself; then side 1 is not used.
 typedef struct scene
 {
     _Alignas( 64 ) wisp_primitive_pack row[2][ROWS];
@@ -154,7 +154,7 @@ static inline double3 inside( scene* s, int side, int primitive )
     return p;
 }
 
-/// The insides of primitives meet those of others but for twice of what is asked.
+/// The insides of primitives meet those of others but for twice the query distance.
 static inline void make_intersection( scene* s )
 {
     const int queried = queried_side( s );
@@ -189,7 +189,7 @@ static inline void make_degenerate( scene* s )
     make_intersection( s );
 }
 
-/// Queries lie where the asked lie; of some the points are the same, all of them or the first.
+/// Queries lie on their targets; of some the points are the same, all of them or the first.
 static inline void make_twins( scene* s )
 {
     const int queried = queried_side( s );
@@ -334,7 +334,7 @@ static inline bool share_a_point( scene* s, int query, int queried )
     return shared;
 }
 
-/// NaN if one of them has a point that is no number.
+/// NaN if one of them has a point that is NaN.
 static inline double distance_of( scene* s, int query, int queried )
 {
     double3 x[4];
@@ -372,7 +372,7 @@ static inline bool is_beyond( scene* s, int side, int primitive, const wisp_aabb
 
 // ---- every table ----
 
-/// Which NaN comes out of arithmetic on NaNs is nobody's promise.
+/// The bits of a NaN that arithmetic on NaNs gives are unspecified.
 static inline void assert_same_numbers( const float* found, const float* expected, size_t count )
 {
     for ( size_t i = 0; i < count; ++i )

@@ -165,7 +165,7 @@ static inline void layer_close( layer* l )
     free( l->args.triangle_points );
     wisp_samples_release( &l->samples, &l->allocator );
     jobs_destroy( l->pool );
-    assert_host_has_all_back( &l->host );
+    assert_host_memory_is_released( &l->host );
     free( l );
 }
 

@@ -130,7 +130,7 @@ static inline void space_close( space* s )
     wisp_grid_release( &s->grid, &s->allocator );
     wisp_neighbours_release( &s->found, &s->allocator );
     jobs_destroy( s->pool );
-    assert_host_has_all_back( &s->host );
+    assert_host_memory_is_released( &s->host );
     free( s );
 }
 

@@ -58,7 +58,7 @@ static inline int tear_down( void** state )
 {
     fixture* f = *state;
     store_release( &f->s );
-    assert_host_has_all_back( &f->host );
+    assert_host_memory_is_released( &f->host );
     free( f );
     return 0;
 }

@@ -170,7 +170,7 @@ static void finder_close( finder* f )
 {
     wisp_aabb_pairs_release( &f->pairs, &f->allocator );
     jobs_destroy( f->pool );
-    assert_host_has_all_back( &f->host );
+    assert_host_memory_is_released( &f->host );
     free( f );
 }
 

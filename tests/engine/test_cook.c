@@ -79,7 +79,7 @@ static void check_every_mix( check_fn* check )
             free( rows );
             cook_strands_release( cooked );
             test_strands_free( &user );
-            assert_host_has_all_back( &host );
+            assert_host_memory_is_released( &host );
         }
     }
 }
@@ -285,7 +285,7 @@ static void a_topology_dies_with_its_last_instance( void** state )
     cook_strands_release( cooked );
     cook_strands_release( NULL );
     test_strands_free( &user );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 static void cooking_without_memory_is_null_and_leaks_nothing( void** state )
@@ -301,7 +301,7 @@ static void cooking_without_memory_is_null_and_leaks_nothing( void** state )
         cook_strands* cooked = cook_strands_create( &allocator, user.offsets, user.strand_count, 3 );
         failures += cooked == NULL ? 1 : 0;
         cook_strands_release( cooked );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
     }
     test_strands_free( &user );
     assert_true( failures > 0 );

@@ -399,7 +399,7 @@ static void without_memory_there_is_a_message_and_no_report( void** state )
     test_host_refuse( &host, 0, false );
     wisp_plan_info_release( explain( world ) );
     wisp_world_destroy( world );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 int main( void )

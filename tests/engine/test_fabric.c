@@ -540,7 +540,7 @@ static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
         assert_int_equal( fabric == NULL, refused );
         failures += refused ? 1 : 0;
         wisp_fabric_release( fabric );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
     }
     assert_true( failures > 50 );
     test_mesh_free( &mesh );
@@ -563,7 +563,7 @@ static void a_fabric_dies_with_its_last_owner( void** state )
     assert_fabric_holds( fabric, &def );
     wisp_fabric_release( fabric );
     wisp_fabric_release( NULL );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
     test_mesh_free( &mesh );
 }
 

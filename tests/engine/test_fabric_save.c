@@ -366,7 +366,7 @@ static void loading_without_memory_says_so_and_leaks_nothing( void** state )
         assert_int_equal( loaded == NULL, refused );
         failures += refused ? 1 : 0;
         wisp_fabric_release( loaded );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
     }
     assert_true( failures > 25 );
     free( s.bytes );

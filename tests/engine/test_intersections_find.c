@@ -277,7 +277,7 @@ static void searcher_close( searcher* s )
     wisp_intersections_release( &s->found, &s->allocator );
     assert_null( s->found.list );
     jobs_destroy( s->pool );
-    assert_host_has_all_back( &s->host );
+    assert_host_memory_is_released( &s->host );
     free( s );
 }
 

@@ -510,7 +510,7 @@ static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
     }
     assert_int_equal( atomic_load( &host.queried ), queried );
     jobs_destroy( pool );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 static void scratch_without_memory_is_null_and_returns_with_it( void** state )
@@ -527,7 +527,7 @@ static void scratch_without_memory_is_null_and_returns_with_it( void** state )
     enter_scratch_use( &use, pool, SCRATCH_BLOCKS );
     assert_int_equal( use.missing + use.damaged, 0 );
     jobs_destroy( pool );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 // ---- pools ----
@@ -542,7 +542,7 @@ static void a_pool_knows_its_workers_and_its_memory( void** state )
     assert_int_equal( jobs_workers( pool ), 5 );
     assert_ptr_equal( wisp_parallel_allocator( jobs_alone( pool, 4 ) ), &allocator );
     jobs_destroy( pool );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 static void a_pool_without_memory_is_null( void** state )
@@ -552,7 +552,7 @@ static void a_pool_without_memory_is_null( void** state )
     wisp_allocator allocator = test_host_allocator( &host );
     assert_null( jobs_create( &allocator, 2, NULL, NULL ) );
     jobs_destroy( NULL );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
 }
 
 static void a_default_number_of_workers_is_one_that_a_world_takes( void** state )

@@ -208,7 +208,7 @@ typedef void make_fn( pairs* s );
 
 static make_fn* const KINDS[] = { make_random, make_near, make_slivers, make_far, make_lattice, make_all_sizes };
 
-// Numbers that are none, in each corner in turn, and differences that are too large for a float.
+// NaN and infinity, in each corner in turn, and differences that are too large for a float.
 static void make_strange( pairs* s )
 {
     static const float STRANGE[] = { NAN, INFINITY, -INFINITY, FLT_MAX };
@@ -221,7 +221,7 @@ static void make_strange( pairs* s )
 
 // ---- every table ----
 
-// Which NaN comes out of arithmetic on NaNs is nobody's promise.
+// The bits of a NaN that arithmetic on NaNs gives are unspecified.
 static void settle_nans( float* numbers, size_t size )
 {
     for ( size_t i = 0; i < size / sizeof( float ); ++i )

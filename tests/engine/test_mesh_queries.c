@@ -33,7 +33,7 @@ static test_mesh make_mesh( int which )
 static wisp_vec3 query_point( const test_mesh* m, int i )
 {
     float size;
-    wisp_vec3 middle = middle_of( m, &size );
+    wisp_vec3 middle = centre_of( m, &size );
     const int32_t* t = m->triangles + 3 * (size_t)test_random( i, 50, m->triangle_count );
     wisp_vec3 a = m->points[t[0]], b = m->points[t[1]];
     switch ( i % 5 )
@@ -299,7 +299,7 @@ static void the_first_intersection_is_that_of_brute_force( void** state )
         wisp_collision_mesh *rigid = test_collision_mesh( &m, false ), *soft = test_collision_mesh( &m, true );
         int queries = which == MESHES - 1 ? QUERIES / 5 : QUERIES;
         float size;
-        middle_of( &m, &size );
+        centre_of( &m, &size );
         for ( int i = 0; i < queries; ++i )
         {
             // long ones, and steps of a particle close to the surface

@@ -368,7 +368,7 @@ static int refuse_every_request( fixture* f, bool shaped, change_fn* change, boo
             assert_true( change( &s, last ) );
         }
         store_release( &s );
-        assert_host_has_all_back( &f->host );
+        assert_host_memory_is_released( &f->host );
         if ( done )
         {
             return failures;

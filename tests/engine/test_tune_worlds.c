@@ -40,7 +40,7 @@ static wisp_world* make_world( int substeps, int iterations, int side, float gra
     def.workers = 1;
     def.substeps = substeps;
     def.iterations = iterations;
-    def.log = test_log_listen;
+    def.log = test_log_write;
     def.log_user = &log;
     wisp_world* world;
     assert_int_equal( wisp_world_create( &def, &world, NULL ), WISP_OK );
@@ -182,7 +182,7 @@ static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void*
     assert_int_equal( host.built, found.run_count + 1 );
     assert_int_equal( host.destroyed, host.built );
     wisp_tune_release( &found );
-    assert_host_has_all_back( &host.memory );
+    assert_host_memory_is_released( &host.memory );
 }
 
 static void a_generous_budget_gives_the_most_accurate_of_what_was_run( void** state )
@@ -237,7 +237,7 @@ static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const
     assert_one_message( error.message );
     assert_contains( error.message, words );
     assert_int_equal( host->built, host->destroyed );
-    assert_host_has_all_back( &host->memory );
+    assert_host_memory_is_released( &host->memory );
 }
 
 static void a_reference_that_halts_is_no_reference( void** state )

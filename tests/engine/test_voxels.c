@@ -132,7 +132,7 @@ static test_mesh make_mesh( int which )
 static wisp_vec3 query_point( const test_mesh* m, int i )
 {
     float size;
-    wisp_vec3 middle = middle_of( m, &size );
+    wisp_vec3 middle = centre_of( m, &size );
     const int32_t* t = m->triangles + 3 * (size_t)test_random( i, 50, m->triangle_count );
     wisp_vec3 a = m->points[t[0]], b = m->points[t[1]];
     switch ( i % 7 )
@@ -158,7 +158,7 @@ static wisp_vec3 query_point( const test_mesh* m, int i )
 static wisp_mesh_path query_path( const test_mesh* m, int i )
 {
     float size;
-    middle_of( m, &size );
+    centre_of( m, &size );
     wisp_vec3 from = query_point( m, i ), step = test_point( i, 20, i % 2 == 0 ? 3.0f * size : 0.02f * size );
     if ( i % 7 == 6 )
     {
@@ -247,7 +247,7 @@ static void ask_all( const test_mesh* m, wisp_collision_mesh* voxels, wisp_colli
 {
     float* xyzw = test_mesh_quads( m );
     float size;
-    middle_of( m, &size );
+    centre_of( m, &size );
     const float radii[] = { INFINITY, 0.1f * size, 1e-3f * size, 0.0f, 2.0f * size };
     for ( int i = 0; i < queries; ++i )
     {
@@ -267,7 +267,7 @@ static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void**
     {
         test_mesh m = make_mesh( which );
         float size;
-        middle_of( &m, &size );
+        centre_of( &m, &size );
         // of the mean edge, far smaller than can be, and as large as the mesh
         const float sizes[] = { 0.0f, 1e-3f * size, 3.0f * size };
         wisp_collision_mesh* tree = make_tree_if_any( &m, false );
@@ -449,7 +449,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     assert_true( n > 2 );
     assert_true( answered > 100 && crossed > 10 );
     wisp_collision_mesh_release( voxels );
-    assert_host_has_all_back( &host );
+    assert_host_memory_is_released( &host );
     free( moved );
     test_mesh_free( &flat );
     test_mesh_free( &m );

@@ -228,7 +228,7 @@ static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
         def.modules = modules;
         def.module_count = 2;
         assert_no_world( &def, wrong[i].words );
-        assert_host_has_all_back( &host );
+        assert_host_memory_is_released( &host );
     }
 }
 

@@ -75,7 +75,7 @@ static void a_world_with_many_workers_gives_everything_back( void** state )
         }
         step( h.world );
         wisp_world_destroy( h.world );
-        assert_host_has_all_back( &h.host );
+        assert_host_memory_is_released( &h.host );
     }
 }
 
@@ -98,7 +98,7 @@ static int64_t requests_of_warm_steps( int workers )
     }
     int64_t requests = atomic_load( &h.host.queried ) - warm;
     wisp_world_destroy( h.world );
-    assert_host_has_all_back( &h.host );
+    assert_host_memory_is_released( &h.host );
     return requests;
 }
 
@@ -136,7 +136,7 @@ static wisp_status create_world( scene* s )
         assert_int_equal( error.status, status );
         assert_one_message( error.message );
         assert_null( s->h.world );
-        assert_host_has_all_back( &s->h.host );
+        assert_host_memory_is_released( &s->h.host );
     }
     return status;
 }
@@ -267,7 +267,7 @@ static uint64_t build_scene( int workers, int n, bool rest, bool* refused, int* 
     uint64_t shown = shown_by( &s );
     wisp_world_destroy( s.h.world );
     test_strands_free( &s.strands );
-    assert_host_has_all_back( &s.h.host );
+    assert_host_memory_is_released( &s.h.host );
     return shown;
 }
 

@@ -7,7 +7,7 @@
 
 #define CHOICES_MAX 400
 
-/// Time and error of every choice of three parameters, and what the search asked for.
+/// Time and error of every choice of three parameters, and what the search requested.
 typedef struct surface
 {
     int counts[3];

@@ -27,7 +27,7 @@ static inline wisp_world_def hosted_def( hosted* h )
     def.modules = MODULES;
     def.module_count = WISP_COUNT( MODULES );
     def.allocator = test_host_allocator( &h->host );
-    def.log = test_log_listen;
+    def.log = test_log_write;
     def.log_user = &h->log;
     def.workers = 1;
     return def;
@@ -61,7 +61,7 @@ static inline int close_hosted( void** state )
 {
     hosted* h = *state;
     wisp_world_destroy( h->world );
-    assert_host_has_all_back( &h->host );
+    assert_host_memory_is_released( &h->host );
     free( h );
     return 0;
 }
@@ -75,7 +75,7 @@ static inline wisp_frozen_hair_def clumping_def( void )
     return def;
 }
 
-/// Strands with frozen hair whose points are wanted.
+/// Strands with frozen hair whose points are requested.
 static inline wisp_entity add_frozen( wisp_world* world, int strand_count, int length )
 {
     wisp_entity e = test_add_strands( world, strand_count, length );
@@ -137,7 +137,7 @@ static inline void open_world( hosted* h, int substeps, int iterations )
 static inline void close_world( hosted* h )
 {
     wisp_world_destroy( h->world );
-    assert_host_has_all_back( &h->host );
+    assert_host_memory_is_released( &h->host );
 }
 
 static inline void assert_near( double actual, double expected, double tolerance )

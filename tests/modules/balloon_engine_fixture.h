@@ -10,7 +10,7 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-/// What flies. Zero pins, no gravity, no damping: only what a test asks for acts.
+/// What flies. Zero pins, no gravity, no damping: only what a test sets acts.
 typedef struct balloon_scene
 {
     const balloon_mesh* mesh; ///< in double, rounded once to the engine's floats
@@ -33,7 +33,7 @@ typedef struct balloon_scene
 } balloon_scene;
 
 /// The source's balloon in a vacuum: 0.02 kg/m^2, steps of 1/60 s, 10 substeps of 2 iterations, no gravity, buoyancy or
-/// drag, figures wanted.
+/// drag, statistics requested.
 balloon_scene balloon_scene_of( const balloon_mesh* mesh );
 /// The same in air under 9.8 m/s^2.
 balloon_scene balloon_scene_in_air( const balloon_mesh* mesh );
@@ -55,7 +55,7 @@ typedef struct balloon_flight
 wisp_world* balloon_world_create( const balloon_scene* scene );
 /// The mesh of the scene as a surface, not yet a balloon.
 wisp_entity balloon_surface_add( wisp_world* world, const balloon_scene* scene );
-/// As a balloon, with figures of balloon and surface wanted.
+/// As a balloon, with statistics of balloon and surface requested.
 wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene );
 
 /// A flight of a scene, which must live as long.

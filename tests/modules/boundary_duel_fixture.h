@@ -126,7 +126,7 @@ static inline void duel_close( duel* d )
 {
     wisp_samples_release( &d->samples, &d->allocator );
     jobs_destroy( d->pool );
-    assert_host_has_all_back( &d->host );
+    assert_host_memory_is_released( &d->host );
     boundary_oracle_destroy( &d->oracle );
     void* blocks[] = { d->x,
                        d->before,

@@ -37,7 +37,7 @@ static inline ball_world* ball_open( int level, int workers, const char* isa )
     def.modules = MODULES;
     def.module_count = WISP_COUNT( MODULES );
     def.allocator = test_host_allocator( &b->host );
-    def.log = test_log_listen;
+    def.log = test_log_write;
     def.log_user = &b->log;
     def.workers = workers;
     def.isa = isa;
@@ -51,7 +51,7 @@ static inline ball_world* ball_open( int level, int workers, const char* isa )
 static inline void ball_close( ball_world* b )
 {
     wisp_world_destroy( b->world );
-    assert_host_has_all_back( &b->host );
+    assert_host_memory_is_released( &b->host );
     test_mesh_free( &b->mesh );
     free( b );
 }

@@ -43,7 +43,7 @@ static inline test_mesh triangle_mesh( wisp_vec3 a, wisp_vec3 b, wisp_vec3 c )
     return m;
 }
 
-/// A cloth whose points and figures are wanted.
+/// A cloth whose points and statistics are requested.
 static inline wisp_entity add_cloth( wisp_world* world, const wisp_fabric_def* fabric, wisp_surface_def surface,
                                      const wisp_cloth_def* cloth, wisp_vec3 gravity )
 {

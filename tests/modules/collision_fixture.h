@@ -44,7 +44,7 @@ static inline void run_for( wisp_world* world, float dt, int steps )
     run_steps( world, steps, dt );
 }
 
-/// A surface of a mesh that collides as `def` says; its points and figures are wanted.
+/// A surface of a mesh that collides as `def` says; its points and statistics are requested.
 static inline wisp_entity add_colliding( wisp_world* world, const test_mesh* mesh, const wisp_collision_def* def )
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );

@@ -1,4 +1,4 @@
-/// Surfaces that are solved for, and what they are told of bodies: their particles are moved by a module of this file,
+/// Surfaces of an external solver, and their contacts with bodies: their particles are moved by a module of this file,
 /// which does nothing but follow their velocities.
 #pragma once
 

@@ -87,7 +87,7 @@ static inline test_mesh ball_of( int level, float radius, wisp_vec3 centre )
     return m;
 }
 
-/// Particles of a mesh, whose points and figures are wanted. Frees the mesh.
+/// Particles of a mesh, whose points and statistics are requested. Frees the mesh.
 static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const int32_t* pins, int pin_count,
                                     float area_density )
 {
@@ -180,7 +180,7 @@ static inline bool boxes_part( const float* p, const float* q, const float* a, c
     return false;
 }
 
-/// Edges of one surface that pass through triangles of another, or of itself: every edge is asked about every triangle.
+/// Edges of one surface that pass through triangles of another, or of itself: every edge is tested against every triangle.
 static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_entity triangles_of )
 {
     const wisp_fabric *f = wisp_world_fabric( world, edges_of ), *g = wisp_world_fabric( world, triangles_of );
@@ -265,7 +265,7 @@ static inline void momentum_of( wisp_world* world, const wisp_entity* surfaces, 
     }
 }
 
-/// How far a point is inside a closed surface, m; 0 outside. Solid angles tell which (van Oosterom and Strackee 1983).
+/// How far a point is inside a closed surface, m; 0 outside. By solid angles (van Oosterom and Strackee 1983).
 static inline double depth_inside( wisp_world* world, wisp_entity closed, const float* at )
 {
     const wisp_fabric* f = wisp_world_fabric( world, closed );

@@ -37,7 +37,7 @@ typedef struct determinism_case
 {
     const char* name;
     int steps;
-    int warm_workers;  // warm steps are counted with 1 to so many workers
+    int warm_workers;  // warm steps are counted with 1 worker to this many
     int rehearsal;     // steps of the same motion that are run once before warm steps are counted
     bool is_one_block; // so small that no worker helps with it
 } determinism_case;
@@ -184,7 +184,7 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
             d->run( r, c.steps );
             if ( atomic_load( &r->host->queried ) != queried )
             {
-                fail_msg( "%s asks for memory %d times in warm steps with %d workers", c.name,
+                fail_msg( "%s requests memory %d times in warm steps with %d workers", c.name,
                           (int)( atomic_load( &r->host->queried ) - queried ), workers );
             }
             d->close( r );

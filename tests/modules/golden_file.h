@@ -28,7 +28,7 @@ static inline void golden_write( const char* path, int count, golden_case_fn* ru
     assert_int_equal( fclose( file ), 0 );
 }
 
-/// All cases are as the file has them, in its order. WISP_GOLDEN=write in the environment writes it anew first.
+/// All cases are as the file has them, in its order. WISP_GOLDEN=write in the environment writes it first.
 static inline void golden_check( const char* path, int count, golden_case_fn* run, const void* context )
 {
     const char* mode = getenv( "WISP_GOLDEN" );

@@ -47,7 +47,7 @@ static inline wisp_implicit_cloth_def exact_def( void )
     return def;
 }
 
-/// Figures and points are wanted.
+/// Statistics and points are requested.
 static inline void set_implicit( wisp_world* world, wisp_entity e, const wisp_implicit_cloth_def* def )
 {
     assert_status( world, wisp_set_implicit_cloth( world, e, def ), WISP_OK );
@@ -116,7 +116,7 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
 
 // ---- sheets ----
 
-/// n x n vertices that hang by two corners unless they are free, a 32nd of a metre apart. Points and figures are wanted.
+/// n x n vertices that hang by two corners unless they are free, a 32nd of a metre apart. Points and statistics are requested.
 static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_cloth_def* def, int n, bool pinned )
 {
     test_mesh mesh = test_plane( n, 0.03125f );
@@ -132,7 +132,7 @@ static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_clot
     return e;
 }
 
-/// Points where a test wants them, in the user's order, with their velocities.
+/// Set points, in the user's order, with their velocities.
 static inline void place_vertex( wisp_world* world, wisp_entity e, int vertex, wisp_vec3 at, wisp_vec3 velocity )
 {
     const size_t quad = (size_t)wisp_world_fabric( world, e )->vertex_slot[vertex] * 4;

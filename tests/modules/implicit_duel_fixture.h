@@ -1,5 +1,5 @@
 /// The engine of implicit cloth and the oracle side by side: the same sheet, disturbed, with the same switches, substep by
-/// substep. What bodies there are, the oracle is told by the engine.
+/// substep. The oracle takes its bodies from the engine.
 #pragma once
 
 #include "implicit_cloth_fixture.h"

@@ -15,7 +15,7 @@ static inline void prepare_strands( hosted* s, const wisp_module* const* modules
     s->def.modules = modules;
     s->def.module_count = module_count;
     s->def.allocator = test_host_allocator( &s->host );
-    s->def.log = test_log_listen;
+    s->def.log = test_log_write;
     s->def.log_user = &s->log;
 }
 
@@ -91,7 +91,7 @@ static inline wisp_entity add_strands( wisp_world* world, const int* counts, int
     return e;
 }
 
-/// As add_strands, all of one vertex count, with dynamics; points are wanted.
+/// As add_strands, all of one vertex count, with dynamics; points are requested.
 static inline wisp_entity add_moving( wisp_world* world, int strand_count, int vertex_count, strand_curve* curve,
                                       float length, const wisp_strand_dynamics_def* def )
 {

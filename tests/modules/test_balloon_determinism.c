@@ -73,7 +73,7 @@ static void close_case( determinism_run* base )
 {
     running* r = (running*)base;
     balloon_end( &r->flight );
-    assert_host_has_all_back( &r->host );
+    assert_host_memory_is_released( &r->host );
     free( r );
 }
 

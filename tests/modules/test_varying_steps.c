@@ -204,7 +204,7 @@ static outcome run( const subject* s, sequence* dt_of, bool is_constant, int sub
     assert_false( wisp_is_halted( h.world, e ) );
     out.hash = wisp_world_hash( h.world );
     wisp_world_destroy( h.world );
-    assert_host_has_all_back( &h.host );
+    assert_host_memory_is_released( &h.host );
     return out;
 }
 
