@@ -11,8 +11,8 @@
 
 // ---- memory ----
 
-/// A host that counts what it allocates, fills it with rubbish, checks what is released, and can refuse one request or all
-/// from one on. Zero-initialised refuses nothing.
+/// A host that counts what it allocates, fills it with rubbish, checks what is released, and can refuse one request
+/// or all from one on. Zero-initialised refuses nothing.
 typedef struct test_host
 {
     _Atomic int64_t queried; ///< requests so far
@@ -23,8 +23,8 @@ typedef struct test_host
     bool refuse_rest;        ///< and all behind it
 } test_host;
 
-/// What must be known of a block when it is released. It lies in front of it, so that the block's end stays the end of the
-/// memory that a sanitizer watches.
+/// What must be known of a block when it is released. It lies in front of it, so that the block's end stays the end
+/// of the memory that a sanitizer watches.
 typedef struct test_block
 {
     size_t front, size;

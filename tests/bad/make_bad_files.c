@@ -1,4 +1,5 @@
-// Writes the groom files and recordings that must be refused. Run it after a change of their lists and commit its files:
+// Writes the groom files and recordings that must be refused. Run it after a change of their lists and commit its
+// files:
 //
 //     make_bad_files tests/bad
 #include "bad_grooms.h"

@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/// A layer of the engine, and how far up the public headers it may see reach. Layers of one level do not see each other.
+/// A layer of the engine, and how far up the public headers it may see reach. Layers of one level do not see each
+/// other.
 typedef struct engine_room
 {
     const char* name;

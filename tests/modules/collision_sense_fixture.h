@@ -1,5 +1,5 @@
-/// Surfaces of an external solver, and their contacts with bodies: their particles are moved by a module of this file,
-/// which does nothing but follow their velocities.
+/// Surfaces of an external solver, and their contacts with bodies: their particles are moved by a module of this
+/// file, which does nothing but follow their velocities.
 #pragma once
 
 #include "collision_fixture.h"

@@ -180,7 +180,8 @@ static inline bool boxes_part( const float* p, const float* q, const float* a, c
     return false;
 }
 
-/// Edges of one surface that pass through triangles of another, or of itself: every edge is tested against every triangle.
+/// Edges of one surface that pass through triangles of another, or of itself: every edge is tested against every
+/// triangle.
 static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_entity triangles_of )
 {
     const wisp_fabric *f = wisp_world_fabric( world, edges_of ), *g = wisp_world_fabric( world, triangles_of );

@@ -116,7 +116,8 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
 
 // ---- sheets ----
 
-/// n x n vertices that hang by two corners unless they are free, a 32nd of a metre apart. Points and statistics are requested.
+/// n x n vertices that hang by two corners unless they are free, a 32nd of a metre apart. Points and statistics are
+/// requested.
 static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_cloth_def* def, int n, bool pinned )
 {
     test_mesh mesh = test_plane( n, 0.03125f );
