@@ -583,7 +583,7 @@ static void hair_of_any_length_comes_to_rest( void** state )
     {
         const float length = lengths[k / WISP_COUNT( counts )];
         const int count = counts[k % WISP_COUNT( counts )];
-        strand_world s;
+        hosted s;
         open_strands( &s, 10, 1, 1 );
         wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
         def.damping = 5.0f;
