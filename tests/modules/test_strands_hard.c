@@ -602,7 +602,7 @@ static void hair_of_any_length_comes_to_rest( void** state )
         // the stiffness of segments of 0.1 mm is lowered at this substep
         const bool is_lowered = length / (float)count < 2e-4f;
         assert_true( is_lowered || ( holds ? fabsf( tip.y ) < 1e-3f : tip.y < -0.01f ) );
-        close_strands( &s );
+        close_world( &s );
     }
 }
 
