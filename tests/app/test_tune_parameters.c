@@ -271,7 +271,8 @@ static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** sta
     char with[400], text[2000], expected[400];
     snprintf( with, sizeof with, "%s    finest_level: 1\n", head );
     snprintf( expected, sizeof expected,
-              "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 0\n    cloth: { level_passes: 0 }\n" );
+              "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE
+              "    levels: 0\n    cloth: { level_passes: 0 }\n" );
     write_choice( with, 2, 3, text, sizeof text );
     assert_string_equal( text, expected );
     write_choice( head, 2, 3, text, sizeof text );

@@ -260,7 +260,6 @@ static double strain_of_solid( float size, float flatness, wisp_cloth_bending be
 // not add to it.
 static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( void** state )
 {
-    (void)state;
     const float sizes[] = { 0.1f, 0.03f, 0.01f, 1e-3f, 1e-4f }, flatness[] = { 1.0f, 2e-3f };
     for ( int k = 0; k < WISP_COUNT( sizes ) * WISP_COUNT( flatness ); ++k )
     {

@@ -576,7 +576,6 @@ static wisp_vec3 wave_out( int strand, int i, int count, float length )
 
 static void hair_of_any_length_comes_to_rest( void** state )
 {
-    (void)state;
     const float lengths[] = { 0.01f, 0.05f, 0.1f, 0.14f, 0.25f, 0.4f, 1.0f };
     const int counts[] = { 8, 16, 32, 96 };
     for ( int k = 0; k < WISP_COUNT( lengths ) * WISP_COUNT( counts ); ++k )
