@@ -313,8 +313,7 @@ static const scene_field SURFACE_FIELDS[] = {
     { "boundary", SCENE_BLOCK, .at = AT( has_boundary ), .block = &SCENE_BOUNDARY_BLOCK,
       .help = "Layer of points on the surface, to draw and export; it does not change the motion." },
     { "compute", SCENE_CUSTOM, .given = AT( has_compute ), .read = scene_read_surface_request,
-      .choices = SCENE_SURFACE_WORDS,
-      .help = "What is computed for output and statistics.", .form = "list of words",
+      .choices = SCENE_SURFACE_WORDS, .help = "What is computed for output and statistics.", .form = "list of words",
       .initial = "`points`; `[]`: none" },
 };
 #undef AT
