@@ -4,13 +4,13 @@
 //   delta_i = sum g(r0) clamp( change(r0, r1) / h ) / sum g(r0)
 //   p_i <- p_i + lambda_i Dp_i,  lambda = (1 - delta) zeta + delta floor
 //
-// Lane = vertex. Every lane adds its neighbours in list order, so sums equal those of a scalar loop. Padding and pairs beyond h add
-// an exact zero. A pair at distance 0 has no direction and is skipped.
+// Each lane is one vertex and adds its neighbours in list order, so sums equal those of a scalar loop. Padding and
+// pairs beyond h add exactly 0. A pair at distance 0 has no direction and is skipped.
 #include "kernel_isa.h"
 
 #include "lane_random.h"
 
-// `planar` is a constant wherever this is inlined: in the plane z is 0, and the work for it goes away.
+// Loads neighbours. `planar` is a constant after inlining; with z = 0 the compiler removes the work for z.
 LANE_INLINE lane8v load_entry( const float* xyzw, const int32_t* entries, bool planar )
 {
     lane8v q;
@@ -19,7 +19,7 @@ LANE_INLINE lane8v load_entry( const float* xyzw, const int32_t* entries, bool p
     return q;
 }
 
-// |d|^2. In the plane z would add a zero, which the compiler may not drop on its own: it does not know the zero's sign.
+// Computes |d|^2. In the plane, z would add a zero that the compiler cannot remove, because its sign may matter.
 LANE_INLINE lane8 squared_length( lane8v d, bool planar )
 {
     return planar ? lane8_add( lane8_mul( d.x, d.x ), lane8_mul( d.y, d.y ) ) : lane8v_dot( d, d );
@@ -36,7 +36,7 @@ static void store_slice( float* xyzw, int slice, lane8v p )
     lane8_store_xyzw_contiguous( xyzw + (size_t)slice * WISP_SLICE * 4, p.x, p.y, p.z, lane8_zero() );
 }
 
-// g(r) of eq. 14: 0 from h on.
+// Computes g(r) of eq. 14, which is 0 for r >= h.
 LANE_INLINE lane8 kernel_weight( lane8 r, lane8 inverse_h )
 {
     lane8 u = lane8_max( lane8_sub( lane8_set1( 1.0f ), lane8_mul( r, inverse_h ) ), lane8_zero() );
@@ -57,7 +57,7 @@ static float largest( lane8 squared )
     return length;
 }
 
-// No vertex moves further than half of what its nearest neighbour leaves above r_min, so no pair gets closer than that.
+// Limits a move to half of the distance between the nearest neighbour and r_min, so no pair gets closer than r_min.
 static lane8v guarded( const wisp_adhesion_args* args, lane8v move, lane8 nearest )
 {
     lane8 room = lane8_mul( lane8_sub( nearest, lane8_set1( args->distance_min ) ), lane8_set1( 0.5f ) );
@@ -68,7 +68,7 @@ static lane8v guarded( const wisp_adhesion_args* args, lane8v move, lane8 neares
     return lane8v_scale( move, scale );
 }
 
-// Sums of one slice while its lists are walked.
+// Sums over the lists of one slice.
 typedef struct attract_sums
 {
     lane8v force;
@@ -76,13 +76,13 @@ typedef struct attract_sums
     int near;
 } attract_sums;
 
-// What a first sweep does. Constants where this is inlined.
+// Options of the first sweep, constants after inlining.
 typedef struct attract_law
 {
-    bool planar, measuring, printed; // printed: epsilon counts
+    bool planar, measuring, printed; // printed: use epsilon, as in the paper
 } attract_law;
 
-// Further than any radius: it takes the place of a distance that has no direction.
+// Replaces a distance that has no direction; larger than any radius.
 static const float NOWHERE = 3e38f;
 
 LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wisp_neighbour_list* list, int slice,
@@ -105,7 +105,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
         sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
         sums.force.y = lane8_mul_add( d.y, pull, sums.force.y );
         sums.force.z = law.planar ? zero : lane8_mul_add( d.z, pull, sums.force.z );
-        // who is beyond h does not matter: where nobody is nearer there is no force to hold back
+        // neighbours beyond h need no test: if none is nearer, the force is 0 and nothing is limited
         sums.nearest = lane8_min( sums.nearest, r );
         if ( law.measuring )
         {
@@ -117,7 +117,8 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
     return sums;
 }
 
-// Whose vertices have left their leash, and how far the furthest is from where it was searched, squared.
+// Marks vertices that have moved farther than the search margin. Returns the maximum squared distance moved since
+// the search.
 LANE_INLINE lane8 follow( const wisp_adhesion_args* args, int slice, lane8v p, lane8 most )
 {
     lane8v d = lane8v_sub( p, load_slice( args->search_position, slice ) );
@@ -148,7 +149,7 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
         lane8v move = lane8v_scale( sums.force, step );
         move = args->min_distance_clamp ? guarded( args, move, sums.nearest ) : move;
 
-        // roots stay
+        // roots do not move
         lane8m moves = lane8i_lt( lane8i_set1( 0 ), lane8i_loadu( args->vertex + slice * WISP_SLICE ) );
         move = lane8v_select( moves, move, ( lane8v ){ zero, zero, zero } );
         lane8v tentative = lane8v_add( p, move );
@@ -178,13 +179,13 @@ float KERNEL( adhesion_attract )( const wisp_adhesion_args* args, int slice_firs
                         : attract_in( args, slice_first, slice_last, false );
 }
 
-// What a slice's reference neighbours say about the change of their distances.
+// Weights and changes of distance, summed over the reference neighbours of a slice.
 typedef struct brake_sums
 {
     lane8 weights, changes;
 } brake_sums;
 
-// A brake's law. The first three are constants where this is inlined.
+// Options of the brake. The first three are constants after inlining.
 typedef struct brake_law
 {
     int gap;
@@ -225,7 +226,7 @@ LANE_INLINE brake_sums brake_list( const wisp_adhesion_args* args, const wisp_ne
     return sums;
 }
 
-// delta of eq. 17, weighted over the reference neighbours
+// Computes delta of eq. 17, a weighted mean over the reference neighbours.
 LANE_INLINE lane8 change_fraction( const wisp_adhesion_args* args, int slice, brake_law law )
 {
     brake_sums sums = { lane8_zero(), lane8_zero() };
@@ -279,7 +280,7 @@ LANE_INLINE float brake_by_gap( const wisp_adhesion_args* args, int slice_first,
 
 float KERNEL( adhesion_brake )( const wisp_adhesion_args* args, int slice_first, int slice_last )
 {
-    // the default has a plane of its own; the other readings of the brake run in space
+    // only the default variant of the brake has code for the plane
     bool by_iteration = args->pairs == NULL;
     if ( by_iteration )
     {

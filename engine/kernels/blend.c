@@ -1,5 +1,6 @@
-// Points between parents (boundary particle paper, sections 2.2, 3.4 and 5). Eight at a time as four rows of two quads, row r
-// holding points r and r + 4. Parents come and leave as whole quads, so only lengths of normals need transposing.
+// Weighted points between parents (boundary particle paper, sections 2.2, 3.4 and 5). Eight points are four
+// registers of two xyzw rows; register r holds points r and r + 4. Parents are loaded and stored as whole rows, so
+// only lengths of normals are transposed.
 #include "kernel_isa.h"
 
 enum
@@ -14,7 +15,7 @@ LANE_INLINE void load_parents( const float* xyzw, const int32_t ( *parents )[4],
     lane8_load_quads( xyzw, index, rows );
 }
 
-// The first `count` weights of eight points, each four times.
+// Loads the first `count` weights of eight points, each repeated four times.
 LANE_INLINE void load_weights( const float ( *weights )[4], int count, lane8 spread[MAX_PARENTS][4] )
 {
     lane8 rows[4];
@@ -49,7 +50,8 @@ LANE_INLINE void sum_parents( const float* xyzw, const int32_t ( *parents )[4], 
     }
 }
 
-// Where normals cancel, the one of before stays and is marked for who knows the faces. It is rare, so it may go through memory.
+// Keeps the old normal and marks it where the new one cancels, for a caller that knows the triangles. This is rare,
+// so it goes through memory.
 static void keep_unknown( float* out, const float* before, uint32_t unknown )
 {
     for ( int l = 0; l < 8; ++l )

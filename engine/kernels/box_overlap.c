@@ -1,4 +1,4 @@
-// Boxes against boxes, eight at a time, and short lists in order.
+// Overlap of boxes, eight at a time, and sorting of short lists.
 #include "kernel_isa.h"
 
 enum
@@ -7,8 +7,8 @@ enum
     MAX_SLICES = 4,
 };
 
-// Which of some eights of slots overlap an query. Comparing and packing are two loops: a processor looks ahead a few
-// dozen instructions, and the way from a comparison to a packed list is longer.
+// Tests a few groups of eight slots for overlap with a query. Comparing and packing are two loops: the chain from a
+// comparison to a packed list is longer than the processor's reorder window.
 LANE_INLINE void compare( const wisp_aabb_stream* s, const float* box, int32_t above, const int32_t* eights,
                           int count, lane8m* hits )
 {
@@ -31,7 +31,7 @@ LANE_INLINE void compare( const wisp_aabb_stream* s, const float* box, int32_t a
     }
 }
 
-// Every eight is packed, hit or not: the branch would be a coin toss.
+// Pack every group of eight, even without a hit: the branch would be unpredictable.
 LANE_INLINE int32_t* pack( const int32_t* item, const int32_t* eights, int count, const lane8m* hits, int32_t* found )
 {
     for ( int k = 0; k < count; ++k )
@@ -73,8 +73,9 @@ void KERNEL( box_overlap )( const wisp_aabb_stream* stream, const int32_t* runs,
     ask( stream, eights, count, group );
 }
 
-// A number's place is how many are less; numbers are below 2^31, so that the sign of a difference tells. `slices` is a
-// constant where this is inlined. Behind the last number stand larger ones, which all go to the place behind the list.
+// Places each number at the count of smaller ones. Numbers are below 2^31, so the sign of a difference compares
+// them. `slices` is a constant after inlining. Padding is larger than all items and is written past the end of the
+// list.
 LANE_INLINE void order_slices( const int32_t* items, int slices, int32_t* out )
 {
     int32_t place[MAX_SLICES * WISP_SLICE];

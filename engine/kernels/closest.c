@@ -1,23 +1,24 @@
-// Closest points of pairs, eight at a time, and the direction between them.
+// Closest points of pairs, eight pairs at a time, and the direction between them.
 //
-// A contact pushes along the normal, so it matters more than the distance that the plane across the normal has one
-// side of the pair in front and the other behind. With e the rounding of a float and l the size of a pair, a difference
-// of points that are d apart is off by e l and its direction by e l / d; at the far end of an edge that is e l^2 / d,
-// which may be more than d. Three rules keep it down to e l:
+// A contact pushes along the normal. The plane perpendicular to the normal must separate the pair; this matters
+// more than an exact distance. Let e be the rounding error of a float and l the size of a pair. The difference of
+// points at distance d has an error of e l, and its direction an error of e l / d. At the far end of an edge that
+// is e l^2 / d, which may exceed d. Three rules keep the error at e l:
 //
-//   - A foot on a segment is measured from the end that is nearer, so that near an end nothing is cancelled, and
-//     whether it is at the end or before it is the sign of one product.
-//   - Where a foot is inside a segment, what the difference still has along the segment is taken off.
-//   - Where both sides are wide about the closest points (a face, or segments that cross), the normal is a product of
-//     their directions, and the difference only tells its sign.
+//   - The foot on a segment is measured from the nearer end. Near an end nothing cancels, and the sign of one
+//     product decides whether the foot is beyond the end.
+//   - Where the foot is inside a segment, the component of the difference along the segment is subtracted.
+//   - Where both sides extend around the closest points (a face, or crossing segments), the normal is the cross
+//     product of their directions, and the difference gives only its sign.
 //
-// Both kernels ask for the shortest vector d = r - x g - y h: for a triangle r = p - a, g = b - a and h = c - a; for
-// segments r = a - c, g = a - b and h = d - c. h and r are first cleared of g, which is a decomposition Q R: a triangle
-// may be thin as a needle, or segments nearly parallel, and still d is off by e l only. Where x and y are not allowed,
-// the closest of all edges answers.
+// Both kernels minimise d = r - x g - y h: for a triangle r = p - a, g = b - a and h = c - a; for segments
+// r = a - c, g = a - b and h = d - c. The components along g are first subtracted from h and r, which is a QR
+// decomposition. So d has an error of e l even for sliver triangles and nearly parallel segments. Where x and y are
+// out of range, the nearest edge is used instead.
 //
-// A processor looks ahead a third of the instructions of a group, each of which waits for another. So two loops follow
-// each other over a few groups: the second has the roots and quotients, which wait the longest.
+// Instructions of a group depend on each other, and the reorder window covers only a third of them. So work is
+// split into two loops over a few groups. The second loop has the square roots and divisions, which have the
+// longest latency.
 #include "kernel_isa.h"
 
 enum
@@ -25,33 +26,34 @@ enum
     BLOCK = 8, // groups
 };
 
-// h without g is a difference of vectors as long as h: below so many times the square of h it has no digits.
+// Minimum of |h less its part along g|^2 over |h|^2. Below it the difference has no significant digits.
 #define MIN_WIDTH 1.6e-13f
 
-// A difference keeps its direction better than the product does where it is longer than the pair is wide. A few times
-// longer hardly matters, and lets the product decide between edges that are equally near but for rounding.
+// Ratio of squared distance to squared width above which the difference has a more accurate direction than the
+// cross product. A somewhat larger value hardly matters, and lets the cross product decide between edges at equal
+// distance.
 #define WIDE 16.0f
 
-// Where edges are equally near but for rounding, the inside of one comes before an end, since an end is the limit of
-// feet inside; and of two insides comes that whose direction has the other points of the sides behind. Factors of the
-// square.
+// Factors of the squared distance that rank edges at equal distance, except for rounding. The inside of an edge is
+// preferred to an end, since an end is the limit of feet inside. Of two insides, the one whose direction has all
+// other points behind is preferred.
 #define OF_BEYOND ( 1.0f + 8.0f * FLT_EPSILON )
 #define OF_END ( 1.0f + 16.0f * FLT_EPSILON )
 
 typedef struct segment
 {
-    lane8v along;  // from the end that the parameter counts from
-    lane8 inverse; // 1 / square of the length; finite where there is no length
+    lane8v along;  // from the end where the parameter is 0
+    lane8 inverse; // 1 / squared length; finite for length 0
 } segment;
 
-// Points as two parameters, x and y, and the way to where they are from the other side.
+// A pair of closest points: parameters x and y, and the vector between the points.
 typedef struct candidate
 {
     lane8v between;
     lane8 squared;
-    segment on;    // the edge that the foot is on
-    lane8v inward; // where the other points of the sides are that d may not come near to
-    lane8m inside; // of the edge
+    segment on;    // edge that contains the foot
+    lane8v inward; // towards the other points of the sides; d must not point there
+    lane8m inside; // foot is inside the edge
     lane8 x, y;
 } candidate;
 
@@ -74,7 +76,8 @@ LANE_INLINE segment segment_of( lane8v along, lane8 squared )
     return ( segment ){ along, lane8_div( one, lane8_max( squared, lane8_set1( FLT_MIN ) ) ) };
 }
 
-// @param from_first, from_second the point less the ends  @param second the second end is nearer
+// Selects the foot measured from the nearer end.
+// @param from_first, from_second the point less each end  @param second whether the second end is nearer
 LANE_INLINE foot foot_on( segment on, lane8v from_first, lane8v from_second, lane8m second )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
@@ -112,12 +115,12 @@ LANE_INLINE candidate nearer( candidate a, candidate b )
     };
 }
 
-// The shortest r - x g - y h of all x and y.
+// Minimum of |r - x g - y h| over all x and y.
 typedef struct intersection
 {
     lane8v between;
-    lane8v width;  // h without g
-    lane8 squared; // of the width
+    lane8v width;  // h less its part along g
+    lane8 squared; // |width|^2
     lane8m wide;
     lane8 x, y;
 } intersection;
@@ -139,29 +142,30 @@ LANE_INLINE intersection cross_at( segment g, lane8 g_squared, lane8v h, lane8 h
     return c;
 }
 
-// A number of [0, 1] such that it and what it lacks to one add up to one without rounding.
+// Rounds a number in [0, 1] so that x and 1 - x sum to exactly 1.
 LANE_INLINE lane8 whole_fraction( lane8 x )
 {
     const lane8 one = lane8_set1( 1.0f );
     return lane8_sub( one, lane8_sub( one, x ) );
 }
 
-// What the second loop wants to know of eight pairs.
+// Values of eight pairs that the second loop needs.
 typedef struct nearest
 {
     lane8v between;
-    segment on;      // what `between` is across
-    lane8m straight; // it is: not at an end
+    segment on;      // segment to which `between` is perpendicular
+    lane8m straight; // `on` is valid: the foot is not at an end
     lane8v inward;
-    lane8m inside;  // of an edge
-    lane8m allowed; // the intersection is between the ends of both sides
+    lane8m inside;  // foot is inside an edge
+    lane8m allowed; // minimum is inside both sides
     lane8m wide;
-    lane8v product; // across both directions
+    lane8v product; // cross product of the two directions
     lane8 width_squared;
-    lane8 poison; // 0, or NaN where a number of the pair is not finite: a comparison may have left it out
+    lane8 poison; // 0, or NaN if a coordinate of the pair is not finite, since comparisons may have skipped it
 } nearest;
 
-// @param best of the edges
+// Collects the values.
+// @param best nearest edge
 LANE_INLINE nearest nearest_of( candidate best, intersection c, lane8m allowed, segment g, lane8 poison )
 {
     return ( nearest ){
@@ -179,7 +183,7 @@ LANE_INLINE nearest nearest_of( candidate best, intersection c, lane8m allowed, 
     };
 }
 
-// What of d is across an edge, where `mask` says so.
+// Subtracts the component of d along an edge, in the lanes of `mask`.
 LANE_INLINE lane8v clear_of( lane8v d, segment on, lane8m mask )
 {
     const lane8 excess = lane8_mul( lane8v_dot( d, on.along ), on.inverse );
@@ -189,7 +193,7 @@ LANE_INLINE lane8v clear_of( lane8v d, segment on, lane8m mask )
 LANE_INLINE void store_normal( float ( *normal )[8], const nearest* n, lane8v d, lane8 squared )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
-    // an edge was nearest by rounding alone if the other points of the sides are nearer along d
+    // if the other points of the sides are nearer along d, this edge was nearest only by rounding
     const lane8m beyond = lane8m_and( n->inside, lane8_gt( lane8v_dot( d, n->inward ), zero ) );
     const lane8m near = lane8_lt( squared, lane8_mul( n->width_squared, lane8_set1( WIDE ) ) );
     const lane8m across = lane8m_and( lane8m_and( n->wide, near ), lane8m_or( n->allowed, beyond ) );
@@ -204,8 +208,8 @@ LANE_INLINE void store_normal( float ( *normal )[8], const nearest* n, lane8v d,
     lane8_storeu( normal[2], unit.z );
 }
 
-// Once is enough for the length. For the direction twice: where the sides meet, nearly all of d is along the edge,
-// or all of it.
+// One subtraction suffices for the length. The direction needs two: where the sides touch, nearly all of d is along
+// the edge.
 LANE_INLINE void store_answer( const wisp_closest_args* args, int group, const nearest* n, bool requests_normal )
 {
     const lane8v once = clear_of( n->between, n->on, n->straight );
@@ -227,7 +231,7 @@ LANE_INLINE lane8v load_point( const wisp_closest_args* args, int group, int k )
     return p;
 }
 
-// x and y are the weights of b and c.
+// Minimises over a triangle; x and y are the weights of b and c.
 LANE_INLINE nearest solve_triangle( const wisp_closest_args* args, int group, bool requests_weights )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
@@ -267,7 +271,7 @@ LANE_INLINE nearest solve_triangle( const wisp_closest_args* args, int group, bo
     return nearest_of( best, face, allowed, ab, poison );
 }
 
-// x and y count from a and from c.
+// Minimises over two segments; x is measured from a and y from c.
 LANE_INLINE nearest solve_segments( const wisp_closest_args* args, int group, bool requests_weights )
 {
     const lane8 zero = lane8_zero(), one = lane8_set1( 1.0f );
@@ -279,7 +283,7 @@ LANE_INLINE nearest solve_segments( const wisp_closest_args* args, int group, bo
     const lane8 first_squared = squared_of( back ), second_squared = squared_of( to_d );
     const lane8 ac_squared = squared_of( ac ), ad_squared = squared_of( ad ), bc_squared = squared_of( bc ),
                 bd_squared = squared_of( bd );
-    // differences point from the second side to the first, so that the first segment is seen backwards
+    // differences point from the second side to the first, so the first segment is reversed
     const segment first = segment_of( back, first_squared ), second = segment_of( to_d, second_squared );
 
     const foot of_a = foot_on( second, ac, ad, lane8_lt( ad_squared, ac_squared ) ),

@@ -1,5 +1,6 @@
-// The vectors of filtered conjugate gradients (Baraff and Witkin 1998; Noh and Jung, section 4). Sums of a range are sums of blocks
-// of 64 slices, in order. Rows cut at the same places and added in order give the same bits for any number of workers.
+// Vectors of filtered conjugate gradients (Baraff and Witkin 1998; Noh and Jung, section 4). Sums over a range are
+// sums of blocks of 64 slices, in order. Ranges cut at the same places and added in order give the same bits for
+// any number of workers.
 #include "kernel_isa.h"
 
 enum
@@ -42,7 +43,7 @@ double KERNEL( conjugate_advance )( const wisp_conjugate_args* args, float step,
     return sum;
 }
 
-// The solution moves here, where the direction is in registers anyway: large cloths wait for memory.
+// Updates the solution in this loop, where the direction is in registers: large cloths are bound by memory.
 void KERNEL( conjugate_update )( const wisp_conjugate_args* args, float step, float fraction, int begin, int end )
 {
     const lane8 a = lane8_set1( step ), b = lane8_set1( fraction );

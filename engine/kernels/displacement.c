@@ -1,4 +1,4 @@
-// Displacements of points, and how much closer they may bring them to others.
+// Displacements of points, and upper bounds of how much they can bring points closer together.
 #include "kernel_isa.h"
 
 enum
@@ -15,7 +15,7 @@ LANE_INLINE lane8v way_of( const wisp_displacement_args* args, int point )
     return lane8v_sub( now, before );
 }
 
-// What is no length is none.
+// Replaces a length that is NaN or too large by 0.
 LANE_INLINE lane8 length_of( lane8v way )
 {
     const lane8 length = lane8_sqrt( lane8v_dot( way, way ) );
@@ -76,7 +76,7 @@ bool KERNEL( exceeds_prediction )( const wisp_displacement_args* args, int begin
     return bits != 0;
 }
 
-// How much nearer two points may come.
+// Computes by how much two points can approach each other.
 LANE_INLINE lane8 closing_of( const lane8 p[4], const lane8 q[4] )
 {
     const lane8v between = { lane8_sub( p[0], q[0] ), lane8_sub( p[1], q[1] ), lane8_sub( p[2], q[2] ) };
@@ -106,7 +106,7 @@ void KERNEL( max_approach )( const wisp_approach_args* args, int begin, int end 
     }
 }
 
-// How much nearer sides may come, at most; a little more, for what is added up is rounded.
+// Computes an upper bound of the approach of two sides, with a margin for rounding.
 LANE_INLINE lane8 closing_of_sides( const float* ways, const int32_t first4[8], const int32_t second4[8] )
 {
     lane8 a[4], b[4];
@@ -152,7 +152,7 @@ void KERNEL( xyzw_range )( const float* xyzw, const float* less, const int32_t* 
         for ( int k = 0; k < 4; ++k )
         {
             const lane8 v = less != NULL ? lane8_sub( q[k], from[k] ) : q[k];
-            least = lane8_min( v, least ); // of what is no number the second
+            least = lane8_min( v, least ); // a NaN in v yields the second operand
             most = lane8_max( v, most );
         }
     }

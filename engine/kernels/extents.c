@@ -1,11 +1,11 @@
-// Whether counts of points still hold: compares lengths in floats with bounds that allow for rounding. An element that fails is
-// measured in double precision by the caller.
+// Test whether sample counts are still valid, in floats with bounds that allow for rounding. The caller measures
+// elements that fail again in double precision.
 #include "kernel_isa.h"
 
-// Rounding of a product of two sides: a cross product is off by less than so many of |a| |b|, and a height by as many of the
-// side that it was made from.
+// Rounding of a cross product, relative to |a| |b|, and of a height, relative to the side that it is computed from.
 static const float CROSS_ROUNDING = 2e-6f;
-// A base shorter by this factor is surely the shortest: three times the rounding of a squared length.
+// Factor by which the base must be shorter to be certainly the shortest: three times the rounding of a squared
+// length.
 static const float SHORTER = 1.0f + 2e-6f;
 
 LANE_INLINE lane8 spacing_of( const wisp_extent_args* args, int slice )
@@ -21,7 +21,7 @@ LANE_INLINE lane8v load_points( const float* xyzw, const int32_t* index )
     return p;
 }
 
-// A square below FLT_MIN has lost digits, so it says nothing.
+// Tests whether a squared length is at least FLT_MIN; below, it has lost digits.
 LANE_INLINE lane8m is_measured( lane8 squared )
 {
     return lane8_ge( squared, lane8_set1( FLT_MIN ) );

@@ -1,12 +1,12 @@
-// Half spaces that particles must stay in, with Coulomb friction, eight particles at once. With q a point of the surface and
-// n its normal away from the body:
+// Contact of particles with half spaces, with Coulomb friction, eight particles at a time. With q a point of the
+// surface and n its normal away from the body:
 //
 //   pushed <- max( 0, pushed + gap - n (p - q) )
-//   u = tangential part of (p - previous) - motion, without what friction has done so far
+//   u = tangential part of (p - previous) - motion, without the friction applied so far
 //   rubbed <- -u if |u| <= mu_s pushed, else -mu_k pushed u / |u|
 //
-// Both sums are corrected, not extended, so another call for the same rows is another sweep of projected Gauss-Seidel. A row is 64
-// bytes, one cache line, which four transpositions turn into lanes.
+// Both sums are clamped in place, so another call with the same rows is another sweep of projected Gauss-Seidel. A
+// row is 64 bytes, one cache line, and is loaded into lanes by four transpositions.
 #include "kernel_isa.h"
 
 typedef struct half_space
@@ -31,7 +31,8 @@ static void store_rows( float* rows, const int32_t* row16, const half_space* h )
     lane8_store_xyzw( rows + 12, row16, h->rubbed.y, h->rubbed.z, h->static_friction, h->kinetic_friction );
 }
 
-// @return what friction is now, instead of h->rubbed
+// Computes the new tangential correction.
+// @return the value that replaces h->rubbed
 static lane8v rub( const half_space* h, lane8v p, lane8v previous )
 {
     lane8v u = lane8v_sub( lane8v_sub( p, previous ), h->motion );

@@ -1,4 +1,4 @@
-// Bending over interior edges, eight hinges at a time; no two of a group share a particle.
+// Bending across interior edges, eight hinges at a time. The hinges of a group share no particle.
 #include "kernel_isa.h"
 #include "lane_trig.h"
 
@@ -10,7 +10,7 @@
 
 enum
 {
-    END_I, // of the edge
+    END_I, // ends of the edge
     END_J,
     OPPOSITE_K, // in the triangle (i, j, k)
     OPPOSITE_L, // in the triangle (j, i, l)
@@ -45,8 +45,8 @@ LANE_INLINE void move_corners( const wisp_hinge_args* args, int hinge, const cor
     }
 }
 
-// Change of lambda for a constraint C with sum of w |gradient|^2: -k C / sum in pbd, -(C + a lambda) / (sum + a) in xpbd.
-// Never more than `largest`; nothing where the hinge is not usable.
+// Computes the change of lambda for a constraint C with sum of w |gradient|^2: -k C / sum in pbd, -(C + a lambda) /
+// (sum + a) in xpbd. Never more than `largest`; 0 where the hinge is not usable.
 LANE_INLINE lane8 change_of_lambda( const wisp_hinge_args* args, int hinge, lane8 error, lane8 sum, lane8 largest,
                                     lane8m usable )
 {
@@ -81,7 +81,7 @@ LANE_INLINE lane8 weighted_square( const corners* c, const lane8v gradient[CORNE
     return sum;
 }
 
-// Into [-pi, pi], from at most a turn outside: both angles of a difference are within it.
+// Wraps an angle to [-pi, pi], from at most a turn outside, as the difference of two angles is.
 LANE_INLINE lane8 wrap_angle( lane8 angle )
 {
     const lane8 pi = lane8_set1( 3.14159265f ), turn = lane8_set1( 6.28318531f );
@@ -89,22 +89,23 @@ LANE_INLINE lane8 wrap_angle( lane8 angle )
     return lane8_select( lane8_lt( angle, lane8_neg( pi ) ), lane8_add( angle, turn ), angle );
 }
 
-// Edges, and heights of triangles over an edge, of less than this squared (m^2) are rounding errors. Their gradients
-// would be noise, and their squares could overflow.
+// Minimum squared length of an edge, and of a triangle's height over an edge, in m^2. Below it their gradients are
+// rounding errors, and their squares could overflow.
 #define SMALLEST_SQUARE 1e-30f
 
-// Double area vectors of the two triangles, and how the edge lies to them.
+// Area vectors of the two triangles, and their position relative to the edge.
 typedef struct fold
 {
-    lane8v n1, n2;        // double area vectors of (i, j, k) and (j, i, l), m^2
-    lane8 n1n1, n2n2;     // their squares, 1 where not usable
+    lane8v n1, n2;        // twice the area vectors of (i, j, k) and (j, i, l), m^2
+    lane8 n1n1, n2n2;     // their squared lengths, 1 where not usable
     lane8 length;         // of the edge, m
-    lane8 foot_k, foot_l; // where the opposite vertices stand on the edge: 0 at i, 1 at j
+    lane8 foot_k, foot_l; // projection of the opposite vertices on the edge: 0 at i, 1 at j
     lane8 angle;          // rad
     lane8m usable;
 } fold;
 
-// With n1 = e x ki and n2 = li x e the product n2 x n1 is e (li . n1), so the sine needs no third cross product.
+// Computes the geometry of a hinge. With n1 = e x ki and n2 = li x e, n2 x n1 = e (li . n1), so the sine needs no
+// third cross product.
 LANE_INLINE fold measure_fold( const corners* c )
 {
     const lane8 one = lane8_set1( 1.0f ), smallest = lane8_set1( SMALLEST_SQUARE ), tiny = lane8_set1( FLT_MIN );
@@ -126,9 +127,9 @@ LANE_INLINE fold measure_fold( const corners* c )
     return f;
 }
 
-// The angle between the normals, positive where the opposite vertices lie on the side that the normals point to. The
-// gradients are those of Bridson, Marino and Fedkiw 2003: an opposite vertex by 1 / height along its normal, and the ends
-// what balances forces and torques. They stay finite when the hinge is flat.
+// Projects the angle between the normals, positive where the opposite vertices lie on the side to which the normals
+// point. Gradients are those of Bridson, Marino and Fedkiw 2003: an opposite vertex has 1 / height along its
+// normal, and the ends balance forces and torques. Gradients are finite for a flat hinge.
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f );
@@ -149,8 +150,8 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
             of_l,
         };
         lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
-        // Where what may move has no lever on the angle, such as the free corner of a hinge whose other corners are pinned in
-        // a line, gradient and sum are rounding, and their quotient would throw the corner about.
+        // Where free corners have no lever arm on the angle, such as one free corner while the others are pinned in
+        // a line, gradient and sum are rounding errors. Their quotient would move the corner arbitrarily far.
         lane8 sum = weighted_square( &c, gradient );
         lane8 steep = lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
         lane8 weights = lane8_add( lane8_add( c.weight[0], c.weight[1] ), lane8_add( c.weight[2], c.weight[3] ) );
@@ -161,8 +162,9 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
     }
 }
 
-// Quadratic bending of isometric surfaces (Bergou et al. 2006): the energy 1/2 k s |y|^2 with y = sum c_i x_i is a
-// constraint C = sqrt(s) |y| whose gradients are sqrt(s) c_i y / |y|. Steps are written so that |y| = 0 divides nothing.
+// Projects quadratic bending of isometric surfaces (Bergou et al. 2006). The energy 1/2 k s |y|^2 with y = sum c_i
+// x_i is a constraint C = sqrt(s) |y| with gradients sqrt(s) c_i y / |y|. Steps avoid a division by |y|, which may
+// be 0.
 void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f );
@@ -175,7 +177,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end 
         {
             cotangent[k] = lane8_loadu( args->rest + (size_t)hinge * CORNERS + 8 * k );
         }
-        // the weights sum to 0, so differences to one corner keep digits far from the origin
+        // weights sum to 0, so differences from one corner reduce rounding far from the origin
         for ( int k = 1; k < CORNERS; ++k )
         {
             y = lane8v_mul_add( y, cotangent[k], lane8v_sub( c.point[k], c.point[END_I] ) );

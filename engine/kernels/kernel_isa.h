@@ -1,5 +1,5 @@
-/// Every file of kernel_sources is compiled once an instruction set, with WISP_KERNEL_ISA naming it: the same function
-/// has one symbol a table. Helpers stay static.
+/// Each file of kernel_sources is compiled once per instruction set, named by WISP_KERNEL_ISA. The same function
+/// has one symbol per table. Helpers stay static.
 #pragma once
 
 #include "lane_vec.h"
@@ -11,7 +11,7 @@
 
 #define KERNEL( name ) LANE_JOIN( name##_, WISP_KERNEL_ISA )
 
-/// A squared length below this gives no direction: it loses digits, and then all of them.
+/// Minimum squared length of a vector with a direction. Below it the vector loses significant digits.
 #define KERNEL_MIN_SQUARED 1e-30f
 
 void KERNEL( strand_jitter )( const wisp_strand_jitter_args* args, int group_begin, int group_end );

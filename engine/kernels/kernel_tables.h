@@ -1,9 +1,9 @@
-/// The tables: one a compiled instruction set.
+/// Kernel tables, one per compiled instruction set.
 #pragma once
 
 #include "wisp/module/kernels.h"
 
-/// The widest table that this processor can run and that `cap` allows.
+/// Select the widest table that this processor supports and that `cap` allows.
 /// @param cap "baseline", "avx2" or "avx512"; null: WISP_ISA in the environment, or no cap if that is unset
-/// @return null for another word; the message names it
+/// @return null if the name is unknown; the message gives the name
 const wisp_kernels* kernels_select( const char* cap, wisp_error* error );

@@ -1,24 +1,25 @@
-// Distances between two particles, eight at a time. No two of a group share a particle (the schedule checks it when it is
-// cooked), so there are no conflicts, and the result does not depend on how the range is cut.
+// Distance constraints between two particles, eight at a time. The links of a group share no particle (checked when
+// the schedule is cooked). So there are no conflicts, and the result does not depend on how the range is split.
 //
-// The number of instructions limits this kernel, not memory (bench case "links"): particles are read as rows of four floats and
-// only their difference is transposed. The fourth number of that difference carries the sum of the inverse masses.
+// This kernel is bound by the number of instructions, not by memory (bench case "links"). Particles are read as
+// rows of four floats, and only their difference is transposed. Its fourth component holds the sum of the inverse
+// masses.
 #include "kernel_isa.h"
 
 static const int32_t XYZ_SIGN[8] = { INT32_MIN, INT32_MIN, INT32_MIN, 0, INT32_MIN, INT32_MIN, INT32_MIN, 0 };
 
-// The least squared length times inverse mass, m^2/kg, that is divided by. Below it a link gives way more slowly, down to
-// nothing at length 0; and a pinned pair, which no step moves, has a finite step up to lengths of 1e6 m.
+// Minimum denominator: squared length times inverse mass, m^2/kg. A shorter link is corrected more slowly, and not
+// at all at length 0. For a pinned pair, which does not move, the step stays finite up to lengths of 1e6 m.
 #define MIN_DENOMINATOR 1e-18f
 
-// Kernels copy their job: stores of particles cannot change a copy, so its pointers stay in registers.
+// Kernels copy their arguments: stores to particles cannot alias a copy, so its pointers stay in registers.
 
-// Eight pairs of particles as rows of quads, and what a constraint wants to know of them.
+// Eight pairs of particles as xyzw rows, and derived values.
 typedef struct pairs
 {
-    int32_t a_x4[8]; // a copy likewise, until particles are stored
+    int32_t a_x4[8]; // a copy too, until particles are stored
     lane8 a[4], b[4];
-    lane8 along[4]; // a - b as rows, wa + wb behind
+    lane8 along[4]; // a - b as rows, with wa + wb in the fourth component
     lane8 squared;  // m^2
     lane8 length;   // m
     lane8 weight;   // wa + wb, 1/kg
@@ -47,14 +48,15 @@ LANE_INLINE pairs load_pairs( const wisp_link_args* args, int link )
     return p;
 }
 
-// share error / (length weight). The quotient waits for the square only, so that it runs beside the root.
+// Computes fraction error / (length weight). Only the squared length enters the division, so it runs in parallel
+// with the square root.
 LANE_INLINE lane8 step_of( const pairs* p, lane8 fraction, lane8 error, lane8 weight )
 {
     lane8 denominator = lane8_max( lane8_mul( p->squared, weight ), lane8_set1( MIN_DENOMINATOR ) );
     return lane8_mul( error, lane8_mul( p->length, lane8_div( fraction, denominator ) ) );
 }
 
-// a -= wa step (a - b), b += wb step (a - b). Nothing is added to the inverse masses behind.
+// Applies a -= wa step (a - b), b += wb step (a - b). Inverse masses get 0 added.
 LANE_INLINE void move_pairs( const wisp_link_args* args, int link, pairs* p, lane8 step )
 {
     lane8 steps[4];
@@ -69,7 +71,7 @@ LANE_INLINE void move_pairs( const wisp_link_args* args, int link, pairs* p, lan
     lane8_store_quads( args->position, args->b_x4 + link, p->b );
 }
 
-// s = k (length - rest) / (length (wa + wb))
+// Projects with s = k (length - rest) / (length (wa + wb)).
 void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
 {
     const wisp_link_args mine = *args;
@@ -82,7 +84,7 @@ void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
     }
 }
 
-// C = length - rest, a = compliance / dt^2, change of lambda = -(C + a lambda) / (wa + wb + a); particles move by it.
+// Projects with C = length - rest, a = compliance / dt^2 and change of lambda = -(C + a lambda) / (wa + wb + a).
 LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int end, bool keeps_lambda )
 {
     const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 );
@@ -96,7 +98,7 @@ LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int en
         lane8 step = step_of( &p, lane8_set1( 1.0f ), error, lane8_add( p.weight, alpha ) );
         if ( keeps_lambda )
         {
-            // a pair of pinned particles would answer a compliance: it must not
+            // a pair of pinned particles has no step, whatever its compliance
             step = lane8_select( lane8_lt( lane8_zero(), p.weight ), step, lane8_zero() );
             lane8_storeu( mine.lambda + link, lane8_sub( lambda, lane8_mul( step, p.length ) ) );
         }
@@ -116,7 +118,7 @@ void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
     }
 }
 
-// As pbd with stiffness 1, where the pair is too long; nothing where it is slack.
+// Projects links longer than their rest length, like pbd with stiffness 1; shorter links are skipped.
 void KERNEL( link_unilateral )( const wisp_link_args* args, int begin, int end )
 {
     const wisp_link_args mine = *args;
@@ -131,7 +133,7 @@ void KERNEL( link_unilateral )( const wisp_link_args* args, int begin, int end )
     }
 }
 
-// The length is brought into [minimum rest, maximum rest].
+// Clamps the length to [minimum rest, maximum rest].
 void KERNEL( link_limit )( const wisp_link_args* args, int begin, int end )
 {
     const wisp_link_args mine = *args;

@@ -1,11 +1,11 @@
-// Single particles: time integration, tethers, and corrections from coarse levels. A particle is four floats, so a row of lanes
-// holds two of them, and nothing is transposed where the four numbers are treated alike.
+// Particles: time integration, tethers, and corrections from coarse levels. A particle is four floats, so a
+// register holds two. Nothing is transposed where all four components are treated alike.
 #include "kernel_isa.h"
 
-// x, y and z of two particles; the fourth numbers are kept.
+// Selects x, y and z of two particles; fourth components are kept.
 static const int32_t XYZ_MASK[8] = { -1, -1, -1, 0, -1, -1, -1, 0 };
 
-// A particle of a row moves only if its inverse mass is above 0.
+// Selects particles with an inverse mass above 0.
 LANE_INLINE lane8m moves( lane8 position )
 {
     return lane8_lt( lane8_zero(), lane8_spread_last( position ) );
@@ -27,7 +27,8 @@ void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end )
     }
 }
 
-// The fourth number of a velocity is 0, so the inverse mass gets 0 added and keeps its bits.
+// Adds the acceleration. The fourth component of a velocity is 0, so the inverse mass gets 0 added and keeps its
+// bits.
 void KERNEL( predict )( const wisp_particle_args* args, int begin, int end )
 {
     const lane8 dt = lane8_set1( args->dt );
@@ -41,9 +42,10 @@ void KERNEL( predict )( const wisp_particle_args* args, int begin, int end )
     }
 }
 
-// Eq. 2 is v = (p - x) / dt. Written as v* + (p - p*) / dt, with the prediction p* = x + dt v* rounded as predict() rounded
-// it, a particle that no constraint moved keeps its velocity to the last bit. A difference of positions would lose it:
-// 50 m from the origin and in steps of a sixth of a millisecond, nothing falls.
+// Computes velocities. Eq. 2 is v = (p - x) / dt. It is evaluated as v* + (p - p*) / dt, with the prediction p* = x
+// + dt v* rounded as in predict(). So a particle that no constraint moved keeps the bits of its velocity. The plain
+// difference would lose them: at 50 m from the origin, with substeps of a sixth of a millisecond, particles would
+// not fall.
 void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end )
 {
     const lane8 dt = lane8_set1( args->dt );
@@ -60,15 +62,15 @@ void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end )
     }
 }
 
-// x, y and z of a row of two particles without their signs, and a 0 for each fourth number, which may be anything.
+// Computes magnitudes of x, y and z of two particles, and 0 for each fourth component, which may be arbitrary.
 LANE_INLINE lane8 magnitudes( const float* row )
 {
     static const int32_t MASK[8] = { INT32_MAX, INT32_MAX, INT32_MAX, 0, INT32_MAX, INT32_MAX, INT32_MAX, 0 };
     return lane8_cast_float( lane8i_and( lane8_cast_int( lane8_load( row ) ), lane8i_loadu( MASK ) ) );
 }
 
-// A NaN is not below any bound. Eight particles are looked at together; only where they fail, which is once in the life
-// of an entity, are they told apart.
+// Finds components out of bounds; the comparison fails for NaN. Eight particles are tested together. Single
+// particles are tested only after a failure, which halts the entity.
 int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int end )
 {
     const lane8 bound = lane8_set1( args->bound );
@@ -98,11 +100,11 @@ int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int en
 typedef struct tethered
 {
     lane8v place;
-    lane8 weight;  // inverse mass
-    uint32_t bits; // of the lanes that were pulled
+    lane8 weight;  // inverse mass of the particle
+    uint32_t bits; // lanes that move
 } tethered;
 
-// Neighbours mostly hang on the same attachment, which is then read once.
+// Loads attachments. Neighbours mostly share one attachment, which is then read once.
 LANE_INLINE void load_anchors( const float* position, const int32_t* anchor_x4, lane8v* place, lane8* weight )
 {
     const lane8i all = lane8i_loadu( anchor_x4 );
@@ -116,8 +118,8 @@ LANE_INLINE void load_anchors( const float* position, const int32_t* anchor_x4, 
     lane8_load_xyzw( position, anchor_x4, &place->x, &place->y, &place->z, weight );
 }
 
-// A long-range attachment only ever pulls (Kim, Chentanez and Mueller-Fischer 2012): p moves onto the sphere of the
-// distance along the mesh when it has left it.
+// Applies tethers as long range attachments (Kim, Chentanez and Mueller-Fischer 2012): a particle outside the
+// sphere of the geodesic distance moves onto it.
 LANE_INLINE void pull( const wisp_tether_args* args, size_t tether, tethered* p )
 {
     const lane8 zero = lane8_zero();
@@ -129,7 +131,7 @@ LANE_INLINE void pull( const wisp_tether_args* args, size_t tether, tethered* p 
     lane8 longest = lane8_mul( lane8_loadu( args->rest + tether ), lane8_set1( args->slack ) );
     lane8m pulls = lane8m_and( lane8_lt( longest, length ),
                                lane8m_and( lane8_lt( zero, p->weight ), lane8_eq( anchor_weight, zero ) ) );
-    // its own anchor, at distance 0, pads
+    // padding refers to the particle itself, at distance 0
     pulls = lane8m_and( pulls, lane8_lt( zero, longest ) );
     if ( lane8m_any( pulls ) )
     {
@@ -152,7 +154,7 @@ void KERNEL( tether )( const wisp_tether_args* args, int begin, int end )
             pull( &mine, (size_t)layer * (size_t)mine.slot_count + (size_t)slot, &p );
         }
 
-        // Only what moves is written: other workers read the anchors among these slots.
+        // write only particles that move: other workers read attachments among these slots
         if ( ( p.bits & 0xffu ) == 0xffu )
         {
             lane8_store_xyzw_contiguous( xyzw, p.place.x, p.place.y, p.place.z, p.weight );
@@ -170,8 +172,8 @@ void KERNEL( tether )( const wisp_tether_args* args, int begin, int end )
     }
 }
 
-// Children and parents as four rows of two quads, so that nothing is transposed. Few children have as many parents as
-// there is room for, and a row of weights that are all 0 adds nothing.
+// Applies prolongation. Children and parents are four registers of two xyzw rows, so nothing is transposed. Few
+// children have the maximum number of parents; a row of zero weights adds nothing.
 void KERNEL( prolong )( const wisp_prolong_args* args, int begin, int end )
 {
     const wisp_prolong_args mine = *args;

@@ -1,5 +1,6 @@
-// Particles of a block as arrays, and which of them a body may touch. Most particles are far from most bodies, so this decides the
-// cost of bodies. A particle is far by the same numbers as a closest point would be, or by a bound that rounding cannot reverse.
+// Moving particles of a block as arrays, and culling against a body. Most particles are far from most bodies, so
+// culling determines the cost of bodies. The test uses the same arithmetic as the closest point, or a bound with a
+// margin for rounding.
 #include "kernel_isa.h"
 
 enum
@@ -33,7 +34,7 @@ LANE_INLINE float min_of( lane8 v )
     return least;
 }
 
-// One coordinate of those that move, into what is least of it and of its negative.
+// Extends bounds by one coordinate of the moving particles: minimum of the coordinate and of its negative.
 LANE_INLINE void widen( lane8m moves, lane8 now, lane8 old, lane8* lower, lane8* upper )
 {
     const lane8 all = lane8_set1( INFINITY );
@@ -77,9 +78,9 @@ int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end
     return count;
 }
 
-// ---- who is near ----
+// ---- culling ----
 
-// As wisp_transform_to_local() has it, number by number.
+// Same operations as wisp_transform_to_local(), in the same order.
 LANE_INLINE lane8v to_body( wisp_transform pose, lane8v world )
 {
     const lane8v v = lane8v_sub( world, lane8v_set1( pose.translation ) );
@@ -105,7 +106,7 @@ LANE_INLINE lane8 outside( lane8 distance, float half )
     return lane8_max( lane8_sub( lane8_abs( distance ), lane8_set1( half ) ), lane8_zero() );
 }
 
-// A ball, or a capsule along y, is beyond reach where it is so by more than the rounding of both ways to say it.
+// Tests whether a particle is beyond reach of a sphere, or of a capsule along y, by more than the rounding error.
 LANE_INLINE lane8m is_beyond_round( const wisp_cull_args* sight, lane8v p, lane8 reach )
 {
     const lane8 limit = lane8_add( lane8_set1( sight->radius ), reach ), y = outside( p.y, sight->half_length );
@@ -126,7 +127,7 @@ LANE_INLINE lane8m is_beyond( const wisp_cull_args* sight, wisp_cull_shape bound
     return bound == WISP_CULL_BOX ? beyond : lane8m_or( beyond, is_beyond_round( sight, p, reach ) );
 }
 
-// `bound` is a constant where this is inlined.
+// Culls particles. `bound` is a constant after inlining.
 LANE_INLINE int see( const wisp_cull_args* sight, wisp_cull_shape bound, int count )
 {
     const lane8 margin = lane8_set1( sight->margin );
@@ -163,7 +164,7 @@ int KERNEL( cull_particles )( const wisp_cull_args* sight, int count )
     }
 }
 
-// ---- who goes astray ----
+// ---- displaced particles ----
 
 int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays )
 {

@@ -1,4 +1,5 @@
-// Places of primitives of surfaces (points, edges and triangles), eight at a time, and distances between sets of points.
+// Centres and edge vectors of primitives of surfaces (points, edges and triangles), eight at a time, and separation
+// of point sets.
 #include "kernel_isa.h"
 
 enum
@@ -59,7 +60,7 @@ void KERNEL( place_primitives )( const float* xyzw, wisp_primitive_pack* rows, i
     }
 }
 
-// The least of each of eight.
+// Computes the minimum over the lanes of each of eight registers.
 LANE_INLINE lane8 min_of_each( const lane8 v[8] )
 {
     lane8i rows[8];
@@ -82,7 +83,7 @@ float KERNEL( separation )( const wisp_separating_axis_args* args )
     {
         AXES = 3,
     };
-    // where each set begins along each direction, and where it ends, against it
+    // minimum of each set along each axis, and along its negative
     lane8 lower[8], upper[8];
     for ( int i = 0; i < 8; ++i )
     {

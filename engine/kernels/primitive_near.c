@@ -1,8 +1,8 @@
-// Primitives near each other: one edge against sixteen, one point against eight triangles. Their extents along the line through
-// their centres bound the distance from below at a third of its cost, so few distances are computed.
+// Near primitives: one edge against sixteen, one point against eight triangles. Their extents along the line
+// through their centres give a lower bound of the distance at a third of its cost, so few distances are computed.
 //
-// Several jobs run at a time. Candidates are first written without a branch and compacted when all are done: a branch that waits
-// for a root and a quotient would stall the rest.
+// Several calls are batched. Candidates are first written without branches and compacted at the end: a branch that
+// depends on a square root and a division would stall the rest.
 #include "kernel_isa.h"
 
 enum
@@ -10,23 +10,23 @@ enum
     LANES = 8,
     MAX_JOBS = WISP_PRIMITIVE_BATCH,
     MAX_ROWS = WISP_PRIMITIVE_PACKS,
-    MAX_HITS =
-        MAX_JOBS * MAX_ROWS * LANES * ( MAX_ROWS + 1 ), // a last row alone is looked at with one that has nothing
+    MAX_HITS = MAX_JOBS * MAX_ROWS * LANES * ( MAX_ROWS + 1 ), // a single last pack is paired with an empty one
 };
 
 static const _Alignas( 64 ) wisp_primitive_pack NOTHING = { .item = { -1, -1, -1, -1, -1, -1, -1, -1 } };
 
-// One that asks, and who of a row is near.
+// A query and the lanes of a pack that are near it.
 typedef struct near_hit
 {
     int32_t args, row;
-    int32_t query; // row and lane
+    int32_t query; // pack and lane of the query
     uint32_t bits;
 } near_hit;
 
-// ---- within reach of a box ----
+// ---- culling against a box ----
 
-// Which of a row do not come within reach of a box. A primitive has so many corners.
+// Selects primitives of a pack that are farther than `within` from a box.
+// @param corners per primitive
 LANE_INLINE lane8m out_of( const wisp_primitive_pack* row, int corners, const wisp_aabb* box, lane8 within )
 {
     lane8m apart = lane8i_lt( lane8i_load( row->item ), lane8i_set1( 0 ) );
@@ -50,7 +50,8 @@ LANE_INLINE lane8m out_of( const wisp_primitive_pack* row, int corners, const wi
     return apart;
 }
 
-// Rows and lanes of those that ask. @return how many
+// Lists pack and lane of the queries that are near the box.
+// @return number of queries
 LANE_INLINE int list_queries( const wisp_primitive_near_args* args, int corners,
                               int32_t queries[MAX_ROWS * LANES + LANES] )
 {
@@ -64,7 +65,7 @@ LANE_INLINE int list_queries( const wisp_primitive_near_args* args, int corners,
     return count;
 }
 
-// What those of a row are called that may be near, else -1.
+// Returns the indices of near primitives of a pack, -1 elsewhere.
 LANE_INLINE lane8i items_of( const wisp_primitive_near_args* args, const wisp_primitive_pack* row, int corners )
 {
     const lane8m out = out_of( row, corners, args->query_aabb, lane8_set1( args->cull_distance ) );
@@ -73,7 +74,7 @@ LANE_INLINE lane8i items_of( const wisp_primitive_near_args* args, const wisp_pr
 
 // ---- edges and edges ----
 
-// Two rows that are asked, the second of which may have nothing.
+// Two packs; the second may be empty.
 typedef struct edges16
 {
     lane16v centre, edge_vector;
@@ -106,13 +107,15 @@ LANE_INLINE edges16 edges_of( const wisp_primitive_near_args* args, const wisp_p
     return e;
 }
 
-// How far primitives are apart at least that span so much along a way on which their middles are apart by `between`.
+// Computes a lower bound of the distance of primitives with the given extents along a direction, whose centres are
+// `between` apart.
 LANE_INLINE lane16 bound_of( lane16 between, lane16 spans, lane16 squared )
 {
     return lane16_div( lane16_sub( between, spans ), lane16_sqrt( squared ) );
 }
 
-// Of two edges: along the way between their middles, or across both where that is a direction.
+// Bounds the distance of two edges along the line between their centres, or along the common perpendicular if there
+// is one.
 LANE_INLINE lane16 bound_of_edges( lane16v way, lane16v a, lane16v b )
 {
     const lane16v across = lane16v_cross( a, b );
@@ -132,7 +135,7 @@ LANE_INLINE lane16m has_point( lane16i point_x4, const edges16* edges )
     return lane16m_or( lane16i_eq( point_x4, edges->point_x4[0] ), lane16i_eq( point_x4, edges->point_x4[1] ) );
 }
 
-// How far one is from sixteen; those that it is not looked at with go to `others`.
+// Bounds the distance of one edge from sixteen; the bounds of skipped edges go to `others`.
 LANE_INLINE lane16 ask_edges( const wisp_primitive_pack* query, int lane, bool is_own, const edges16* edges,
                               lane16m* others )
 {
@@ -156,7 +159,8 @@ static void min_lower( float least[LANES], lane16 by )
                   lane8_min( lane8_loadu( least ), lane8_min( lane8_loadu( both ), lane8_loadu( both + LANES ) ) ) );
 }
 
-// Behind hits that there are. What is no number is not apart. @return how many there are then
+// Appends to the hits. NaN counts as near.
+// @return new number of hits
 LANE_INLINE int find_edges( const wisp_primitive_near_args* args, int number, near_hit* hits, int count )
 {
     int32_t queries[MAX_ROWS * LANES + LANES];
@@ -243,10 +247,11 @@ LANE_INLINE int find_triangles( const wisp_primitive_near_args* args, int number
     return count;
 }
 
-// ---- what is found ----
+// ---- output ----
 
-// Behind pairs that there are. @param sides points of the first side, a constant where this is inlined @return how many there are
-// then
+// Appends to the pairs.
+// @param sides points of the first side, a constant after inlining
+// @return new number of pairs
 LANE_INLINE int keep( const wisp_primitive_near_args* args, const near_hit* hit, int sides,
                       const wisp_primitive_pairs* to, int found )
 {
@@ -266,7 +271,7 @@ LANE_INLINE int keep( const wisp_primitive_near_args* args, const near_hit* hit,
     return found + lane8i_compress_store( to->second + found, lane8i_load( row->item ), hit->bits );
 }
 
-// `are_edges` is a constant where this is inlined.
+// Runs a batch. `are_edges` is a constant after inlining.
 LANE_INLINE int find( const wisp_primitive_near_args* batch, int count, const wisp_primitive_pairs* to,
                       bool are_edges )
 {

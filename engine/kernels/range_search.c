@@ -1,5 +1,5 @@
-// Neighbours within a radius through the rows of a uniform grid: a row of cells is one contiguous run of slots, tested
-// eight at a time. Neighbours come in the order of slots, that is by cell, then by the item's own number.
+// Neighbours within a radius through the rows of a uniform grid. A row of cells is one contiguous run of slots,
+// tested eight at a time. Neighbours are found in slot order: by cell, then by item index.
 #include "kernel_isa.h"
 
 static int at_least( int a, int lower )
@@ -12,7 +12,7 @@ static int at_most( int a, int upper )
     return a > upper ? upper : a;
 }
 
-// Eight queries while they are searched: what they ask, and where their lists end.
+// Eight queries during a search: positions, owners and the ends of their lists.
 typedef struct search_slice
 {
     float x[WISP_SLICE], y[WISP_SLICE], z[WISP_SLICE];
@@ -20,12 +20,12 @@ typedef struct search_slice
     int32_t cell[3][WISP_SLICE]; // along axis[0], axis[1], axis[2]
     int32_t *near[WISP_SLICE], *skin[WISP_SLICE];
     int32_t *max_near[WISP_SLICE], *skin_most[WISP_SLICE];
-    float within; // m, the wider of the radii
-    bool planar;  // all in the items' own plane
+    float within; // m, maximum of the radii
+    bool planar;  // all items and queries are in one plane
 } search_slice;
 
-// The same rounding as the grid's when it was built, so that an item is found in the cell it was put into. Clamped before
-// it becomes an integer, which says the same.
+// Computes the cell of a query with the same rounding as the grid, so that an item is found in its own cell. Clamps
+// before the conversion to an integer.
 static lane8i cell_along( const wisp_range_search_args* args, const lane8 place[3], int axis )
 {
     lane8 along = lane8_mul( lane8_sub( place[axis], lane8_set1( args->origin[axis] ) ),
@@ -36,7 +36,7 @@ static lane8i cell_along( const wisp_range_search_args* args, const lane8 place[
 
 static void load_queries( const wisp_range_search_args* args, int slice, int count, search_slice* s )
 {
-    // lanes that nobody asks for repeat the first
+    // unused lanes repeat the first query
     const float* xyzw = args->xyzw + 4 * (size_t)slice * WISP_SLICE;
     _Alignas( 32 ) float whole[WISP_SLICE][4];
     for ( int l = 0; l < WISP_SLICE && count < WISP_SLICE; ++l )
@@ -57,21 +57,21 @@ static void load_queries( const wisp_range_search_args* args, int slice, int cou
     s->within = args->skin_radius > args->near_radius ? args->skin_radius : args->near_radius;
 }
 
-// How a run of slots is searched. Constants where this is inlined.
+// Options of the search of a run of slots, constants after inlining.
 typedef struct search_law
 {
     bool planar;
-    bool bounded; // a list may run into the limit
+    bool bounded; // a list may reach the limit
 } search_law;
 
 enum
 {
-    RUN_EIGHTS = 4, // vectors of slots that are searched together at most
+    RUN_EIGHTS = 4, // maximum number of vectors of slots that are searched together
 };
 
-// Some vectors of slots from `begin` against queries [first, last); the last vector counts where `inside` says. Their
-// number is a constant where this is inlined: runs are short, and the end of a loop over one would be hard to foresee.
-// Every vector is packed, hit or not: that branch would be a coin toss.
+// Tests some vectors of slots from `begin` against queries [first, last); `inside` masks the last vector. The
+// number of vectors is a constant after inlining: runs are short, and the end of a loop would be mispredicted.
+// Every vector is packed, even without a hit, because that branch would be unpredictable too.
 LANE_INLINE void search_eights( const wisp_range_search_args* args, search_slice* s, int first, int last, int begin,
                                 int eights, lane8m inside, search_law law )
 {
@@ -118,7 +118,7 @@ LANE_INLINE void search_eights( const wisp_range_search_args* args, search_slice
     }
 }
 
-// Slots [begin, end) against queries [first, last).
+// Tests slots [begin, end) against queries [first, last).
 LANE_INLINE void search_run( const wisp_range_search_args* args, search_slice* s, int first, int last, int begin,
                              int end, search_law law )
 {
@@ -143,20 +143,20 @@ LANE_INLINE void search_run( const wisp_range_search_args* args, search_slice* s
         case RUN_EIGHTS:
             search_eights( args, s, first, last, begin, RUN_EIGHTS, inside, law );
             break;
-        default: // nobody is there
+        default: // empty run
             break;
     }
 }
 
-// Queries [first, last) that look at the same rows. A row runs along the grid's fastest axis, of which they look at cells
-// from `lowest` to `highest` and their reach around them.
+// Searches rows that queries [first, last) share. A row runs along the fastest axis of the grid; cells from
+// `lowest` to `highest` are searched, extended by the reach.
 typedef struct search_group
 {
     int first, last;
     int lowest, highest;
 } search_group;
 
-// Neighbours in a row go together, as long as the run of slots does not become much longer than each one's own.
+// Groups neighbouring queries in a row while the shared run of slots is not much longer than the run of each query.
 static search_group find_group( const wisp_range_search_args* args, const search_slice* s, int first, int count )
 {
     const int32_t *fast = s->cell[0], *middle = s->cell[1], *slow = s->cell[2];
@@ -175,7 +175,7 @@ static search_group find_group( const wisp_range_search_args* args, const search
     return g;
 }
 
-// Cells to look at along one of the grid's axes, first and last.
+// Returns the first and last cell to search along one axis of the grid.
 typedef struct search_span
 {
     int first, last;
@@ -193,7 +193,7 @@ static void search_rows( const wisp_range_search_args* args, search_slice* s, se
     const search_span middle = reach_from( args, 1, s->cell[1][g.first], s->cell[1][g.first] );
     const search_span slow = reach_from( args, 2, s->cell[2][g.first], s->cell[2][g.first] );
     const int length = args->dims[args->axis[0]], rows = args->dims[args->axis[1]];
-    int left = args->limit; // no list can run into the limit before so many slots were seen
+    int left = args->limit; // no list can reach the limit before this many slots were tested
     for ( int c = slow.first; c <= slow.last; ++c )
     {
         const int32_t* row = args->cell_begin + ( c * rows + middle.first ) * length;
@@ -217,7 +217,7 @@ static void search_rows( const wisp_range_search_args* args, search_slice* s, se
     }
 }
 
-// How long a slice's lists are, and how long the longest.
+// Sets the length of each list of a slice, and the maximum.
 static void count_found( const search_slice* s, int limit, wisp_range_search_result* result )
 {
     const int stride = 2 * limit + WISP_SEARCH_PADDING, skin_stride = limit + WISP_SEARCH_PADDING;
@@ -238,7 +238,7 @@ static void count_found( const search_slice* s, int limit, wisp_range_search_res
     result->length = length;
 }
 
-// The shell's lists behind the near ones, in eights.
+// Appends the skin to the near neighbours, in groups of eight.
 static void append_shell( int limit, wisp_range_search_result* result )
 {
     for ( int l = 0; l < WISP_SLICE; ++l )
@@ -265,7 +265,7 @@ void KERNEL( range_search )( const wisp_range_search_args* args, int slice, int 
     {
         s.near[l] = result->lists + l * stride;
         s.skin[l] = result->skin + l * skin_stride;
-        // one beyond the limit says that there were more
+        // one entry beyond the limit marks an overflow
         s.max_near[l] = s.near[l] + limit + 1;
         s.skin_most[l] = s.skin[l] + limit + 1;
     }
@@ -287,7 +287,7 @@ static void rename_all( const int32_t* rename, int32_t* list, int count )
     }
 }
 
-// Eight numbers of a list, its query's own behind the end.
+// Loads eight entries of a list, with the query's own slot beyond its end.
 LANE_INLINE lane8i load_padded( const int32_t* list, int k, int count, int own4 )
 {
     lane8m inside = lane8m_first( count - k );

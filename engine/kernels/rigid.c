@@ -1,19 +1,19 @@
-// The rigid motion of a set of particles, and damping towards it.
+// Rigid motion of a set of particles, and damping towards it.
 //
-// Places are relative to a point near them and velocities to one like theirs, so that floats suffice for a few hundred particles;
-// sums of those continue in doubles.
+// Positions and velocities are relative to a nearby point and a similar velocity, so floats suffice for a few
+// hundred particles. Sums over more are doubles.
 #include "kernel_isa.h"
 
 enum
 {
     LANES = 8,
-    PART = 256, // slots whose sums are floats
+    PART = 256, // slots that are summed in floats
     SUMS = 16,
 };
 
 typedef struct particles8
 {
-    lane8v at; // about the job's origin
+    lane8v at; // relative to args->origin
     lane8v velocity;
     lane8 inverse_mass;
 } particles8;
@@ -41,7 +41,7 @@ static void add_vector( lane8 sum[3], lane8v term )
     add_to( sum + 2, term.z );
 }
 
-// In the order of wisp_rigid_sums.
+// Sums in the order of wisp_rigid_sums.
 static void add_particles( const wisp_rigid_args* args, const particles8* p, lane8 sums[SUMS] )
 {
     const lane8 zero = lane8_zero(), times = lane8_div( lane8_set1( args->inverse_mass ), p->inverse_mass );

@@ -1,8 +1,8 @@
-// Area vectors, volume and normals, vertex by vertex over ordered one-rings: no scatter, and sums have the order of the ring for
-// any lane width.
+// Area vectors, volume and normals of vertices over ordered one-rings. No scatter; sums are in ring order for any
+// lane width.
 //
-// The sum of a range consists of sums of blocks of 64 slices, in order. The same bits for any number of workers need the same
-// cuts, at multiples of 64, and sums added in order.
+// The sum over a range consists of sums of blocks of 64 slices, in order. To get the same bits for any number of
+// workers, ranges must be cut at the same multiples of 64 and added in order.
 #include "kernel_isa.h"
 
 enum
@@ -24,11 +24,11 @@ LANE_INLINE lane8v load_neighbours( const wisp_ring_args* args, int entry )
     return n;
 }
 
-// Two triangles of a fan share the neighbour in the middle, and
+// Two adjacent triangles of a fan share a neighbour, and
 //
 //   (a - p) x (b - p) + (b - p) x (c - p) = (b - p) x (c - a)
 //
-// so that a pair of entries costs one product, and each neighbour is loaded once.
+// so a pair of entries needs one cross product, and each neighbour is loaded once.
 LANE_INLINE vertex_lanes walk_ring( const wisp_ring_args* args, int slice )
 {
     const int end = args->ring_begin[slice + 1];
@@ -50,7 +50,7 @@ LANE_INLINE vertex_lanes walk_ring( const wisp_ring_args* args, int slice )
     return v;
 }
 
-// Areas need every triangle by itself, so they have a walk of their own for the few who ask.
+// Sums areas too. They need each triangle separately, so this is a second loop, used only if areas are requested.
 static void store_area( const wisp_ring_args* args, int slice, lane8v point )
 {
     lane8 area = lane8_zero();
@@ -113,8 +113,8 @@ void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
     }
 }
 
-// Every triangle counts alike: a mean of unit normals, not of area vectors. A triangle without area has no direction, and what
-// pads a ring is one; one with a corner that is not finite must not spoil its neighbours.
+// Computes the mean of unit normals, regardless of the areas. A triangle without area has no direction; padding of
+// a ring is such a triangle. One with a corner that is not finite is skipped, so that it does not spread NaN.
 LANE_INLINE lane8v add_face_normal( lane8v sum, lane8v across )
 {
     const lane8 squared = lane8v_dot( across, across ), one = lane8_set1( 1.0f );
@@ -140,7 +140,7 @@ void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end,
             sum = add_face_normal( sum, lane8v_cross( a, b ) );
             a = b;
         }
-        // a sum that cancels leaves rounding of unit vectors, which is no direction
+        // a sum that cancels consists of rounding errors of unit vectors
         const lane8 squared = lane8v_dot( sum, sum );
         const lane8m known = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
         const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );

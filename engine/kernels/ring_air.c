@@ -1,10 +1,10 @@
-// Air on the triangles around a vertex: drag along the relative wind and lift across it, by the area that a triangle turns to
-// the wind. A triangle of area A with unit normal n and mean velocity v, u = wind - v, feels
+// Air on the triangles around a vertex: drag along the relative wind and lift perpendicular to it, proportional to
+// the projected area. A triangle of area A with unit normal n and mean velocity v, u = wind - v, has the force
 //
-//   F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ),   n' = n turned to the side u blows to,
+//   F = 1/2 rho A |u . n| ( C_d u + C_l ( |u| n' - (u . n') / |u| u ) ),   n' = n or -n, with u . n' >= 0,
 //
-// so that drag is 1/2 rho C_d A |u|^2 where the wind is square on, and lift is perpendicular to u. Each vertex takes a third of the
-// forces of its triangles over its ring: no scatter, so the order of the sum is that of the ring.
+// so drag is 1/2 rho C_d A |u|^2 if u is along n, and lift is perpendicular to u. Each vertex sums a third of the
+// forces of its triangles over its ring: no scatter, and sums are in ring order.
 #include "kernel_isa.h"
 
 typedef struct air_lanes
@@ -13,7 +13,7 @@ typedef struct air_lanes
     lane8 quarter_density, drag, lift;
 } air_lanes;
 
-// What a vertex gathers: N, and how fast the wind takes its velocity along, N s/m.
+// Sums of a vertex: force in N, and the rate of drag in N s/m.
 typedef struct air_sum
 {
     lane8v force;
@@ -27,7 +27,8 @@ LANE_INLINE lane8v load_corner( const float* xyzw, const int32_t* slot_x4 )
     return v;
 }
 
-// A triangle without area, or that the wind moves along with, feels nothing; one with a corner that is not finite neither.
+// Adds one triangle. Triangles without area, without relative wind, or with a corner that is not finite, add
+// nothing.
 LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, air_sum* sum )
 {
     const lane8 one = lane8_set1( 1.0f ), tiny = lane8_set1( 1e-30f ), zero = lane8_zero();
@@ -56,7 +57,8 @@ LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, 
     sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( known, rate, zero ), lane8_set1( 3.0f ) ) );
 }
 
-// Explicit air can turn a light vertex round in one step; an implicit factor in the rate keeps it from passing the wind.
+// Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
+// rate keeps it below the wind's.
 void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f ), zero = lane8_zero(), third = lane8_set1( 1.0f / 3.0f );

@@ -1,8 +1,8 @@
-// Springs of a triangle mesh as rows of links: forces, derivatives, and the product with the matrix that is never
-// assembled (Noh and Jung, eq. 5-17; the product of one-ring slices was measured to be a third faster than stored blocks).
+// Springs of a triangle mesh as rows of links: forces, derivatives and a matrix-free product (Noh and Jung, eq.
+// 5-17). The product over one-ring slices was measured to be a third faster than stored blocks.
 //
-// A link between i and j contributes K2 I + e e' to A_ii and its negative to A_ij, with e along the link and
-// |e|^2 = K1 - K2: four numbers instead of nine, and the same ones for both ends up to the sign of e.
+// A link between i and j adds K2 I + e e' to A_ii and its negative to A_ij, with e along the link and |e|^2 = K1 -
+// K2. That is four numbers instead of nine, the same for both ends except for the sign of e.
 #include "kernel_isa.h"
 
 enum
@@ -10,9 +10,9 @@ enum
     BLOCK = 64, // slices summed in floats before they go into a double
 };
 
-// The load of an arc over its chord (Noh and Jung, eq. 11). F(y) = 4 u^2 / ( cos u - y ), y = sin u / u, has a pole where y is least,
-// at y = -0.217: times s = sqrt( y + 0.217 ) it is as smooth as can be, and this polynomial in s, fitted at Chebyshev's
-// points, is F s within 3e-9 and gives F' within 6e-7 on [0, 1].
+// Compressive load of an arc over its chord (Noh and Jung, eq. 11). F(y) = 4 u^2 / ( cos u - y ), y = sin u / u,
+// has a pole at the minimum y = -0.217. Multiplied by s = sqrt( y + 0.217 ) it is smooth. This polynomial in s,
+// fitted at Chebyshev nodes, approximates F s within 3e-9 and F' within 6e-7 on [0, 1].
 static const float ARC_POLE = 0.217233628f, ARC_MIDDLE = 0.784683199f, ARC_SCALE = 3.1387328f;
 static const float ARC[9] = {
     -15.327869f,    2.48091183f,      -0.471176067f,   0.095088968f,     -0.0198170092f,
@@ -47,14 +47,14 @@ typedef struct row_lanes
     lane8v point, velocity, place;
     lane8v force;     // N
     lane8v drag;      // kg m/s
-    lane8 matrix[6];  // of the links, kg: xx, xy, xz, yy, yz, zz
-    lane8 undirected; // how many links have no direction
+    lane8 matrix[6];  // sum over links, kg: xx, xy, xz, yy, yz, zz
+    lane8 undirected; // number of links without a direction
 } row_lanes;
 
 typedef struct link_lanes
 {
     lane8v direction; // unit, towards the other end; 0 if there is none
-    lane8v closing;   // velocity of the row less that of the other end
+    lane8v closing;   // velocity of the row less velocity of the other end
     lane8 length, inverse_length, rest, load;
     lane8m directed;
 } link_lanes;
@@ -86,7 +86,7 @@ LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, 
     return l;
 }
 
-// What the link adds to its row: a pull along it in N, and stiffness along and across it in N/m.
+// Terms that a link adds to its row: force along the link in N, stiffness along and across it in N/m.
 LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int entry, const link_lanes* l, lane8 pull,
                            lane8 along, lane8 across )
 {
@@ -102,7 +102,7 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
     lane8_store( args->axis[entry][3], k2 );
     row->force = lane8v_mul_add( row->force, pull, l->direction );
 
-    // the first solve is at v, with all of A; a repeat has the stiffness in its forces and lacks the damping alone
+    // the first solve is at v, with all of A; a repeat has the stiffness in its forces and adds only the damping
     const lane8v axis = args->is_repeat ? l->direction : e;
     const lane8 on_axis = args->is_repeat ? lane8_sub( damping, damping_across ) : lane8_set1( 1.0f );
     const lane8 everywhere = args->is_repeat ? damping_across : k2;
@@ -117,13 +117,13 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
     row->matrix[5] = lane8_add( row->matrix[5], lane8_mul_add( e.z, e.z, k2 ) );
 }
 
-// Who lowers stiffness does so for a substep, so links keep what they are made of.
+// Scales stiffness for one substep; the material of the links stays.
 LANE_INLINE lane8 no_stiffer( const wisp_spring_args* args, lane8 stiffness )
 {
     return lane8_min( stiffness, lane8_set1( args->max_stiffness > 0.0f ? args->max_stiffness : FLT_MAX ) );
 }
 
-// Only beyond its rest length (Noh and Jung, eq. 6 and 8).
+// Adds tension, only above the rest length (Noh and Jung, eq. 6 and 8).
 LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( args, row, entry );
@@ -136,7 +136,7 @@ LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entr
     add_link( args, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
-// Only below it: the load of an arc, reached over a ramp (Noh and Jung, eq. 11-13).
+// Adds compression, only below the rest length: the load of an arc, blended in by a ramp (Noh and Jung, eq. 11-13).
 LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( args, row, entry );
@@ -153,8 +153,8 @@ LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
     add_link( args, row, entry, &l, pull, along, args->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
 }
 
-// The inverse of a symmetric matrix by L D L'. What it begins with, `least` in every direction, is what no pivot is smaller than:
-// beside a stiff link it is lost in the rounding of the others, and the inverse of what is left would not be positive.
+// Inverts a symmetric matrix by L D L'. `least` is its isotropic part and a lower bound of the pivots. Next to a
+// stiff link that part is lost by rounding, and without the bound the inverse would not be positive definite.
 LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
 {
     const lane8 one = lane8_set1( 1.0f );
@@ -164,7 +164,7 @@ LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
     const lane8 mixed = lane8_sub( matrix[4], lane8_mul( yx, matrix[2] ) ), zy = lane8_mul( mixed, second );
     const lane8 rest = lane8_sub( lane8_sub( matrix[5], lane8_mul( zx, matrix[2] ) ), lane8_mul( zy, mixed ) );
     const lane8 third = lane8_div( one, lane8_max( rest, least ) );
-    const lane8 back = lane8_sub( lane8_mul( yx, zy ), zx ); // z by x of the inverse of L
+    const lane8 back = lane8_sub( lane8_mul( yx, zy ), zx ); // entry z, x of the inverse of L
     lane8_store( out[5], third );
     lane8_store( out[4], lane8_neg( lane8_mul( zy, third ) ) );
     lane8_store( out[2], lane8_mul( back, third ) );
@@ -230,7 +230,7 @@ int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end 
     return undirected;
 }
 
-// ---- the product ----
+// ---- matrix product ----
 
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end )
 {

@@ -3,7 +3,7 @@
 
 #include "lane_trig.h"
 
-// Rows of a group: lane = strand; rows of a lane beyond its tip repeat the tip.
+// Rows of a group: one strand per lane; rows beyond the tip repeat the tip.
 typedef struct align_group
 {
     float* rows;
@@ -26,7 +26,7 @@ static lane16v mean_of( const align_group* g )
     return lane16v_scale( sum, lane16_div( lane16_set1( 1.0f ), lane16_from_int( g->count ) ) );
 }
 
-// Eq. 10 as printed tests the tip; `nearest` tests every vertex.
+// Selects strands inside the radius. Eq. 10 as printed tests the tip; `nearest` tests every vertex.
 static lane16m reached( const wisp_strand_align_args* args, const align_group* g, lane16v target )
 {
     lane16v d = lane16v_sub( g->tip, target );
@@ -40,8 +40,8 @@ static lane16m reached( const wisp_strand_align_args* args, const align_group* g
     return lane16m_and( inside, lane16i_lt( lane16i_set1( 1 ), g->count ) );
 }
 
-// Axis and angle that take v to u. Where the cross product says nothing (parallel, antiparallel) any perpendicular
-// serves: the angle is 0 or pi.
+// Computes axis and angle of the rotation from v to u. Where the cross product is 0 (parallel or antiparallel), any
+// perpendicular is used, as the angle is 0 or pi.
 static void rotation_between( int dimension, lane16v v, lane16v u, lane16* angle, lane16v* axis )
 {
     lane16v cross = lane16v_cross( v, u );
@@ -62,7 +62,7 @@ static void rotation_between( int dimension, lane16v v, lane16v u, lane16* angle
     }
 }
 
-// Eq. 12: x at the root, 1 at the tip.
+// Computes the weight of eq. 12: x at the root, 1 at the tip.
 static lane16 index_weight( lane16 intensity, lane16 last, int i )
 {
     lane16 one = lane16_set1( 1.0f );
@@ -114,7 +114,7 @@ static void align_group_to( const wisp_strand_align_args* args, int group )
     lane16v v = lane16v_sub( g.tip, args->from_root ? g.root : mean_of( &g ) );
     lane16v u = lane16v_sub( target, g.root );
 
-    // a strand without a direction, or with its root under the cursor, has nowhere to turn
+    // a strand without a direction, or with its root at the target, does not turn
     lane16 least = lane16_set1( 1e-12f );
     inside = lane16m_and( inside, lane16_ge( lane16v_length( v ), least ) );
     inside = lane16m_and( inside, lane16_ge( lane16v_length( u ), least ) );

@@ -1,22 +1,22 @@
-// Strands kept out of one body in closed form, with Coulomb friction, sixteen strands at once.
+// Contact of strands with one body in closed form, with Coulomb friction, sixteen strands at a time.
 //
-// The distance to the body is taken where the body is at the end of the substep, and where it was at the start. With h the
-// thickness, a vertex must end at h; one that began nearer may stay as deep as it was for reasons that are not its own (it
-// started inside, it was put there), less what is healed in this substep:
+// Distances to the body are measured with its pose at the start and at the end of the substep. Let h be the
+// thickness. A vertex must end at distance h. A vertex that began nearer, for example inside the body, may keep its
+// depth, less the depth recovered in this substep:
 //
-//   may = depth that was allowed, at most the depth at the start (or that depth, if contact is new)
-//   healed <= recovery in a call: position and previous position move together, so it adds no velocity
-//   pushed = h - (may - healed) - distance, the rest of the way: stands for the normal impulse
+//   may = allowed depth, at most the depth at the start (or the depth at the start, if contact is new)
+//   healed <= recovery per call: position and previous position move together, so no velocity is added
+//   pushed = h - (may - healed) - distance, the remaining correction: represents the normal impulse
 //
-// The remaining depth is what other constraints pulled it in by. It is pushed out with the velocity that undoes the pull, or a
-// strand under tension would sink. Friction follows, on the motion against the body's surface:
+// The remaining depth comes from other constraints. It is corrected with velocity, otherwise a strand under tension
+// would sink into the body. Friction follows, on the motion relative to the body's surface:
 //
 //   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s pushed, else p -= mu_k pushed u / |u|
 #include "kernel_isa.h"
 
 #include <math.h>
 
-// Of the thickness: from so deep on, what moves outward by itself is not kept as velocity.
+// Fraction of the thickness. A vertex allowed to be deeper than this keeps no velocity from its own outward motion.
 static const float SHALLOW = 0.1f;
 
 static const size_t STRIDE = 3 * WISP_LANES;
@@ -28,7 +28,7 @@ typedef struct contact_pose
     lane16v place;
 } contact_pose;
 
-// What is the same for all rows.
+// Values shared by all rows.
 typedef struct contact_body
 {
     wisp_shape_kind kind;
@@ -68,7 +68,7 @@ static contact_body spread_body( const wisp_strand_contact_args* args )
     };
 }
 
-// v + 2 w (q x v) + 2 q x (q x v)
+// Rotates v: v + 2 w (q x v) + 2 q x (q x v).
 static lane16v turn( lane16v q, lane16 w, lane16v v )
 {
     lane16v t = lane16v_scale( lane16v_cross( q, v ), lane16_set1( 2.0f ) );
@@ -88,7 +88,7 @@ static lane16v to_body( const contact_pose* pose, lane16v p )
 
 // ---- closest points ----
 
-// Around a point whose distance vector is `away`.
+// Returns the surface around a point, with `away` the vector from that point.
 static contact_surface around( lane16v away, lane16 radius, wisp_vec3 fallback )
 {
     lane16 length = lane16v_length( away );
@@ -108,7 +108,7 @@ static lane16 with_sign_of( float size, lane16 x )
     return lane16_select( lane16_lt( x, lane16_zero() ), lane16_set1( -size ), lane16_set1( size ) );
 }
 
-// Inside, or on the surface: the face that is nearest, the first of equals.
+// Returns the nearest face for a point inside or on the surface; the first of equals.
 static contact_surface inside_box( lane16v p, lane16v half )
 {
     lane16 zero = lane16_zero();
@@ -154,13 +154,13 @@ static contact_surface closest( const contact_body* body, lane16v p )
 
 // ---- one row ----
 
-// How far out a vertex goes, and what of it.
+// Correction of a vertex along the normal, and its parts.
 typedef struct contact_way
 {
     lane16 out;    // m, along the normal
-    lane16 healed; // m of it, which its previous place goes along with
-    lane16 calmed; // m that its previous place goes besides
-    lane16 left;   // m that it stays too deep
+    lane16 healed; // m of `out` by which the previous position moves too
+    lane16 calmed; // m by which the previous position moves in addition
+    lane16 left;   // m of depth that remains
 } contact_way;
 
 static contact_way find_way( const contact_body* body, lane16 start, lane16 now, lane16 depth )
@@ -180,7 +180,7 @@ static contact_way find_way( const contact_body* body, lane16 start, lane16 now,
     return way;
 }
 
-// What of the motion `u` across the normal friction takes away.
+// Computes the part of the tangential motion `u` that friction removes.
 static lane16v rub( const contact_body* body, lane16v u, lane16 pushed )
 {
     lane16 length = lane16v_length( u );
@@ -189,7 +189,7 @@ static lane16v rub( const contact_body* body, lane16v u, lane16 pushed )
     return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), fraction ) );
 }
 
-// How far the body's surface under the vertex moves in the substep.
+// Computes the motion of the body's surface below the vertex in the substep.
 static lane16v surface_motion( const contact_body* body, lane16v local, const contact_surface* s )
 {
     lane16v point = lane16v_mul_add( local, lane16_neg( s->distance ), s->normal );
@@ -241,7 +241,7 @@ static lane16v larger( lane16v a, lane16v b )
     return ( lane16v ){ lane16_max( a.x, b.x ), lane16_max( a.y, b.y ), lane16_max( a.z, b.z ) };
 }
 
-// Who touched nothing in the iteration before is let be as deep as it is found.
+// Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has.
 static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
     float *pushed = args->normal_correction + row * WISP_LANES, *left = args->remaining_depth + row * WISP_LANES;
@@ -272,7 +272,7 @@ static wisp_vec3 fold( lane16v v, bool to_smallest )
     return ( wisp_vec3 ){ least[0], least[1], least[2] };
 }
 
-// Vertices that are no number widen nothing: they are the second operand of no comparison.
+// Extends bounds; NaN is ignored, because a comparison then selects the other operand.
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_bounds* reach )
 {

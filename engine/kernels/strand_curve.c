@@ -1,20 +1,20 @@
-// Smooth curves through the vertices of strands, lane = strand. A segment of a curve blends four points; its samples are
-// one row each, so the blending weights are the same for all lanes.
+// Smooth curves through the vertices of strands, one strand per lane. A segment of a curve blends four points. Each
+// sample is one row, so all lanes share the blending weights.
 #include "kernel_isa.h"
 
-// The four points that a segment blends. A joint belongs to the segment before it.
+// Blends the four points of a segment. A joint belongs to the segment before it.
 typedef struct segment16
 {
     lane16v p[4];
 } segment16;
 
-// Vertex `i` of the strands that a group's lanes follow, their ends repeated beyond them.
+// Access to vertices of the strands of a group; indices beyond the ends are clamped.
 typedef struct curve_source
 {
     const float* from;
     const int32_t *at, *count; // of the group's lanes
-    bool in_step;              // the lanes are those of one group of the source, and equally long: no gather needed
-    lane16i last;              // vertices less one
+    bool in_step;              // lanes are one group of the source with equal lengths, so no gather is needed
+    lane16i last;              // number of vertices less one
 } curve_source;
 
 static curve_source source_of( const wisp_strand_curve_args* args, int group )
@@ -51,13 +51,14 @@ static lane16v vertex( const curve_source* s, int i )
     return lane16v_load( rows );
 }
 
-// a + share (b - a), which is a where both are the same.
+// Computes a + fraction (b - a), which is exactly a if both are equal.
 static lane16v between( lane16v a, lane16v b, float fraction )
 {
     return lane16v_mul_add( a, lane16_set1( fraction ), lane16v_sub( b, a ) );
 }
 
-// Groups of four vertices that share their ends. Where a lane has fewer left, a line or a quadratic as a cubic.
+// Evaluates groups of four vertices that share their ends. Where fewer are left, a line or a quadratic is written
+// as a cubic.
 static segment16 shared_ends( const curve_source* s, int segment )
 {
     const int first = 3 * segment;
@@ -66,7 +67,7 @@ static segment16 shared_ends( const curve_source* s, int segment )
     const lane16m line = lane16i_lt( left, lane16i_set1( 2 ) ), quadratic = lane16i_eq( left, lane16i_set1( 2 ) );
     if ( lane16m_any( lane16m_or( line, quadratic ) ) )
     {
-        // behind a lane's last vertex all four are that vertex, and remain it
+        // beyond a lane's last vertex, all four are that vertex
         const lane16v middle = c.p[1], end = c.p[3];
         c.p[1] = lane16v_select( quadratic, between( c.p[0], middle, 2.0f / 3.0f ), c.p[1] );
         c.p[2] = lane16v_select( quadratic, between( middle, end, 1.0f / 3.0f ), c.p[2] );
@@ -76,8 +77,8 @@ static segment16 shared_ends( const curve_source* s, int segment )
     return c;
 }
 
-// One segment between two vertices and its neighbours. Beyond an end the strand goes on straight: then the tangent there
-// is the one-sided difference.
+// Evaluates one segment between two vertices and their neighbours. Beyond an end the strand is extended straight,
+// so the tangent there is the one-sided difference.
 static segment16 neighbours( const curve_source* s, int segment )
 {
     const lane16 two = lane16_set1( 2.0f );

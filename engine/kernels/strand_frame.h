@@ -1,4 +1,4 @@
-/// Frames of segments in lanes: quaternions x y z w, the z axis along the segment.
+/// Frames of segments in lanes: quaternions x y z w, with the z axis along the segment.
 #pragma once
 
 #include "kernel_isa.h"
@@ -45,7 +45,7 @@ LANE_INLINE frame16 frame16_select( lane16m m, frame16 a, frame16 b )
                         lane16_select( m, a.w, b.w ) };
 }
 
-/// First b, then a.
+/// Multiply quaternions: the rotation b, then a.
 LANE_INLINE frame16 frame16_multiply( frame16 a, frame16 b )
 {
     const lane16v u = { a.x, a.y, a.z }, v = { b.x, b.y, b.z };
@@ -53,7 +53,7 @@ LANE_INLINE frame16 frame16_multiply( frame16 a, frame16 b )
     return ( frame16 ){ turned.x, turned.y, turned.z, lane16_sub( lane16_mul( a.w, b.w ), lane16v_dot( u, v ) ) };
 }
 
-/// v turned by a quaternion of any length, times the square of that length: (w^2 - u.u) v + 2 (u.v) u + 2 w (u x v).
+/// Rotate v by a quaternion of any length, times its squared length: (w^2 - u.u) v + 2 (u.v) u + 2 w (u x v).
 LANE_INLINE lane16v frame16_turn( frame16 q, lane16v v )
 {
     const lane16v u = { q.x, q.y, q.z };
@@ -62,7 +62,7 @@ LANE_INLINE lane16v frame16_turn( frame16 q, lane16v v )
     return lane16v_mul_add( turned, lane16_add( q.w, q.w ), lane16v_cross( u, v ) );
 }
 
-/// The z axis of a quaternion of any length, times the square of that length.
+/// Compute the z axis of a quaternion of any length, times its squared length.
 LANE_INLINE lane16v frame16_z( frame16 q )
 {
     const lane16 two = lane16_set1( 2.0f );
@@ -74,7 +74,7 @@ LANE_INLINE lane16v frame16_z( frame16 q )
                         lane16_sub( stand, tilt ) };
 }
 
-/// A quaternion of unit length; what has none, or no finite one, becomes `otherwise`.
+/// Normalise a quaternion; one without a finite length above 0 becomes `otherwise`.
 LANE_INLINE frame16 frame16_normalise( frame16 q, frame16 otherwise )
 {
     const lane16 squared = frame16_dot( q, q );
@@ -84,8 +84,8 @@ LANE_INLINE frame16 frame16_normalise( frame16 q, frame16 otherwise )
     return frame16_select( has_length, frame16_scale( q, inverse ), otherwise );
 }
 
-/// The frame carried along: turned by the smallest rotation that takes its z axis to the direction of e, and of unit length
-/// again. Against its own direction there is no smallest one: then it turns about its own x axis.
+/// Transport a frame by the smallest rotation that takes its z axis to the direction of e, and normalise it. If e
+/// has the opposite direction, no smallest rotation exists, and the frame turns about its x axis.
 /// @param length of e, above 0
 LANE_INLINE frame16 frame16_carry( frame16 q, lane16v e, lane16 length )
 {

@@ -1,17 +1,18 @@
-// Strands that follow others (Park and Kim 2024, eq. 4-5). Values shared by all ghosts of a target are computed once per node and
-// stored as rows of four floats. A ghost then reads two or three rows and its own offset, so memory limits it.
+// Strands that follow others (Park and Kim 2024, eq. 4-5). Values shared by all ghosts of a target are computed
+// once per node and stored as rows of four floats. A ghost then reads two or three rows and its own offset, and is
+// bound by memory.
 #include "strand_frame.h"
 
 enum
 {
-    LARGEST_STRIDE = 16, // floats a node in the table
+    LARGEST_STRIDE = 16, // floats per node of the table
 };
 
-static const float SLOW_SPEED = 1e-6f; // m/s, below it a velocity has no direction
+static const float SLOW_SPEED = 1e-6f; // m/s, minimum speed of a velocity with a direction
 
-// ---- how the velocity changed ----
+// ---- change of velocity ----
 
-// The weight of a target that moves with v and moved with `before`, lane by lane.
+// Computes the elastic weight of a target with velocity v now and `before` one step earlier.
 #define DEFINE_ELASTIC( P, PV )                                                                                      \
     LANE_INLINE P P##_elastic( wisp_elastic elastic, PV v, PV before )                                               \
     {                                                                                                                \
@@ -39,7 +40,7 @@ DEFINE_ELASTIC( lane16, lane16v )
 
 // ---- targets ----
 
-// The coordinate axis along which a unit vector is shortest: surely not parallel to it.
+// Returns the coordinate axis with the smallest component of a unit vector, which is not parallel to it.
 static lane16v min_axis( lane16v v )
 {
     const lane16 x = lane16_abs( v.x ), y = lane16_abs( v.y ), z = lane16_abs( v.z );
@@ -51,8 +52,8 @@ static lane16v min_axis( lane16v v )
                         lane16_select( is_z, one, zero ) };
 }
 
-// q, followed by the smallest rotation that takes `from` to `to`. Opposite directions turn half way round about the
-// perpendicular that leans most on the least axis; what has no length turns nothing.
+// Multiplies q by the smallest rotation from `from` to `to`. Opposite directions rotate by half a turn about a
+// perpendicular; a vector without length causes no rotation.
 static frame16 carry( frame16 q, lane16v from, lane16v to )
 {
     const lane16 one = lane16_set1( 1.0f ), zero = lane16_zero();
@@ -76,11 +77,11 @@ static frame16 carry( frame16 q, lane16v from, lane16v to )
     return frame16_normalise( frame16_multiply( turn, q ), q );
 }
 
-// Rows of a group that are read one after another.
+// Rows of a group, read in order.
 typedef struct target_rows
 {
     const float *position, *rest, *velocity, *before, *cap;
-    lane16v last, last_rest; // of the row before
+    lane16v last, last_rest; // of the previous row
     frame16 frame;
 } target_rows;
 
@@ -103,7 +104,7 @@ static target_rows begin_rows( const wisp_strand_target_args* args, int group )
     return r;
 }
 
-// The numbers of one node a lane, a quad after the other, as wisp_strand_target_args says.
+// Computes the values of one node per lane, in the layout of wisp_strand_target_args.
 static void node_numbers( const wisp_strand_target_args* args, target_rows* r, int i, lane16 tip, lane16 numbers[] )
 {
     const size_t triple = (size_t)i * 3 * WISP_LANES;
@@ -128,7 +129,7 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     lane16 limit = cap;
     if ( args->is_blended == false )
     {
-        // a node at rest has a sway of zero: any limit serves
+        // without velocity the sway is 0, so any limit works
         const lane16 length = lane16v_length( sway );
         limit = args->is_capped ? lane16_select( lane16_lt( zero, length ), lane16_div( cap, length ), zero ) : cap;
         tip = lane16_add( lane16_elastic( args->elastic, v, before ), tip );
@@ -142,7 +143,7 @@ static void node_numbers( const wisp_strand_target_args* args, target_rows* r, i
     }
 }
 
-// Lanes behind their tip have no node of their own.
+// Stores nodes; lanes beyond their tip have none.
 static void store_node( const wisp_strand_target_args* args, int group, int i, bool everywhere,
                         const lane16 numbers[] )
 {
@@ -195,7 +196,7 @@ void KERNEL( strand_target )( const wisp_strand_target_args* args, int begin, in
 
 // ---- ghosts ----
 
-// Where the quads of eight lanes are, row by row. Behind its tip a lane stays there.
+// Position of eight lanes in the table, row by row. Beyond its tip a lane stays there.
 typedef struct quad_walk
 {
     int32_t at[8];
@@ -229,7 +230,7 @@ LANE_INLINE void store_place( float* rows, lane8v y )
     lane8_store( rows + 2 * WISP_LANES, y.z );
 }
 
-// v turned by the quaternion at the third quad of each lane's node.
+// Rotates v by the quaternion in the third row of each lane's node.
 LANE_INLINE lane8v turn_by_node( const float* table, const int32_t* at, lane8v v )
 {
     lane8 x, y, z, w;
@@ -244,7 +245,7 @@ LANE_INLINE lane8 within( lane8 weight, lane8 limit )
     return lane8_max( lane8_min( weight, limit ), lane8_neg( limit ) );
 }
 
-// y = x + R o + (shared weight + scale |o|) sway, the weight within the limit.
+// Computes y = x + R o + weight sway, with the weight, shared + scale |o|, clamped to the limit.
 LANE_INLINE void ghost_rows( const wisp_strand_ghost_args mine, int group, bool turns )
 {
     const int lanes = group * WISP_LANES, row_count = mine.group_row[group + 1] - mine.group_row[group];
@@ -294,11 +295,11 @@ void KERNEL( strand_ghost )( const wisp_strand_ghost_args* args, int begin, int 
 
 // ---- ghosts of several targets ----
 
-// What the targets of eight ghosts would do with a row, blended.
+// Blended values of the targets of eight ghosts, for one row.
 typedef struct blended
 {
     lane8v base, velocity, before;
-    lane8 tip, cap; // of the first target
+    lane8 tip, cap; // of the first target only
 } blended;
 
 static blended blend_row( const wisp_strand_ghost_args* args, int lane, quad_walk* walks, const float* offset )

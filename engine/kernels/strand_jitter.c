@@ -1,24 +1,24 @@
-// Jitter of segment lengths and directions, sixteen strands at once (Kim 2026, eq. 2-7).
+// Jitter of segment lengths and directions, sixteen strands at a time (Kim 2026, eq. 2-7).
 //
 //   l* = max( l0 (1 + eta / (k_s + eps)), 0.05 l0 )       theta = theta_max xi / (k_b + eps)
 //   p'_i = p'_{i-1} + l* R( a_i, theta_i ) t_i            a_i = t_{i-1} x t_i, normalised
 //
-// Rotations act on the base shape's own directions, not chained, so the sweep carries only the last tangent and the
-// last output. The axis is perpendicular to the tangent, so R t is cos t + sin a x t and stays a unit vector.
+// Rotations act on directions of the base shape and are not chained, so the sweep keeps only the last tangent and
+// the last output. The axis is perpendicular to the tangent, so R t = cos t + sin a x t is a unit vector.
 #include "kernel_isa.h"
 
 #include "lane_random.h"
 #include "lane_trig.h"
 
-// What does not change along a strand.
+// Values that are constant along a strand.
 typedef struct jitter_lanes
 {
     lane16i strand;
     lane16 stretch, bend; // 1 / (k + eps)
 } jitter_lanes;
 
-// A unit vector perpendicular to t where the strand gives none: the z axis in the plane, else a random one that
-// depends on strand and vertex only, so that it stays the same from command to command.
+// Returns a unit vector perpendicular to t where the strand defines none: the z axis in the plane, otherwise a
+// random one. It depends only on strand and vertex, so repeated calls agree.
 static lane16v fallback_axis( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex, lane16v t )
 {
     if ( args->dimension == 2 )
@@ -36,7 +36,7 @@ static lane16v fallback_axis( const wisp_strand_jitter_args* args, const jitter_
 static lane16v bend_axis( const wisp_strand_jitter_args* args, const jitter_lanes* lanes, int vertex, lane16v before,
                           lane16v t )
 {
-    // before x t = before x (t - before), and the difference of nearly parallel vectors is exact
+    // before x t = before x (t - before), with an exact difference for nearly parallel vectors
     lane16v c = lane16v_cross( before, lane16v_sub( t, before ) );
     lane16 length = lane16v_length( c );
     lane16m straight = lane16_lt( length, lane16_set1( 1e-8f ) );
@@ -80,7 +80,7 @@ static void jitter_group( const wisp_strand_jitter_args* args, int group )
         position += stride;
         rest += stride;
 
-        // the segment of the base shape; one without length copies the tangent before it
+        // segment of the base shape; one without length takes the previous tangent
         lane16v base_next = lane16v_load( position ), rest_next = lane16v_load( rest );
         lane16v d = lane16v_sub( base_next, base );
         lane16 length = lane16v_length( d );
@@ -88,14 +88,14 @@ static void jitter_group( const wisp_strand_jitter_args* args, int group )
         lane16v unit = lane16v_scale( d, lane16_div( one, length ) );
         unit = lane16v_select( has_length, unit, tangent );
 
-        // direction, turned by a random angle
+        // direction, rotated by a random angle
         lane16v axis = bend_axis( args, &lanes, i, tangent, unit );
         lane16 xi = lane16_random_signed( args->angle_key, lanes.strand, lane16i_set1( i ), lane16i_set1( 0 ) );
         lane16 sine, cosine;
         lane16_sincos( lane16_mul( angle_scale, xi ), &sine, &cosine );
         lane16v turned = lane16v_mul_add( lane16v_scale( unit, cosine ), sine, lane16v_cross( axis, unit ) );
 
-        // length, drawn around the original one
+        // length, random around the original
         lane16 target = jittered_length( args, &lanes, i, lane16v_length( lane16v_sub( rest_next, rest_before ) ) );
         if ( args->epsilon > 0.0f )
         {

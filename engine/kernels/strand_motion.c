@@ -1,13 +1,13 @@
-// Strands in time, sixteen at once: prediction, velocity, damping against a rigid motion, air.
+// Time integration of strands, sixteen at a time: prediction, velocity, damping towards a rigid motion, air.
 #include "kernel_isa.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// Shared by all rows of a substep.
+// Values shared by all rows of a substep.
 typedef struct motion_terms
 {
     lane16 dt, inverse_dt; // s, 1/s
-    lane16v gain;          // m/s, of what is free
+    lane16v gain;          // m/s, dt times acceleration, of free vertices
 } motion_terms;
 
 static motion_terms motion_terms_of( const wisp_strand_motion_args* args )
@@ -22,7 +22,8 @@ LANE_INLINE lane16m is_free_row( const wisp_strand_motion_args* args, int row )
     return lane16_lt( lane16_zero(), lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ) );
 }
 
-// v + (p - (previous + dt v)) / dt: what the constraints have added, so that nothing is lost far from the origin.
+// Computes v + (p - (previous + dt v)) / dt: only the change by constraints is added, to keep precision far from
+// the origin.
 LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
                                      lane16m is_free )
 {
@@ -33,7 +34,7 @@ LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_args* args, const 
     return lane16v_select( is_free, lane16v_mul_add( v, terms->inverse_dt, moved ), v );
 }
 
-// Roots go where they are carried; their velocity tells how they get there.
+// Moves pinned roots to their prescribed positions and sets their velocity to match.
 LANE_INLINE void predict_root( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain,
                                int group, lane16m is_free, lane16v v )
 {
@@ -47,7 +48,8 @@ LANE_INLINE void predict_root( const wisp_strand_motion_args* args, const motion
     lane16v_store( args->position + at, lane16v_select( is_free, lane16v_mul_add( p, terms->dt, flies ), root ) );
 }
 
-// Pinned vertices behind the roots stand at the end of their way already, and their velocity tells where they came from.
+// Predicts a row. Pinned vertices other than roots are already at their end positions; their velocity gives their
+// start.
 LANE_INLINE void predict_row( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain, int row,
                               lane16m is_free, lane16v v )
 {
@@ -63,7 +65,7 @@ LANE_INLINE void predict_row( const wisp_strand_motion_args* args, const motion_
     lane16v_store( args->position + at, lane16v_add( start, way ) );
 }
 
-// With `takes_velocity` rows get the velocity of the substep before first.
+// Predicts all rows. With `takes_velocity`, velocities of the last substep are computed first.
 LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin, int end, bool takes_velocity )
 {
     const motion_terms terms = motion_terms_of( args );
@@ -154,8 +156,8 @@ void KERNEL( strand_damp )( const wisp_strand_damp_args* args, int begin, int en
     }
 }
 
-// Half the length of both segments at a vertex meets the air; its direction is that from neighbour to neighbour. With the share
-// a = drag L |u| w dt of the normal wind u the vertex takes a / (1 + a) of it, however strong the wind.
+// Applies drag to half of the two segments at a vertex, in the direction from neighbour to neighbour. With a = drag
+// L |u| w dt of the normal wind u, the vertex gains a / (1 + a) of u, however strong the wind.
 void KERNEL( strand_air )( const wisp_strand_air_args* args, int begin, int end )
 {
     const wisp_strand_air_args mine = *args;

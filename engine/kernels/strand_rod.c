@@ -1,25 +1,25 @@
-// Elastic rods, sixteen at once: bending implicit in the positions by one pentadiagonal solve, twist in balance by a tridiagonal
-// one, frames carried along (discrete elastic rods of Bergou et al. 2008 and 2010 with their rest curvature held while a
-// substep is solved). The equations are in modules/strands/rod_factors.c and
+// Elastic rods, sixteen strands at a time. Bending is implicit in the positions, by one pentadiagonal solve. Twist
+// is in equilibrium, by a tridiagonal solve. Frames are transported (discrete elastic rods of Bergou et al. 2008
+// and 2010, with the rest curvature fixed during a substep). The equations are in modules/strands/rod_factors.c and
 // rod_frames.c.
 #include "strand_frame.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 static const size_t QUATERNION = 4 * WISP_LANES;
 
-// Scratch of a row.
+// Offsets in the scratch of a row.
 enum
 {
     ROW = WISP_STRAND_SCRATCH,
-    REST_VECTOR = 0,            // k_i in the world, [3]
+    REST_VECTOR = 0,            // k_i in world space, [3]
     TURNED = 3 * WISP_LANES,    // z x k_i, [3]
     MOMENT = 6 * WISP_LANES,    // T_i
-    SLOPE = 7 * WISP_LANES,     // second derivative of the bending by a turn of the middle frame
+    SLOPE = 7 * WISP_LANES,     // second derivative of the bending energy by a rotation of the middle frame
     LOAD = 8 * WISP_LANES,      // b_i
     COUPLING = 9 * WISP_LANES,  // of the twist
-    TURN = 11 * WISP_LANES,     // of a segment about itself, rad
+    TURN = 11 * WISP_LANES,     // rotation of a segment about itself, rad
     BINORMAL = 12 * WISP_LANES, // kb_i, then T_i kb_i, [3]
-    SOLVED = 6 * WISP_LANES,    // y of the bending, [3]: T_i, slope and load are used up by then
+    SOLVED = 6 * WISP_LANES,    // y of the bending solve, [3]; reuses T_i, slope and load
 };
 
 LANE_INLINE lane16 lanes_of( const float* column, int row )
@@ -27,7 +27,7 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
     return lane16_load( column + (size_t)row * WISP_LANES );
 }
 
-// Where a vertex goes by itself, without what accelerates it in this substep: at rest that is where it is.
+// Computes the predicted position without the acceleration of this substep: at rest this is the current position.
 LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 minus_dt2 )
 {
     const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
@@ -35,7 +35,7 @@ LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 
     return lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->inverse_mass, row ) ), before, p );
 }
 
-// What turns the acceleration into the way that it took, for that share of it which each strand feels.
+// Returns the displacement by the acceleration, scaled per strand.
 LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
 {
     const lane16 minus_dt2 = lane16_set1( -args->dt * args->dt );
@@ -43,7 +43,7 @@ LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
                                             : minus_dt2;
 }
 
-// ---- tension first ----
+// ---- tension ----
 
 static void pull( const wisp_strand_rod_args* args, int group, int first, int last )
 {
@@ -79,7 +79,7 @@ static frame16 clamp_frame( const wisp_strand_rod_args* args, int group )
                              frame16_load( args->clamp + (size_t)group * QUATERNION ) );
 }
 
-// Turn a segment's frame to where the segment points now; without a length it keeps its direction.
+// Transports a segment's frame to its current direction; a segment without length keeps its frame.
 static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e )
 {
     const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
@@ -88,7 +88,7 @@ static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e
     return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
 }
 
-// Vertex i between two frames: rest vector, twist moment, what bending and its slope ask of the twist.
+// Measures vertex i between two frames: rest vector, twist moment, and the load and slope of bending on the twist.
 static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from, lane16v to,
                             float* out )
 {
@@ -97,26 +97,26 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
     const lane16m opposed = lane16_lt( frame16_dot( a, b ), zero );
     b = frame16_select( opposed, frame16_scale( b, lane16_set1( -1.0f ) ), b );
     const lane16 rw = frame16_dot( a, b );
-    // |a + b|^2 = 2 + 2 a.b, and both were brought to one side, so it is 2 at least
+    // |a + b|^2 = 2 + 2 a.b, and both are in one hemisphere, so it is at least 2
     const frame16 middle = frame16_add( a, b );
     const lane16 shrink = lane16_div( lane16_set1( 0.5f ), lane16_add( lane16_set1( 1.0f ), rw ) );
     const lane16v rest = lane16v_scale( lane16v_load( args->rest + (size_t)row * STRIDE ), shrink );
     const lane16v k = frame16_turn( middle, rest );
     const lane16v turned = lane16v_scale( lane16v_cross( frame16_z( middle ), k ), shrink );
 
-    // conj( a ) b about z, less the rest twist
+    // z component of conj( a ) b, less the rest twist
     const lane16 rz = lane16_add( lane16_sub( lane16_mul( a.w, b.z ), lane16_mul( a.z, b.w ) ),
                                   lane16_sub( lane16_mul( a.y, b.x ), lane16_mul( a.x, b.y ) ) );
     const float* rest_twist = args->rest_twist + (size_t)row * 2 * WISP_LANES;
     const lane16 c = lane16_load( rest_twist ), s = lane16_load( rest_twist + WISP_LANES );
     const lane16 z = lane16_sub( lane16_mul( rz, c ), lane16_mul( rw, s ) );
     const lane16 w = lane16_add( lane16_mul( rw, c ), lane16_mul( rz, s ) );
-    // half a turn away the tangent has no end; it is cut where the twist is 170 degrees
+    // the tangent diverges at half a turn, so it is clamped at a twist of 170 degrees
     const lane16 whole = lane16_max( lane16_abs( w ), lane16_set1( 0.087f ) );
     const lane16 sign = lane16_select( lane16_lt( w, zero ), lane16_set1( -2.0f ), two );
     const lane16 twist = lane16_div( lane16_mul( sign, z ), whole );
 
-    // the binormal has no end where a strand folds back: it is cut at 154 degrees
+    // the binormal diverges where a strand folds back, so it is clamped at 154 degrees
     const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
     const lane16 fraction = lane16_div( two, lane16_max( fold, lane16_set1( 0.1f ) ) );
     lane16v_store( out + BINORMAL, lane16v_scale( lane16v_cross( from, to ), fraction ) );
@@ -130,8 +130,8 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
                                            lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
 }
 
-// Frames wait for nothing but their own segment, and go by themselves before what is measured between two of them: so many more of
-// them are under way at once.
+// Transports frames before vertices are measured. Frames depend only on their own segment, so more of them run in
+// parallel.
 static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
 {
     lane16v p = coasting( args, first, back );
@@ -162,7 +162,8 @@ static void measure_frames( const wisp_strand_rod_args* args, int group, int fir
     }
 }
 
-// One Newton step of T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0 over the turns of the segments; the clamp does not turn.
+// Assembles one Newton step of T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0 over the rotations of the segments; the
+// clamp is fixed.
 static void balance_twist( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), one = lane16_set1( 1.0f );
@@ -182,7 +183,7 @@ static void balance_twist( const wisp_strand_rod_args* args, int first, int last
         const lane16 own_twist = lanes_of( args->twist_stiffness, row ), own_slope = lane16_load( at + SLOPE );
         const lane16 out_of_balance = lane16_add( lane16_sub( lane16_load( at + MOMENT ), moment ),
                                                   lane16_mul( half, lane16_add( lane16_load( at + LOAD ), load ) ) );
-        const lane16 off = lane16_sub( own_slope, own_twist ); // to the segment before; none to the clamp
+        const lane16 off = lane16_sub( own_slope, own_twist ); // coupling to the previous segment; none to the clamp
         const lane16 pivot = lane16_sub( lane16_add( lane16_add( own_twist, own_slope ), lane16_add( twist, slope ) ),
                                          row > first ? lane16_mul( off, coupling ) : zero );
         const lane16 inverse = lane16_select( lane16_lt( least, pivot ), lane16_div( one, pivot ), zero );
@@ -194,7 +195,7 @@ static void balance_twist( const wisp_strand_rod_args* args, int first, int last
     }
 }
 
-// Back from the tip: segments turn about themselves, and what was measured turns with them.
+// Substitutes back from the tip: segments rotate about themselves, and measured values rotate with them.
 static void turn_segments( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 half = lane16_set1( 0.5f );
@@ -205,9 +206,10 @@ static void turn_segments( const wisp_strand_rod_args* args, int first, int last
         float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16 turn = lane16_sub( lane16_load( at + TURN ), lane16_mul( lane16_load( at + COUPLING ), behind ) );
         behind = turn;
-        turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // a radian a substep: NaN becomes one
+        turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // at most one radian per substep; NaN
+                                                                           // becomes one
         lane16_store( at + TURN, turn );
-        // times ( 0, 0, tan, 1 ): the length is made one again when the frame is carried
+        // multiply by ( 0, 0, tan, 1 ); the next transport normalises
         const lane16 s = lane16_mul( half, turn );
         float* frame = args->frame + (size_t)row * QUATERNION;
         const frame16 q = frame16_load( frame );
@@ -230,13 +232,13 @@ static void turn_segments( const wisp_strand_rod_args* args, int first, int last
 
 // ---- bending ----
 
-// What bends at a vertex, and pulls because it is twisted: M_i and T_i kb_i.
+// Computes moments at a vertex: M_i of bending and T_i kb_i of twist.
 typedef struct bending
 {
     lane16v moment, twist;
 } bending;
 
-// A vertex between the directions a and b; `rate` is how fast that changes, times damping dt.
+// Computes the bending of a vertex between directions a and b; `rate` is its change, times damping dt.
 LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
                                  lane16v b, lane16v rate )
 {
@@ -252,7 +254,7 @@ LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, cons
     return out;
 }
 
-// How the direction of a segment has changed since the start of the substep.
+// Computes the change of a segment's direction since the start of the substep.
 LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row, lane16v t )
 {
     const lane16v p = lane16v_load( args->previous + (size_t)row * STRIDE );
@@ -260,8 +262,8 @@ LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row, lane16
     return lane16v_sub( t, lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) ) );
 }
 
-// r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by e_s, and on the way y = r
-// with the two bands of L taken off.
+// Computes r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by
+// e_s. In the same sweep, y is r after forward substitution with the two bands of L.
 static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );

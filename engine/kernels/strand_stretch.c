@@ -1,17 +1,18 @@
-// Inextensible strands, sixteen at once, by a direct solve. The constraints C_s = (|e_s|^2 - l_s^2) / 2 have the gradients e_s and
-// -e_s at the two ends of a segment, so that J W J^T is tridiagonal,
+// Inextensible strands by a direct solve, sixteen at a time. The constraints C_s = (|e_s|^2 - l_s^2) / 2 have the
+// gradients e_s and -e_s at the ends of a segment, so J W J^T is tridiagonal:
 //
 //   A_ss = (w_s + w_{s+1}) |e_s|^2,   A_{s-1,s} = -w_s e_{s-1} . e_s
 //
-// and one sweep from root to tip eliminates what one sweep back solves. Squares instead of lengths save the root, and Newton
-// converges on them as fast.
+// A sweep from root to tip eliminates, and a sweep back substitutes. Squared lengths avoid the square root, and
+// Newton's method converges as fast.
 #include "strand_chains.h"
 
 #include <math.h>
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// What a segment leaves for the way back, in scratch: its vector, its multiplier so far, the coupling to the next.
+// Values of a segment kept in scratch for the sweep back: its vector, its multiplier so far, the coupling to the
+// next segment.
 enum
 {
     SEGMENT = 5 * WISP_LANES,
@@ -25,12 +26,13 @@ LANE_INLINE float* scratch_of( const wisp_strand_stretch_args* args, int chain, 
     return args->scratch + (size_t)chain * (size_t)rows * SEGMENT;
 }
 
-// Relative errors of the squared length: this is as good as single precision, no further pass is worth it.
+// Relative error of the squared length at single precision; another iteration would not improve it.
 #define EXACT 4e-5f
-// A pivot below it, m^2/kg, belongs to a segment without length or between two pinned ends: nothing is to be done.
+// Minimum pivot, m^2/kg. A smaller one belongs to a segment without length or between two pinned ends, which is
+// skipped.
 #define MIN_PIVOT 1e-30f
 
-// Where an elimination has come to in one group.
+// State of an elimination in one group.
 typedef struct elimination
 {
     lane16v p, e_before;
@@ -41,7 +43,7 @@ LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args,
 {
     const lane16 zero = lane16_zero();
     return ( elimination ){ .p = lane16v_load( args->position + (size_t)first * STRIDE ),
-                            .e_before = { zero, zero, zero }, // of what is behind a tip
+                            .e_before = { zero, zero, zero }, // beyond a tip
                             .w = lane16_load( args->inverse_mass + (size_t)first * WISP_LANES ),
                             .inverse_before = zero,
                             .multiplier_before = zero };
@@ -56,8 +58,8 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
     const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
-    // off is minus the coefficient, and off^2 / pivot before stands for off coupling: what one segment waits for of the other is kept
-    // short
+    // off is minus the coefficient, and off^2 / previous pivot is written as off times coupling, to shorten the
+    // dependency between segments
     const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
     const lane16 own = lane16_mul( lane16_add( s->w, w_next ), squared );
     const lane16 pivot = lane16_sub( own, lane16_mul( lane16_mul( off, off ), s->inverse_before ) );
@@ -71,8 +73,9 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
     *s = ( elimination ){ next, e, w_next, inverse, multiplier };
 }
 
-// Groups of as many rows each, row by row in turns; what they leave stands in scratch one behind the other. Two rows at a time, so
-// that what one hands on to the next changes its registers without being moved: a tenth of this kernel.
+// Eliminates groups with equal numbers of rows, interleaved row by row; their scratch is stored one after the
+// other. Two rows per pass, so that state passes between rows without register moves, which saves a tenth of this
+// kernel.
 LANE_INLINE void eliminate( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
 {
     elimination s[CHAINS];
@@ -99,15 +102,15 @@ LANE_INLINE void eliminate( const wisp_strand_stretch_args* args, const int* fir
     }
 }
 
-// Where the way back has come to.
+// State of the sweep back.
 typedef struct substitution
 {
-    lane16v pull, moved; // of the row behind: what its segment to here pulls, and where it is now
+    lane16v pull, moved; // of the next row: correction by the segment up to this row, and new position
     lane16 multiplier, coupling, length;
     lane16m inexact; // lanes with a segment that is not exact yet
 } substitution;
 
-// Is the squared length of e right but for a share of it? A NaN is not.
+// Tests whether the relative error of the squared length of e is within the limit; false for NaN.
 LANE_INLINE lane16m is_within( lane16v e, lane16 length, lane16 limit )
 {
     const lane16 square = lane16_mul( length, length );
@@ -115,7 +118,7 @@ LANE_INLINE lane16m is_within( lane16v e, lane16 length, lane16 limit )
     return lane16_le( error, lane16_mul( square, limit ) );
 }
 
-// A vertex moves by the multipliers of its two segments, and the segment behind it is judged.
+// Moves a vertex by the multipliers of its two segments, and tests the segment after it.
 LANE_INLINE void move_row( const wisp_strand_stretch_args* args, substitution* s, int row, lane16v pull,
                            lane16 limit )
 {
@@ -129,7 +132,7 @@ LANE_INLINE void move_row( const wisp_strand_stretch_args* args, substitution* s
     s->moved = moved;
 }
 
-// What all rows of a way back share.
+// Values shared by all rows of a sweep back.
 typedef struct substitution_terms
 {
     lane16 limit;       // of the relative error of a squared length
@@ -137,7 +140,7 @@ typedef struct substitution_terms
     bool has_tension;
 } substitution_terms;
 
-// The segment from the row before to this one, which has left `in`.
+// Solves the segment from the previous row to this one, whose elimination stored `in`.
 LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const substitution_terms* terms,
                                  substitution* s, int row, const float* in )
 {
@@ -155,7 +158,8 @@ LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const sub
     }
 }
 
-// From the tip to the root: multipliers, and each vertex moves by those of its two segments. Two rows at a time, as above.
+// Substitutes from tip to root, and moves each vertex by the multipliers of its two segments. Two rows per pass, as
+// above.
 // @return lanes with a segment that is not exact
 LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const float* scratch, int first, int last,
                                 bool has_tension )
@@ -164,7 +168,7 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const floa
     const lane16v none = { zero, zero, zero };
     const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ),
                                        lane16_set1( 1.0f / ( args->dt * args->dt ) ), has_tension };
-    // behind the tip there is no segment, so none is judged
+    // beyond the tip there is no segment to test
     substitution s = { none, none, zero, zero, zero, lane16_lt( zero, zero ) };
     int row = last - 1;
     for ( ; row > first + 1; row -= 2 )
@@ -181,9 +185,9 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const floa
     return s.inexact;
 }
 
-// ---- strands that Newton does not reach ----
+// ---- strands that do not converge ----
 
-// Lanes with a segment that is not within the tolerance. Only asked of groups that are not exact.
+// Selects lanes with a segment that is not within the tolerance. Called only for groups that are not exact.
 static lane16m find_bad( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * args->tolerance );
@@ -199,7 +203,7 @@ static lane16m find_bad( const wisp_strand_stretch_args* args, int first, int la
     return bad;
 }
 
-// Lanes with a pin beyond the root cannot be laid out from it.
+// Selects lanes with a pin beyond the root, which cannot be reset.
 static lane16m further_pins( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero();
@@ -223,8 +227,8 @@ static lane16 whole_length( const wisp_strand_stretch_args* args, int first, int
     return sum;
 }
 
-// Where a vertex comes from that is laid out: being put in order makes it no faster than it was predicted to be, and it stands
-// still if it is put farther away than the strand is long.
+// Sets the previous position of a reset vertex: the reset gives it no more than its predicted speed, and no
+// velocity if it moves farther than the strand is long.
 static lane16v start_of( const wisp_strand_stretch_args* args, int row, lane16v put, lane16 reach2 )
 {
     lane16v start = lane16v_load( args->previous + (size_t)row * STRIDE );
@@ -253,7 +257,7 @@ static void lay_out( const wisp_strand_stretch_args* args, lane16m lanes, int fi
         float* from = args->previous + (size_t)( row + 1 ) * STRIDE;
         const lane16v p = lane16v_load( at ), e = lane16v_sub( p, before );
         const lane16 squared = lane16v_dot( e, e );
-        // neither too short to have a direction, nor so long that its square overflowed, nor NaN
+        // long enough to have a direction, no overflow of the square, not NaN
         const lane16m has_direction =
             lane16m_and( lane16_lt( lane16_set1( 1e-30f ), squared ), lane16_lt( squared, lane16_set1( FLT_MAX ) ) );
         const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
@@ -265,7 +269,7 @@ static void lay_out( const wisp_strand_stretch_args* args, lane16m lanes, int fi
         lane16v_store( from, lane16v_select( moves, start_of( args, row + 1, put, reach2 ), lane16v_load( from ) ) );
         before = p;
     }
-    // the multipliers of passes that came to nothing are no tensions
+    // multipliers of iterations that did not converge are not tensions
     for ( int row = first; row < last && args->tension != NULL; ++row )
     {
         float* at = args->tension + (size_t)row * WISP_LANES;
@@ -292,7 +296,8 @@ static void clear_tension( const wisp_strand_stretch_args* args, int first, int 
     }
 }
 
-// @return how many strands had to be laid out
+// Resets strands that did not converge.
+// @return number of strands
 static int mend( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16m lost = lane16m_and_not( find_bad( args, first, last ), further_pins( args, first, last ) );
@@ -303,7 +308,7 @@ static int mend( const wisp_strand_stretch_args* args, int first, int last )
     return count_lanes( lost );
 }
 
-// One pass over groups in turns.
+// Runs one Newton iteration over interleaved groups.
 LANE_INLINE void pass_over( const wisp_strand_stretch_args* args, const int* first, int rows, int count,
                             lane16m* inexact )
 {
@@ -316,7 +321,8 @@ LANE_INLINE void pass_over( const wisp_strand_stretch_args* args, const int* fir
     }
 }
 
-// Passes end where a group is exact, whatever the other one needs: what it gets depends on its own strands alone.
+// Iterates each group until it is exact, independently of the others, so its result depends only on its own
+// strands.
 LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
 {
     lane16m inexact[CHAINS];

@@ -1,20 +1,21 @@
-// The cheap ways to keep lengths along strands: a sweep of distances from the root, and follow the leader. Sixteen strands at
-// once, so nothing is gathered and no two lanes share a particle.
+// Low-cost length constraints along strands: a sweep of distances from the root, and follow the leader. Sixteen
+// strands at a time; nothing is gathered and no two lanes share a particle.
 #include "strand_chains.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// Below this squared length, m^2, a segment has no direction.
+// Minimum squared length, m^2, of a segment with a direction.
 #define MIN_SQUARE 1e-30f
 
-// Change of the multiplier over the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb + alpha)).
+// Change of the multiplier divided by the length: pbd -k C / (l (wa + wb)), xpbd -(C + alpha lambda) / (l (wa + wb
+// + alpha)).
 typedef struct link_rule
 {
-    lane16 stiffness, alpha; // alpha is 0 and stiffness k in pbd; in xpbd stiffness is 1
+    lane16 stiffness, alpha; // pbd: alpha 0 and stiffness k; xpbd: stiffness 1
 } link_rule;
 
-// Where a sweep has come to in one group: the rows that links have moved and not left yet stay in registers, because each link
-// waits for the one `stride` before it. Row r of the group is at p[r % stride].
+// State of a sweep in one group. Rows that later links still move stay in registers, because each link depends on
+// the one `stride` before it. Row r of the group is p[r % stride].
 typedef struct sweep
 {
     lane16v p[2];
@@ -33,7 +34,7 @@ LANE_INLINE sweep begin_sweep( const wisp_strand_link_args* args, int first, int
     return s;
 }
 
-// The link from `row`, which is at place k.
+// Projects the link from `row`, which is p[k].
 LANE_INLINE void sweep_row( const wisp_strand_link_args* args, const link_rule* rule, sweep* s, int k, int row,
                             int stride, bool has_lambda )
 {
@@ -44,7 +45,7 @@ LANE_INLINE void sweep_row( const wisp_strand_link_args* args, const link_rule* 
     const lane16 rest = lane16_load( args->rest + lanes ), weight = lane16_add( wa, wb );
     const lane16v along = lane16v_sub( pa, pb );
     const lane16 squared = lane16v_dot( along, along );
-    // two pinned ends, no direction, or no link: nothing to say
+    // two pinned ends, no direction, or no link: no correction
     const lane16m holds = lane16m_and( lane16m_and( lane16_lt( zero, weight ), lane16_lt( zero, rest ) ),
                                        lane16_lt( lane16_set1( MIN_SQUARE ), squared ) );
     const lane16 length = lane16_sqrt( squared );
@@ -66,7 +67,7 @@ LANE_INLINE void sweep_row( const wisp_strand_link_args* args, const link_rule* 
     s->w[k] = wb;
 }
 
-// Groups of as many rows each, row by row in turns: their links do not wait for each other.
+// Sweeps groups with equal numbers of rows, interleaved row by row, since their links are independent.
 LANE_INLINE void sweep_groups( const wisp_strand_link_args* args, const link_rule* rule, const int* first, int rows,
                                int stride, int count, bool has_lambda )
 {
@@ -86,7 +87,7 @@ LANE_INLINE void sweep_groups( const wisp_strand_link_args* args, const link_rul
             }
         }
     }
-    // what is left ends before the second place has another link
+    // remaining rows end before the second place gets another link
     const bool is_odd = row + stride < rows;
     for ( int c = 0; c < count; ++c )
     {
@@ -144,7 +145,8 @@ void KERNEL( strand_link )( const wisp_strand_link_args* args, int begin, int en
     }
 }
 
-// The follower's correction d is added to where its leader came from: read back, the leader's velocity loses share d / dt.
+// Follows the leader. The follower's correction d is added to the leader's previous position, so the leader's
+// velocity changes by -fraction d / dt.
 static void follow_group( const wisp_strand_follow_args* args, lane16 fraction, int first, int last )
 {
     const lane16 zero = lane16_zero(), least = lane16_set1( MIN_SQUARE );

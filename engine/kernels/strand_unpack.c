@@ -1,4 +1,4 @@
-// Strands out of their lanes into the user's order: transposes rows of eight lanes into the numbers of eight strands.
+// Copies strands from lanes to the user's order, by transposing rows of eight lanes.
 #include "kernel_isa.h"
 
 enum
@@ -6,7 +6,7 @@ enum
     EIGHT = 8,
 };
 
-// Numbers [begin, end) of one strand.
+// Copies floats [begin, end) of one strand.
 static void unpack_lane( const float* from, float* to, int begin, int end )
 {
     for ( int k = begin; k < end; ++k )
@@ -15,7 +15,8 @@ static void unpack_lane( const float* from, float* to, int begin, int end )
     }
 }
 
-// Numbers of eight strands of as many vertices each. @param to where each of them goes
+// Copies eight strands with equal numbers of vertices.
+// @param to destination of each strand
 static void unpack_eight( const float* from, float* const* to, int numbers )
 {
     int k = 0;
