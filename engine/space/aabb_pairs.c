@@ -1,4 +1,4 @@
-// Pairs of boxes, whatever searches: blocks of queries put their lists into a pool as they come, and the lists are then
+// Overlapping pairs of boxes, for any search. Blocks of queries append their lists to a pool; the lists are then
 // joined in the order of the queries.
 #include "box_search.h"
 
@@ -10,11 +10,11 @@ enum
 {
     QUERIES_GRAIN = 128,
     JOIN_GRAIN = 1024,
-    POOL_CHUNK = 1024,                                           // entries that a block takes at once
-    MAX_WAITING = 32,                                            // lists
-    ROOM_SHARED = WISP_MAX_SHARED_AABBS + 2 * BOX_FOUND_PADDING, // entries of a list where several ask at once
-    ROOM_WAITING = 128,                                          // entries of a list that waits, on the average
-    MAX_RANKED = 96, // longer lists are put in order faster by their digits
+    POOL_CHUNK = 1024,                                           // entries that a block reserves at a time
+    MAX_WAITING = 32,                                            // lists waiting to be sorted
+    ROOM_SHARED = WISP_MAX_SHARED_AABBS + 2 * BOX_FOUND_PADDING, // entries per list where several queries run at once
+    ROOM_WAITING = 128,                                          // entries per waiting list, on average
+    MAX_RANKED = 96,                                             // longer lists are sorted faster by radix sort
     MAX_INSERTED = 24,
     DIGIT = 8,
     DIGITS = 1 << DIGIT,
@@ -26,11 +26,11 @@ enum
     BUFFER_ITEM,
     BUFFER_POOL,
     BUFFER_PLACE,
-    BUFFER_GRID,                     // and the three behind it
-    BUFFER_COOKIE = BUFFER_GRID + 4, // the grid itself, for those who ask again
+    BUFFER_GRID,                     // and the three after it
+    BUFFER_COOKIE = BUFFER_GRID + 4, // the grid itself, reused by later calls
 };
 
-// Entries of lists. The place of a list depends on timing; its contents and the amount used do not.
+// Entries of lists. The position of a list depends on timing; its contents and the total size do not.
 typedef struct pair_pool
 {
     int32_t* entries;
@@ -38,7 +38,7 @@ typedef struct pair_pool
     _Atomic size_t used;
 } pair_pool;
 
-// What the blocks of a search share.
+// Data shared by the blocks of a search.
 typedef struct pair_search
 {
     const wisp_aabb_args* args;
@@ -48,17 +48,17 @@ typedef struct pair_search
     wisp_pair_search search;
     box_grid grid;
     const struct wisp_aabb_tree* tree;
-    const int32_t* order; // of asking, null: as they come
+    const int32_t* order; // of the queries; null: as given
     int order_count;
     pair_pool pool;
-    size_t* place;  // [query] of its list in the pool
-    int32_t* begin; // [query + 1] while searching: how many the query before has
+    size_t* place;  // [query] start of its list in the pool
+    int32_t* begin; // [query + 1] while searching: length of the previous query's list
     int32_t* item;
     _Atomic uint64_t tested, overlapping;
     _Atomic bool starved;
 } pair_search;
 
-// ---- order ----
+// ---- sorting ----
 
 static void order_by_insertion( const int32_t* items, int count, int32_t* out )
 {
@@ -74,7 +74,7 @@ static void order_by_insertion( const int32_t* items, int count, int32_t* out )
     }
 }
 
-// By digits, lowest first. Items and scratch change places, and the last digit goes to `out`.
+// Radix sort, lowest digit first. Items and scratch alternate, and the last pass writes to `out`.
 static void order_by_digits( int32_t* items, int count, int32_t below, int32_t* scratch, int32_t* out )
 {
     int32_t *from = items, *to = scratch;
@@ -121,7 +121,7 @@ static void put_in_order( const pair_search* s, int32_t* items, int count, int32
     }
 }
 
-// ---- asking ----
+// ---- queries ----
 
 static void find_by_brute_force( const wisp_aabb_args* args, box_question* q )
 {
@@ -142,7 +142,7 @@ typedef struct pool_chunk
     size_t at, end;
 } pool_chunk;
 
-// Reserve a list, perhaps beyond the capacity of the pool.
+// Reserves a list, possibly beyond the capacity of the pool.
 static size_t take_room( pair_pool* pool, pool_chunk* chunk, size_t count )
 {
     if ( chunk->end - chunk->at < count + BOX_FOUND_PADDING )
@@ -156,22 +156,22 @@ static size_t take_room( pair_pool* pool, pool_chunk* chunk, size_t count )
     return at;
 }
 
-// A list that waits to be put in order.
+// A list that waits to be sorted.
 typedef struct found_list
 {
     int32_t* items;
     int query, count;
 } found_list;
 
-// What a block of a search keeps. Lists are put in order some time after they were found: how long a list is decides what
-// is done with it, and a processor that guesses wrong should not have to wait for the answer as well.
+// State of one block of a search. Lists are sorted some time after they were found. The sorting method depends on
+// the length, so sorting at once would stall on a mispredicted branch.
 typedef struct search_block
 {
     pair_search* search;
-    int32_t* area;    // of lists that wait
-    int32_t* next;    // where the next one goes
-    int32_t* full;    // no further lists from here on
-    int32_t* scratch; // to put a list in order
+    int32_t* area;    // memory of waiting lists
+    int32_t* next;    // start of the next list
+    int32_t* full;    // no list may start at or beyond this
+    int32_t* scratch; // for sorting
     pool_chunk chunk;
     box_question question;
     uint64_t overlapping;
@@ -208,6 +208,7 @@ static void keep_lists( search_block* b )
     b->next = b->area;
 }
 
+// Runs several queries at once.
 // @return false if the grid needs them one by one
 static bool ask_together( search_block* b, const int32_t* queries, int count )
 {
@@ -268,7 +269,7 @@ static int find_group_end( const pair_search* s, int first, int end )
     int last = first + 1;
     if ( s->order != NULL )
     {
-        // boxes of one cell ask for the same cells
+        // boxes of one cell visit the same cells
         const int32_t* cell_of = s->grid.cell_of;
         const int32_t cell = cell_of[s->order[first]];
         end = end < first + WISP_SLICE ? end : first + WISP_SLICE;
@@ -311,7 +312,7 @@ static void search_queries( void* context, int begin, int end, int worker )
     atomic_fetch_add_explicit( &s->overlapping, b.overlapping, memory_order_relaxed );
 }
 
-// ---- joining ----
+// ---- joining lists ----
 
 static void join_lists( void* context, int begin, int end, int worker )
 {
@@ -319,7 +320,7 @@ static void join_lists( void* context, int begin, int end, int worker )
     const pair_search* s = context;
     for ( int first = begin, last; first < end; first = last )
     {
-        // lists that lie one behind the other are copied at once
+        // consecutive lists are copied together
         size_t place = s->place[first];
         size_t count = (size_t)( s->begin[first + 1] - s->begin[first] );
         for ( last = first + 1; last < end && s->place[last] == place + count; ++last )
@@ -376,7 +377,7 @@ static wisp_status fail_memory( const wisp_aabb_args* args, wisp_error* error )
     return wisp_fail( error, WISP_NO_MEMORY, "out of memory to find pairs among %d boxes", args->box_count );
 }
 
-// The first search measures, the second fills; warm buffers need one.
+// Joins the lists. The first search measures and the second fills; if the buffers are large enough, one suffices.
 static wisp_status search_until_it_fits( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* error )
 {
     const wisp_allocator* allocator = wisp_parallel_allocator( s->parallel );
@@ -415,7 +416,7 @@ static wisp_status search_until_it_fits( pair_search* s, wisp_aabb_pairs* pairs,
     return WISP_OK;
 }
 
-// ---- the search as a whole ----
+// ---- complete search ----
 
 wisp_pair_search wisp_aabb_pairs_choose( const wisp_aabb_args* args )
 {
@@ -468,7 +469,7 @@ static wisp_status prepare( pair_search* s, wisp_aabb_pairs* pairs, wisp_error* 
     }
     if ( s->search == WISP_PAIR_SEARCH_GRID && s->args->queries == NULL )
     {
-        // boxes that ask each other do so in the order of slots, where neighbours have just been looked at
+        // queries that are the boxes themselves run in slot order, since their neighbours are then in cache
         s->order = s->grid.stream.item;
         s->order_count = s->grid.slot_count;
     }
@@ -512,7 +513,7 @@ wisp_status wisp_aabb_pairs_find( wisp_aabb_pairs* pairs, const wisp_parallel* p
     pairs->tested = atomic_load( &s.tested );
     if ( s.search == WISP_PAIR_SEARCH_TREE )
     {
-        // decay of the tree is told by the boxes, whatever counts as a pair
+        // all boxes count for the decay of the tree, whatever counts as a pair
         box_tree_note( pairs->tree, pairs->tested, atomic_load( &s.overlapping ) + (uint64_t)s.query_count );
     }
     box_tree_counts( pairs->tree, &pairs->build_count, &pairs->refit_count );

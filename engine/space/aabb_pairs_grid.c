@@ -1,7 +1,8 @@
-// Search by grids, one for boxes of about each size. A box lies in the cell of its low corner, and a query visits the cells where
-// the low corner of an overlapping box can be. Both are rounded alike, and rounding keeps order, so no box is missed and no
-// margin is needed. A level holds sizes of two octaves, or a few boxes of any size; its cells are as wide as its largest box, a
-// quarter of that along the axis with most cells.
+// Search by grids, one level per range of box sizes. A box is stored in the cell of its lower corner. A query
+// visits the cells that can contain the lower corner of an overlapping box. Both corners are rounded in the same
+// way, and rounding is monotonic, so no box is missed and no margin is needed. A level holds sizes of two octaves,
+// or a few boxes of any size. Its cells are as wide as its largest box, or a quarter of that along the axis with
+// most cells.
 //
 // Times in ms, one worker of a shared AMD EPYC (Zen 3), boxes in a cube queried against each other:
 //
@@ -19,23 +20,23 @@
 
 enum
 {
-    OCTAVES = 256,     // sizes by the exponent of a float
-    MAX_FLAT = 16,     // so few boxes need no cells of their own
-    CELLS_PER_BOX = 2, // more are empty and cost more to clear than they save
-    MAX_RUNS = 64,     // handed to a kernel at once
-    SLOT_PADDING = 8,  // slots behind the last one that a wide load may touch
-    SIDE_PER_CELL = 4, // cells along a box on the fastest axis, where narrow cells cost no further runs
+    OCTAVES = 256,     // box sizes, by the exponent of a float
+    MAX_FLAT = 16,     // up to this many boxes share one cell
+    CELLS_PER_BOX = 2, // more cells would be empty and cost more to clear than they save
+    MAX_RUNS = 64,     // passed to a kernel at once
+    SLOT_PADDING = 8,  // slots after the last one that a wide load may read
+    SIDE_PER_CELL = 4, // cells per box along the fastest axis, where narrow cells need no further runs
 };
 
 static const double MAX_CELLS = 1 << 30;
-static const double MAX_SIDE = 1 << 22; // cells along an axis are counted in float too
+static const double MAX_SIDE = 1 << 22; // cells along an axis must be exact in float too
 
-// What a group of boxes spans.
+// Bounds of a group of boxes.
 typedef struct box_span
 {
     int count;
-    float lower[3], upper[3]; // of low corners
-    float extent[3];          // largest
+    float lower[3], upper[3]; // bounds of the lower corners
+    float extent[3];          // maximum of the boxes
 } box_span;
 
 static const box_span NO_SPAN = { 0, { FLT_MAX, FLT_MAX, FLT_MAX }, { -FLT_MAX, -FLT_MAX, -FLT_MAX }, { 0, 0, 0 } };
@@ -43,10 +44,10 @@ static const box_span NO_SPAN = { 0, { FLT_MAX, FLT_MAX, FLT_MAX }, { -FLT_MAX, 
 typedef struct box_survey
 {
     box_span span;
-    int32_t octaves[OCTAVES]; // boxes of a size
+    int32_t octaves[OCTAVES]; // number of boxes per size
 } box_survey;
 
-// What the loops of a build share.
+// Data shared by the loops of a build.
 typedef struct grid_build
 {
     box_grid* grid;
@@ -55,7 +56,7 @@ typedef struct grid_build
     box_survey* surveys;                 // [block]
     box_span ( *spans )[MAX_BOX_LEVELS]; // [block]
     int level_of[OCTAVES];
-    int32_t* cell_of; // [box] first its size's octave, then its cell; -1 where it overlaps nothing
+    int32_t* cell_of; // [box] octave of its size, later its cell; -1 if it overlaps nothing
     int32_t* begin;
     float *lower[3], *upper[3];
     int32_t* item;
@@ -123,7 +124,8 @@ static void survey( void* context, int begin, int end, int worker )
     s->span = span;
 }
 
-// From large to small: a level holds sizes of two octaves, or more of them while they are few. @return levels
+// Assigns sizes to levels, from large to small: two octaves each, or more while boxes are few.
+// @return number of levels
 static int group_sizes( const int32_t octaves[OCTAVES], int count, int level_of[OCTAVES] )
 {
     int level = -1, top = OCTAVES, grouped = 0;
@@ -164,7 +166,7 @@ static void survey_levels( void* context, int begin, int end, int worker )
 
 // ---- cells ----
 
-// Widen cells by steps of a quarter until there are no more than the boxes can use.
+// Widens cells in steps of a quarter until their number is within the limit.
 static void choose_cells( box_level* level, const box_span* span )
 {
     double size[3], extent[3], dims[3] = { 1.0, 1.0, 1.0 };
@@ -197,12 +199,12 @@ static void choose_cells( box_level* level, const box_span* span )
         level->cell_count *= level->dims[k];
         level->origin[k] = span->lower[k];
         level->end[k] = span->upper[k];
-        // a difference is rounded, by half a unit in its last place
+        // a difference is rounded by up to half a unit in the last place
         level->extent[k] = span->extent[k] * ( 1.0f + 2.0f * FLT_EPSILON );
     }
 }
 
-// Most cells first, so that runs are long and few; equals in the order x, y, z.
+// Sorts axes by number of cells, most first, so that runs are long and few; ties in the order x, y, z.
 static void order_axes( box_level* level )
 {
     for ( int k = 0; k < 3; ++k )
@@ -221,7 +223,7 @@ static void order_axes( box_level* level )
     level->stride[level->axis[2]] = level->dims[level->axis[0]] * level->dims[level->axis[1]];
 }
 
-// Bounds are clamped before they become an integer: an query may be anywhere.
+// Computes the cells of a query. Clamps before the conversion to an integer, since a query may be anywhere.
 static int cell_along( const box_level* level, float coordinate, int axis )
 {
     float cell = ( coordinate - level->origin[axis] ) * level->inverse[axis];
@@ -252,13 +254,13 @@ static void find_cells( void* context, int begin, int end, int worker )
 
 // ---- slots ----
 
-// Counting sort, stable: within a cell boxes keep their order. One worker: it moves four bytes a box.
+// Sorts boxes by cell with a stable counting sort. Runs on one worker: it moves four bytes per box.
 static void sort_boxes( grid_build* b, int64_t cells )
 {
     memset( b->begin, 0, ( (size_t)cells + 1 ) * sizeof( int32_t ) );
     for ( int i = 0; i < b->box_count; ++i )
     {
-        b->begin[b->cell_of[i] + 1] += 1; // what overlaps nothing is counted in front, and cleared
+        b->begin[b->cell_of[i] + 1] += 1; // boxes that overlap nothing are counted at index 0, which is cleared
     }
     b->begin[0] = 0;
     for ( int64_t c = 0; c < cells; ++c )
@@ -272,7 +274,7 @@ static void sort_boxes( grid_build* b, int64_t cells )
             b->item[b->begin[b->cell_of[i]]++] = i;
         }
     }
-    // every begin has moved on to its cell's end, which is where the next one begins
+    // each begin has advanced to the end of its cell, which is the begin of the next one
     memmove( b->begin + 1, b->begin, (size_t)cells * sizeof( int32_t ) );
     b->begin[0] = 0;
 }
@@ -292,7 +294,7 @@ static void copy_slots( void* context, int begin, int end, int worker )
     }
 }
 
-// ---- building ----
+// ---- build ----
 
 static bool reserve_boxes( grid_build* b, wisp_buffer* buffers, const wisp_allocator* allocator )
 {
@@ -317,7 +319,7 @@ static bool reserve_boxes( grid_build* b, wisp_buffer* buffers, const wisp_alloc
     return true;
 }
 
-// What is compared behind the last slot overlaps nothing.
+// Pads the slots with boxes that overlap nothing.
 static void clear_padding( grid_build* b )
 {
     for ( int slot = b->grid->slot_count; slot < b->grid->slot_count + SLOT_PADDING; ++slot )
@@ -402,7 +404,7 @@ wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_par
     return WISP_OK;
 }
 
-// ---- asking ----
+// ---- queries ----
 
 static int eights( int count )
 {
@@ -421,7 +423,7 @@ static void overlap_plainly( const wisp_aabb_stream* s, const int32_t* runs, int
             const int begin = runs[2 * r], end = begin + eights( runs[2 * r + 1] - begin );
             for ( int j = begin; j < end; j += WISP_SLICE )
             {
-                // apart, so that a compiler can compare several at once
+                // separate statements, so that a compiler can vectorise them
                 int32_t hit[WISP_SLICE];
                 for ( int i = 0; i < WISP_SLICE; ++i )
                 {
@@ -441,14 +443,14 @@ static void overlap_plainly( const wisp_aabb_stream* s, const int32_t* runs, int
     }
 }
 
-// Runs of slots that wait for a kernel.
+// Runs of slots to be passed to a kernel.
 typedef struct run_list
 {
     const box_grid* grid;
     box_question* question;
     int count;
-    int slots;   // of all runs, in whole eights
-    int covered; // slots up to here have been dealt with
+    int slots;   // of all runs, rounded up to groups of eight
+    int covered; // slots below this are done
     int32_t runs[2 * MAX_RUNS];
 } run_list;
 
@@ -468,8 +470,9 @@ static void ask_runs( run_list* list )
     list->count = list->slots = 0;
 }
 
-// Runs come in rising order. They are compared in whole eights, so that one which begins in the last eight of the run
-// before continues it. @return false if they are too many for several queries
+// Adds a run. Runs are in increasing order and compared in groups of eight slots, so a run that begins in the last
+// group of the previous run extends it.
+// @return false if there are too many for several queries
 static bool add_run( run_list* list, int begin, int end )
 {
     int32_t* last = list->runs + 2 * list->count - 2;

@@ -1,6 +1,6 @@
-// Search by an Embree tree over the boxes. Only boxes that can overlap anything get into it: Embree drops boxes that are not finite
-// and then loses their neighbours in a refit. When the set changes, the tree is built again. A ball around the query finds
-// candidates; this file decides whether they overlap.
+// Search by an Embree tree over the boxes. Only boxes that can overlap another one are inserted: Embree drops boxes
+// that are not finite, and then loses their neighbours in a refit. When the set changes, the tree is rebuilt. A
+// sphere around the query finds candidates; this file tests their overlap.
 #include "box_search.h"
 
 #include "embree_compat.h"
@@ -17,17 +17,17 @@ struct wisp_aabb_tree
     RTCDevice device;
     RTCScene scene;
     RTCGeometry geometry;
-    wisp_buffer items; ///< [item_count] boxes in the tree, rising
+    wisp_buffer items; ///< [item_count] boxes in the tree, in increasing order
     int item_count;
     bool is_built;
-    double tested_when_new;     ///< boxes an answer, 0 while not known
-    double tested_now;          ///< of the last call
-    atomic_int fault;           ///< first error of Embree since it was last looked at
-    _Atomic int64_t node_bytes; ///< Embree's own
+    double tested_when_new;     ///< boxes tested per result, 0 while unknown
+    double tested_now;          ///< boxes tested per result in the last call
+    atomic_int fault;           ///< first error of Embree since the last check
+    _Atomic int64_t node_bytes; ///< memory allocated by Embree
     int build_count, refit_count;
 };
 
-// Embree drops a box beyond 1.8e18. Clamping keeps the order of numbers, so whatever overlaps still does.
+// Clamps to the range of Embree, which drops boxes beyond 1.8e18. Clamping is monotonic, so overlaps remain.
 static float clamp_far( float c )
 {
     return fminf( fmaxf( c, -1e18f ), 1e18f );
@@ -46,7 +46,7 @@ static void find_box( const struct RTCBoundsFunctionArguments* arguments )
     out->upper_z = clamp_far( box->upper[2] );
 }
 
-// ---- life ----
+// ---- creation ----
 
 static void note_fault( void* user, enum RTCError code, const char* text )
 {
@@ -82,7 +82,7 @@ static wisp_status take_fault( struct wisp_aabb_tree* tree, const char* what, wi
 
 static wisp_status open_device( struct wisp_aabb_tree* tree, wisp_error* error )
 {
-    // One thread, the caller's: Embree's own would fight with the engine's workers.
+    // one thread, the caller's: Embree's own threads would compete with the engine's workers
     tree->device = rtcNewDevice( "threads=1" );
     if ( tree->device == NULL )
     {
@@ -170,7 +170,8 @@ void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* 
 
 // ---- updates ----
 
-// Which boxes are in the tree. @return whether they are others than before
+// Lists the boxes to insert.
+// @return whether the set has changed
 static bool list_items( struct wisp_aabb_tree* tree, const wisp_aabb_args* args )
 {
     int32_t* items = tree->items.data;
@@ -189,7 +190,7 @@ static bool list_items( struct wisp_aabb_tree* tree, const wisp_aabb_args* args 
     return is_other;
 }
 
-// Half again as many boxes compared for an answer as when it was new.
+// Tests whether the tree has decayed: 1.5 times as many boxes tested per result as after the build.
 static bool has_decayed( const struct wisp_aabb_tree* tree )
 {
     return tree->tested_when_new > 0.0 && tree->tested_now > 1.5 * tree->tested_when_new;
@@ -228,7 +229,7 @@ wisp_status box_tree_update( struct wisp_aabb_tree** out, const wisp_allocator* 
     struct wisp_aabb_tree* tree = *out;
     if ( tree->items.size < (size_t)args->box_count * sizeof( int32_t ) )
     {
-        tree->item_count = 0; // the contents of the list are lost
+        tree->item_count = 0; // the list is overwritten
         if ( !wisp_buffer_reserve( &tree->items, allocator, (size_t)args->box_count * sizeof( int32_t ) ) )
         {
             return wisp_fail( error, WISP_NO_MEMORY, "out of memory for a tree of %d boxes", args->box_count );
@@ -238,7 +239,7 @@ wisp_status box_tree_update( struct wisp_aabb_tree** out, const wisp_allocator* 
     bool rebuild = is_other || !tree->is_built || has_decayed( tree );
     if ( tree->item_count == 0 )
     {
-        return WISP_OK; // there is no query
+        return WISP_OK; // no queries
     }
     tree->boxes = args->boxes;
     commit( tree, rebuild );
@@ -246,7 +247,7 @@ wisp_status box_tree_update( struct wisp_aabb_tree** out, const wisp_allocator* 
     tree->is_built = true;
     if ( status != WISP_OK )
     {
-        tree->item_count = 0; // so that the next call builds
+        tree->item_count = 0; // forces a rebuild in the next call
         return status;
     }
     tree->tested_when_new = rebuild ? 0.0 : tree->tested_when_new;
@@ -255,7 +256,7 @@ wisp_status box_tree_update( struct wisp_aabb_tree** out, const wisp_allocator* 
     return WISP_OK;
 }
 
-// ---- asking ----
+// ---- queries ----
 
 typedef struct tree_walk
 {
@@ -276,7 +277,8 @@ static bool compare_box( struct RTCPointQueryFunctionArguments* arguments )
     return false;
 }
 
-// The ball is a little larger than its box, by more than all roundings; its radius has a square.
+// Runs a point query. The sphere exceeds its box by more than the rounding error; the square of its radius is
+// finite.
 void box_tree_find( const struct wisp_aabb_tree* tree, box_question* question )
 {
     if ( tree->item_count == 0 )

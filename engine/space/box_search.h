@@ -1,5 +1,5 @@
-/// Shared by all searches of boxes. A search proposes boxes for one query, in any order; lists are sorted afterwards, so that pairs
-/// depend neither on the search nor on the number of workers.
+/// Common interface of box searches. A search reports boxes that overlap a query in any order. Lists are sorted
+/// afterwards, so pairs depend neither on the search nor on the number of workers.
 #pragma once
 
 #include "wisp/module/aabb_pairs.h"
@@ -10,11 +10,11 @@
 
 enum
 {
-    BOX_GRAIN = 2048,      // boxes a block, where each costs a few nanoseconds
-    BOX_FOUND_PADDING = 8, // entries behind the last one that a wide store may touch
+    BOX_GRAIN = 2048,      // boxes per block in loops that take a few nanoseconds per box
+    BOX_FOUND_PADDING = 8, // entries after the last one that a wide store may write
 };
 
-/// Is a box one that can overlap another? False where a number is not finite.
+/// Test whether a box can overlap another one; false if a coordinate is not finite.
 static inline bool box_is_valid( const wisp_aabb* box )
 {
     bool is_valid = true;
@@ -25,61 +25,63 @@ static inline bool box_is_valid( const wisp_aabb* box )
     return is_valid;
 }
 
-/// A few questions at once: for each of some queries, the boxes that overlap it.
+/// Some queries that run together, and the boxes that overlap each of them.
 typedef struct box_question
 {
     wisp_aabb_group group;
-    uint64_t tested; ///< boxes compared
+    uint64_t tested; ///< number of boxes compared
 } box_question;
 
-// ---- the grid ----
+// ---- grid ----
 
 enum
 {
     MAX_BOX_LEVELS = 12,
 };
 
-/// Boxes of about one size, by the cell of their low corner.
+/// Boxes of similar size, by the cell of their lower corner.
 typedef struct box_level
 {
-    float origin[3], inverse[3]; ///< m, 1/m: a cell's edge differs from axis to axis
-    float end[3];                ///< m, the last low corner; the origin is the first
-    float extent[3];             ///< m, of the largest box, rounded up
-    float last[3];               ///< cell along each axis
-    int dims[3], axis[3];        ///< axis[0] is the one whose cells lie side by side, axis[2] the slowest
-    int stride[3];               ///< from one cell to the next along x, y, z
+    float origin[3], inverse[3]; ///< m, 1/m; cell sizes differ between axes
+    float end[3];                ///< m, maximum of the lower corners; the origin is their minimum
+    float extent[3];             ///< m, maximum box extent, rounded up
+    float last[3];               ///< last cell along each axis
+    int dims[3], axis[3];        ///< axis[0] is the fastest in memory, axis[2] the slowest
+    int stride[3];               ///< distance in memory between cells that are adjacent along x, y, z
     int64_t cell_count;
-    int32_t cell_first; ///< of the cells of all levels
+    int32_t cell_first; ///< index of the level's first cell among the cells of all levels
 } box_level;
 
 typedef struct box_grid
 {
-    wisp_aabb_stream stream; ///< slots: by level, cell, number
+    wisp_aabb_stream stream; ///< slots, sorted by level, cell and box index
     const int32_t* begin;    ///< [cells of all levels + 1] first slot
-    const int32_t* cell_of;  ///< [box] -1 for one that overlaps nothing
+    const int32_t* cell_of;  ///< [box] -1 if the box overlaps nothing
     int slot_count, level_count;
     box_level levels[MAX_BOX_LEVELS];
     const wisp_kernels* kernels; ///< may be null
 } box_grid;
 
-/// @param buffers four of them
+/// @param buffers array of four
 wisp_status box_grid_build( box_grid* grid, wisp_buffer* buffers, const wisp_parallel* parallel,
                             const wisp_aabb_args* args );
-/// @return false if several queries would be compared with too many boxes at once, and nothing was found: ask one by one
+/// Run several queries.
+/// @return false without a result if too many boxes would be compared at once: run them one by one
 bool box_grid_find( const box_grid* grid, box_question* question );
 
-// ---- the tree ----
+// ---- tree ----
 
-/// Take the boxes over: refit, or build. @return WISP_CONFLICT in a library without Embree
+/// Update the tree to the boxes by a refit or a rebuild.
+/// @return WISP_CONFLICT in a library without Embree
 wisp_status box_tree_update( struct wisp_aabb_tree** tree, const wisp_allocator* allocator,
                              const wisp_aabb_args* args, wisp_error* error );
-/// One query. Thread-safe.
+/// Run one query. Thread-safe.
 void box_tree_find( const struct wisp_aabb_tree* tree, box_question* question );
-/// Cost of the queries since the last update, which tells whether the search has decayed.
+/// Return the cost of queries since the last update, which shows decay of the tree.
 void box_tree_note( struct wisp_aabb_tree* tree, uint64_t tested, uint64_t answers );
 void box_tree_counts( const struct wisp_aabb_tree* tree, int* build_count, int* refit_count );
 size_t box_tree_bytes( const struct wisp_aabb_tree* tree );
 /// Null is allowed.
 void box_tree_release( struct wisp_aabb_tree* tree, const wisp_allocator* allocator );
-/// Can this library make one?
+/// Test whether this library was built with Embree.
 bool box_tree_exists( void );

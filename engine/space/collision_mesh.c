@@ -1,4 +1,4 @@
-// Triangle meshes for queries: the surface, its search, and the answer.
+// Triangle meshes for queries: surface, search and results.
 #include "collision_mesh_embree.h"
 #include "voxels.h"
 
@@ -10,14 +10,14 @@ struct wisp_collision_mesh
 {
     mesh_surface surface;
     wisp_mesh_search search;
-    embree_tree* embree; ///< null when searched by voxels
-    voxels voxels;       ///< zero when searched by a tree
+    embree_tree* embree; ///< null if voxels are used
+    voxels voxels;       ///< zero if a tree is used
     bool deforms;
-    float* spare; ///< [point_count][4] where points were, should an update fail; null for a rigid mesh
+    float* spare; ///< [point_count][4] old positions, restored if an update fails; null for a rigid mesh
     int open_edge_count, flat_triangle_count;
 };
 
-// ---- life ----
+// ---- creation ----
 
 static size_t spare_bytes( const wisp_collision_mesh* tree )
 {
@@ -147,7 +147,7 @@ wisp_status wisp_collision_mesh_update( wisp_collision_mesh* tree, const wisp_ve
         return WISP_OK;
     }
 
-    // restore the old state; voxels had memory for it before
+    // restore the old state; the voxels had memory for it
     memcpy( tree->surface.xyzw, tree->spare, spare_bytes( tree ) );
     mesh_surface_find_extent( &tree->surface );
     if ( tree->embree != NULL )

@@ -1,4 +1,4 @@
-// Stand-in for Embree trees in a library built without Embree: none can be created. Voxels remain.
+// Replacement for Embree trees in a library built without Embree: creation fails. Voxels still work.
 #include "collision_mesh_embree.h"
 
 #include "embree_compat.h"

@@ -1,7 +1,8 @@
-// Search by Embree. It finds candidates in single precision; mesh_search.h decides which is closest or hit first. Rounding must
-// not lose a candidate, or answers would depend on how the tree was built. Embree's own triangles lose some, because their test
-// accepts more than the boxes in front of it. So this is a user geometry, whose boxes are widened by more than the rounding of a
-// ray and its traversal (about 1e-6 of the largest coordinate, because rays are clipped to the mesh first).
+// Search by Embree. Embree finds candidates in single precision; mesh_search.h selects the closest or first.
+// Rounding must not lose a candidate, or results would depend on how the tree was built. Embree's own triangle test
+// accepts hits outside the boxes above it, so some are lost. Therefore this is a user geometry. Its boxes are
+// widened by more than the rounding of a ray and its traversal (about 1e-6 of the largest coordinate, because rays
+// are clipped to the mesh first).
 #include "collision_mesh_embree.h"
 
 #include "embree_compat.h"
@@ -13,11 +14,11 @@
 #include <stdatomic.h>
 #include <string.h>
 
-static const double WIDENING = 4e-6; // of the mesh's largest coordinate
+static const double WIDENING = 4e-6; // relative to the mesh's largest coordinate
 
 enum
 {
-    DECAY_QUERIES = 64, // fewer than these do not tell how well a tree does
+    DECAY_QUERIES = 64, // minimum number of queries to judge the quality of a tree
 };
 
 struct embree_tree
@@ -27,12 +28,12 @@ struct embree_tree
     RTCScene scene;
     RTCGeometry geometry;
     bool deforms;
-    bool is_lost;               ///< an update failed and so did the way back: nothing is found until one succeeds
-    double tested_when_new;     ///< triangles a query, 0 while not known
-    atomic_int fault;           ///< first error of Embree since it was last looked at
-    _Atomic int64_t node_bytes; ///< Embree's own
+    bool is_lost;               ///< an update and its reversal failed: queries find nothing until an update succeeds
+    double tested_when_new;     ///< triangles tested per query, 0 while unknown
+    atomic_int fault;           ///< first error of Embree since the last check
+    _Atomic int64_t node_bytes; ///< memory allocated by Embree
     int64_t max_node_bytes;     ///< 0: no limit
-    _Atomic uint64_t queried, tested; ///< closest points, since the last update
+    _Atomic uint64_t queried, tested; ///< queries for closest points and triangles tested, since the last update
     int build_count, refit_count;
 };
 
@@ -65,7 +66,7 @@ static void find_box( const struct RTCBoundsFunctionArguments* arguments )
     box->upper_z = upper[2];
 }
 
-// ---- life ----
+// ---- creation ----
 
 static void note_fault( void* user, enum RTCError code, const char* text )
 {
@@ -82,7 +83,7 @@ static bool watch_memory( void* user, ssize_t bytes, bool is_taken )
     bool is_fine = bytes <= 0 || tree->max_node_bytes == 0 || sum <= tree->max_node_bytes;
     if ( !is_fine && !is_taken )
     {
-        atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // a block that is refused is never given back
+        atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // Embree does not report the release of a refused block
     }
     return is_fine;
 }
@@ -107,7 +108,7 @@ static void collect_intersection( const struct RTCIntersectFunctionNArguments* a
 
 static wisp_status open_device( embree_tree* tree, wisp_error* error )
 {
-    // One thread, the caller's: Embree's own would fight with the engine's workers.
+    // one thread, the caller's: Embree's own threads would compete with the engine's workers
     tree->device = rtcNewDevice( "threads=1" );
     if ( tree->device == NULL )
     {
@@ -134,7 +135,7 @@ static wisp_status build_scene( embree_tree* tree, wisp_error* error )
         rtcSetSceneBuildQuality( tree->scene, tree->deforms ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM );
         rtcSetGeometryBuildQuality( g, tree->deforms ? RTC_BUILD_QUALITY_REFIT : RTC_BUILD_QUALITY_MEDIUM );
         rtcSetGeometryUserPrimitiveCount( g, (unsigned)tree->surface->triangle_count );
-        rtcSetGeometryMask( g, 0xffffffffu ); // version 4 has another default than version 3
+        rtcSetGeometryMask( g, 0xffffffffu ); // versions 3 and 4 have different defaults
         rtcSetGeometryUserData( g, tree );
         rtcSetGeometryBoundsFunction( g, find_box, NULL );
         rtcSetGeometryIntersectFunction( g, collect_intersection );
@@ -218,8 +219,8 @@ static wisp_status commit( embree_tree* tree, bool rebuild, wisp_error* error )
     return take_fault( tree, rebuild ? "rebuild" : "refit", error );
 }
 
-// Triangles a query looked at, against those when the tree was new. The first update with enough queries behind it sets
-// the measure.
+// Tests whether the tree has decayed, by the triangles tested per query compared with a new tree. The first update
+// after enough queries sets the reference.
 static bool has_decayed( embree_tree* tree )
 {
     uint64_t queried = atomic_exchange( &tree->queried, 0 ), tested = atomic_exchange( &tree->tested, 0 );
@@ -250,7 +251,7 @@ wisp_status embree_tree_update( embree_tree* tree, wisp_error* error )
     return status;
 }
 
-// Better nothing than something wrong.
+// Marks the tree as lost: no result is better than a wrong one.
 void embree_tree_return( embree_tree* tree )
 {
     tree->is_lost = tree->is_lost || commit( tree, true, NULL ) != WISP_OK;
@@ -284,7 +285,7 @@ static bool measure_triangle( struct RTCPointQueryFunctionArguments* arguments )
 
 void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
 {
-    // the point came as floats
+    // the input point is in floats
     struct RTCPointQuery ball = { .x = (float)search->point.x,
                                   .y = (float)search->point.y,
                                   .z = (float)search->point.z,
@@ -299,12 +300,12 @@ void embree_tree_find_closest( const embree_tree* tree, mesh_closest* search )
 
 typedef struct ray_search
 {
-    embree_context context; ///< first: Embree hands its address back
+    embree_context context; ///< must be first: Embree returns its address
     mesh_cast* sweep;
-    double begin; ///< m along the path, where the ray starts
+    double begin; ///< m, start of the ray along the path
 } ray_search;
 
-// The ray ends a little behind the intersection, so that all which are as early stay candidates.
+// Ends the ray slightly beyond the intersection, so that equally early ones stay candidates.
 static void collect_intersection( const struct RTCIntersectFunctionNArguments* arguments )
 {
     ray_search* search = (ray_search*)(void*)arguments->context;
@@ -317,8 +318,8 @@ static void collect_intersection( const struct RTCIntersectFunctionNArguments* a
     }
 }
 
-// A ray of unit direction along the clipped path. It outlasts the path at its end; at its beginning the widened boxes
-// do the same.
+// Sets up a ray of unit direction along the clipped path. The ray is longer than the path at its end; at its start
+// the widened boxes have the same effect.
 static struct RTCRay make_ray( const mesh_cast* sweep, double begin, double end )
 {
     double3 step = double3_sub( sweep->to, sweep->from );

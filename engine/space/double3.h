@@ -1,5 +1,5 @@
-/// Vectors in double precision, for geometry whose inputs are floats: differences of those are exact or nearly so, their
-/// squares neither overflow nor vanish.
+/// Vectors in double precision, for geometry with float inputs. Differences of floats are exact or nearly so, and
+/// their squares neither overflow nor underflow.
 #pragma once
 
 #include <float.h>
@@ -37,7 +37,7 @@ static inline double3 double3_scale( double3 a, double s )
     return ( double3 ){ a.x * s, a.y * s, a.z * s };
 }
 
-/// a + s b
+/// Compute a + s b.
 static inline double3 double3_mul_add( double3 a, double s, double3 b )
 {
     return ( double3 ){ a.x + s * b.x, a.y + s * b.y, a.z + s * b.z };
@@ -53,7 +53,7 @@ static inline double3 double3_cross( double3 a, double3 b )
     return ( double3 ){ a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
 }
 
-/// The direction of v, or zero when it has none.
+/// Normalise v, or return zero if it has no direction.
 static inline double3 double3_unit_or_zero( double3 v )
 {
     double squared = double3_dot( v, v );

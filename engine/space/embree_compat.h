@@ -1,4 +1,4 @@
-/// Embree 3.13 or 4 under one set of names. The one place that includes it.
+/// Embree 3.13 or 4 under common names. Only this file includes Embree.
 #pragma once
 
 #if !defined( WISP_HAS_EMBREE )
@@ -48,7 +48,8 @@ static inline void embree_intersect( RTCScene scene, embree_context* context, st
 
 #endif
 
-/// Embree with asserts aborts the process on a ray that is not finite, or beyond the square root of the largest float.
+/// Maximum coordinate of a ray. Embree with asserts aborts the process on a ray that is not finite or exceeds the
+/// square root of the largest float.
 #define EMBREE_LARGE 1.844e18f
 
 static inline int embree_is_ray_fine( const struct RTCRay* r )

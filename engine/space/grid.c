@@ -6,15 +6,15 @@
 
 enum
 {
-    GRID_GRAIN = 1024,          // items a block
-    GRID_CELLS_PER_ITEM = 4,    // more cells than this are empty and cost more to clear than they save
-    GRID_CELLS_ALONG = 1 << 24, // cells along an axis at most: so far floats count them
-    GRID_PADDING = 16,          // slots behind the last one that a wide load may touch
+    GRID_GRAIN = 1024,          // items per block
+    GRID_CELLS_PER_ITEM = 4,    // more cells would be empty and cost more to clear than they save
+    GRID_CELLS_ALONG = 1 << 24, // maximum number of cells along an axis, which floats represent exactly
+    GRID_PADDING = 16,          // slots after the last one that a wide load may read
 };
 
 bool wisp_buffer_reserve( wisp_buffer* buffer, const wisp_allocator* allocator, size_t bytes )
 {
-    // the next frame may need a little more
+    // reserve more, for the next frame
     return bytes <= buffer->size || base_buffer_reserve( allocator, buffer, bytes + bytes / 4 );
 }
 
@@ -32,13 +32,13 @@ void wisp_grid_release( wisp_grid* grid, const wisp_allocator* allocator )
     *grid = ( wisp_grid ){ 0 };
 }
 
-// The fourth of each is what the owners' bits make of it.
+// Bounds of items. The fourth component is the owner's bits and has no meaning.
 typedef struct grid_bounds
 {
     float lower[4], upper[4];
 } grid_bounds;
 
-// What the loops of a build share.
+// Data shared by the loops of a build.
 typedef struct grid_build
 {
     wisp_grid* grid;
@@ -86,7 +86,7 @@ static grid_bounds join_bounds( const grid_bounds* bounds, int count )
     return all;
 }
 
-// Fewest cells first, single ones last; equals in the order x, y, z.
+// Sorts axes by number of cells, fewest first but axes with one cell last; ties in the order x, y, z.
 static void order_axes( wisp_grid* grid )
 {
     int rank[3];
@@ -107,7 +107,7 @@ static void order_axes( wisp_grid* grid )
     }
 }
 
-// Cut cells along the fastest axis.
+// Splits cells along the fastest axis.
 static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double most )
 {
     const int fastest = grid->axis[0];
@@ -130,10 +130,10 @@ static void cut_cells( wisp_grid* grid, grid_bounds bounds, int fine, double mos
     grid->inverse_cell[fastest] = (float)fine / grid->cell;
 }
 
-// Widen cells by steps of a quarter until there are no more than the items can use, and floats can count.
+// Widens cells in steps of a quarter until their number is within the limits of memory and floats.
 static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int fine )
 {
-    // Subtracting the origin and dividing round: together by less than 3 units in the last place of the extent.
+    // subtracting the origin and dividing have a rounding error below 3 units in the last place of the extent
     double max_extent = 0.0;
     for ( int axis = 0; axis < 3; ++axis )
     {
@@ -173,8 +173,8 @@ static void choose_cells( wisp_grid* grid, grid_bounds bounds, float cell, int f
     cut_cells( grid, bounds, fine, most );
 }
 
-// The same roundings as in the search, so that an item is found in the cell it was put into. Clamped before it becomes an
-// integer: that is equivalent and works for all axes at once.
+// Computes the cell of an item with the same rounding as the search, so that an item is found in its own cell.
+// Clamps before the conversion to an integer, which is equivalent and vectorises.
 static void find_cells( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -202,7 +202,7 @@ static void find_cells( void* context, int begin, int end, int worker )
     }
 }
 
-// Counting sort, stable: within a cell items keep their order. One worker: it moves four bytes an item.
+// Sorts items by cell with a stable counting sort. Runs on one worker: it moves four bytes per item.
 static void sort_items( grid_build* b, int cells )
 {
     const int count = b->grid->count;
@@ -219,7 +219,7 @@ static void sort_items( grid_build* b, int cells )
     {
         b->item[b->begin[b->cell_of[i]]++] = i;
     }
-    // every begin has moved on to its cell's end, which is where the next one begins
+    // each begin has advanced to the end of its cell, which is the begin of the next one
     memmove( b->begin + 1, b->begin, (size_t)cells * sizeof( int32_t ) );
     b->begin[0] = 0;
 }
@@ -257,7 +257,7 @@ static bool reserve_items( grid_build* b, const wisp_allocator* allocator )
     b->cell_of = g->buffers[1].data;
     b->bounds = g->buffers[2].data;
 
-    // wide loads mask what lies after the last slot, but it must be initialised
+    // wide loads mask slots after the last one, but these must be initialised
     for ( size_t i = count; i < slots; ++i )
     {
         b->item[i] = b->owner[i] = 0;

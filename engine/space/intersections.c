@@ -1,6 +1,6 @@
-// Which edges pass through which triangles. Overlapping boxes give candidates; exact signs decide. Candidates
-// are tested in blocks of a fixed size. Each block keeps its results in the places of its candidates, and the blocks are then
-// joined in order, which is that of the edges and their triangles.
+// Intersections of edges with triangles. Overlapping boxes give candidates, and exact predicates decide. Candidates
+// are tested in blocks of a fixed size. Each block stores its results from its first candidate on. Blocks are then
+// joined in order of edges and their triangles.
 #include "wisp/module/intersections.h"
 
 #include <math.h>
@@ -9,10 +9,10 @@
 enum
 {
     INTERSECTIONS_BOX_GRAIN = 1024,
-    INTERSECTIONS_PAIR_GRAIN = 1024, // candidates a block
+    INTERSECTIONS_PAIR_GRAIN = 1024, // candidates per block
 };
 
-// Places of the buffers.
+// Indices of the buffers.
 enum
 {
     INTERSECTIONS_EDGE_BOXES,
@@ -26,8 +26,8 @@ typedef struct intersection_search
     const wisp_intersection_args* args;
     wisp_aabb *edge_boxes, *triangle_boxes;
     const wisp_aabb_pairs* pairs;
-    wisp_intersection* list; // [pair_count] a block's own, from its first candidate on
-    int32_t* kept;           // [block]
+    wisp_intersection* list; // [pair_count] each block writes from its first candidate on
+    int32_t* kept;           // [block] number of results
 } intersection_search;
 
 void wisp_intersections_release( wisp_intersections* intersections, const wisp_allocator* allocator )
@@ -42,7 +42,7 @@ void wisp_intersections_release( wisp_intersections* intersections, const wisp_a
 
 // ---- candidates ----
 
-// The box of a few points; an empty one when any coordinate is not finite.
+// Computes the box of some points; empty if a coordinate is not finite.
 static wisp_aabb box_of( const float* xyzw, const int32_t* corners, int count )
 {
     static const wisp_aabb empty = { { 1.0f, 1.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
@@ -93,7 +93,7 @@ static wisp_status find_candidates( wisp_intersections* intersections, const wis
     const wisp_allocator* allocator = wisp_parallel_allocator( parallel );
     wisp_buffer *edges = intersections->buffers + INTERSECTIONS_EDGE_BOXES,
                 *triangles = intersections->buffers + INTERSECTIONS_TRIANGLE_BOXES;
-    // at least one box: without edges the queries must not become null, which means something else
+    // at least one box: null queries would mean that the boxes query each other
     if ( !wisp_buffer_reserve( edges, allocator, ( (size_t)args->edge_count + 1 ) * sizeof( wisp_aabb ) ) ||
          !wisp_buffer_reserve( triangles, allocator, ( (size_t)args->triangle_count + 1 ) * sizeof( wisp_aabb ) ) )
     {
@@ -115,9 +115,10 @@ static wisp_status find_candidates( wisp_intersections* intersections, const wis
     return wisp_aabb_pairs_find( &intersections->pairs, parallel, &boxes, error );
 }
 
-// ---- decisions ----
+// ---- tests ----
 
-// An edge that ends on a corner touches the plane, exactly; to compare numbers is cheaper than to find that out.
+// Tests for a shared point. Such an edge touches the plane exactly; comparing indices is cheaper than the
+// predicate.
 static bool share_a_point( const int32_t* edge, const int32_t* triangle )
 {
     for ( int i = 0; i < 3; ++i )
@@ -145,7 +146,7 @@ static bool crosses( const wisp_intersection_args* args, int edge, int triangle 
     return wisp_segment_intersects( corner[0], corner[1], corner[2], corner[3], corner[4] );
 }
 
-// Edge of a candidate: the last whose candidates begin at or before it.
+// Finds the edge of a candidate: the last edge whose first candidate is not after it.
 static int edge_of( const wisp_aabb_pairs* pairs, int pair )
 {
     int lower = 0, upper = pairs->query_count;
@@ -183,7 +184,7 @@ static void decide( void* context, int begin, int end, int worker )
     s->kept[begin / INTERSECTIONS_PAIR_GRAIN] = kept;
 }
 
-// Close the gaps between blocks.
+// Closes the gaps between blocks.
 static int push_together( const intersection_search* s, int block_count )
 {
     int count = 0;
@@ -206,7 +207,8 @@ wisp_status wisp_intersections_find( wisp_intersections* intersections, const wi
     {
         return status;
     }
-    // the list of the last call is not touched before everything is there; pairs are numbered by ints, so are these
+    // the last result stays valid until this one is complete; the number of results fits an int, as that of pairs
+    // does
     const size_t pair_count = intersections->pairs.pair_count;
     const size_t block_count =
         pair_count / INTERSECTIONS_PAIR_GRAIN + ( pair_count % INTERSECTIONS_PAIR_GRAIN > 0 ? 1 : 0 );

@@ -1,25 +1,26 @@
-/// Shared by all searches of a mesh. A search proposes triangles, in any order and repeatedly; here the smallest pair of distance
-/// (or time) and number wins, so the order does not matter.
+/// Common interface of mesh searches. A search proposes triangles in any order, possibly repeatedly. The smallest
+/// pair of distance (or time) and triangle index is selected, so the order does not matter.
 #pragma once
 
 #include "mesh_surface.h"
 
-/// Margin, relative and in metres, by which a search goes beyond the best distance so far.
+/// Margins, relative and in metres, by which a search extends beyond the best distance so far.
 #define SEARCH_SLACK 1e-6
-#define MIN_SEARCH_SLACK 1e-18 // its square is still a normal float
-/// Of the mesh's largest coordinate: by so much a path outlasts its first intersection and the box around the mesh.
+#define MIN_SEARCH_SLACK 1e-18 // its square is a normal float
+/// Length by which a path extends beyond its first intersection and the box of the mesh, relative to the mesh's
+/// largest coordinate.
 #define SEARCH_PATH_SLACK 1e-5
-/// m, beyond any distance within the reach.
+/// m, larger than any distance in range.
 #define SEARCH_FARTHEST 4e9
 
-/// One question for the closest triangle. Zero is no question: see mesh_closest_begin().
+/// State of a closest-triangle query. Initialise with mesh_closest_begin(); zero is not a valid query.
 typedef struct mesh_closest
 {
     const mesh_surface* surface;
     double3 point;
-    int32_t triangle; ///< -1 while nothing is found
+    int32_t triangle; ///< -1 until one is found
     uint64_t tested;
-    triangle_nearest best; ///< while nothing is found, squared is that of the radius
+    triangle_nearest best; ///< squared is that of the radius until a triangle is found
 } mesh_closest;
 
 static inline mesh_closest mesh_closest_begin( const mesh_surface* surface, const wisp_mesh_query* query )
@@ -31,13 +32,14 @@ static inline mesh_closest mesh_closest_begin( const mesh_surface* surface, cons
                              .best = { .squared = radius * radius } };
 }
 
-/// m: triangles farther away than this need not be proposed any more.
+/// Return the distance in m beyond which triangles need not be proposed.
 static inline double mesh_closest_radius( const mesh_closest* search )
 {
     return sqrt( search->best.squared ) * ( 1.0 + SEARCH_SLACK ) + MIN_SEARCH_SLACK;
 }
 
-/// @return whether the triangle is the answer for the time being
+/// Test a triangle.
+/// @return whether it is the best so far
 static inline bool mesh_closest_propose( mesh_closest* search, int32_t triangle )
 {
     triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, triangle );
@@ -55,14 +57,14 @@ static inline bool mesh_closest_propose( mesh_closest* search, int32_t triangle 
     return is_closer || is_first;
 }
 
-/// One question for the first intersection of a path that has a length.
+/// State of a query for the first intersection of a path with a length above 0.
 typedef struct mesh_cast
 {
     const mesh_surface* surface;
     double3 from, to;
     double length;    ///< m
-    double slack;     ///< m: intersections so far behind the best need not be proposed any more
-    int32_t triangle; ///< -1 while nothing is found
+    double slack;     ///< m, intersections farther than this behind the best need not be proposed
+    int32_t triangle; ///< -1 until one is found
     uint64_t tested;
     triangle_intersection best;
 } mesh_cast;
@@ -78,7 +80,8 @@ static inline mesh_cast mesh_cast_begin( const mesh_surface* surface, const wisp
                           .triangle = -1 };
 }
 
-/// @return whether the triangle is the answer for the time being
+/// Test a triangle.
+/// @return whether it is the best so far
 static inline bool mesh_cast_propose( mesh_cast* search, int32_t triangle )
 {
     triangle_corners t = triangle_load( search->surface->xyzw, search->surface->triangles, triangle );
@@ -98,7 +101,8 @@ static inline bool mesh_cast_propose( mesh_cast* search, int32_t triangle )
     return is_first;
 }
 
-/// The part of a path that runs through a box, as fractions. @return false if there is none
+/// Clip a path to a box; the result is in fractions of the path.
+/// @return false if they do not meet
 static inline bool mesh_cast_clip( const mesh_cast* search, const double lower[3], const double upper[3],
                                    double* begin, double* end )
 {

@@ -1,11 +1,11 @@
-/// One triangle and a point, one triangle and a path: the functions that decide what a query answers. Inputs are floats,
-/// everything between is double, and whatever two triangles share (an edge, a corner) is computed from it in one order,
-/// that of the points' numbers, so that both triangles get the same bits.
+/// Queries of one triangle: closest point, and intersection with a path. Inputs are floats, intermediate values are
+/// doubles. Values of a shared edge or corner are computed from its own points, in the order of their indices, so
+/// that both triangles get the same bits.
 #pragma once
 
 #include "double3.h"
 
-/// Squared sine of an angle below which a triangle is a line: its normal would be rounding.
+/// Minimum squared sine of an angle of a triangle with a normal; below it the triangle counts as a line.
 #define TRIANGLE_FLAT 1e-20
 
 /// Corners of a triangle.
@@ -15,7 +15,8 @@ typedef struct triangle_corners
     double3 at[3];
 } triangle_corners;
 
-/// @param quads [point][4] @param triangles [triangle][3]
+/// @param quads [point][4]
+/// @param triangles [triangle][3]
 static inline triangle_corners triangle_load( const float* xyzw, const int32_t* triangles, int32_t triangle )
 {
     const int32_t* number = triangles + 3 * (size_t)triangle;
@@ -25,7 +26,7 @@ static inline triangle_corners triangle_load( const float* xyzw, const int32_t* 
                                    double3_from( xyzw + 4 * (size_t)number[2] ) } };
 }
 
-/// Twice the area along the normal, or zero for a triangle that is flat.
+/// Compute the area vector times two, or zero if the triangle is degenerate.
 static inline double3 triangle_normal( const triangle_corners* t )
 {
     double3 ab = double3_sub( t->at[1], t->at[0] ), ac = double3_sub( t->at[2], t->at[0] );
@@ -34,14 +35,14 @@ static inline double3 triangle_normal( const triangle_corners* t )
     return is_flat ? ( double3 ){ 0.0, 0.0, 0.0 } : n;
 }
 
-/// The point of a triangle that is closest to another point.
+/// Closest point of a triangle to another point.
 typedef struct triangle_nearest
 {
-    double squared; ///< m^2, distance
+    double squared; ///< m^2, squared distance
     double3 point;
     double weights[3];
-    int32_t first, second; ///< numbers of the points whose edge it lies on, first < second; a corner has second -1, a
-                           ///< face has both -1
+    int32_t first, second; ///< indices of the edge that contains the point, first < second; second is -1 for a
+                           ///< corner, both are -1 for a face
 } triangle_nearest;
 
 static inline void triangle_measure( triangle_nearest* n, double3 p )
@@ -76,7 +77,7 @@ static inline void triangle_at_edge( triangle_nearest* n, const triangle_corners
     triangle_measure( n, p );
 }
 
-// A line has no inside: the nearest of its edges, the first of equals.
+// Handles a degenerate triangle: the nearest of its edges, the first of equals.
 static inline void triangle_at_line( triangle_nearest* n, const triangle_corners* t, double3 p )
 {
     triangle_at_edge( n, t, 0, 1, p );
@@ -88,7 +89,7 @@ static inline void triangle_at_line( triangle_nearest* n, const triangle_corners
     }
 }
 
-/// Regions as in Ericson 2005, section 5.1.5.
+/// Compute the closest point. Regions as in Ericson 2005, section 5.1.5.
 static inline void triangle_find_nearest( triangle_nearest* n, const triangle_corners* t, double3 p )
 {
     double3 ab = double3_sub( t->at[1], t->at[0] ), ac = double3_sub( t->at[2], t->at[0] );
@@ -138,7 +139,7 @@ static inline void triangle_find_nearest( triangle_nearest* n, const triangle_co
     }
 }
 
-/// Where a path crosses a triangle.
+/// Intersection of a path with a triangle.
 typedef struct triangle_intersection
 {
     double time;
@@ -146,7 +147,8 @@ typedef struct triangle_intersection
     bool from_front;
 } triangle_intersection;
 
-// Which way round the path the edge i -> j runs; the edge j -> i of a neighbour gets the opposite to the last bit.
+// Returns the side on which the path passes the edge i -> j; the edge j -> i of a neighbour gets exactly the
+// opposite.
 static inline double triangle_edge_turn( const triangle_corners* t, int i, int j, double3 from, double3 step )
 {
     bool is_ordered = t->number[i] < t->number[j];
@@ -156,8 +158,8 @@ static inline double triangle_edge_turn( const triangle_corners* t, int i, int j
     return is_ordered ? turn : -turn;
 }
 
-/// Sides are those of the ends, each from its own coordinates alone, so that paths end to end agree about the point they
-/// share. Zero is in front.
+/// Intersect a path with a triangle. The side of each end depends only on its own coordinates, so that consecutive
+/// paths agree about their common point. Zero counts as in front.
 static inline bool triangle_cross( const triangle_corners* t, double3 from, double3 to,
                                    triangle_intersection* intersection )
 {
