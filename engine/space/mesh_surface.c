@@ -35,7 +35,7 @@ static wisp_status check_def( const wisp_collision_mesh_def* def, wisp_error* er
             error, WISP_BAD_INPUT, "mesh collider: got %d points and %d triangles, expected at least one triangle",
             def->points == NULL ? 0 : def->point_count, def->triangles == NULL ? 0 : def->triangle_count );
     }
-    // rings are numbered by int32_t
+    // ring entries are indexed by int32_t
     if ( def->triangle_count > INT32_MAX / 3 - 2 || def->point_count > INT32_MAX / 4 - 1 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "mesh collider: got %d points and %d triangles, which is too large",
@@ -54,14 +54,14 @@ static wisp_status check_def( const wisp_collision_mesh_def* def, wisp_error* er
     return mesh_surface_check_points( def->points, def->point_count, error );
 }
 
-// ---- building ----
+// ---- construction ----
 
 static size_t size_of( int count, size_t size )
 {
     return (size_t)count * size;
 }
 
-// The blocks of a surface, listed once for reserve, release and the sum.
+// Memory blocks of a surface, listed once for reserve, release and their total.
 #define SURFACE_BLOCKS( X )                                                                                          \
     X( xyzw, size_of( s->point_count, 4 * sizeof( float ) ) )                                                        \
     X( triangles, size_of( 3 * s->triangle_count, sizeof( int32_t ) ) )                                              \
@@ -100,7 +100,7 @@ static bool reserve( mesh_surface* s, bool deforms )
     return enough;
 }
 
-// Counting sort of corners by point; triangles come in order, so rings ascend.
+// Lists triangles by point with a counting sort. Triangles are visited in order, so rings are in increasing order.
 static void build_rings( mesh_surface* s )
 {
     memset( s->ring_begin, 0, size_of( s->point_count + 1, sizeof( int32_t ) ) );
@@ -116,7 +116,7 @@ static void build_rings( mesh_surface* s )
     {
         s->ring[s->ring_begin[s->triangles[k]]++] = k / 3;
     }
-    // every begin has moved on to its ring's end, which is where the next one begins
+    // each begin has advanced to the end of its ring, which is the begin of the next one
     memmove( s->ring_begin + 1, s->ring_begin, size_of( s->point_count, sizeof( int32_t ) ) );
     s->ring_begin[0] = 0;
 }
@@ -182,9 +182,9 @@ wisp_status mesh_surface_build( mesh_surface* s, const wisp_collision_mesh_def* 
     return WISP_OK;
 }
 
-// ---- which way the surface faces ----
+// ---- surface normals ----
 
-// The angle of a triangle at one of its points, by an arc tangent that has the same bits everywhere.
+// Computes the angle of a triangle at one of its points, by an arc tangent with the same bits on every machine.
 static double angle_at( const triangle_corners* t, int32_t point )
 {
     int i = t->number[0] == point ? 0 : ( t->number[1] == point ? 1 : 2 );
@@ -203,7 +203,7 @@ static double3 find_corner_normal( const mesh_surface* s, int32_t point )
         double3 normal = double3_unit_or_zero( triangle_normal( &t ) );
         sum = double3_mul_add( sum, angle_at( &t, point ), normal );
     }
-    // rounded whether it is kept or not, so that meshes that deform and meshes that do not agree
+    // rounded to float in either case, so that rigid and deforming meshes agree
     wisp_vec3 rounded = double3_narrow( double3_unit_or_zero( sum ) );
     return double3_widen( rounded );
 }
@@ -213,7 +213,8 @@ static bool has_point( const int32_t* corners, int32_t point )
     return corners[0] == point || corners[1] == point || corners[2] == point;
 }
 
-// The sum over all triangles of an edge, in their order. The smaller ring is searched: both list the same triangles.
+// Sums over the triangles of an edge, in their order. The smaller ring is searched, as both contain the same
+// triangles.
 static double3 find_edge_normal( const mesh_surface* s, int32_t u, int32_t v )
 {
     int32_t size_u = s->ring_begin[u + 1] - s->ring_begin[u], size_v = s->ring_begin[v + 1] - s->ring_begin[v];
@@ -245,7 +246,8 @@ static double3 find_pseudonormal( const mesh_surface* s, int32_t triangle, const
                                      : find_corner_normal( s, nearest->first );
 }
 
-// Closer than this to an edge or a corner, relative to coordinates, the direction towards the point is rounding.
+// Minimum distance from an edge or a corner, relative to coordinates, that gives a direction. Below it the
+// direction is rounding error.
 static const double TOO_CLOSE = 1e-12;
 
 static double largest_of( double3 v )
@@ -263,7 +265,7 @@ void mesh_surface_describe( const mesh_surface* s, int32_t triangle, const trian
     {
         normal = double3_scale( away, sign / distance );
     }
-    // nothing but triangles without area around: any direction will do, and it is always the same
+    // all incident triangles have no area: use a fixed direction
     if ( double3_dot( normal, normal ) == 0.0 )
     {
         normal.y = 1.0;
@@ -279,7 +281,7 @@ void mesh_surface_describe( const mesh_surface* s, int32_t triangle, const trian
 
 // ---- warnings ----
 
-// Does the edge u -> v have just this triangle, and v -> u just one other?
+// Tests whether the edge u -> v belongs to this triangle only, and v -> u to exactly one other.
 static bool is_closed_edge( const mesh_surface* s, int32_t u, int32_t v )
 {
     int32_t size_u = s->ring_begin[u + 1] - s->ring_begin[u], size_v = s->ring_begin[v + 1] - s->ring_begin[v];

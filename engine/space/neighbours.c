@@ -6,7 +6,7 @@
 
 enum
 {
-    NEIGHBOURS_SLICES = 8, // a block
+    NEIGHBOURS_SLICES = 8, // slices per block
 };
 
 void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator* allocator )
@@ -18,7 +18,7 @@ void wisp_neighbours_release( wisp_neighbours* neighbours, const wisp_allocator*
     *neighbours = ( wisp_neighbours ){ 0 };
 }
 
-// What blocks write while others read the search: on a line of its own, or each would take it from the others.
+// Data that blocks write while others read the search. It has its own cache line to avoid false sharing.
 typedef struct neighbour_counts
 {
     _Alignas( 64 ) _Atomic size_t entries;
@@ -26,7 +26,7 @@ typedef struct neighbour_counts
     _Atomic bool starved;
 } neighbour_counts;
 
-// What the blocks of a search share.
+// Data shared by the blocks of a search.
 typedef struct neighbour_search
 {
     const wisp_kernels* kernels;
@@ -40,11 +40,11 @@ typedef struct neighbour_search
     neighbour_counts* counts;
 } neighbour_search;
 
-// Memory of a worker: lists as a search leaves them, and those of a block as they shall lie.
+// Memory of a worker: lists as the search writes them, and interleaved lists of a block.
 typedef struct neighbour_scratch
 {
     int32_t *lists, *skin, *packed;
-    int stride; // ints from a query's list to the next one's
+    int stride; // ints from one query's list to the next
 } neighbour_scratch;
 
 static bool take_scratch( const neighbour_search* s, int worker, neighbour_scratch* out )
@@ -57,7 +57,8 @@ static bool take_scratch( const neighbour_search* s, int worker, neighbour_scrat
     return ints != NULL;
 }
 
-// @return entries of all slices of the block, side by side in `packed`
+// Searches a block.
+// @return number of entries of all its slices, stored one after the other in `packed`
 static size_t search_slices( neighbour_search* s, const neighbour_scratch* scratch, int begin, int end )
 {
     wisp_range_search_result found = { .lists = scratch->lists, .skin = scratch->skin };
@@ -80,8 +81,8 @@ static size_t search_slices( neighbour_search* s, const neighbour_scratch* scrat
     return entries;
 }
 
-// Blocks take room as they come, so where a list lies depends on chance; what it holds does not, and nothing reads
-// anything but its own list.
+// Copies the lists of a block. Space is reserved in order of completion, so the position of a list depends on
+// timing. Its contents do not, and readers access only their own list.
 static void search_block( void* context, int begin, int end, int worker )
 {
     neighbour_search* s = context;
@@ -97,13 +98,13 @@ static void search_block( void* context, int begin, int end, int worker )
     {
         return;
     }
-    // slice by slice: one copy of all is what some C libraries do slowly
+    // one copy per slice: a single large copy is slow in some C libraries
     const int32_t* packed = scratch.packed;
     for ( int slice = begin; slice < end; ++slice )
     {
         const size_t ints = (size_t)s->length[slice] * WISP_SLICE;
         s->begin[slice] = (int32_t)at;
-        if ( ints > 0 ) // without any neighbour there is no memory to copy to
+        if ( ints > 0 ) // without neighbours there is no destination
         {
             memcpy( s->entries + at * WISP_SLICE, packed, ints * sizeof( int32_t ) );
         }
@@ -112,7 +113,7 @@ static void search_block( void* context, int begin, int end, int worker )
     }
 }
 
-// As many cells to each side as a neighbour may be away, rounding included.
+// Computes the number of cells to search on each side, with a margin for rounding.
 static int count_cells( float radius, const wisp_grid* grid, int fine )
 {
     float cells = ( radius + grid->rounding_margin ) * (float)fine / grid->cell;
@@ -143,7 +144,7 @@ static wisp_range_search_args make_args( const wisp_grid* grid, const wisp_neigh
     return args;
 }
 
-// The first search measures, the second fills; warm buffers need one.
+// Searches. The first pass measures and the second fills; if the buffers are large enough, one suffices.
 static wisp_status search_until_it_fits( neighbour_search* s, int slices, wisp_buffer* entries )
 {
     const size_t entry = WISP_SLICE * sizeof( int32_t );

@@ -1,16 +1,16 @@
-// Side of a plane on which a point lies, exactly. A filter in double precision decides nearly always; the rest is computed in
-// whole numbers, without rounding.
+// Exact orientation predicate: the side of a plane on which a point lies. A filter in double precision decides in
+// nearly all cases; the rest is computed in integers, without rounding.
 //
-// A finite float is a whole multiple of 2^-149 below 2^128 in magnitude, so the determinant is a whole number of at
-// most 838 bits: there is no range in which the answer is not exact. The filter neither overflows nor underflows: a
-// product of three differences lies between 2^-447 and 2^388. It takes subnormal floats for what they are, as C does;
-// a host that has told its processor to read them as zero may get the answer for zeros.
+// A finite float is a multiple of 2^-149 with magnitude below 2^128, so the determinant is an integer of at most
+// 838 bits, and the result is exact for all inputs. The filter neither overflows nor underflows: a product of three
+// differences lies between 2^-447 and 2^388. Subnormal floats count with their value. If the host flushes
+// subnormals to zero, the result may be that for zeros.
 #include "wisp/module/intersections.h"
 
 #include <math.h>
 #include <string.h>
 
-// ---- whole numbers ----
+// ---- integers ----
 
 enum
 {
@@ -20,8 +20,8 @@ enum
     MAX_WHOLE_LIMBS = ( 3 * FLOAT_BITS + 7 + 31 ) / 32, // see limbs_for()
 };
 
-// A number in two's complement, lowest limb first. Sums and products drop what overflows, which is right as long as
-// the number that is wanted at the end fits.
+// An integer in two's complement, lowest limb first. Sums and products drop overflow, which is correct as long as
+// the final result fits.
 typedef struct whole
 {
     uint32_t limb[MAX_WHOLE_LIMBS];
@@ -45,7 +45,7 @@ static void whole_add_product( whole* sum, const whole* a, const whole* b, int l
         uint64_t carry = 0;
         for ( int k = 0; i + k < limbs; ++k )
         {
-            // the largest product and two limbs just fit
+            // the largest product plus two limbs fits exactly
             carry += (uint64_t)a->limb[i] * b->limb[k] + sum->limb[i + k];
             sum->limb[i + k] = (uint32_t)carry;
             carry >>= 32;
@@ -69,9 +69,9 @@ static int whole_sign( const whole* a, int limbs )
     return 0;
 }
 
-// ---- floats as whole numbers ----
+// ---- floats as integers ----
 
-// A finite float taken apart: magnitude 2^power, the magnitude odd, or 0 for zero.
+// A finite float, split into magnitude 2^power with an odd magnitude, or 0 for zero.
 typedef struct float_parts
 {
     uint32_t magnitude;
@@ -101,7 +101,7 @@ static float_parts take_apart( float value )
     return parts;
 }
 
-// The multiple of 2^unit that a float is.
+// Converts a float to an integer multiple of 2^unit.
 static whole whole_from( const float_parts* parts, int unit, int limbs )
 {
     whole value = { { 0 } };
@@ -124,8 +124,8 @@ static whole whole_from( const float_parts* parts, int unit, int limbs )
     return value;
 }
 
-// How long numbers must be where coordinates are below 2^span: differences are below 2^(span + 1), products of three
-// below 2^(3 span + 3), six of them below 2^(3 span + 6), and there is a sign.
+// Returns the number of limbs for coordinates below 2^span: differences are below 2^(span + 1), products of three
+// below 2^(3 span + 3), sums of six products below 2^(3 span + 6), plus a sign.
 static int limbs_for( int span )
 {
     return ( 3 * span + 7 + 31 ) / 32;
@@ -133,7 +133,8 @@ static int limbs_for( int span )
 
 // ---- the determinant ----
 
-// The lowest and the highest power of two in any coordinate that is not zero. @return false when all are zero
+// Finds the lowest and the highest power of two among nonzero coordinates.
+// @return false if all are zero
 static bool find_span( float_parts parts[4][3], int* lowest, int* span )
 {
     int lower = INT32_MAX, upper = INT32_MIN;
@@ -151,7 +152,7 @@ static bool find_span( float_parts parts[4][3], int* lowest, int* span )
     return lower <= upper;
 }
 
-// (b - a) x (c - a) . (d - a) in whole numbers as short as the coordinates allow.
+// Computes (b - a) x (c - a) . (d - a) in integers with as many limbs as the coordinates require.
 static int side_in_whole_numbers( const float* const points[4] )
 {
     float_parts parts[4][3];
@@ -188,9 +189,9 @@ static int side_in_whole_numbers( const float* const points[4] )
     return whole_sign( &determinant, limbs );
 }
 
-// Each of the six products goes through eight roundings at most (three differences, two multiplications, three sums),
-// so the determinant is off by less than 8.1 u of the sum of their magnitudes, u = 2^-53, and that sum by as little
-// of itself. Twice that leaves room for the rounding of the bound.
+// Error bound of the filter. Each of the six products has at most eight roundings (three differences, two
+// multiplications, three sums). So the error is below 8.1 u of the sum of their magnitudes, with u = 2^-53, and the
+// error of that sum is as small. Twice the bound also covers the rounding of the bound itself.
 static const double filter_error = 0x1p-49;
 
 static double sum_of_magnitudes( const double b[3], const double c[3], const double d[3] )
@@ -228,7 +229,7 @@ int wisp_side_of_plane( const float* a, const float* b, const float* c, const fl
     const double determinant = ( ab[1] * ac[2] - ab[2] * ac[1] ) * ad[0] + ( ab[2] * ac[0] - ab[0] * ac[2] ) * ad[1] +
                                ( ab[0] * ac[1] - ab[1] * ac[0] ) * ad[2];
     const double error = filter_error * sum_of_magnitudes( ab, ac, ad );
-    // NaN and infinity fail both comparisons
+    // both comparisons are false for NaN and infinity
     if ( determinant > error )
     {
         return 1;
@@ -243,13 +244,13 @@ int wisp_side_of_plane( const float* a, const float* b, const float* c, const fl
 
 bool wisp_segment_intersects( const float* p, const float* q, const float* a, const float* b, const float* c )
 {
-    // the ends on two sides of the plane; a point that is not finite is on neither
+    // the ends are on different sides of the plane; a point that is not finite is on neither
     const int side = wisp_side_of_plane( a, b, c, p );
     if ( side == 0 || wisp_side_of_plane( a, b, c, q ) != -side )
     {
         return false;
     }
-    // and the line within: seen along it, the three edges turn the same way
+    // the line passes through the triangle: seen along the line, its edges turn the same way
     const int turn = wisp_side_of_plane( p, q, a, b );
     return turn != 0 && wisp_side_of_plane( p, q, b, c ) == turn && wisp_side_of_plane( p, q, c, a ) == turn;
 }

@@ -1,4 +1,5 @@
-// Points on a triangle mesh: the stages of an update, its memory, and normals where those of the vertices cancel.
+// Points sampled on a triangle mesh: stages of an update, memory, and fallback normals where those of the vertices
+// cancel.
 #include "samples_parts.h"
 
 #include "alloc.h"
@@ -10,10 +11,10 @@
 
 enum
 {
-    PLACE_GRAIN = 1024, // points a block, a multiple of 8
-    WEIGH_GRAIN = 256,  // elements a block
+    PLACE_GRAIN = 1024, // points per block, a multiple of 8
+    WEIGH_GRAIN = 256,  // elements per block
     BUFFER_MEMORY = 0,
-    BUFFER_POINTS = 1, // and the next
+    BUFFER_POINTS = 1, // and the following index
 };
 
 void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocator )
@@ -27,7 +28,7 @@ void wisp_samples_release( wisp_samples* samples, const wisp_allocator* allocato
 
 // ---- memory ----
 
-// Arrays one after another, each on a cache line. Without a base it only measures.
+// Assigns arrays one after another, each aligned to a cache line. Without a base it only measures.
 typedef struct layout
 {
     char* base;
@@ -87,9 +88,9 @@ static int shorter_end( const wisp_samples_args* args, int e )
     return a < b ? a : b;
 }
 
-// ---- triangles around an edge ----
+// ---- triangles at an edge ----
 
-// Edges by their lower slot in chains, so that the edge of a triangle's side is found among few.
+// Edges in linked lists by their lower slot, to find the edge of a triangle's side quickly.
 typedef struct edge_chains
 {
     const wisp_samples_args* args;
@@ -124,7 +125,7 @@ static int max_slots( const wisp_samples_args* args )
     return most;
 }
 
-// Counting sort of sides by their edges: triangles around an edge rise.
+// Sorts sides by edge with a counting sort; triangles at an edge are in increasing order.
 static void list_around( samples_memory* m, const edge_chains* c )
 {
     const wisp_samples_args* args = c->args;
@@ -143,7 +144,7 @@ static void list_around( samples_memory* m, const edge_chains* c )
                 m->around[m->around_begin[e]++] = (int32_t)( side / 3 );
             }
         }
-        // after the first pass sums become places, after the second places that ran ahead go back
+        // the first pass turns counts into positions, the second resets positions that have advanced
         int32_t sum = 0;
         for ( int e = 0; e < args->edge_count && pass == 0; ++e )
         {
@@ -198,7 +199,7 @@ static void fill_pairs( samples_memory* m, const wisp_samples_args* args )
     }
 }
 
-// Empty bounds contain no length.
+// Sets empty bounds, which contain no length.
 static void open_bounds( samples_group* g )
 {
     for ( int i = 0; i < g->count; ++i )
@@ -213,7 +214,7 @@ static samples_memory* memory_of( const wisp_samples* samples )
     return samples->buffers[BUFFER_MEMORY].data;
 }
 
-// Memory for these elements, without a point. What was there before is gone.
+// Reserves memory for these elements, without points. Discards previous contents.
 static bool make_memory( wisp_samples* samples, const wisp_samples_args* args, const wisp_allocator* allocator )
 {
     samples_memory measured = { 0 };
@@ -257,7 +258,7 @@ static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const
         }
         if ( find_around( memory_of( samples ), args, allocator ) == false )
         {
-            memory_of( samples )->edges.count = -1; // incomplete, so it fits no job
+            memory_of( samples )->edges.count = -1; // incomplete, so that it matches no arguments
             return false;
         }
     }
@@ -271,7 +272,7 @@ static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const
     return true;
 }
 
-// The arrays of one of the two layers. A room of 8 rows behind the last point takes what is written eight at a time.
+// Returns the arrays of one of the two layers. They have 8 extra rows, since rows are written eight at a time.
 static samples_points points_of( const wisp_samples* samples, int turn, bool normals, bool scanline )
 {
     const samples_memory* m = memory_of( samples );
@@ -330,7 +331,7 @@ static totals count_all( samples_update* u, const wisp_parallel* parallel )
     return sum;
 }
 
-// Rows behind the last point, up to a whole slice, are as the last.
+// Pads the last slice with copies of the last point.
 static void pad_points( const samples_update* u )
 {
     const size_t row = 4 * sizeof( float );
@@ -345,7 +346,8 @@ static void pad_points( const samples_update* u )
     }
 }
 
-// Padding is weighed as the last point, so that its normal is known when that one is.
+// Computes positions and normals. Padding has the weights of the last point, so its normal fails only if that
+// point's fails.
 static void pad_weights( const samples_update* u )
 {
     for ( int p = u->count; u->count > 0 && p % 8 != 0; ++p )
@@ -369,7 +371,7 @@ static void show_points( wisp_samples* samples, const samples_update* u )
     samples->weights = (const float( * )[4])u->to.weights;
 }
 
-// Case B: everything goes over to the other layer. Nothing can fail once there is room.
+// Builds a new layer: all points move to the other layer. Once memory is reserved this cannot fail.
 static bool fill_all( wisp_samples* samples, samples_update* u, const totals* sum, const wisp_parallel* parallel )
 {
     samples_memory* m = u->memory;
@@ -416,12 +418,12 @@ static void place_block( void* context, int begin, int end, int worker )
     unknown += u->kernels->blend_three( &args, middle, last );
     if ( unknown > 0 )
     {
-        // a sum of whole numbers, so the order does not matter
+        // a sum of integers, so the order does not matter
         atomic_fetch_add_explicit( &u->unknown, unknown, memory_order_relaxed );
     }
 }
 
-// ---- normals where those of the vertices cancel ----
+// ---- fallback normals ----
 
 typedef struct face_sum
 {
@@ -449,7 +451,7 @@ static void add_face( face_sum* sum, const wisp_samples_args* args, int t )
     }
 }
 
-// Mean normal of the triangles at the element of a point, or its last normal, or 0.
+// Computes the mean normal of the triangles at a point's element; otherwise its last normal, or 0.
 static void replace_normal( const samples_update* u, int point )
 {
     const samples_memory* m = u->memory;
@@ -490,7 +492,7 @@ static void place_all( samples_update* u, const wisp_parallel* parallel, bool we
     }
 }
 
-// ---- the public face ----
+// ---- public functions ----
 
 wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* parallel, const wisp_kernels* kernels,
                                  const wisp_samples_args* args )
@@ -508,7 +510,7 @@ wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* par
         .to = m->shown,
         .edge_blocks = blocks_of( args->edge_count ),
         .triangle_blocks = blocks_of( args->triangle_count ),
-        .most = 4.0 * (double)args->limit + 1000.0, // more than there may be, and soon counted
+        .most = 4.0 * (double)args->limit + 1000.0, // more than allowed, and quick to count
         .count = samples->count,
         .edge_points = samples->edge_count,
     };

@@ -1,14 +1,14 @@
-// First stage: which elements keep their counts. A kernel decides most in floats, against bounds with a margin for rounding; the
-// rest is measured in double precision. Changes are kept aside until there is memory for them, so that a failure leaves the
-// state of the caller unchanged.
+// First stage: find elements that keep their counts. A kernel decides most in floats, against bounds with a margin
+// for rounding. The rest is measured in double precision. Changes are stored aside until their memory is reserved,
+// so that a failure leaves the caller's state unchanged.
 #include "samples_parts.h"
 
 #include <math.h>
 #include <string.h>
 
-// Relative error of floats in a kernel, and in bounds that are kept as floats.
+// Relative rounding error of floats in the kernel and in the stored bounds.
 static const float BOUND_ROUNDING = 4e-6f;
-// Heights within so many spacings of now are looked at together, where lengths of lines depend on the height.
+// Half-width of the window of heights, in spacings, where lengths of lines depend on the height.
 static const double HEIGHT_WINDOW = 0.05;
 
 // ---- bounds ----
@@ -31,7 +31,8 @@ static void keep_nothing( samples_group* g, int i )
     g->upper[i] = 0.0f;
 }
 
-// Length that a count is made from: with hysteresis the remembered one, as a float; else the present one.
+// Returns the length that a count is computed from: the remembered one, as a float, with hysteresis; otherwise the
+// current one.
 static double made_from( const wisp_samples_args* args, float remembered, double now )
 {
     return args->hysteresis > 0.0f ? (double)remembered : now;
@@ -58,7 +59,7 @@ void samples_keep_edge( const samples_update* u, int edge )
     }
 }
 
-// Lengths of the base for which line k is as it is at every height of the window.
+// Bounds the base so that line k keeps its count at every height of the window.
 static samples_bounds base_bounds( const samples_lines* lines, samples_bounds window )
 {
     const bool merges = lines->args->policy == WISP_SPACING_EVEN && lines->m < 1.0;
@@ -93,7 +94,7 @@ void samples_keep_triangle( const samples_update* u, int triangle )
     }
     for ( bool more = lines.most > 0.0; more; )
     {
-        // the first line without points bounds those above it, too
+        // the first line without points also bounds the lines above it
         more = samples_next_line( &lines );
         const samples_bounds b = base_bounds( &lines, window );
         base.lower = more ? fmax( base.lower, b.lower ) : base.lower;
@@ -144,7 +145,8 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     }
 }
 
-// A line without points, and with it those above, may get shorter; of even spacing one part and none are the same.
+// Bounds a line without points: it, and the lines above it, may get shorter. For even spacing, one part and none
+// are the same.
 static bool line_stays( const samples_lines* lines )
 {
     const bool merges = lines->args->policy == WISP_SPACING_EVEN && lines->m < 1.0;
@@ -165,8 +167,9 @@ static bool triangle_stays( const samples_update* u, const samples_extent* made,
     return stays;
 }
 
-// Has the recipe that is there these lines? They are runs of one weight of the corner across the axis, which even lines hold
-// for good, so that it tells how many parts the height has also where the last lines are empty.
+// Tests whether the existing recipe has these lines. A line is a run of equal weights of the corner opposite the
+// base. Even spacing keeps these weights, so they show the number of parts of the height even where the last lines
+// are empty.
 static bool has_lines( const samples_update* u, int t, samples_lines lines )
 {
     const samples_memory* m = u->memory;
@@ -203,7 +206,7 @@ static void commit_triangle( const samples_update* u, int t )
     samples_keep_triangle( u, t );
 }
 
-// With hysteresis, what counts are made from: as before while they may stay.
+// Selects the extents that counts are computed from; with hysteresis the previous ones, if they are still allowed.
 static void remember_triangle( const samples_update* u, int t, const samples_extent* now, float kept[2] )
 {
     const float* before = u->args->triangle_extent + 2 * (size_t)t;
@@ -286,7 +289,8 @@ static bool triangles_are_remembered( const samples_update* u, int begin, int en
            is_remembered( u->args->triangle_extent, g->extent, begin, end, 2 * sizeof( float ) );
 }
 
-// Bits of the slices that a kernel is sure of. The caller's spacings have no padding, so their last slice is left to the others.
+// Marks slices that the kernel has decided. Spacings of the caller are not padded, so their last slice is measured
+// instead.
 static void hold( const samples_update* u, samples_group* g, int begin, int end )
 {
     const bool edges = g == &u->memory->edges;

@@ -1,6 +1,6 @@
-// Second stage: weights. Elements with unchanged counts keep theirs; the others get new ones. Weights of even spacing hold until
-// counts change. Those of exact spacing depend on lengths, and those of normals along lines on the normals, so they are computed
-// in every update.
+// Second stage: weights. Elements with unchanged counts keep their weights; the others get new ones. Weights of
+// even spacing stay valid until counts change. Weights of exact spacing depend on lengths, and those of normals
+// along lines depend on normals, so they are computed in every update.
 #include "samples_parts.h"
 
 #include <math.h>
@@ -53,8 +53,9 @@ static double length_of_blend( const float* a, const float* b, double fraction )
     return sqrt( sum );
 }
 
-// Normals interpolated twice: at the ends of the line, which become unit, then between those. The weights of the three
-// corners are divided by the length of the interpolated ends. An end whose normals cancel adds nothing.
+// Interpolates normals twice: at the ends of the line, where they are normalised, then between the ends. The
+// weights of the three corners are divided by the length of the interpolated ends. An end whose normals cancel adds
+// nothing.
 static void weigh_normals( const samples_update* u, int t, const samples_lines* line, int axis, int first )
 {
     const int32_t* slots = u->args->triangles + 3 * (size_t)t;
@@ -130,7 +131,7 @@ void samples_weigh_block( void* context, int begin, int end, int worker )
     }
 }
 
-// ---- recipes ----
+// ---- recipes: parents and weights of points ----
 
 static void name_parents( const samples_update* u, int element, const int32_t slots[3], int begin, int end )
 {
@@ -173,7 +174,7 @@ static void make_triangle( const samples_update* u, int t, int begin, int end )
     }
 }
 
-// A row of every array, all of four numbers.
+// Copies a row of every array; each row has four components.
 static void move_points( const samples_update* u, int from, int to, int count )
 {
     const size_t bytes = (size_t)count * 4 * sizeof( float );
@@ -189,7 +190,7 @@ static void move_points( const samples_update* u, int from, int to, int count )
     }
 }
 
-// Counts become the numbers of first points; runs of elements that stay move together.
+// Converts counts to first points; runs of unchanged elements are copied together.
 static void fill_group( const samples_update* u, samples_group* g, int begin, int end, int first_point )
 {
     samples_memory* m = u->memory;

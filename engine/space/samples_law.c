@@ -1,13 +1,13 @@
-// How lengths become counts and shares (boundary particle paper, sections 2 and 3), in double precision.
+// Counts and fractions from lengths (boundary particle paper, sections 2 and 3), in double precision.
 #include "samples_parts.h"
 
 #include <float.h>
 #include <math.h>
 
-// A point so near to the second end of an edge, in spacings, would be that end.
+// Distance in spacings below which a point coincides with the second end of an edge.
 static const double END = 1e-6;
 
-// Lengths from which on, and up to which, the count is n = 0.
+// Minimum and maximum length for a count of n = 0.
 static double first_length( const wisp_samples_args* args )
 {
     return args->rounding == WISP_ROUND_DOWN ? 0.0 : ( args->rounding == WISP_ROUND_NEAREST ? -0.5 : -1.0 );
@@ -46,7 +46,7 @@ bool samples_may_stay( const wisp_samples_args* args, double n, double length )
 
 samples_bounds samples_bounds_of( const wisp_samples_args* args, double n, double points )
 {
-    // without a memory only points count, so that n = 0 and n = 1 of the even policy are one
+    // without hysteresis only the points matter, so n = 0 and n = 1 of the even policy are equal
     const double h = (double)args->hysteresis;
     samples_bounds b = { -1.0, DBL_MAX };
     if ( h > 0.0 )
@@ -123,7 +123,8 @@ bool samples_measure_triangle( const wisp_samples_args* args, int triangle, samp
     *out = ( samples_extent ){ .axis = axis, .base = sqrt( squared[axis] ) };
     if ( out->base > 0.0 )
     {
-        // u = (c - a) - ((c - a) . s) s; the side from c to a points the other way, which its length does not feel
+        // u = (c - a) - ((c - a) . s) s; the side from c to a has the opposite direction, which does not change its
+        // length
         const double_vector s = side[axis], up = side[( axis + 2 ) % 3];
         const double along = dot( up, s ) / squared[axis];
         const double_vector u = { up.x - along * s.x, up.y - along * s.y, up.z - along * s.z };

@@ -9,7 +9,7 @@ static double clamp( double x, double lower, double upper )
 
 static bool is_finite( wisp_vec3 v )
 {
-    // infinities and NaN are what a difference with itself does not make zero
+    // the difference of infinity or NaN with itself is not zero
     return v.x - v.x == 0.0f && v.y - v.y == 0.0f && v.z - v.z == 0.0f;
 }
 
@@ -18,7 +18,7 @@ static bool is_size( float size )
     return size >= 0.0f && size <= FLT_MAX;
 }
 
-// The first size that is wrong, null if there is none.
+// Returns the name of the first invalid size, or null.
 static const char* size_fault( const wisp_shape* shape )
 {
     const wisp_vec3 h = shape->half_extent;
@@ -54,7 +54,7 @@ wisp_status wisp_shape_check( const wisp_shape* shape, wisp_error* error )
 
 // ---- closest points ----
 
-// Around a point q of the sphere's centre or the capsule's axis.
+// Returns the surface around a point q, the centre of a sphere or the nearest point on the axis of a capsule.
 static void closest_round( double3 p, double3 q, double radius, double3 fallback, wisp_surface_point* s )
 {
     double3 away = double3_sub( p, q );
@@ -76,7 +76,7 @@ static double3 along( int axis, double value )
     return ( double3 ){ axis == 0 ? value : 0.0, axis == 1 ? value : 0.0, axis == 2 ? value : 0.0 };
 }
 
-// Inside, or on the surface: the face that is nearest, the first of equals.
+// Returns the nearest face for a point inside or on the surface; the first of equals.
 static void closest_inside_box( double3 p, double3 h, wisp_surface_point* s )
 {
     int best = 0;
@@ -145,10 +145,10 @@ bool wisp_shape_closest( const wisp_shape* shape, wisp_vec3 p, wisp_surface_poin
 
 // ---- paths ----
 
-static const double NEVER = 2.0; // a time no path reaches
+static const double NEVER = 2.0; // later than the end of any path
 
-// First root of |from + t step|^2 = radius^2 that enters. The point of closest approach comes first, so that the
-// discriminant is a difference of lengths and not of their fourth powers.
+// Finds the first root of |from + t step|^2 = radius^2 at which the path enters. The point of closest approach is
+// computed first, so that the discriminant is a difference of lengths, not of their fourth powers.
 static double enter_round( double3 from, double3 step, double radius )
 {
     double squared = double3_dot( step, step ), approach = -double3_dot( from, step );
@@ -163,7 +163,7 @@ static double enter_round( double3 from, double3 step, double radius )
     {
         return NEVER;
     }
-    // the smaller root as c / (b + sqrt): no cancellation where the path begins close to the surface
+    // the smaller root as c / (b + sqrt), without cancellation where the path begins close to the surface
     return ( outside > 0.0 ? outside : 0.0 ) / ( approach + sqrt( squared * room ) );
 }
 
@@ -172,8 +172,8 @@ static double enter_plane( double3 from, double3 step )
     return step.y < 0.0 ? from.y / -step.y : NEVER;
 }
 
-// Into the side between the two caps, or into one of the caps' spheres, whichever comes first. Whatever the spheres
-// have inside the side is entered later than the side is.
+// Intersects the cylinder between the two caps and their spheres, and returns the earliest entry. The parts of the
+// spheres inside the cylinder are entered later than the cylinder.
 static double enter_capsule( double3 from, double3 step, double radius, double half )
 {
     double time = enter_round( ( double3 ){ from.x, 0.0, from.z }, ( double3 ){ step.x, 0.0, step.z }, radius );
@@ -189,7 +189,8 @@ static double enter_capsule( double3 from, double3 step, double radius, double h
     return first;
 }
 
-// The last slab that is entered before any is left. @param axis receives the face's axis
+// Finds the slab that is entered last, before any slab is left.
+// @param axis of the face, output
 static double enter_box( double3 from, double3 step, double3 h, int* axis )
 {
     double enter = -1.0, leave = NEVER;
@@ -210,7 +211,7 @@ static double enter_box( double3 from, double3 step, double3 h, int* axis )
     return enter >= 0.0 && enter <= leave ? enter : NEVER;
 }
 
-// What the path meets at a time, snapped onto the surface.
+// Returns the surface at a time of the path, with the point projected onto the surface.
 static void fill_hit( const wisp_shape* shape, double3 from, double3 step, double time, wisp_shape_hit* hit )
 {
     wisp_surface_point surface;
@@ -251,13 +252,13 @@ bool wisp_shape_cast( const wisp_shape* shape, wisp_vec3 from, wisp_vec3 to, wis
         fill_hit( shape, a, step, time, hit );
         if ( shape->kind == WISP_SHAPE_BOX )
         {
-            // next to an edge the closest point could speak of another face, or of none
+            // near an edge the closest point could be on another face
             hit->normal = double3_narrow( along( axis, axis_of( step, axis ) > 0.0 ? -1.0 : 1.0 ) );
         }
         return true;
     }
 
-    // The end is inside as floats see it, and rounding hid the way in: it lies within that rounding of the end.
+    // the end is inside in floats, but rounding hid the entry, which is within rounding error of the end
     if ( last.distance < 0.0f )
     {
         *hit = ( wisp_shape_hit ){ last.point, last.normal, 1.0f };

@@ -1,4 +1,4 @@
-// Building voxels: their size, and which triangles touch which.
+// Construction of voxels: their size, and the triangles that touch them.
 #include "voxels.h"
 
 #include <string.h>
@@ -6,18 +6,19 @@
 enum
 {
     VOXELS_A_TRIANGLE = 16,
-    PLACES_A_TRIANGLE = 64, // in lists
+    PLACES_A_TRIANGLE = 64, // list entries per triangle
     MAX_VOXELS = 1 << 24,
-    MAX_ALONG = 1 << 20, // voxels along an axis: so few that their product fits
-    SMALL_BOX = 27,      // voxels: a triangle with a box of no more is not looked at edge by edge
+    MAX_ALONG = 1 << 20, // maximum number of voxels along an axis, so that the product of three fits
+    SMALL_BOX = 27,      // voxels: triangles with a box of no more voxels are listed without the edge test
 };
 
-// Of the mesh's extent and of its largest coordinate. Inputs are floats and their differences nearly exact in double; the
-// first is for triangles so slender that the nearest point on their face is not.
+// Widening relative to the mesh's extent and to its largest coordinate. Inputs are floats, so differences are
+// nearly exact in double. The first covers triangles so thin that the nearest point computed on their face is not
+// exact.
 static const double WIDENING = 4e-6;
 static const double WIDENING_PLACE = 1e-14;
 static const double GROWTH = 1.25;
-// Squared sine of an angle: the plane of a triangle that is more slender than this is not relied upon.
+// Minimum squared sine of an angle of a triangle whose plane is used in the overlap test.
 static const double SLENDER = 1e-12;
 
 static double along( const double3* p, int axis )
@@ -42,7 +43,8 @@ static double find_mean_edge( const mesh_surface* s )
     return sum / ( 3.0 * (double)s->triangle_count );
 }
 
-// The voxels around a mesh for an edge of `size`. @return how many, which may be more than fit into an int
+// Computes the grid of voxels around a mesh for a voxel edge of `size`.
+// @return number of voxels, which may exceed an int
 static int64_t lay_out( voxels* v, const mesh_surface* s, double size )
 {
     int64_t product = 1;
@@ -50,7 +52,7 @@ static int64_t lay_out( voxels* v, const mesh_surface* s, double size )
     v->per_metre = 1.0 / size;
     for ( int k = 0; k < 3; ++k )
     {
-        // twice the widening, so that what is within it of a triangle is within the grid
+        // twice the widening, so that everything within the widening of a triangle is inside the grid
         v->lower[k] = (double)s->lower[k] - 2.0 * v->widening;
         double edges = ceil( ( (double)s->upper[k] + 2.0 * v->widening - v->lower[k] ) / size );
         v->count[k] = (int)fmin( fmax( edges, 1.0 ), (double)MAX_ALONG );
@@ -60,7 +62,8 @@ static int64_t lay_out( voxels* v, const mesh_surface* s, double size )
     return product;
 }
 
-// First and last voxel of a triangle's box along each axis. @return how many there are
+// Computes the first and last voxel of a triangle's box along each axis.
+// @return number of voxels
 static int64_t find_range( const voxels* v, const triangle_corners* t, int first[3], int last[3] )
 {
     int64_t product = 1;
@@ -74,8 +77,8 @@ static int64_t find_range( const voxels* v, const triangle_corners* t, int first
     return product;
 }
 
-// Voxels in the boxes of all triangles: at least as many as there are places in lists, and what a build costs. Counting
-// stops beyond `most`.
+// Counts voxels in the boxes of all triangles: an upper bound of the list entries and the cost of a build. Stops
+// counting above `most`.
 static int64_t count_places( const voxels* v, const mesh_surface* s, int64_t most )
 {
     int64_t sum = 0;
@@ -107,7 +110,7 @@ static bool is_within( const voxels* v, const mesh_surface* s, int64_t count )
     return places <= most && ( v->max_bytes == 0 || bytes <= v->max_bytes );
 }
 
-// Choose the smallest voxels, of the requested size or coarser, that are not too many.
+// Selects the smallest voxels, of the requested size or coarser, whose number is allowed.
 static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* error )
 {
     double extent = 0.0;
@@ -139,10 +142,10 @@ static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* er
     return WISP_OK;
 }
 
-// ---- which triangles touch a voxel ----
+// ---- overlap of triangles and voxels ----
 
-// The axes of edges times those of the grid in Akenine-Moeller 2001, "Fast 3D triangle-box overlap testing": is one of
-// them between the triangle and a cube of half edge `half` around `centre`?
+// Tests the cross products of triangle edges and grid axes of Akenine-Moeller 2001, "Fast 3D triangle-box overlap
+// testing". Returns whether one of them separates the triangle from a cube of half edge `half` around `centre`.
 static bool is_apart_by_edges( const triangle_corners* t, const double3* centre, double half )
 {
     for ( int e = 0; e < 3; ++e )
@@ -169,13 +172,13 @@ static bool is_apart_by_edges( const triangle_corners* t, const double3* centre,
     return false;
 }
 
-// A triangle while it looks for its voxels.
+// Precomputed values of a triangle for the overlap test.
 typedef struct voxel_finder
 {
     triangle_corners t;
     double3 normal;
-    double reach; // of a cube along the normal; infinite for a triangle without a plane
-    double half;  // m, of a cube's edge, widened
+    double reach; // extent of a cube along the normal; infinite for a triangle without a plane
+    double half;  // m, half edge of a cube, widened
     bool is_large;
 } voxel_finder;
 
@@ -198,7 +201,7 @@ static bool is_touched( const voxels* v, const voxel_finder* f, int x, int y, in
            !( f->is_large && is_apart_by_edges( &f->t, &centre, f->half ) );
 }
 
-// Count a triangle in the voxels that it touches, or put it into their lists.
+// Counts a triangle in the voxels that it touches, or appends it to their lists.
 static void list_triangle( voxels* v, const mesh_surface* s, int32_t triangle, int32_t* begins, int32_t* lists )
 {
     int first[3], last[3];
@@ -229,7 +232,7 @@ static void list_triangle( voxels* v, const mesh_surface* s, int32_t triangle, i
     }
 }
 
-// ---- building ----
+// ---- build ----
 
 static void mark_blocks( voxels* v )
 {
@@ -258,7 +261,7 @@ static wisp_status no_memory( const mesh_surface* s, wisp_error* error )
                       s->triangle_count );
 }
 
-// Counting sort of triangles by voxel; they come in order, so lists ascend.
+// Lists triangles by voxel with a counting sort. Triangles are visited in order, so lists are in increasing order.
 wisp_status voxels_build( voxels* v, const mesh_surface* s, wisp_error* error )
 {
     wisp_status status = choose_size( v, s, error );
@@ -290,7 +293,7 @@ wisp_status voxels_build( voxels* v, const mesh_surface* s, wisp_error* error )
     {
         list_triangle( v, s, t, begins, v->lists.data );
     }
-    // every begin has moved on to its list's end, which is where the next one begins
+    // each begin has advanced to the end of its list, which is the begin of the next one
     memmove( begins + 1, begins, begin_bytes - sizeof( int32_t ) );
     begins[0] = 0;
     mark_blocks( v );

@@ -1,15 +1,16 @@
-// Queries of voxels: the closest point ring by ring, a path voxel by voxel.
+// Queries of voxels: closest points ring by ring, paths voxel by voxel.
 #include "voxels.h"
 
 enum
 {
-    SEEN = 64,      // triangles that were proposed a moment ago, by the last bits of their number
-    NEAR_RINGS = 3, // around the point's voxel; farther away blocks are looked at
+    SEEN = 64,      // recently proposed triangles, by the last bits of their index
+    NEAR_RINGS = 3, // rings of voxels around the point; beyond them blocks are visited first
 };
 
 // ---- lists ----
 
-// A triangle is in the lists of several voxels in a row. To propose it again changes nothing and costs time.
+// Tests whether a triangle was proposed recently. Triangles are listed in several adjacent voxels; proposing one
+// again costs time and changes nothing.
 typedef struct seen_triangles
 {
     int32_t number[SEEN];
@@ -39,14 +40,14 @@ typedef struct closest_walk
     mesh_closest* search;
     double point[3];
     double most;   // m^2: farther triangles are skipped
-    int centre[3]; // the point's voxel, or the one next to a point outside
+    int centre[3]; // voxel of the point, clamped to the grid
     seen_triangles seen;
 } closest_walk;
 
-// A cubic part of the grid while rings are walked in it: of voxels, or of blocks.
+// Resolution and bounds of a ring traversal: single voxels or blocks.
 typedef struct ring_walk
 {
-    int unit; // voxels along an edge
+    int unit; // voxels along an edge of a cell
     int centre[3], first[3], last[3];
 } ring_walk;
 
@@ -56,7 +57,7 @@ static void max_set( closest_walk* w )
     w->most = radius * radius;
 }
 
-// m^2 along one axis, from the point to the `unit` voxels that begin at `first`.
+// Returns the squared distance in m^2 along one axis from the point to the `unit` voxels that begin at `first`.
 static double square_gap( const closest_walk* w, int axis, int first, int unit )
 {
     double lower = w->v->lower[axis] + (double)first * w->v->size, upper = lower + (double)unit * w->v->size;
@@ -64,8 +65,8 @@ static double square_gap( const closest_walk* w, int axis, int first, int unit )
     return gap * gap;
 }
 
-// Is the box around a triangle farther away than anything that is looked for? Half of those in a list are, and this costs
-// a tenth of the exact answer.
+// Tests whether the box of a triangle is beyond the search distance. This rejects half of the listed triangles, at
+// a tenth of the cost of the exact distance.
 static bool is_far( const closest_walk* w, int32_t triangle )
 {
     const mesh_surface* s = w->search->surface;
@@ -126,7 +127,7 @@ static void look_into_block( closest_walk* w, int x, int y, int z )
     }
 }
 
-// One row of a ring along x, of which only the two ends belong to it unless it is `whole`.
+// Visits one row of a ring along x; unless it is `whole`, only its two ends belong to the ring.
 static void walk_row( closest_walk* w, const ring_walk* r, int ring, int y, int z, bool whole )
 {
     double gap = square_gap( w, 1, r->unit * y, r->unit ) + square_gap( w, 2, r->unit * z, r->unit );
@@ -162,7 +163,7 @@ static int lesser( int a, int b )
     return a < b ? a : b;
 }
 
-// What is `ring` away from the centre along an axis, and no more along the others.
+// Visits the cells at distance `ring` from the centre along one axis and at most `ring` along the others.
 static void walk_ring( closest_walk* w, const ring_walk* r, int ring )
 {
     const int* c = r->centre;
@@ -176,8 +177,9 @@ static void walk_ring( closest_walk* w, const ring_walk* r, int ring )
     }
 }
 
-// m^2: no voxel outside the ring is nearer; infinite when there is none. A point outside the grid is farther away from
-// everything in it by the way to the grid's box, at a right angle or more.
+// Returns a lower bound, in m^2, of the squared distance to voxels outside the ring; infinite if there are none.
+// For a point outside the grid, the distance to the grid's box is added, since the two meet at a right angle or
+// more.
 static double square_beyond( const closest_walk* w, const ring_walk* r, int ring )
 {
     const voxels* v = w->v;
@@ -195,7 +197,7 @@ static double square_beyond( const closest_walk* w, const ring_walk* r, int ring
     return outside + inside * inside;
 }
 
-// The part of the grid within the radius, in units of some voxels.
+// Computes the part of the grid within the radius, in cells of some voxels.
 static ring_walk make_rings( const closest_walk* w, int unit )
 {
     ring_walk r = { .unit = unit };
@@ -209,7 +211,8 @@ static ring_walk make_rings( const closest_walk* w, int unit )
     return r;
 }
 
-// Rings from the inside to the outside. @return whether nothing nearer is possible behind the last of them
+// Visits rings from the inside to the outside.
+// @return whether nothing nearer is possible beyond the last one
 static bool walk_rings( closest_walk* w, const ring_walk* r, int rings )
 {
     for ( int ring = 0; ring <= rings; ++ring )
@@ -255,7 +258,8 @@ typedef struct path_walk
     int at[3];
 } path_walk;
 
-// When the path leaves its voxel along an axis, as a fraction; anew for each voxel, so that no error adds up.
+// Computes the time at which the path leaves its voxel along an axis, as a fraction; computed from scratch for each
+// voxel, so that errors do not accumulate.
 static double leaving_time( const path_walk* w, int axis )
 {
     if ( w->step[axis] == 0.0 )
@@ -279,8 +283,9 @@ static path_walk make_path_walk( const voxels* v, const mesh_cast* search, doubl
     return w;
 }
 
-// Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing". Where a path runs through an edge of a
-// voxel it may miss the neighbour across: what is crossed there is in the lists of both, because they are widened.
+// Traverses voxels as in Amanatides and Woo 1987, "A fast voxel traversal algorithm for ray tracing". Where a path
+// crosses an edge of a voxel, the diagonal neighbour may be skipped. What is crossed there is listed in both
+// voxels, because lists are widened.
 static void walk_path( path_walk* w, mesh_cast* search, double end )
 {
     const int32_t *begins = w->v->begins.data, *lists = w->v->lists.data;
