@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-// Order strands by falling length, stable: a counting sort over lengths costs O(strands + longest), and the longest
-// strand is never longer than all vertices together.
+// Sorts strands by decreasing length with a stable counting sort. It costs O(strands + longest strand), and the
+// longest strand has at most as many vertices as all together.
 static bool sort_by_length( const wisp_allocator* allocator, const int32_t* offsets, int count, int longest,
                             int32_t* order )
 {
@@ -37,7 +37,7 @@ static size_t padded( size_t bytes )
     return ( bytes + 63 ) & ~(size_t)63;
 }
 
-// Cuts the next array out of the block.
+// Takes the next array from the block.
 static int32_t* carve( char** cursor, size_t count )
 {
     int32_t* array = (int32_t*)(void*)*cursor;
@@ -57,7 +57,7 @@ static void fill_lanes( wisp_strand_topology* t, const int32_t* offsets, const i
             lane_strand[i] = i < laned ? order[i] : -1;
             lane_count[i] = i < laned ? offsets[order[i] + 1] - offsets[order[i]] : 0;
         }
-        // sorted by falling length, so lane 0 is a group's longest
+        // sorted by decreasing length, so lane 0 has the longest strand of a group
         group_row[g + 1] = group_row[g] + lane_count[g * WISP_LANES];
     }
     t->row_count = group_row[t->group_count];

@@ -7,7 +7,7 @@
 
 #define FABRIC_DEF_COOKIE 0x66616272u
 
-// ---- what the user hands over ----
+// ---- input ----
 
 wisp_fabric_def wisp_default_fabric_def( void )
 {
@@ -98,7 +98,7 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
     {
         wisp_vec3 p = def->points[v];
 
-        // A comparison with what is not a number is false.
+        // comparisons with NaN are false
         bool inside = fabsf( p.x ) <= FABRIC_MAX_COORDINATE && fabsf( p.y ) <= FABRIC_MAX_COORDINATE &&
                       fabsf( p.z ) <= FABRIC_MAX_COORDINATE;
         if ( inside == false )
@@ -123,9 +123,9 @@ static wisp_status check_def( const wisp_fabric_def* def, wisp_error* error )
     return status;
 }
 
-// ---- cooking ----
+// ---- stages ----
 
-// Order the vertices, and leave the neighbours in slots behind.
+// Computes the vertex order, and the neighbours by slot.
 static bool order( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch, fabric_graph* graph )
 {
     wisp_fabric* f = &cooked->fabric;
@@ -148,7 +148,7 @@ static bool order( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool*
     return done;
 }
 
-// Attachments in slots, each once, in the user's order.
+// Converts attachments to slots, without duplicates, in the user's order.
 static bool rename_attachments( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;
@@ -171,7 +171,7 @@ static bool rename_attachments( const wisp_fabric_def* def, cook_fabric* cooked,
     return true;
 }
 
-// Points, triangles and attachments in the fabric's order.
+// Converts points, triangles and attachments to the fabric's order.
 static bool rename( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
 {
     wisp_fabric* f = &cooked->fabric;
@@ -194,7 +194,8 @@ static bool rename( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool
     return rename_attachments( def, cooked, scratch );
 }
 
-// Edges first, then the opposite vertices of hinges; two triangles back to back have only one opposite vertex.
+// Lists edges first, then the opposite vertices of hinges. Two triangles with the same three vertices have only one
+// opposite vertex.
 static bool list_links( bool cross, wisp_fabric* f, fabric_pool* scratch, int32_t** out )
 {
     size_t most = (size_t)f->edge_count + ( cross ? (size_t)f->hinge_count : 0 );
@@ -221,7 +222,7 @@ static bool list_links( bool cross, wisp_fabric* f, fabric_pool* scratch, int32_
 
 static float rest_length( const wisp_fabric* f, int32_t a, int32_t b )
 {
-    // In double, so that a short edge far from the origin loses nothing but what its points have lost already.
+    // in double, so that short edges far from the origin have no error beyond that of their points
     double x = (double)f->rest[a].x - (double)f->rest[b].x;
     double y = (double)f->rest[a].y - (double)f->rest[b].y;
     double z = (double)f->rest[a].z - (double)f->rest[b].z;
@@ -293,7 +294,7 @@ static bool cook_rings( const fabric_mesh* mesh, cook_fabric* cooked, fabric_poo
     return done;
 }
 
-// Scratch memory of a stage goes back before the next one starts, so that the peak stays low.
+// release scratch memory of each stage before the next one, to keep the peak low
 static bool cook_lists( const wisp_fabric_def* def, cook_fabric* cooked, fabric_pool* scratch )
 {
     fabric_pool links = { .allocator = scratch->allocator };

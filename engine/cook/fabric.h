@@ -1,37 +1,39 @@
-/// The stages of cooking a fabric, in the order in which they run, and the list of its arrays.
+/// Stages of cooking a fabric, in the order in which they run, and the list of its arrays.
 #pragma once
 
 #include "fabric_parts.h"
 
 #include <stdatomic.h>
 
-/// Slots times 4, three corners a triangle, and groups of eight that hold a single constraint all stay below 2^31.
+/// Maximum counts. Slots times 4, three corners per triangle, and groups of eight with a single constraint all stay
+/// below 2^31.
 #define FABRIC_MAX_VERTICES ( 1 << 26 )
 #define FABRIC_MAX_TRIANGLES ( 1 << 25 )
-/// m, of each coordinate
+/// m, maximum magnitude of a coordinate
 #define FABRIC_MAX_COORDINATE 1e6f
 
 #define FABRIC_MIN_TILE 64
 #define FABRIC_MAX_TILE 65536
 
-/// A fabric with its owner count and its memory.
+/// A fabric with its reference count and its memory.
 typedef struct cook_fabric
 {
-    wisp_fabric fabric; // first, so that a fabric's address is its owner's
+    wisp_fabric fabric; // first, so that both have the same address
     fabric_pool keep;
     atomic_int owners;
 } cook_fabric;
 
-/// An empty fabric with one owner, or null without memory.
+/// Create an empty fabric with one reference.
+/// @return null if out of memory
 cook_fabric* fabric_create( const wisp_allocator* allocator );
 
-/// count rounded up to whole groups of lanes
+/// Round a count up to whole groups of lanes.
 static inline int fabric_padded( int count )
 {
     return ( count + WISP_FABRIC_LANES - 1 ) / WISP_FABRIC_LANES * WISP_FABRIC_LANES;
 }
 
-/// How many tiles of that size hold so many vertices.
+/// Return the number of tiles of a size that hold a number of vertices.
 static inline int fabric_tiles( int vertex_count, int tile_size )
 {
     return vertex_count / tile_size + ( vertex_count % tile_size != 0 ? 1 : 0 );
@@ -39,7 +41,7 @@ static inline int fabric_tiles( int vertex_count, int tile_size )
 
 // ---- fabric_mesh.c ----
 
-/// Neighbours of vertices, each once.
+/// Neighbours of vertices, without duplicates.
 typedef struct fabric_graph
 {
     int count;
@@ -47,81 +49,83 @@ typedef struct fabric_graph
     const int32_t* neighbour; ///< [begin[count]]
 } fabric_graph;
 
-/// Vertices are neighbours when a triangle has both. Lists are in no promised order.
+/// Build the graph of vertices that share a triangle. Lists are in no particular order.
 /// @param triangles [triangle_count][3], checked
 bool fabric_graph_make( fabric_pool* pool, const int32_t* triangles, int triangle_count, int vertex_count,
                         fabric_graph* out );
 
-/// The same graph with other names and sorted lists: each list names neighbours in the order of `sequence`. Costs no
-/// comparison, so a vertex with a million neighbours is as cheap as a million vertices.
-/// @param sequence [count] every vertex once
-/// @param name [count] new name of every vertex
+/// Renumber a graph and sort its lists in the order of `sequence`. Uses no comparisons, so a vertex with a million
+/// neighbours costs as much as a million vertices.
+/// @param sequence [count] permutation of the vertices
+/// @param name [count] new index of every vertex
 bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const int32_t* sequence, const int32_t* name,
                           fabric_graph* out );
 
-/// Edges, hinges, and the counts of borders and nonmanifold edges of the fabric's triangles.
-/// @param graph in slots, lists rising
-/// @param across with lengths of neighbours and triangles across edges
+/// Build edges and hinges, and count open and nonmanifold edges.
+/// @param graph by slot, lists in increasing order
+/// @param across whether to compute lengths of edges to neighbours and triangles across edges
 bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* scratch, cook_fabric* cooked,
                           fabric_mesh* out );
 
-/// Triangles at every vertex of a checked fabric, in the user's order: corner_begin and corner of the mesh.
+/// List the triangles at every vertex of a checked fabric, in the user's order: corner_begin and corner of the
+/// mesh.
 bool fabric_mesh_list_corners( const wisp_fabric* fabric, fabric_pool* scratch, fabric_mesh* mesh );
 
-/// A third of the areas of the triangles at each vertex.
+/// Compute the area of each vertex: a third of the areas of its triangles.
 bool fabric_mesh_measure_areas( const fabric_mesh* mesh, fabric_pool* scratch, cook_fabric* cooked );
 
 // ---- fabric_rings.c ----
 
-/// The triangles around every vertex as fans, see wisp_fabric.
+/// Triangles around every vertex as fans, see wisp_fabric.
 typedef struct fabric_rings
 {
     const int32_t* begin;                          ///< [slice + 1]
     const int32_t ( *ring_x4 )[WISP_FABRIC_LANES]; ///< [begin[last]]
 } fabric_rings;
 
-/// Linear in the triangles, also where one vertex has them all.
-/// @param fabric its counts and triangles are read
-/// @param mesh its corners are read
-/// @param keep receives the rings
+/// Build the fans in linear time, even if one vertex has all triangles.
+/// @param fabric provides counts and triangles
+/// @param mesh provides corners
+/// @param keep allocates the rings
 bool fabric_rings_list( const wisp_fabric* fabric, const fabric_mesh* mesh, fabric_pool* scratch, fabric_pool* keep,
                         fabric_rings* out );
 
 // ---- fabric_order.c ----
 
-/// Cuthill and McKee's order: breadth first from the attachments, neighbours by degree, then number. Components one
-/// after another, those with attachments first; unreferenced vertices at the end.
-/// @param attachments vertices, may repeat
-/// @param vertex_slot, slot_vertex [graph->count] out
+/// Compute the Cuthill-McKee order: breadth first from the attachments, neighbours by degree, then by index.
+/// Components follow each other, those with attachments first; unreferenced vertices are last.
+/// @param attachments vertices, duplicates allowed
+/// @param vertex_slot, slot_vertex [graph->count] output
 bool fabric_order_vertices( const wisp_allocator* allocator, const fabric_graph* graph, const int32_t* attachments,
                             int attachment_count, int32_t* vertex_slot, int32_t* slot_vertex );
 
-/// The size that suits so many vertices.
+/// Return the default tile size for a number of vertices.
 int fabric_choose_tile_size( int vertex_count );
 
 // ---- fabric_schedule.c ----
 
-/// Slots of hinges in the order of their schedule: [schedule->slot_count / 8][4][8]; pads are the tile's dummy.
+/// List slots of hinges in schedule order: [schedule->slot_count / 8][4][8]; padding is the dummy of the tile.
 bool fabric_schedule_hinges( const wisp_schedule* schedule, const fabric_constraints* constraints, fabric_pool* keep,
                              const int32_t** out );
 
 // ---- fabric_level_links.c ----
 
-/// Slots of a tile of a level's links: no fewer than the fabric's, so that each tile has a dummy of its own to pad it.
+/// Return the slots per tile of a level's links: at least the fabric's tile size, so that each tile has its own
+/// dummy for padding.
 int fabric_level_tile_size( const wisp_fabric* fabric, int link_count );
 
 // ---- fabric_save.c and fabric_check.c ----
 
-/// The hash of everything in a fabric but the hash.
+/// Compute the hash of a fabric, without the hash itself.
 uint64_t fabric_hash( const wisp_fabric* fabric );
 
-/// Every index in range, every list whole, no two constraints in each other's way: what kernels rely on without
-/// looking. The arrays have the lengths that the counts say.
+/// Check everything on which kernels rely: indices in range, complete lists, no conflicts between constraints.
+/// Arrays have the lengths given by the counts.
 /// @param scratch released by the caller
 wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_error* error );
 
-// What a fabric holds, listed once: hash, save and load walk these lists in this order, all counts in front of the
-// arrays. Everything is words of 32 bits; w( n ) is a length as a number that cannot overflow.
+// Contents of a fabric, listed once. Hash, save and load use these lists in this order, with all counts before the
+// arrays. All data is 32-bit words; w( n ) is a length in a type that cannot overflow.
 
 #define FABRIC_COUNTS( X )                                                                                           \
     X( vertex_count )                                                                                                \

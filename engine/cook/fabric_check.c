@@ -1,5 +1,5 @@
-// Checks of a loaded fabric, so that kernels may trust it. Messages name the element of the fabric, since the bytes have no
-// lines.
+// Checks of a loaded fabric, so that kernels can rely on it. Messages name the element of the fabric, since a
+// binary file has no lines.
 #include "fabric.h"
 
 #include <math.h>
@@ -167,7 +167,7 @@ static wisp_status check_mesh( const check_state* c )
     return WISP_OK;
 }
 
-// The rings say nothing that the triangles do not say: they are those that the triangles cook to.
+// Checks that the rings equal those cooked from the triangles.
 static wisp_status check_rings( const check_state* c )
 {
     const wisp_fabric* f = c->f;
@@ -203,12 +203,12 @@ static wisp_status check_rings( const check_state* c )
 
 // ---- schedules ----
 
-// Constraints as kernels see them: slots times 4 of one lane.
+// Constraints in the layout of kernels: slots times 4, one constraint per lane.
 typedef struct lane_reader
 {
     int arity;
-    const int32_t *a_x4, *b_x4; // arity 2
-    const int32_t* slot_x4;     // arity 4, [group][4][8]
+    const int32_t *a_x4, *b_x4; // two vertices
+    const int32_t* slot_x4;     // four vertices, [group][4][8]
     int tile_size;              // slots
 } lane_reader;
 
@@ -227,7 +227,8 @@ static void read_lane( const lane_reader* lanes, int32_t at, int32_t* slot_x4 )
     }
 }
 
-// @param rising the step by which offsets must rise at least
+// Checks offsets.
+// @param rising minimum increment
 static bool offsets_rise( const int32_t* begin, int count, int end, int step )
 {
     bool fine = begin[0] == 0 && begin[count] == end;
@@ -238,7 +239,7 @@ static bool offsets_rise( const int32_t* begin, int count, int end, int step )
     return fine;
 }
 
-// Every constraint once.
+// Checks that every constraint occurs exactly once.
 static wisp_status check_schedule( const check_state* c, const char* what, const wisp_schedule* s, int count )
 {
     if ( offsets_rise( s->colour_tile, s->colour_count, s->tile_count, 1 ) == false ||
@@ -269,7 +270,7 @@ static wisp_status check_schedule( const check_state* c, const char* what, const
     return found == count ? WISP_OK : BAD( "an order of %s with %d entries, expected %d", what, found, count );
 }
 
-// Last user of each vertex, and of each dummy.
+// Last lane and tile to use each vertex, and whether it is a dummy.
 typedef struct touch_state
 {
     int32_t* lane; // [vertex_count] lane + 1
@@ -277,7 +278,7 @@ typedef struct touch_state
     bool* dummy;   // [tile_count]
 } touch_state;
 
-// The dummy of the tile that the constraints of a schedule's tile belong to, or -1 if they belong to several.
+// Returns the dummy of the tile that contains the constraints of a schedule's tile, or -1 if there are several.
 static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const lane_reader* lanes, int tile )
 {
     int32_t own = -1;
@@ -299,11 +300,11 @@ static int32_t own_dummy4( const wisp_fabric* f, const wisp_schedule* s, const l
     return own;
 }
 
-// One vertex of one lane: does anybody else have it at the same time?
+// Checks that no lane that runs at the same time uses the same vertex.
 // @param colour_begin first tile of the tile's colour
 static bool touch( touch_state* touched, int32_t slot, int32_t lane, int tile, int colour_begin )
 {
-    // The first lane that runs without a look at what the others write.
+    // the first lane that may run in parallel with this one
     int32_t together = lane - lane % WISP_FABRIC_LANES;
     bool lane_free = touched->lane[slot] <= together || touched->lane[slot] == lane + 1;
     bool tile_free = touched->tile[slot] <= colour_begin || touched->tile[slot] == tile + 1;
@@ -343,7 +344,7 @@ static wisp_status check_tile( const check_state* c, const char* what, const wis
     return WISP_OK;
 }
 
-// No two lanes of a group and no two tiles of a colour share a vertex. Numbers and slots are checked before.
+// Checks that lanes of a group and tiles of a colour share no vertex. Indices and slots are already checked.
 static wisp_status check_conflicts( const check_state* c, const char* what, const wisp_schedule* s,
                                     const lane_reader* lanes )
 {
@@ -368,7 +369,7 @@ static wisp_status check_conflicts( const check_state* c, const char* what, cons
     return status;
 }
 
-// The lanes hold the slots that the constraints name, bend links two different vertices.
+// Checks that lanes contain the slots of their constraints, and that bend links join two different vertices.
 static wisp_status check_link_lanes( const check_state* c )
 {
     const wisp_fabric* f = c->f;
@@ -431,14 +432,14 @@ static wisp_status check_hinges( const check_state* c )
 
 // ---- levels ----
 
-// Which level a slot lives in: the coarsest that has it, 0 for none but the mesh itself.
+// Coarsest level that contains each slot, 0 for the mesh only.
 typedef struct level_state
 {
     int32_t* level; // [vertex_count]
-    bool* child;    // [vertex_count] of the level that is being checked
+    bool* child;    // [vertex_count] whether it is a child in the level being checked
 } level_state;
 
-// The vertices of level `number`, from 1, are some of those of the next finer one.
+// Checks that the vertices of level `number`, from 1, are a subset of the next finer level.
 static wisp_status check_level_vertices( const check_state* c, const wisp_fabric_level* level, int number,
                                          level_state* s )
 {
@@ -468,8 +469,8 @@ static wisp_status check_level_vertices( const check_state* c, const wisp_fabric
 static bool parent_is_fine( const wisp_fabric* f, const level_state* s, int number, int32_t parent_x4, float weight,
                             int32_t child_x4 )
 {
-    // What pads must not be moved by another worker while it is read: it is a vertex of this level, the child, or the
-    // dummy that no kernel moves.
+    // a padding slot is read and must not be moved by another worker: it is a vertex of this level, the child
+    // itself, or a dummy that no kernel moves
     bool pads = weight == 0.0f && ( parent_x4 == child_x4 || parent_x4 == 4 * f->vertex_count );
     bool of_level = is_vertex_x4( f, parent_x4 ) && s->level[parent_x4 / 4] == number;
     return is_length( weight ) && weight <= 1.0f && ( of_level || pads );
@@ -556,7 +557,7 @@ static wisp_status check_levels( const check_state* c )
 
 wisp_status fabric_check( const wisp_fabric* fabric, fabric_pool* scratch, wisp_error* error )
 {
-    // Each step may rely on what the steps before it have seen.
+    // each step relies on the checks of the previous steps
     static wisp_status ( *const steps[] )( const check_state* ) = {
         check_counts, check_vertices, check_attachments, check_mesh,
         check_rings,  check_links,    check_hinges,      check_levels,

@@ -2,13 +2,13 @@
 
 #include <math.h>
 
-// A distance so close to the straight one is as good: lengths in single precision are no better after a few
+// Relative tolerance at which a distance equals the straight one: float lengths have this error after a few
 // roundings.
 #define SETTLED 1e-6
-// A correction by less is none. Errors of this size add up along a way.
+// Minimum relative correction of a distance. Ignored corrections accumulate along a path.
 #define CORRECTION 1e-7
-// Where the mesh is curved, triangles around a node may go on correcting each other by less and less. So often a node
-// passes its distance on, corrections included.
+// Maximum number of times that a node propagates its distance, including corrections. Without it, triangles around
+// a node on a curved mesh could keep making smaller and smaller corrections.
 #define MAX_VISITS 64
 
 #define HEAP_ARITY 4
@@ -93,7 +93,7 @@ bool geodesic_net_of_mesh( const fabric_parts* parts, const wisp_fabric* fabric,
     return true;
 }
 
-// ---- heap: nearest node first, equals by number, every node with its place so that it can rise ----
+// ---- heap: nearest node first, ties by index; nodes store their heap position for decrease-key ----
 
 static bool nearer( const geodesic_march* m, int32_t a, int32_t b )
 {
@@ -155,7 +155,7 @@ static int32_t take_nearest( geodesic_march* m )
     return nearest;
 }
 
-// ---- marching ----
+// ---- fast marching ----
 
 bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric_pool* pool )
 {
@@ -184,7 +184,7 @@ static geodesic_node* meet( geodesic_march* m, int32_t v )
     return node;
 }
 
-// Nothing on the surface is nearer than the straight line, so a node that close needs no better way.
+// Tests whether a node is as near as the straight line, which no path can improve.
 static bool is_settled( const geodesic_node* node )
 {
     return node->distance <= node->straight * ( 1.0 + SETTLED );
@@ -210,8 +210,8 @@ static void offer( geodesic_march* m, int32_t v, geodesic_node* node, double dis
     rise( m, node->place >= 0 ? node->place : m->heap_count++, v );
 }
 
-// How far the corner b is from the source when its neighbours v and a are dv and da from it: v at the origin, a on
-// the x axis, b above it and the source below. Endless when the straight line to b misses the edge.
+// Computes the distance of corner b from the source, given distances dv and da of its neighbours v and a. v is at
+// the origin, a on the x axis, b above it and the source below. Infinite if the straight line to b misses the edge.
 // @param va length of the edge; product, area as in geodesic_corner
 static double unfold( double va, double product, double area, double dv, double da )
 {
@@ -232,8 +232,8 @@ static double unfold( double va, double product, double area, double dv, double 
     return sqrt( ( bx - x ) * ( bx - x ) + height * height );
 }
 
-// A neighbour whose distance may still sink is not unfolded from: once it leaves the heap, it sees the triangle
-// itself.
+// Updates from a triangle. Neighbours whose distance may still decrease are skipped; they process the triangle when
+// they leave the heap.
 static bool has_left( const geodesic_node* node )
 {
     return node->place < 0 && node->distance < (double)INFINITY;

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-// In spacings, the radius of the circle around a triangle of the net.
+// Maximum circumradius of a triangle of the net, in spacings.
 #define LARGEST_CIRCLE 1.5
 
 static level_near* find( const level_maker* m, int32_t at, int32_t to )
@@ -81,7 +81,7 @@ void level_agree( level_maker* m )
 
 // ---- links ----
 
-// Two attachments need no link: neither gives way.
+// Tests whether a pair needs a link: two attachments do not, since neither moves.
 static bool is_link( const level_maker* m, int32_t a, int32_t b )
 {
     return m->turn[m->fine[a]] != LEVEL_ATTACHED || m->turn[m->fine[b]] != LEVEL_ATTACHED;
@@ -117,8 +117,8 @@ int level_list_links( const level_maker* m, int32_t* slots, float* rest, int* li
     return count;
 }
 
-// A tile of so many links pays for meeting the other workers behind it; a level of fewer than four of them goes to one
-// worker as a whole.
+// Minimum links per tile that justify a synchronisation of workers. A level with fewer than four such tiles runs on
+// one worker.
 #define FEWEST_TILE_LINKS 512
 #define FEWEST_TILES 4
 
@@ -166,10 +166,10 @@ bool level_make_links( const level_maker* m, int count, fabric_pool* keep, wisp_
     return done;
 }
 
-// ---- the net of a level ----
+// ---- net of a level ----
 
-// Does the triangle fit into a circle of little more than the spacing? All of Delaunay's do, but for some at borders.
-// Larger ones cost time, and where the mesh is curved they cut through it.
+// Tests whether the circumradius of a triangle is little more than the spacing. All Delaunay triangles pass, except
+// some at open edges. Larger triangles cost time, and cut through a curved mesh.
 static bool is_compact( double a, double b, double c, double spacing )
 {
     double half = 0.5 * ( a + b + c );
@@ -177,10 +177,10 @@ static bool is_compact( double a, double b, double c, double spacing )
     return a * a * b * b * c * c <= 16.0 * squared_area * LARGEST_CIRCLE * LARGEST_CIRCLE * spacing * spacing;
 }
 
-// Corners of a chosen vertex: every compact triangle of neighbours that know each other, and the edges without one.
-// Triangles may overlap; a way over any of them is a way on the mesh.
+// Lists corners of a chosen vertex: every compact triangle of mutual neighbours, and edges without one. Triangles
+// may overlap, since any path over them is a path on the mesh.
 // @param node_of [fine_count]
-// @param corner may be null to count only
+// @param corner null to count only
 static int list_corners( const level_maker* m, int32_t a, const int32_t* node_of, geodesic_corner* corner )
 {
     const level_near* near = m->near + (size_t)a * LEVEL_NEAR;

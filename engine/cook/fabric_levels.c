@@ -1,6 +1,6 @@
-// Coarse levels. Each is a subset of the next finer one in which vertices keep a distance, chosen greedily, equals in
-// the order of the fabric; one march from every chosen vertex finds its reach, its neighbours and its children at
-// once.
+// Coarse levels. Each is a subset of the next finer one with a minimum distance between vertices, chosen greedily,
+// ties in the fabric's order. A single march from every chosen vertex finds its covered vertices, its neighbours
+// and its children.
 #include "fabric.h"
 #include "fabric_levels.h"
 #include "vec.h"
@@ -8,29 +8,29 @@
 #include <math.h>
 #include <string.h>
 
-// Numbers found by measuring a hanging sheet of 64 and 128 rows, regular and irregular, one substep with tethers and
-// levels. The spacing of level l is 2^l times so many mean edges: a regular grid with diagonals then takes every
-// other vertex, an irregular mesh about as many.
+// Values tuned on a hanging sheet of 64 and 128 rows, regular and irregular, with one substep, tethers and levels.
+// The spacing of level l is 2^l times this number of mean edges. A regular grid with diagonals then keeps every
+// second vertex, and an irregular mesh about as many.
 #define SPACING_FACTOR 0.72
-// A level of fewer linked vertices does harm: its vertices drag more than they reach.
+// Minimum number of linked vertices of a level; a smaller level increases the error.
 #define FEWEST_VERTICES 9
-// In edges of the net: a triangle passes a distance on only where two corners have it, so that marches go beyond the
-// reach.
+// Margin in edges of the net by which marches exceed the reach: a triangle propagates a distance only if two
+// corners have it.
 #define MARGIN 0.75
-// Edges of the net over a level are about so many spacings long.
+// Approximate edge length of a level's net, in spacings.
 #define NET_EDGE 1.3
-// Marches run over the finest net of at most so many nodes, or, while the levels have more, over the next finer
-// level. Distances over a coarse net are less exact where the mesh is curved.
+// Maximum number of nodes of the net for marches. The finest net within it is used, or else that of the next finer
+// level. Distances over a coarse net are less accurate on curved meshes.
 #define NET_NODES 16384
 #define COVERED ( 1.0 - 1e-6 )
 
-// Coarse vertices as the next level's fine ones.
+// State of the level loop: vertices of a level become fine vertices of the next.
 typedef struct level_state
 {
-    fabric_pool pools[2];   // of the net, and of the one that replaces it
-    int pool;               // that holds the net
-    geodesic_net net;       // over which distances are measured
-    fabric_pool members[2]; // of the list of fine vertices, and of the next one
+    fabric_pool pools[2];   // of the current net, and of its replacement
+    int pool;               // index of the pool that holds the net
+    geodesic_net net;       // graph over which distances are computed
+    fabric_pool members[2]; // of the current list of fine vertices, and of the next one
     wisp_fabric_level made[WISP_FABRIC_MAX_LEVELS];
     int made_count;
     double mean_edge; // m, of the mesh
@@ -43,7 +43,7 @@ static double straight_distance( wisp_vec3 a, wisp_vec3 b )
     return sqrt( x * x + y * y + z * z );
 }
 
-// ---- choosing ----
+// ---- selection ----
 
 static void remember( level_maker* m, int32_t at, int32_t chosen, double distance )
 {
@@ -83,8 +83,8 @@ static void choose( level_maker* m, int32_t rank, geodesic_march* march, const i
     }
 }
 
-// An attachment that another one covers is in the level too, but has nothing to do there: a pinned border would else
-// be as dense in the coarsest level as in the mesh.
+// Makes attachments idle if another one covers them. They stay in the level but take no part. Otherwise a pinned
+// open edge would be as dense in the coarsest level as in the mesh.
 static void choose_all( level_maker* m, geodesic_march* march, const int32_t* rank_of, const int32_t* node_of )
 {
     for ( int turn = 0; turn < LEVEL_TURNS; ++turn )
@@ -138,7 +138,7 @@ static bool choose_level( level_maker* m, const geodesic_net* net, fabric_pool* 
 
 // ---- levels ----
 
-// Slots of the chosen vertices, and all slots of the level with those that are idle in it.
+// Lists slots of the chosen vertices, and all slots of the level including idle ones.
 static bool list_members( const level_maker* m, fabric_pool* members, fabric_pool* keep, int32_t** chosen, int* count,
                           wisp_fabric_level* out )
 {
@@ -186,7 +186,7 @@ static bool list_members( const level_maker* m, fabric_pool* members, fabric_poo
     return true;
 }
 
-// The level becomes the fine one; its net replaces the old one while that is large.
+// Makes the level the fine one; its net replaces the previous net while that has too many nodes.
 static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count )
 {
     if ( s->net.count > NET_NODES )
@@ -206,7 +206,8 @@ static bool step_up( level_state* s, level_maker* m, int32_t* chosen, int count 
     return true;
 }
 
-// @param ended set when the level would be too small
+// Builds a level.
+// @param ended set if the level would be too small
 static bool make_level( level_state* s, level_maker* m, fabric_pool* keep, fabric_pool* scratch, bool* ended )
 {
     if ( choose_level( m, &s->net, scratch ) == false )
@@ -240,15 +241,15 @@ static double mean_edge( const wisp_fabric* f )
     return f->edge_count > 0 ? sum / f->edge_count : 0.0;
 }
 
-// Is the angle between two borders at a vertex below about 135 degrees?
+// Tests whether the angle between two open edges at a vertex is below about 135 degrees.
 static bool is_corner( wisp_vec3 at, wisp_vec3 before, wisp_vec3 after )
 {
     wisp_vec3 a = v3_sub( before, at ), b = v3_sub( after, at );
     return v3_dot( a, b ) > -0.7f * v3_length( a ) * v3_length( b );
 }
 
-// Whose turn it is to be chosen. Attachments first, since they are in every level; then the corners and the rest of
-// the borders, so that the coarse vertices surround the others.
+// Assigns the order of selection. Attachments come first, since they are in every level. Corners and other vertices
+// on open edges follow, so that coarse vertices surround the others.
 static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t* turn )
 {
     fabric_pool scratch = { .allocator = parts->allocator };
@@ -284,7 +285,7 @@ static bool find_turns( const fabric_parts* parts, const wisp_fabric* f, uint8_t
     return done;
 }
 
-// All vertices but the loose ones: nothing leads to those, so they are in every level, with nothing to do.
+// Lists all referenced vertices. Unreferenced ones cannot be reached, so they are idle in every level.
 static bool begin_levels( const fabric_parts* parts, const wisp_fabric* f, level_state* s, level_maker* m,
                           fabric_pool* scratch )
 {

@@ -1,19 +1,19 @@
-/// Shared by the stages that make a coarse level.
+/// Declarations shared by the stages that build a coarse level.
 #pragma once
 
 #include "fabric_geodesic.h"
 
-/// Coarse vertices that a vertex remembers, the nearest ones within reach: six to eleven where the mesh is flat.
+/// Maximum number of coarse vertices stored per vertex, the nearest within reach: a flat mesh has six to eleven.
 #define LEVEL_NEAR 16
-/// In spacings. Edges of a Delaunay triangulation of a subset that cannot be extended are no longer than two; a
-/// little more keeps triangles whole at seams.
+/// Reach in spacings. Delaunay edges of a maximal subset are at most two spacings long; the margin keeps triangles
+/// complete at seams.
 #define LEVEL_REACH 2.4
 
-/// In which turn vertices are chosen.
+/// Order in which vertices are selected.
 enum
 {
     LEVEL_ATTACHED,
-    LEVEL_CORNER, ///< of a border
+    LEVEL_CORNER, ///< of an open edge
     LEVEL_BORDER,
     LEVEL_INSIDE,
     LEVEL_TURNS,
@@ -22,50 +22,50 @@ enum
 /// A coarse vertex nearby.
 typedef struct level_near
 {
-    int32_t rank; ///< its place in the finer level
+    int32_t rank; ///< rank in the finer level
     float distance;
 } level_near;
 
-/// One level in the making. Ranks number the vertices of the finer level that take part, by rising slot.
+/// A level under construction. Ranks number the active vertices of the finer level, by increasing slot.
 typedef struct level_maker
 {
     const wisp_fabric* fabric;
-    double spacing;      ///< m, between vertices of the coarse level
-    double reach;        ///< m, nearer ones know each other and are linked
-    double margin;       ///< m, that marches go beyond the reach
-    int fine_count;      ///< ranks
-    const int32_t* fine; ///< [fine_count] slots, rising
-    bool* chosen;        ///< [fine_count] in the coarse level, and takes part in it
-    bool* covered;       ///< [fine_count] nearer than the spacing to a chosen one
-    level_near* near;    ///< [fine_count][LEVEL_NEAR] by rising distance; never the vertex itself
+    double spacing;      ///< m, minimum distance between vertices of the coarse level
+    double reach;        ///< m, closer vertices become neighbours and are linked
+    double margin;       ///< m, by which marches exceed the reach
+    int fine_count;      ///< number of ranks
+    const int32_t* fine; ///< [fine_count] slots, in increasing order
+    bool* chosen;        ///< [fine_count] active in the coarse level
+    bool* covered;       ///< [fine_count] closer than the spacing to a chosen vertex
+    level_near* near;    ///< [fine_count][LEVEL_NEAR] by increasing distance, without the vertex itself
     uint8_t* near_count; ///< [fine_count]
-    uint8_t* turn;       ///< [vertex_count] by slot
-    bool* idle;          ///< [vertex_count] by slot: in every level, without a part in it
+    uint8_t* turn;       ///< [vertex_count] by slot, order of selection
+    bool* idle;          ///< [vertex_count] by slot: in every level, but inactive
 } level_maker;
 
-/// Let chosen vertices know each other both ways or not at all, so that nobody has more neighbours than it remembers,
-/// and agree on the shorter distance.
+/// Make neighbour lists symmetric, so that no vertex has more neighbours than it stores, and set both distances to
+/// the shorter one.
 void level_agree( level_maker* maker );
 
-/// The distance between two chosen vertices that agreed, endless when they do not know each other.
+/// Return the distance between two chosen neighbours, infinite if they are not neighbours.
 double level_distance( const level_maker* maker, int32_t rank_a, int32_t rank_b );
 
-/// Links between chosen vertices that know each other.
-/// @param slots, rest receive links; null to count only
-/// @param linked receives how many vertices have one
-/// @return how many links
+/// List links between chosen neighbours.
+/// @param slots, rest output, null to count only
+/// @param linked output, number of vertices with a link
+/// @return number of links
 int level_list_links( const level_maker* maker, int32_t* slots, float* rest, int* linked );
 
 /// @param count of links
-/// @return false without memory
+/// @return false if out of memory
 bool level_make_links( const level_maker* maker, int count, fabric_pool* keep, wisp_fabric_level* out );
 
-/// The chosen vertices as a net.
-/// @param slots [count] of the chosen vertices, rising
-/// @return false without memory
+/// Build the net of the chosen vertices.
+/// @param slots [count] of the chosen vertices, in increasing order
+/// @return false if out of memory
 bool level_make_net( const level_maker* maker, const int32_t* slots, int count, fabric_pool* pool,
                      geodesic_net* out );
 
-/// How the vertices that are not chosen follow those that are.
-/// @return false without memory
+/// Compute parents and weights of the vertices that are not chosen.
+/// @return false if out of memory
 bool level_make_children( const level_maker* maker, fabric_pool* keep, wisp_fabric_level* out );

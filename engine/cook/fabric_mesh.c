@@ -7,7 +7,8 @@
 
 // ---- neighbours ----
 
-// Counts at [v + 2] become first places at [v + 1], ready to be filled; once filled, [v] is where the list of v begins.
+// Converts counts at [v + 2] to first indices at [v + 1]. After filling the lists, [v] is the begin of the list of
+// v.
 static void counts_to_places( int32_t* begin, int count )
 {
     for ( int v = 0; v < count; ++v )
@@ -16,7 +17,7 @@ static void counts_to_places( int32_t* begin, int count )
     }
 }
 
-// Both other corners of every triangle at every vertex, so that a neighbour stands there once for each triangle.
+// Lists both other corners of every triangle at every vertex, so neighbours occur once per triangle.
 static void list_pairs( const int32_t* triangles, int triangle_count, int32_t* begin, int32_t* pairs )
 {
     for ( size_t t = 0; t < (size_t)triangle_count; ++t )
@@ -31,7 +32,7 @@ static void list_pairs( const int32_t* triangles, int triangle_count, int32_t* b
     }
 }
 
-// Keep the first of equals, moving all lists together in place.
+// Removes duplicates in place, keeping the first, and closes the gaps between lists.
 static void drop_repeated( int32_t* begin, int32_t* pairs, int count, int32_t* met_at )
 {
     int32_t from = 0, to = 0;
@@ -100,10 +101,10 @@ bool fabric_graph_relist( fabric_pool* pool, const fabric_graph* graph, const in
 
 // ---- edges and hinges ----
 
-// How triangles use an edge (a, b): the one corner whose triangle runs from a to b, and the one from b to a.
+// Triangles of an edge (a, b): the only corner whose triangle runs from a to b, and the only one from b to a.
 typedef struct edge_use
 {
-    int32_t forward, backward; // triangle * 3 + place
+    int32_t forward, backward; // triangle * 3 + index of the corner
 } edge_use;
 
 #define NO_CORNER ( -1 )
@@ -140,7 +141,7 @@ static bool list_edges( const fabric_graph* graph, fabric_pool* scratch, cook_fa
     return true;
 }
 
-// The edge between two neighbours: the second ends of a vertex's edges rise.
+// Finds the edge between two neighbours; the second ends of a vertex's edges are in increasing order.
 static int32_t find_edge( const int32_t* edges, const int32_t* first_edge, int32_t a, int32_t b )
 {
     int32_t lower = first_edge[a], upper = first_edge[a + 1];
@@ -176,7 +177,7 @@ static edge_use* find_uses( const wisp_fabric* f, const int32_t* first_edge, fab
     return uses;
 }
 
-// The vertex of a corner's triangle that its edge does not have.
+// Returns the vertex of a corner's triangle that is opposite its edge.
 static int32_t opposite( const wisp_fabric* f, int32_t corner )
 {
     return f->triangles[3 * (size_t)( corner / 3 ) + (size_t)( ( corner % 3 + 2 ) % 3 )];
@@ -242,7 +243,7 @@ static double distance( wisp_vec3 p, wisp_vec3 q )
     return sqrt( x * x + y * y + z * z );
 }
 
-// What tethers and levels walk along.
+// Computes lengths and adjacency for tethers and levels.
 static bool measure_ways( const wisp_fabric* f, const edge_use* uses, fabric_pool* scratch, fabric_mesh* mesh )
 {
     size_t neighbour_count = (size_t)mesh->neighbour_begin[f->vertex_count];

@@ -4,18 +4,18 @@
 
 #include <string.h>
 
-// Breadth-first searches for a far end stop after so many, converged or not: each costs a pass over the component.
+// Maximum number of breadth-first searches for a far vertex, converged or not: each is a pass over the component.
 #define MAX_SEARCHES 8
 
-// What the order is made with.
+// Data shared by the steps of ordering.
 typedef struct sweep_state
 {
     fabric_graph graph; // lists by degree, then number
-    int32_t* component; // [count] by rising smallest vertex
-    int32_t* mark;      // [count] the last search that met a vertex
+    int32_t* component; // [count] numbered by smallest vertex
+    int32_t* mark;      // [count] last search that visited the vertex
     int search;         // number of the last search
     bool* placed;       // [count]
-    int32_t* order;     // [count] vertices in their order; behind the placed ones, room for searches
+    int32_t* order;     // [count] vertices in order; space after the placed ones is used by searches
     int placed_count;
     int component_count;
 } sweep_state;
@@ -25,7 +25,7 @@ static int degree( const fabric_graph* graph, int32_t v )
     return graph->begin[v + 1] - graph->begin[v];
 }
 
-// Vertices by rising degree, equals by number: a counting sort.
+// Sorts vertices by increasing degree, ties by index, with a counting sort.
 static bool sort_by_degree( fabric_pool* scratch, const fabric_graph* graph, int32_t* sorted )
 {
     int most = 0;
@@ -53,9 +53,10 @@ static bool sort_by_degree( fabric_pool* scratch, const fabric_graph* graph, int
     return true;
 }
 
-// Everything reachable from a vertex, behind the placed vertices of the order, nearest first.
-// @param depth receives how many rings there are, last_ring where the last one begins
-// @return the end of the list
+// Lists all vertices reachable from a vertex after the placed ones, nearest first.
+// @param depth output, number of rings
+// @param last_ring output, begin of the last one
+// @return end of the list
 static int search( sweep_state* s, int32_t from, int* depth, int* last_ring )
 {
     int head = s->placed_count, end = s->placed_count, ring_end = head;
@@ -94,7 +95,7 @@ static void label_components( sweep_state* s )
         {
             int depth, last_ring;
 
-            // One search number for all of them, so that a vertex met once is never met again.
+            // one search number for all, so that each vertex is visited once
             s->search = 0;
             int end = search( s, v, &depth, &last_ring );
             for ( int i = s->placed_count; i < end; ++i )
@@ -106,8 +107,8 @@ static void label_components( sweep_state* s )
     }
 }
 
-// A vertex at the far end of its component (George and Liu 1979): as long as the farthest ring moves away, go to its
-// vertex of the fewest neighbours. An order that starts there has thin rings.
+// Finds a vertex at the far end of its component (George and Liu 1979): moves to the vertex of lowest degree in the
+// farthest ring while its distance increases. An order that starts there has thin rings.
 static int32_t find_far_end( sweep_state* s, int32_t from )
 {
     int deepest = 0;
@@ -142,7 +143,7 @@ static void place( sweep_state* s, int32_t v )
     }
 }
 
-// Place what can be reached from the vertices placed since `head`.
+// Places vertices reachable from those placed since `head`.
 static void sweep( sweep_state* s, int head )
 {
     while ( head < s->placed_count )
@@ -155,7 +156,7 @@ static void sweep( sweep_state* s, int head )
     }
 }
 
-// Components with attachments, each from all of its attachments at once.
+// Places components with attachments, each from all of its attachments at once.
 static bool place_attached( sweep_state* s, fabric_pool* scratch, const int32_t* attachments, int count )
 {
     int32_t* begin = fabric_pool_push_zeroed( scratch, (size_t)s->component_count + 2, sizeof( int32_t ) );
@@ -258,8 +259,8 @@ bool fabric_order_vertices( const wisp_allocator* allocator, const fabric_graph*
 
 int fabric_choose_tile_size( int vertex_count )
 {
-    // A few large tiles leave workers idle; in many small ones a pass carries errors less far (a hanging sheet of 64 rows
-    // stretches by 1.21 per cent on average in tiles of 256, by 1.09 in tiles of 1024).
+    // Few large tiles leave workers idle. Small tiles propagate corrections less far per pass: a hanging sheet of
+    // 64 rows stretches by 1.21 % on average in tiles of 256, by 1.09 % in tiles of 1024.
     int size = 1024;
     while ( size > 256 && fabric_tiles( vertex_count, size ) < 4 )
     {

@@ -1,16 +1,16 @@
-// Which coarse vertices a vertex follows, and with which weights. Where three coarse vertices surround it, the weights are its
-// barycentric coordinates in the flat triangle with the same distances, so that a linear displacement of a flat mesh
-// is prolonged as it is.
+// Parents of a vertex in the coarse level, and their weights. Where three coarse vertices surround it, the weights
+// are barycentric coordinates in the flat triangle with the same distances. So a linear displacement of a flat mesh
+// is prolonged exactly.
 #include "fabric.h"
 #include "fabric_levels.h"
 
 #include <math.h>
 
-// Parents are looked for among so many of the nearest.
+// Number of nearest coarse vertices among which parents are searched.
 #define CANDIDATES 7
-// A triangle whose area is smaller than this part of the square over its longest side says nothing about directions.
+// Minimum area of a triangle relative to its squared longest side; a thinner one gives no accurate coordinates.
 #define FLATTEST 0.02
-// Coordinates that are negative by rounding only.
+// Tolerance for coordinates that are negative only by rounding.
 #define EDGE_TOLERANCE 1e-4
 
 typedef struct parents
@@ -31,11 +31,12 @@ static double least( const double* w )
     return smaller < w[2] ? smaller : w[2];
 }
 
-// Coordinates of a point in a triangle, all from distances: p at the origin, q on the x axis, r above it.
+// Computes barycentric coordinates of a point in a triangle from distances: p at the origin, q on the x axis, r
+// above it.
 // @param side distances pq, pr, qr
 // @param away distances to p, q, r
-// @param radius receives the square of the circumscribed circle's radius
-// @return false when the triangle is too thin
+// @param radius output, squared circumradius
+// @return false if the triangle is too thin
 static bool locate( const double side[3], const double away[3], double weight[3], double* radius )
 {
     double c = side[0], longest = fmax( c, fmax( side[1], side[2] ) );
@@ -58,8 +59,9 @@ static bool locate( const double side[3], const double away[3], double weight[3]
     return true;
 }
 
-// Is a triangle with this least coordinate and radius better than the best so far? One that surrounds the vertex is,
-// then the one with the smaller circle, which is Delaunay's where the mesh is flat; else the one that misses by less.
+// Tests whether a triangle with this minimum coordinate and radius is better than the best so far. A triangle that
+// surrounds the vertex is preferred, then the smaller circumcircle, as in a Delaunay triangulation. Among triangles
+// that do not surround it, the larger minimum coordinate is preferred.
 static bool is_better( double inside, double radius, double best_inside, double best_radius )
 {
     bool surrounds = inside >= -EDGE_TOLERANCE, did = best_inside >= -EDGE_TOLERANCE;
@@ -70,8 +72,8 @@ static bool is_better( double inside, double radius, double best_inside, double 
     return surrounds ? radius < best_radius * ( 1.0 - EDGE_TOLERANCE ) : inside > best_inside;
 }
 
-// Over a seam of the packing two coarse vertices may be too far apart to know each other, though both are near the
-// child: then the straight line has to do.
+// Returns the distance between two parents. At a seam they may be too far apart to be neighbours though both are
+// near the child; then the Euclidean distance is used.
 static double distance_between( const level_maker* m, int32_t rank_a, int32_t rank_b )
 {
     double known = level_distance( m, rank_a, rank_b );
@@ -92,7 +94,8 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
     }
     double best_inside = -INFINITY, best_radius = INFINITY;
 
-    // The nearest is nearly always one of the three; the others are looked at when none with it surrounds the vertex.
+    // the nearest vertex is nearly always a parent; others are searched only if no triangle with it surrounds the
+    // child
     for ( int i = 0; i < count && best_inside < -EDGE_TOLERANCE; ++i )
     {
         for ( int j = i + 1; j < count; ++j )
@@ -114,7 +117,7 @@ static bool find_triangle( const level_maker* m, const level_near* near, int cou
     return best_inside > -(double)INFINITY;
 }
 
-// Between the two nearest where there is no triangle, as in a ribbon.
+// Sets the weights between the two nearest vertices where there is no triangle, as in a ribbon.
 static void find_pair( const level_near* near, int count, parents* out )
 {
     double both = count > 1 ? (double)near[0].distance + (double)near[1].distance : 0.0;
@@ -126,7 +129,7 @@ static void find_pair( const level_near* near, int count, parents* out )
     }
 }
 
-// Beyond the hull the nearest edge or vertex of the triangle decides.
+// Outside the hull, projects onto the nearest edge or vertex of the triangle.
 static void clamp_weights( parents* p )
 {
     double sum = 0.0;
@@ -156,7 +159,7 @@ static void write_child( const level_maker* m, int child, int32_t rank, int32_t*
     child_x4[child] = m->fine[rank] * 4;
     for ( int k = 0; k < WISP_FABRIC_PARENTS; ++k )
     {
-        // A parent that gives nothing repeats the first, whose position is at hand.
+        // a parent with weight 0 repeats the first, which is in cache
         bool gives = k < p.count && p.weight[k] > 0.0;
         size_t at = ( slice * WISP_FABRIC_PARENTS + (size_t)k ) * WISP_FABRIC_LANES + lane;
         parent_x4[at] = m->fine[p.rank[gives ? k : 0]] * 4;

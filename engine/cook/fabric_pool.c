@@ -1,4 +1,4 @@
-// The memory of a fabric: arrays that live and die together, and the fabric that they belong to.
+// Memory of a fabric: arrays that are released together, and the reference count.
 #include "fabric.h"
 
 #include "alloc.h"
@@ -10,10 +10,10 @@
 struct fabric_block
 {
     fabric_block* previous;
-    size_t size; // with this head
+    size_t size; // including this header
 };
 
-// The head takes a whole cache line, so that the array behind it starts on one.
+// The header occupies a cache line, so that the array after it is aligned to one.
 #define BLOCK_HEAD BASE_BUFFER_ALIGNMENT
 
 void* fabric_pool_push( fabric_pool* pool, size_t count, size_t element_size )
@@ -56,7 +56,7 @@ void fabric_pool_release( fabric_pool* pool )
     pool->bytes = 0;
 }
 
-// ---- owners ----
+// ---- references ----
 
 cook_fabric* fabric_create( const wisp_allocator* allocator )
 {
@@ -80,7 +80,7 @@ void wisp_fabric_release( wisp_fabric* fabric )
 {
     cook_fabric* cooked = (cook_fabric*)fabric;
 
-    // The last owner must see what the others did before they let go.
+    // acquire: the last reference must see the writes of the others before it frees
     if ( cooked != NULL && atomic_fetch_sub_explicit( &cooked->owners, 1, memory_order_acq_rel ) == 1 )
     {
         fabric_pool keep = cooked->keep;

@@ -1,28 +1,28 @@
-// The triangles around a vertex v as fans. Each triangle (v, a, b) is an arrow from neighbour a to neighbour b, and a fan
-// is a walk along arrows that follow one another. On a surface that is one closed walk, or one from border to border; on
-// wild meshes it is as many walks as arrows that begin where none ends, and some that close.
+// Triangles around a vertex v as fans. Each triangle (v, a, b) is an arrow from neighbour a to neighbour b, and a
+// fan is a path of consecutive arrows. On a manifold that is one cycle, or one path between open edges. On a
+// nonmanifold mesh there is a path for each arrow that begins where none ends, and some cycles.
 #include "fabric.h"
 
 #define NO_ARROW ( -1 )
 
-// The arrows of one vertex that no fan has taken yet. Everything is back as it was when all arrows are taken, so going
-// on to the next vertex costs nothing.
+// Arrows of one vertex that are not in a fan yet. When all arrows are taken the arrays are back in their initial
+// state, so the next vertex needs no reset.
 typedef struct fan_state
 {
     const wisp_fabric* f;
-    int32_t* leaving; // [vertex_count] the first arrow that leaves a neighbour, in the user's order
-    int32_t* excess;  // [vertex_count] arrows that leave a neighbour minus those that arrive
-    int32_t* next;    // [most arrows of a vertex] that leaves the same neighbour
-    int32_t* taken;   // corners in the order of the walks
+    int32_t* leaving; // [vertex_count] first arrow that leaves a neighbour, in the user's order
+    int32_t* excess;  // [vertex_count] number of arrows that leave a neighbour minus number that arrive
+    int32_t* next;    // [maximum arrows of a vertex] next arrow that leaves the same neighbour
+    int32_t* taken;   // corners in the order of the fans
 } fan_state;
 
-// Where the arrow of a corner leaves (step 1) or arrives (step 2).
+// Returns the neighbour where the arrow of a corner begins (step 1) or ends (step 2).
 static int32_t arrow_end( const wisp_fabric* f, int32_t corner, int step )
 {
     return f->triangles[3 * (size_t)( corner / 3 ) + (size_t)( ( corner % 3 + step ) % 3 )];
 }
 
-// The last arrow comes first into its list, so that the user's first leads it.
+// Adds arrows in reverse order, so that each list is in the user's order.
 static void list_arrows( fan_state* s, const int32_t* corner, int32_t count )
 {
     for ( int32_t i = count - 1; i >= 0; --i )
@@ -35,8 +35,8 @@ static void list_arrows( fan_state* s, const int32_t* corner, int32_t count )
     }
 }
 
-// Take arrows until none goes on: where a closed fan began, or at a border.
-// @return how many have been taken by now
+// Takes arrows until none continues: at the begin of a closed fan, or at an open edge.
+// @return total number of arrows taken
 static int32_t walk_fan( fan_state* s, const int32_t* corner, int32_t from, int32_t count, int32_t* taken )
 {
     int32_t at = from;
@@ -52,8 +52,8 @@ static int32_t walk_fan( fan_state* s, const int32_t* corner, int32_t from, int3
     return count;
 }
 
-// Open fans first, for a closed walk would run into what is left of them. Once no neighbour has more arrows that leave
-// than arrive, every walk closes.
+// Lists the fans. Open fans come first, because a cycle could continue into their remaining arrows. Once no
+// neighbour has more leaving than arriving arrows, only cycles remain.
 static void order_fans( fan_state* s, const int32_t* corner, int32_t count, int32_t* taken )
 {
     int32_t done = 0;
@@ -102,10 +102,10 @@ static bool order_all_fans( const wisp_fabric* f, const fabric_mesh* mesh, fabri
     return true;
 }
 
-// The entries of one vertex, one lane of a slice wide. A fan never begins where the one before it has ended, for that
-// one would have gone on: so an arrow that does not begin there begins a fan.
-// @param lane its first entry, null: only count
-// @return how many
+// Writes the entries of one vertex into its lane of a slice. A fan never begins where the previous one ended, since
+// that one would have continued. So an arrow that does not begin there begins a new fan.
+// @param lane first entry, null to count only
+// @return number of entries
 static int32_t write_fans( const fan_state* s, const fabric_mesh* mesh, int slot, int32_t* lane )
 {
     int32_t count = 0, last = slot;

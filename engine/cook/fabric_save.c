@@ -7,21 +7,21 @@
 
 #define SAVED_MAGIC "WISPFAB3"
 
-// Magic, words of the content, hash of the content: eight bytes each, the numbers little-endian.
+// Header: magic, number of words, hash of the content; eight bytes each, integers little-endian.
 #define SAVED_HEAD 24
 
 _Static_assert( sizeof( int ) == 4 && sizeof( float ) == 4 && sizeof( wisp_vec3 ) == 12,
                 "a fabric is made of words" );
 
-// What a walk does with a fabric's numbers. Returning false ends the walk.
+// Callbacks for the numbers of a fabric. Returning false stops the traversal.
 typedef struct fabric_walk
 {
     bool ( *number )( void* context, int* number );
 
-    // May replace the array by one of as many words.
+    // may replace the array by one with the same number of words
     bool ( *array )( void* context, void** array, uint64_t words );
 
-    // Room for levels that do not exist yet; null for walks that only read.
+    // allocates levels that do not exist yet; null for traversals that only read
     wisp_fabric_level* ( *levels )( void* context, int count );
     void* context;
 } fabric_walk;
@@ -78,7 +78,8 @@ static bool walk_levels( const fabric_walk* walk, wisp_fabric* o )
     return done;
 }
 
-// Everything but the hash. The fabric is the caller's own: reading walks go over a copy of the struct.
+// Visits everything but the hash. The fabric belongs to the caller; traversals that only read use a copy of the
+// struct.
 static bool walk_fabric( const fabric_walk* walk, wisp_fabric* o )
 {
     int solve_order = (int)o->solve_order;
@@ -93,7 +94,7 @@ static bool walk_fabric( const fabric_walk* walk, wisp_fabric* o )
 
 // ---- hash ----
 
-// Every step maps hashes one to one, so that a single damaged word never goes unnoticed.
+// Each step is a bijection of the hash, so that a single damaged word always changes the result.
 static uint64_t hash_word( uint64_t hash, uint32_t word )
 {
     hash = ( hash ^ word ) * 0xff51afd7ed558ccdu;
@@ -250,7 +251,7 @@ static bool load_number( void* context, int* number )
     return true;
 }
 
-// No more is allocated than there are bytes to fill it.
+// Loads an array. Checks that enough bytes remain before it allocates.
 static bool load_array( void* context, void** array, uint64_t words )
 {
     load_state* s = context;

@@ -4,35 +4,35 @@
 
 #include <string.h>
 
-// Colours that a word remembers for a vertex; groups that a list schedule keeps open.
+// Colours per vertex in a bit mask; also the number of open groups of a list schedule.
 #define WORD_COLOURS 64
 #define OPEN_GROUPS 64
 
-// Constraints of later colours that are looked at to fill a colour's last group.
+// Maximum number of constraints of later colours that are tried to fill a colour's last group.
 #define FILL_LOOKS 64
 
 _Static_assert( WISP_FABRIC_LANES == 8, "a slot of a schedule knows its group by a shift of three" );
 
-// What a schedule is made with. Constraints are named by their place in the sorted order until they are emitted.
+// State of a schedule under construction. Constraints are identified by their sorted index until they are emitted.
 typedef struct schedule_state
 {
     const fabric_constraints* in;
     fabric_pool scratch;
-    int32_t* order;  // [count] constraint at a sorted place
-    int32_t* slots;  // [count][arity] sorted, so that a tile's slots are one range
-    uint64_t* taken; // [vertex_count] colours, or open groups, that have the vertex
-    int32_t* later;  // [vertex_count] the next colour behind those of a word
-    int32_t* stamp;  // [vertex_count] the last group that was filled around the vertex
+    int32_t* order;  // [count] constraint at each sorted index
+    int32_t* slots;  // [count][arity] sorted, so that slots of a tile are contiguous
+    uint64_t* taken; // [vertex_count] mask of colours, or of open groups, that contain the vertex
+    int32_t* later;  // [vertex_count] next colour beyond those of the mask
+    int32_t* stamp;  // [vertex_count] last group that was filled around the vertex
     int32_t stamps;
-    int32_t* colour;                // [most constraints of a tile]
-    int32_t* member;                // [most constraints of a tile] places by colour, -1 once emitted
-    int32_t* begin;                 // [most constraints of a tile + WORD_COLOURS + 2] of a colour in member
-    wisp_buffer emitted;            // constraints, -1 pads
-    wisp_buffer attached;           // groups of a tile that wait for its end
-    int slot_count;                 // emitted
-    int32_t *tile_end, *colour_end; // in slots, in tiles
-    int tile_count, colour_count;   // closed
-    int colours;                    // of tiles, counting those that a number skips
+    int32_t* colour;                // [maximum constraints per tile]
+    int32_t* member;                // [maximum constraints per tile] sorted indices by colour, -1 once emitted
+    int32_t* begin;                 // [maximum constraints per tile + WORD_COLOURS + 2] first member of each colour
+    wisp_buffer emitted;            // constraints, -1 for padding
+    wisp_buffer attached;           // groups of a tile that are postponed to its end
+    int slot_count;                 // number of emitted slots
+    int32_t *tile_end, *colour_end; // ends of tiles in slots, ends of colours in tiles
+    int tile_count, colour_count;   // finished ones
+    int colours;                    // number of colours of tiles, including skipped ones
 } schedule_state;
 
 static const int32_t* slots_of( const schedule_state* s, int place )
@@ -40,7 +40,7 @@ static const int32_t* slots_of( const schedule_state* s, int place )
     return s->slots + (size_t)place * (size_t)s->in->arity;
 }
 
-// ---- order ----
+// ---- sorting ----
 
 static int32_t extreme( const fabric_constraints* in, int32_t constraint, bool largest )
 {
@@ -53,7 +53,7 @@ static int32_t extreme( const fabric_constraints* in, int32_t constraint, bool l
     return found;
 }
 
-// Stable counting sort by the largest or the smallest slot. `from` null: by number.
+// Sorts by the largest or the smallest slot with a stable counting sort. A null `from` means by index.
 static void sort_by( const fabric_constraints* in, bool largest, const int32_t* from, int32_t* to, int32_t* place )
 {
     memset( place, 0, ( (size_t)in->vertex_count + 1 ) * sizeof( int32_t ) );
@@ -72,7 +72,7 @@ static void sort_by( const fabric_constraints* in, bool largest, const int32_t* 
     }
 }
 
-// By smallest, then largest slot: the order in which the mesh is swept, and in which tiles are ranges.
+// Sorts by smallest, then largest slot: the order of a sweep over the mesh, in which tiles are contiguous.
 static bool sort( schedule_state* s )
 {
     const fabric_constraints* in = s->in;
@@ -94,10 +94,10 @@ static bool sort( schedule_state* s )
     return done;
 }
 
-// ---- colours ----
+// ---- colouring ----
 
-// The lowest colour that none of the slots has yet, given to all of them. Behind the colours that a word remembers, a
-// vertex only remembers its last one: that costs colours, but a hub of a million edges then costs a million steps.
+// Assigns the lowest colour that none of the slots has. Beyond the colours of the mask, a vertex stores only its
+// last colour. This wastes colours, but a vertex with a million edges then needs only a million steps.
 static int32_t give_colour( schedule_state* s, const int32_t* slots, size_t count )
 {
     uint64_t taken = 0;
@@ -135,7 +135,9 @@ static void forget_colours( schedule_state* s, const int32_t* slots, size_t coun
     }
 }
 
-// Sort n items by colour, equals by number. @param begin [colours + 1] out; @return number of colours
+// Sorts n items by colour, ties by index.
+// @param begin [colours + 1] output
+// @return number of colours
 static int sort_by_colour( const int32_t* colour, int n, int32_t* begin, int32_t* sorted )
 {
     int colours = 0;
@@ -207,10 +209,11 @@ static bool stamped( const schedule_state* s, int place )
     return found;
 }
 
-// Put constraints of earlier colours into the free lanes of a group. They are the large colours, so the few edges that
-// a hub leaves in each of its many colours fill up; the padding that remains is that of the first colour.
+// Fills free lanes of a group with constraints of earlier colours. Those are the large colours, so the few edges
+// that a high-degree vertex has in each of its many colours fill up. The remaining padding is that of the first
+// colour.
 // @param head, end range of the members of earlier colours
-// @return members of the group now
+// @return number of members of the group
 static int fill_group( schedule_state* s, int head, int end, int32_t* group, int count )
 {
     int last = end - head > FILL_LOOKS ? head + FILL_LOOKS : end;
@@ -227,14 +230,15 @@ static int fill_group( schedule_state* s, int head, int end, int32_t* group, int
     return count;
 }
 
-// Emit what is left of one colour. @param head first member of any colour that is not emitted yet
+// Emits the remaining members of one colour.
+// @param head first member of any colour that is not emitted yet
 static bool emit_colour( schedule_state* s, int colour, int* head )
 {
     int32_t group[WISP_FABRIC_LANES];
     int count = 0;
     bool done = true;
 
-    // Without tiles the whole colour shares no vertex, with tiles only the group must not.
+    // without tiles no two constraints of a colour share a vertex; with tiles this holds only within a group
     bool whole_colour = s->in->tile_size == 0;
     s->stamps += 1;
     for ( int i = s->begin[colour]; i < s->begin[colour + 1] && done; ++i )
@@ -270,7 +274,7 @@ static bool emit_colour( schedule_state* s, int colour, int* head )
     return done;
 }
 
-// Constraints [first, last) colour by colour, the last colour first. Without tiles each colour becomes a tile.
+// Emits constraints [first, last) by colour, last colour first. Without tiles each colour becomes a tile.
 static bool emit_by_colour( schedule_state* s, int first, int last )
 {
     size_t arity = (size_t)s->in->arity;
@@ -318,9 +322,9 @@ static bool touches_first_slots( const schedule_state* s, const int32_t* group )
     return touches;
 }
 
-// A mesh hangs on its attachments, so the stretch is largest there, and whoever is projected last is exact. Groups at the
-// attachments go last in their tile: a hanging sheet of 64 rows then stretches by 75 instead of 93 per cent at most
-// (10 substeps), and no more on average.
+// Moves groups at attachments to the end of their tile. A mesh hangs on its attachments, so stretch is largest
+// there, and the constraints projected last are exact. A hanging sheet of 64 rows then stretches by at most 75 %
+// instead of 93 % (10 substeps), with the same average.
 static bool put_attached_last( schedule_state* s, int tile_begin )
 {
     const size_t group_bytes = WISP_FABRIC_LANES * sizeof( int32_t );
@@ -348,13 +352,13 @@ static bool put_attached_last( schedule_state* s, int tile_begin )
     return true;
 }
 
-// ---- lists ----
+// ---- list scheduling ----
 
-// Groups that still take constraints. A group's bit in the words of its vertices is its number modulo the window.
+// Groups with free lanes. Bit i of a vertex's mask stands for the open group with index i modulo the window.
 typedef struct open_groups
 {
     int64_t oldest, next;
-    uint64_t room; // groups that are not full
+    uint64_t room; // mask of groups that are not full
     int count[OPEN_GROUPS];
     int32_t place[OPEN_GROUPS][WISP_FABRIC_LANES];
 } open_groups;
@@ -374,7 +378,7 @@ static bool close_oldest( schedule_state* s, open_groups* open )
     return emit_group( s, open->place[g], open->count[g] );
 }
 
-// The oldest open group with room that none of the slots is in, or -1.
+// Returns the oldest open group with a free lane that contains none of the slots, or -1.
 static int find_group( const schedule_state* s, const open_groups* open, const int32_t* slots )
 {
     uint64_t taken = 0;
@@ -392,8 +396,8 @@ static int find_group( const schedule_state* s, const open_groups* open, const i
     return ( __builtin_ctzll( turned ) + turn ) % OPEN_GROUPS;
 }
 
-// Constraints [first, last) along the mesh: each goes into the oldest open group that it fits into. A window of open
-// groups keeps the sweep: a constraint is never projected far from its neighbours in the order.
+// Schedules constraints [first, last) in mesh order: each goes into the oldest open group that it fits. The window
+// of open groups preserves the sweep order: a constraint stays close to its neighbours.
 static bool emit_by_list( schedule_state* s, int first, int last )
 {
     open_groups open = { 0 };
@@ -433,7 +437,7 @@ static bool emit_by_list( schedule_state* s, int first, int last )
 
 // ---- tiles ----
 
-// What a schedule is made of before it is cut into the fabric's arrays.
+// A schedule before it is converted to the fabric's arrays.
 static bool reserve( schedule_state* s, int max_in_tile, int max_tiles )
 {
     fabric_pool* pool = &s->scratch;
@@ -450,8 +454,9 @@ static bool reserve( schedule_state* s, int max_in_tile, int max_tiles )
            s->begin != NULL && s->tile_end != NULL && s->colour_end != NULL;
 }
 
-// Where tiles begin in the sorted order; tiles without constraints are left out.
-// @param first [constraints + 1] out; @return number of tiles
+// Finds the begin of each tile in the sorted order; tiles without constraints are skipped.
+// @param first [constraints + 1] output
+// @return number of tiles
 static int find_tiles( const schedule_state* s, int32_t* first, int* max_in_tile )
 {
     int tiles = 0, last_tile = -1;
@@ -473,8 +478,8 @@ static int find_tiles( const schedule_state* s, int32_t* first, int* max_in_tile
     return tiles;
 }
 
-// Tiles of one colour share no vertex. Constraints reach into the tiles behind their own, so a tile that touches only
-// the next one alternates between two colours.
+// Colours tiles so that tiles of one colour share no vertex. Constraints extend into later tiles only, so tiles
+// that touch only the next one alternate between two colours.
 static bool colour_tiles( schedule_state* s, const int32_t* first, int tiles, int32_t* begin, int32_t* sorted )
 {
     size_t arity = (size_t)s->in->arity;
@@ -524,7 +529,7 @@ static bool emit_tiles( schedule_state* s )
             close_tile( s );
         }
 
-        // Behind the colours of a word, numbers may be skipped.
+        // beyond the colours of the mask, colours may be skipped
         if ( begin[c + 1] > begin[c] )
         {
             close_colour( s );
@@ -533,9 +538,9 @@ static bool emit_tiles( schedule_state* s )
     return true;
 }
 
-// ---- schedules ----
+// ---- construction ----
 
-// Lists of ends with a 0 in front.
+// Converts ends to offsets, with a leading 0.
 static int32_t* keep_ends( fabric_pool* keep, const int32_t* ends, int count )
 {
     int32_t* kept = fabric_pool_push( keep, (size_t)count + 1, sizeof( int32_t ) );
@@ -595,7 +600,7 @@ bool fabric_schedule_build( const fabric_constraints* constraints, fabric_pool* 
 
 // ---- slots of scheduled constraints ----
 
-// What pads a tile: the dummy of the tile of slots that its first constraint belongs to.
+// Returns the padding of a tile: the dummy of the slot tile that contains its first constraint.
 static int32_t dummy4( const wisp_schedule* schedule, const fabric_constraints* in, int tile )
 {
     int32_t first = schedule->constraint[schedule->tile_begin[tile]];

@@ -1,17 +1,18 @@
-// Distances along the mesh to the attachments. A shell of few attachments has tethers to all of them, or the nearest.
-// Where many attachments are side by side, as on a pinned edge, the four nearest would be nearly equal; there a vertex
-// is tethered to the nearest of all, and to the nearest of eight that are spread over the attachments of its shell.
+// Tethers: geodesic distances to the attachments. A mesh component with few attachments has tethers to all, or to
+// the nearest of them. Where many attachments are adjacent, as on a pinned edge, the four nearest would be nearly
+// equal. Then a vertex is tethered to the nearest of all, and to the nearest of eight that are spread over the
+// attachments of its component.
 #include "fabric_geodesic.h"
 
 #include <math.h>
 #include <string.h>
 
 #define SPREAD 8
-// The nearest of all must be this much nearer than a spread one to be used. Far from a pinned border
-// they all are equally far, and marching from each of them would cost as much as the border is long.
+// Factor by which the nearest attachment must be closer than a spread one to be used. Far from a pinned open edge
+// all distances are similar, and marching from each attachment would cost as much as the edge is long.
 #define NEARER 0.98f
 
-// An attachment with its distance.
+// An attachment and its distance.
 typedef struct tether
 {
     double distance;
@@ -24,20 +25,20 @@ typedef struct tether_maker
     const wisp_fabric* fabric;
     geodesic_net net;
     geodesic_march march;
-    int count;              // tethers a vertex
-    tether* spread;         // [vertex][count] rising, to spread attachments
-    tether* nearest;        // [vertex] of all attachments
-    float* margin;          // [vertex] m, how much farther than the last tether a march goes
+    int count;              // tethers per vertex
+    tether* spread;         // [vertex][count] to spread attachments, by increasing distance
+    tether* nearest;        // [vertex] to the nearest of all attachments
+    float* margin;          // [vertex] m, distance by which a march exceeds the last tether
     float* bound;           // [vertex] m
-    int32_t* order;         // [attachment] attachments of a shell side by side, spread ones in front
+    int32_t* order;         // [attachment] grouped by component, spread ones first
     int32_t* component;     // [vertex]
-    int32_t* component_end; // [shell] in `order`
+    int32_t* component_end; // [component] end in `order`
     int component_count;
 } tether_maker;
 
-// ---- shells and their attachments ----
+// ---- components and their attachments ----
 
-// Number the shells that have attachments; the others stay at -1.
+// Numbers the components that have attachments; others have -1.
 // @param queue [vertex_count]
 static void label_shells( tether_maker* m, int32_t* queue )
 {
@@ -105,8 +106,7 @@ static void swap( int32_t* a, int32_t* b )
     *b = kept;
 }
 
-// Bring the farthest from those in front to the front, one after another, beginning with the one farthest from the
-// first.
+// Moves spread attachments to the front (farthest-point sampling), beginning with the one farthest from the first.
 // @param away [count] scratch
 static void spread_out( const wisp_vec3* rest, int32_t* list, int count, double* away )
 {
@@ -147,8 +147,8 @@ static void find_margins( tether_maker* m )
     }
 }
 
-// A triangle passes a distance on only where two corners have it, so a march goes a little beyond the vertices that
-// want it.
+// Returns the radius of a march. A triangle propagates a distance only if two corners have it, so a march exceeds
+// the vertices that use it.
 static float bound_of( const tether_maker* m, int v, const tether* last )
 {
     return last->slot < 0 ? INFINITY : (float)last->distance + m->margin[v];
@@ -197,8 +197,8 @@ static void march_nearest( tether_maker* m, int32_t attachment )
     }
 }
 
-// March from the first, the middle one, the quarters, and so on: the regions that win narrow quickly, so that early
-// marches do not run far into what belongs to later ones.
+// Marches from the first attachment, the middle one, the quarters, and so on. The bounds shrink quickly, so that
+// early marches do not extend far into regions of later ones.
 static void march_halving( tether_maker* m, const int32_t* list, int count )
 {
     int bits = 0;

@@ -1,4 +1,4 @@
-// Constraints between near particles: links and hinges, in the order that the fabric has cooked.
+// Near constraints: links and hinges, in the order of the cooked fabric.
 #include "passes.h"
 #include "passes_common.h"
 
@@ -6,12 +6,12 @@
 
 #include <string.h>
 
-// A kernel with its job, so that every constraint goes through the same loop over tiles.
+// A kernel with its arguments, so that all constraints share one loop over tiles.
 typedef struct link_call
 {
     wisp_link_args args;
     void ( *kernel )( const wisp_link_args* args, int begin, int end );
-    bool first; // iteration of the substep: lambda starts at 0
+    bool first; // first iteration of the substep: lambda starts at 0
 } link_call;
 
 static void run_links( const void* context, int begin, int end )
@@ -49,7 +49,7 @@ static void links_pbd( wisp_frame* frame, const wisp_span* span, void* user )
     project_links( frame, span, &call );
 }
 
-// With one iteration a substep lambda is 0 whenever it is read, so it need not be kept.
+// Selects the storage of lambda. With one iteration per substep it is always read as 0, so it is not stored.
 static void links_xpbd( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -87,7 +87,7 @@ static void run_hinges( const void* context, int begin, int end )
     call->kernel( &call->args, begin, end );
 }
 
-// Bending is soft (pbd) or has a compliance (xpbd), whichever column the entity has.
+// Adds bending, as stiffness (pbd) or compliance (xpbd), depending on the column that the entity has.
 static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call* call )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );

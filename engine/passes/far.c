@@ -1,5 +1,6 @@
-// Constraints over long distances, once a substep before the near ones: tethers to the attachments, and coarse levels that
-// carry a stretch across the mesh in one pass where near links need as many passes as the mesh has rows.
+// Long-range constraints, once per substep before the near ones: tethers to attachments, and coarse levels. A
+// coarse level propagates a stretch across the mesh in one pass; near links need as many passes as the mesh has
+// rows.
 #include "passes.h"
 #include "passes_common.h"
 
@@ -15,9 +16,9 @@ typedef struct tether_loop
 
 enum
 {
-    SLOT_GRAIN = 2048,  // particles a block: about a microsecond and a half
-    VERTEX_GRAIN = 512, // vertices of a level
-    CHILD_GRAIN = 64,   // slices of eight children
+    SLOT_GRAIN = 2048,  // particles per block: about 1.5 microseconds
+    VERTEX_GRAIN = 512, // vertices of a level per block
+    CHILD_GRAIN = 64,   // slices of eight children per block
 };
 
 static void run_tethers( void* context, int begin, int end, int worker )
@@ -69,7 +70,7 @@ static void run_prolong( void* context, int begin, int end, int worker )
     loop->kernels->prolong( &loop->args, begin, end );
 }
 
-// Where the vertices of a level are, were and how far they have come.
+// Vertices of a level: positions, positions before its constraints, and displacements.
 typedef struct vertex_loop
 {
     const wisp_fabric_level* level;
@@ -88,7 +89,7 @@ static void remember( void* context, int begin, int end, int worker )
     }
 }
 
-// Once for all children of a vertex.
+// Computes displacements once for all children of a vertex.
 static void measure( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -121,7 +122,7 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
     vertex_loop vertices = {
         .level = fabric->levels, .position = position, .before = before, .moved = before + numbers
     };
-    // the finest coarse level holds the vertices of all levels
+    // the finest coarse level contains the vertices of all levels
     if ( fabric->level_count > 0 )
     {
         wisp_parallel_for( parallel, fabric->levels->vertex_count, VERTEX_GRAIN, remember, &vertices );

@@ -1,5 +1,6 @@
-// The guard: after the substeps, an entity whose particles are not finite or out of bounds is put back to its last good
-// state and halted, alone. Everything that a step derives is derived after that, so nobody else ever sees a NaN.
+// The state check: after the substeps, an entity with particles that are not finite or out of bounds is reset to
+// its last valid state and halted, without affecting others. Derived quantities are computed afterwards, so no
+// other pass reads NaN.
 #include "passes.h"
 
 #include "wisp/module/components.h"
@@ -8,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// Bounds of the state: a float at 1e6 m still resolves 6 cm, and nothing here is as fast as 1e6 m/s.
+// Bounds of the state: a float at 1e6 m has a resolution of 6 cm, and no simulated speed reaches 1e6 m/s.
 static const float BOUND = 1e6f;
 
 typedef struct guard_loop
@@ -17,7 +18,7 @@ typedef struct guard_loop
     float *position, *velocity;
     float *good_position, *good_velocity;
     int slot_count;
-    _Atomic int first_bad; // lowest slot that left the bounds, slot_count if none did
+    _Atomic int first_bad; // lowest slot out of bounds, slot_count if there is none
 } guard_loop;
 
 static void look( void* context, int begin, int end, int worker )
@@ -53,7 +54,7 @@ static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
         "the previous step",
         entity.index, wisp_frame_fabric( frame, entity )->slot_vertex[slot],
         (unsigned long long)wisp_frame_step( frame ), (double)p[0], (double)p[1], (double)p[2] );
-    // inverse masses stay: a vertex that was pinned or let go since the last good step must not change that
+    // inverse masses stay: a pin set or released since the last valid step must keep its state
     for ( size_t i = 0; i < (size_t)loop->slot_count * 4; i += 4 )
     {
         memcpy( loop->position + i, loop->good_position + i, 3 * sizeof( float ) );
@@ -67,7 +68,7 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
     (void)user;
     enum
     {
-        GRAIN = 2048 / 8, // slots in eights
+        GRAIN = 2048 / 8, // slots, in groups of eight
     };
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     guard_loop loop = {

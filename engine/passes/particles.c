@@ -1,4 +1,5 @@
-// Particles in time: pins are carried, gravity pulls, positions are predicted, velocities read back (Mueller et al. 2007).
+// Time integration of particles: moves pins, applies gravity, predicts positions, computes velocities (Mueller et
+// al. 2007).
 #include "passes.h"
 
 #include "wisp/module/components.h"
@@ -18,7 +19,8 @@ static wisp_particle_args particle_args( wisp_frame* frame, const wisp_span* spa
     };
 }
 
-// Each substep goes its fraction of the rest of the way. The last one of an even step lands on the target itself.
+// Moves pins by the substep's fraction of the remaining distance. The last substep of an even step ends exactly at
+// the target.
 static void carry_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -62,7 +64,7 @@ static void read_velocity( wisp_frame* frame, const wisp_span* span, void* user 
     wisp_frame_kernels( frame )->velocity( &args, s.begin, s.end );
 }
 
-// The decay of v' = -rate v by one implicit step: it never turns a velocity round, however large the rate.
+// Applies v' = -rate v by one implicit step, which never reverses a velocity, however large the rate.
 static void damp( wisp_frame* frame, const wisp_span* span, void* user )
 {
     (void)user;
@@ -81,7 +83,7 @@ wisp_status passes_declare_particles( wisp_registry* registry )
     const wisp_pass passes[] = {
         {
             .name = "particles.gravity",
-            .stage = WISP_STAGE_PREDICT, // after all forces, which are functions of the velocity before it
+            .stage = WISP_STAGE_PREDICT, // after all forces, which depend on the velocity before damping
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
             .required = { WISP_PARTICLE_GRAVITY, WISP_PARTICLE_VELOCITY },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },

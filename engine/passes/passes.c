@@ -2,8 +2,8 @@
 
 wisp_status passes_declare( wisp_registry* registry )
 {
-    // The order of equals: particles are predicted, far constraints pull, then near ones; the guard looks at the result
-    // before anybody derives something from it.
+    // Order of passes in the same stage: prediction, long-range constraints, near constraints. The state check runs
+    // before any derived quantity.
     typedef wisp_status declare_fn( wisp_registry * registry );
     static declare_fn* const ALL[] = { passes_declare_particles, passes_declare_far, passes_declare_constraints,
                                        passes_declare_state_check, passes_declare_surface };

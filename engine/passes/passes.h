@@ -1,4 +1,4 @@
-/// The passes that every world has.
+/// Passes that every world has.
 #pragma once
 
 #include "wisp/module/module.h"

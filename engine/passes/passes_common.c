@@ -4,7 +4,7 @@ typedef struct tile_loop
 {
     passes_schedule_fn* run;
     const void* args;
-    const int32_t* tile_begin; // of the first tile of the colour
+    const int32_t* tile_begin; // of the colour's first tile
 } tile_loop;
 
 static void run_tiles( void* context, int begin, int end, int worker )

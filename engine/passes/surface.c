@@ -1,4 +1,4 @@
-// What a surface shows: vertices and normals in the user's order, strain and speed for colouring, figures of quality.
+// Outputs of a surface: vertices and normals in the user's order, strain and speed for colouring, statistics.
 #include "passes.h"
 
 #include "wisp/module/components.h"
@@ -40,11 +40,11 @@ static void hand_out_speed( wisp_frame* frame, const wisp_span* span, void* user
     }
 }
 
-// ---- what needs a vertex's neighbours ----
+// ---- outputs that use neighbours ----
 
 enum
 {
-    SLICE_GRAIN = 64, // slices of eight slots a block
+    SLICE_GRAIN = 64, // slices of eight slots per block
 };
 
 typedef struct ring_loop
@@ -106,7 +106,7 @@ static float edge_strain( const wisp_fabric* f, const float* position, int a, in
     return rest > 0.0f ? fabsf( now / rest - 1.0f ) : 0.0f;
 }
 
-// The largest strain of the edges around a vertex; its ring lists their other ends.
+// Computes the maximum strain of the edges at a vertex; its ring lists their other ends.
 static void hand_out_slice_strain( void* context, int begin, int end, int worker )
 {
     (void)worker;
@@ -137,7 +137,7 @@ static void hand_out_strain( wisp_frame* frame, const wisp_span* span, void* use
                        hand_out_slice_strain, &loop );
 }
 
-// ---- figures of quality: asked for rarely, so plain loops in double ----
+// ---- statistics: requested rarely, so scalar loops in double ----
 
 static void sum_particles( const wisp_fabric* f, const float* position, const float* velocity, wisp_motion_stats* q )
 {
@@ -177,7 +177,7 @@ static void sum_angular_momentum( const wisp_fabric* f, const float* position, c
     }
 }
 
-// Volume about the first vertex, which keeps digits far from the origin.
+// Computes the volume relative to the first vertex, to reduce rounding far from the origin.
 static double sum_volume( const wisp_fabric* f, const float* position )
 {
     double volume = 0.0;

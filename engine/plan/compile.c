@@ -35,8 +35,8 @@ static bool conflicts( const wisp_pass* a, const wisp_pass* b )
 
 // ---- selection: the passes of one entity ----
 
-// Select a pass if the entity has all that it needs and its output is requested: by the entity, or by the reads of a selected
-// pass. Repeats until nothing is added.
+// Select a pass if the entity has all required components and its output is requested, by the entity or by the
+// reads of a selected pass. Repeat until nothing changes.
 static store_mask live_passes( const wisp_registry* r, const store_entity* e )
 {
     store_mask live = 0, requested = e->alive ? e->requests : 0, components = e->components & ~e->derived;
@@ -235,9 +235,9 @@ static int default_grain( wisp_domain domain )
     return domain == WISP_DOMAIN_ENTITY ? 1 : 4;
 }
 
-// Place a pass in the wave after the last node that it conflicts with. If that node is alone in its wave, and both touch only their
-// own item of the same domain, fuse them instead: A, B on item 0, then A, B on item 1. A pass with `is_due` is not fused with
-// those before it.
+// Place a pass in the wave after the last node with which it conflicts. If that node is alone in its wave, and both
+// touch only their own item of the same domain, fuse them instead: A, B on item 0, then A, B on item 1. A pass with
+// `is_due` is not fused with earlier passes.
 static void place_pass( plan* p, const wisp_registry* r, int number )
 {
     const wisp_pass* pass = r->passes + number;
@@ -293,7 +293,7 @@ int plan_item_count( const store_entity* e, wisp_domain domain )
     }
 }
 
-// Find the join that can run all selected passes of an entity.
+// Find the fusion that can run all selected passes of an entity.
 static int find_fusion( const wisp_registry* r, const plan_node* node, uint32_t passes )
 {
     store_mask live = 0;

@@ -1,5 +1,6 @@
-// Runs a compiled plan section by section and wave by wave. The blocks of a wave come from all of its nodes and entities, so that
-// two small entities fill two cores. How blocks are cut never depends on the workers.
+// Execution of a compiled plan, section by section and wave by wave. The blocks of a wave come from all of its
+// nodes and entities, so that two small entities use two cores. The partition into blocks never depends on the
+// workers.
 #include "plan.h"
 
 #include <stdarg.h>
@@ -12,11 +13,11 @@ enum
     PLAN_SMALL_WAVE_ROWS = 40,
     // One of this many blocks that loop over substeps is timed.
     PLAN_CLOCKED_BLOCKS = 8,
-    // An entity with fewer rows runs on one worker, beside others of its wave.
+    // An entity with fewer rows runs on one worker, in parallel with others of its wave.
     PLAN_WIDE_ENTITY_ROWS = 256,
 };
 
-// ---- the frame of a pass ----
+// ---- callbacks of a pass ----
 
 static store_entity* entity_of( const wisp_frame* frame, wisp_entity entity )
 {
@@ -128,7 +129,7 @@ void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format,
 {
     if ( atomic_flag_test_and_set( &frame->failing ) )
     {
-        return; // the first one is kept
+        return; // keep the first message
     }
     va_list arguments;
     va_start( arguments, format );
@@ -353,7 +354,7 @@ static void loop_passes( wisp_frame* frame, const plan_node* node, const plan_bl
     }
 }
 
-// The same without times, by the join if there is one.
+// Run substeps without timing, by the fused function if there is one.
 static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int begin,
                        int end )
 {
@@ -370,9 +371,9 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
     }
 }
 
-// Run all substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is timed, changing
-// from step to step: reading the clock for every pass of every substep took a tenth of a step of strands. The timed substep runs
-// pass by pass, because a join has no times of its passes.
+// Run all substeps of a block of items, so that it stays in the near caches. One substep of one block in eight is
+// timed, a different one in each step: reading the clock for every pass of every substep took a tenth of the time
+// of strands. The timed substep runs pass by pass, because a fused function gives no times of its passes.
 static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
 {
     const uint64_t turn = frame->step + (uint64_t)index, every = (uint64_t)frame->clocked_blocks;

@@ -1,4 +1,4 @@
-// The plan as data: every registered pass with its place, or the reason why it is absent, and its predicted cost.
+// The plan as data: every registered pass with its position, or the reason for its absence, and its predicted cost.
 #include "explain_parts.h"
 
 #include "alloc.h"
@@ -8,7 +8,7 @@
 
 _Static_assert( WISP_PLAN_USES == WISP_MAX_USES, "explain.h and module.h count the same lists" );
 
-// The report and all that it points to are one block of memory.
+// The report and all data it points to are one block of memory.
 typedef struct report_block
 {
     wisp_plan_info report;
@@ -190,7 +190,7 @@ static void add_absent( writer* w, wisp_plan_info* report, int number )
 
 // ---- modules ----
 
-// Component that most passes of a module need and no entity has.
+// Find the component that most passes of a module require and no entity has.
 static wisp_component max_missed( const writer* w, const char* module )
 {
     wisp_component most = 0;
@@ -209,7 +209,7 @@ static wisp_component max_missed( const writer* w, const char* module )
     return most;
 }
 
-// The reason of a module is that of its pass that is nearest to being active.
+// Set the reason of a module to that of its pass that is closest to being active.
 static void tell_module( const writer* w, const wisp_plan_info* report, wisp_plan_module* m )
 {
     const wisp_plan_pass* nearest = NULL;

@@ -1,4 +1,4 @@
-/// Shared by the files that explain a plan.
+/// Declarations shared by the files that explain a plan.
 #pragma once
 
 #include "plan.h"
@@ -9,13 +9,16 @@ const char* explain_name( const wisp_registry* r, wisp_component c );
 /// Append up to the capacity.
 void explain_append( char* text, size_t size, const char* more );
 
-/// List who requests the writes of a pass, component by component: the scene first, then readers in the order of declaration.
-/// @param out null only counts @return the count
+/// List what requests the writes of a pass, component by component: the scene first, then readers in declaration
+/// order.
+/// @param out null to count only
+/// @return number of reasons
 int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass* pass, wisp_plan_reason* out );
 /// Format the reasons.
 void explain_reasons( wisp_plan_pass* p );
 
-/// First component that the pass needs and no entity has.
+/// Find the first component that the pass requires and no entity has.
 store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass );
-/// Find why a pass is absent, as state, list and words. @param out has its own lists already
+/// Find why a pass is absent, as state, list and text.
+/// @param out has its own lists already
 void explain_absence( const wisp_registry* r, const wisp_pass* pass, wisp_plan_pass* out );

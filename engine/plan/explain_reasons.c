@@ -1,4 +1,4 @@
-// Why a pass is selected or absent, as data and in words.
+// Reasons why a pass is selected or absent, as data and as text.
 #include "explain_parts.h"
 
 #include <stdio.h>
@@ -53,7 +53,8 @@ int explain_find_reasons( const plan* p, const wisp_registry* r, const wisp_pass
     return count;
 }
 
-// Append the readers among the reasons [first, end). Of many only the last are named: they are nearest to the request.
+// Append the readers among the reasons [first, end). Of many only the last are listed, which are nearest to the
+// request.
 static void append_readers( wisp_plan_pass* p, int first, int end )
 {
     enum
@@ -77,7 +78,7 @@ static void append_readers( wisp_plan_pass* p, int first, int end )
     }
 }
 
-// The reasons of one component are neighbours, and a request of the scene is the first of them.
+// Reasons of one component are consecutive, with a request of the scene first.
 void explain_reasons( wisp_plan_pass* p )
 {
     const size_t size = sizeof( p->because );
@@ -100,7 +101,7 @@ void explain_reasons( wisp_plan_pass* p )
 
 // ---- why a pass is absent ----
 
-// Components of an entity that passes may need; rows that only a pass fills do not count.
+// Components of an entity that passes may require; rows that only a pass fills do not count.
 static store_mask given( const store_entity* e )
 {
     return e->alive ? e->components & ~e->derived : 0;
@@ -131,7 +132,7 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
     {
         return WISP_PLAN_MISSING;
     }
-    // A pass without needs suits every entity; in a world without entities it counts as unrequested.
+    // a pass without required components suits every entity; in a world without entities it counts as unrequested
     if ( is_free || ( suits == false && required == 0 ) )
     {
         return WISP_PLAN_UNREQUESTED;

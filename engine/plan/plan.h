@@ -1,8 +1,9 @@
 /// From the requests of a scene to the passes of a step.
 ///
-/// A registry holds the declarations of modules. Compiling selects, for every entity, the passes whose needs it has and whose
-/// writes are requested; orders them; puts those without a conflict into one wave; and fuses neighbours that touch only
-/// their own item. An unselected pass does not exist: no branch, no barrier, no column, no line in the profile.
+/// A registry holds the declarations of modules. Compiling selects, for every entity, the passes whose required
+/// components it has and whose writes are requested. It orders them, puts those without a conflict into one wave,
+/// and fuses consecutive passes that touch only their own item. An unselected pass does not exist: no branch, no
+/// barrier, no column, no line in the profile.
 #pragma once
 
 #include "jobs.h"
@@ -24,7 +25,7 @@ enum
 
 typedef struct plan_workspace
 {
-    size_t size; // bytes a worker, a multiple of 64
+    size_t size; // bytes per worker, a multiple of 64
     void ( *release )( void* workspace, const wisp_allocator* allocator );
     void* blocks; // [workers]
 } plan_workspace;
@@ -50,7 +51,7 @@ struct wisp_registry
     store* store;
     int workers;
     wisp_pass passes[PLAN_MAX_PASSES];
-    const char* pass_modules[PLAN_MAX_PASSES]; // that declared it
+    const char* pass_modules[PLAN_MAX_PASSES]; // module that declared the pass
     int pass_count;
     plan_fusion joins[PLAN_MAX_FUSIONS];
     int join_count;
@@ -58,35 +59,35 @@ struct wisp_registry
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
     int workspace_count;
-    const char* module; // whose declare() is running
-    wisp_error error;   // of the first wrong declaration
+    const char* module; // module whose declare() is running
+    wisp_error error;   // of the first invalid declaration
 };
 
 /// Declare the components and passes that every world has.
 void plan_registry_init( wisp_registry* r, store* s, int workers );
 void plan_registry_release( wisp_registry* r );
-/// @return the status of the first wrong declaration, its message in r->error
+/// @return status of the first invalid declaration, with its message in r->error
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
-/// Tell the modules that an entity is about to be removed.
+/// Notify the modules before an entity is removed.
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
 
 /// Where a node runs: loops are sections, and a section without nodes does not exist.
 typedef enum plan_section
 {
     PLAN_BEFORE,
-    PLAN_SUBSTEP,         // once a substep, before the iterations
-    PLAN_ITERATION,       // once an iteration
-    PLAN_AFTER_ITERATION, // once a substep, after the iterations
-    PLAN_ITEM_LOOP,       // the three sections before, block by block: all substeps of some groups, then of the next
+    PLAN_SUBSTEP,         // once per substep, before the iterations
+    PLAN_ITERATION,       // once per iteration
+    PLAN_AFTER_ITERATION, // once per substep, after the iterations
+    PLAN_ITEM_LOOP, // the three previous sections, block by block: all substeps of some groups, then of the next
     PLAN_AFTER,
     PLAN_SECTION_COUNT,
 } plan_section;
 
-/// Passes that are fused: they run item by item.
+/// Fused passes, which run item by item.
 typedef struct plan_node
 {
-    int passes[PLAN_MAX_FUSED]; // registry numbers in order
+    int passes[PLAN_MAX_FUSED]; // indices in the registry, in order
     int pass_count;
     wisp_domain domain;
     plan_section section;
@@ -95,19 +96,19 @@ typedef struct plan_node
     int grain;
 } plan_node;
 
-/// An entity of a node, and which passes of the node are selected for it.
+/// An entity of a node, and its selected passes of the node.
 typedef struct plan_target
 {
     int slot;
     uint32_t passes; // bit i: passes[i] of the node
-    int join;        // of the registry, that can run all of them; -1: none
+    int join;        // index of the fusion in the registry that can run all of them; -1: none
 } plan_target;
 
 typedef struct plan_block
 {
     int32_t node;
     uint32_t passes; // selected and due, bit i: passes[i] of the node
-    int join;        // that runs them; -1: one after another
+    int join;        // fusion that runs them; -1: run one after another
     int slot;
     int begin, end;
 } plan_block;
@@ -123,30 +124,30 @@ typedef struct plan
     int target_count, target_capacity;
     plan_block* blocks; // capacity of the widest wave
     int block_capacity;
-    uint32_t structure; // of the store it was compiled for
+    uint32_t structure; // structure version of the store for which it was compiled
     uint64_t hash;
 } plan;
 
-/// Compile for the present store, and attach the rows that selected passes exchange. On failure the plan is empty and the message
-/// names pass and component.
+/// Compile for the current store, and attach the rows that selected passes exchange. On failure the plan is empty
+/// and the message names pass and component.
 wisp_status plan_compile( plan* p, wisp_registry* r, wisp_error* error );
 void plan_release( plan* p, const wisp_allocator* allocator );
 
 /// Explain a compiled plan and the absent passes, in one block of the world's memory. @return null without memory
 wisp_plan_info* plan_explain( const plan* p, const wisp_registry* r, int substeps, int iterations );
 
-/// Print line by line: selected passes with their reasons, absent ones with what they lack.
+/// Print one line per pass: selected passes with their reasons, absent ones with what is missing.
 void plan_print( const wisp_plan_info* report, void ( *write )( void* user, const char* line ), void* user );
 
-/// Section of a stage.
+/// Return the section of a stage.
 plan_section plan_section_of( wisp_stage stage );
 
-/// Number of items of a domain in an entity.
+/// Return the number of items of a domain in an entity.
 int plan_item_count( const store_entity* e, wisp_domain domain );
 
-/// Whether a zero-terminated list contains the component.
+/// Test whether a zero-terminated list contains the component.
 bool plan_lists( const wisp_component* uses, wisp_component component );
-/// A zero-terminated list as a set.
+/// Convert a zero-terminated list to a set.
 store_mask plan_mask( const wisp_component* uses );
 
 // execute.c
@@ -160,14 +161,14 @@ struct wisp_frame
     const wisp_kernels* kernels;
     uint64_t step;
     int substeps, iterations;
-    int substep, iteration; // that run now
+    int substep, iteration; // current ones
     float seconds;          // of a substep
-    float progress;         // fraction of the way to kinematic targets that a substep goes; 0: 1 / substeps
-    float reached;          // fraction of that way that the step before went
-    const plan_block* wave; // of the wave that runs
+    float progress;         // fraction of the motion to kinematic targets per substep; 0: 1 / substeps
+    float reached;          // fraction of that motion completed by the last step
+    const plan_block* wave; // of the current wave
     bool wide;              // one entity at a time, on all workers
     bool sampled;           // times of passes come from samples
-    int clocked_blocks;     // one of this many blocks with a substep loop is sampled
+    int clocked_blocks;     // one of this many blocks with a substep loop is timed
     _Atomic uint64_t counters[WISP_COUNTER_COUNT];
     double pass_seconds[PLAN_MAX_PASSES]; // of this step
     int pass_items[PLAN_MAX_PASSES];
@@ -176,7 +177,7 @@ struct wisp_frame
     _Atomic bool failed;
     wisp_error error;
     atomic_flag halting;
-    char halted_message[300]; // of the first entity that was halted in this step
+    char halted_message[300]; // of the first entity halted in this step
 };
 
 /// Samples of a worker: seconds that passes of fused nodes took on the first item of its blocks.
@@ -185,7 +186,8 @@ typedef struct plan_clock
     _Alignas( 64 ) double seconds[PLAN_MAX_PASSES];
 } plan_clock;
 
-/// @return whether a pass of the plan runs in substeps
+/// Test whether a pass of the plan runs in substeps.
 bool plan_has_substeps( const plan* p );
-/// Run all sections in their loops, or none in a step without substeps. The caller holds the pool open (jobs_enter).
+/// Run all sections in their loops, or none in a step without substeps. The caller keeps the pool open
+/// (jobs_enter).
 void plan_execute( wisp_frame* frame );

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-// Descriptors of the components that every world has, from one list.
+// Descriptors of the components that every world has, generated from one list.
 #define SHARED_COLUMNS( name, text, table )                                                                          \
     static const wisp_column_def name##_columns[] = { WISP_##name##_COLUMNS( WISP_COLUMN_DEF ) };
 WISP_SHARED_COMPONENTS( SHARED_COLUMNS )
@@ -73,6 +73,7 @@ wisp_status wisp_declare_passes( wisp_registry* registry, const wisp_pass* passe
     return status;
 }
 
+// Resolve the components.
 // @return false if one of them was not declared
 static bool find_passes( const wisp_registry* r, const char* const* names, store_mask* passes )
 {
