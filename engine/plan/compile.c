@@ -174,10 +174,10 @@ static bool node_conflicts( const wisp_registry* r, const plan_node* node, const
     return false;
 }
 
-// Find the passes over groups of strands that can run all substeps of a block of groups before the next block. The block then stays
-// in the near caches for the whole step, and no worker waits for another between substeps (bench case "strands"). No other
-// pass of the substep loop may touch what they write or write what they read, and none may have `is_due`, which is evaluated
-// once a step.
+// Find the passes over groups of strands that can run all substeps of a block of groups before the next block. The
+// block then stays in the near caches for the whole step, and no worker waits for another between substeps (bench
+// case "strands"). No other pass of the substep loop may touch what they write or write what they read. None may
+// have `is_due`, which is evaluated once per step.
 static store_mask item_loop_passes( const wisp_registry* r, store_mask live )
 {
     store_mask loop = 0, writes = 0, reads = 0;

@@ -243,7 +243,8 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
     return size;
 }
 
-// Move blocks that run on all workers to the end: large entities, and a single one. @return the number of other blocks
+// Move blocks that run on all workers to the end: large entities, and a single one.
+// @return number of other blocks
 static int part_wide_blocks( const wisp_frame* frame, int count )
 {
     plan* p = frame->plan;
@@ -440,8 +441,8 @@ static bool has_several_passes( const wisp_frame* frame, int count, int* only )
     return several;
 }
 
-// Divide the wall time of a wave among its passes in proportion to the samples. Walks the plan, not the registry, so that
-// unselected passes cost nothing.
+// Divide the wall time of a wave among its passes in proportion to the samples. Walks the plan, not the registry,
+// so that unselected passes cost nothing.
 static void share_time( wisp_frame* frame, double seconds )
 {
     const plan* p = frame->plan;

@@ -83,7 +83,7 @@ static bool watch_memory( void* user, ssize_t bytes, bool is_taken )
     bool is_fine = bytes <= 0 || tree->max_node_bytes == 0 || sum <= tree->max_node_bytes;
     if ( !is_fine && !is_taken )
     {
-        atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // Embree does not report the release of a refused block
+        atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // Embree does not report the release
     }
     return is_fine;
 }
