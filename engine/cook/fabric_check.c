@@ -120,8 +120,8 @@ static wisp_status check_attachments( const check_state* c )
     for ( size_t i = 0; i < count; ++i )
     {
         int32_t to = f->tether_x4[i], own = (int32_t)( i % (size_t)f->slot_count );
-        bool known = to == 4 * own || ( is_vertex_x4( f, to ) && attached[to / 4] );
-        if ( known == false || is_length( f->tether_rest[i] ) == false )
+        bool is_attached = to == 4 * own || ( is_vertex_x4( f, to ) && attached[to / 4] );
+        if ( is_attached == false || is_length( f->tether_rest[i] ) == false )
         {
             return BAD( "a tether of slot %d without an attachment or without a length", own );
         }
@@ -156,9 +156,9 @@ static wisp_status check_mesh( const check_state* c )
     for ( int h = 0; h < f->hinge_count; ++h )
     {
         const int32_t* v = f->hinges + 4 * (size_t)h;
-        bool apart = v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3];
+        bool distinct = v[0] != v[1] && v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3];
         if ( is_vertex( f, v[0] ) == false || is_vertex( f, v[1] ) == false || is_vertex( f, v[2] ) == false ||
-             is_vertex( f, v[3] ) == false || apart == false )
+             is_vertex( f, v[3] ) == false || distinct == false )
         {
             return BAD( "hinge %d with the slots %d, %d, %d and %d, which are not four different vertices", h, v[0],
                         v[1], v[2], v[3] );

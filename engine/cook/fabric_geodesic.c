@@ -169,7 +169,7 @@ bool geodesic_march_init( geodesic_march* march, const geodesic_net* net, fabric
     return march->node != NULL && march->heap != NULL && march->reached != NULL;
 }
 
-static geodesic_node* meet( geodesic_march* m, int32_t v )
+static geodesic_node* visit( geodesic_march* m, int32_t v )
 {
     geodesic_node* node = m->node + v;
     if ( node->march != m->number )
@@ -241,7 +241,7 @@ static bool has_left( const geodesic_node* node )
 
 static void spread_over( geodesic_march* m, double distance, const geodesic_corner* c )
 {
-    geodesic_node *a = meet( m, c->a ), *b = meet( m, c->b );
+    geodesic_node *a = visit( m, c->a ), *b = visit( m, c->b );
     bool know_a = has_left( a ), know_b = has_left( b );
     if ( is_settled( a ) == false )
     {
@@ -273,7 +273,7 @@ void geodesic_march_run( geodesic_march* m, int32_t source, double radius, const
     m->bound = bound;
     m->reached_count = 0;
     m->heap_count = 0;
-    geodesic_node* start = meet( m, source );
+    geodesic_node* start = visit( m, source );
     start->distance = 0.0;
     m->reached[m->reached_count++] = source;
     rise( m, m->heap_count++, source );

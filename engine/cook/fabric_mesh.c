@@ -244,7 +244,7 @@ static double distance( wisp_vec3 p, wisp_vec3 q )
 }
 
 // Computes lengths and adjacency for tethers and levels.
-static bool measure_ways( const wisp_fabric* f, const edge_use* uses, fabric_pool* scratch, fabric_mesh* mesh )
+static bool measure_adjacency( const wisp_fabric* f, const edge_use* uses, fabric_pool* scratch, fabric_mesh* mesh )
 {
     size_t neighbour_count = (size_t)mesh->neighbour_begin[f->vertex_count];
     float* length = fabric_pool_push( scratch, neighbour_count, sizeof( float ) );
@@ -290,7 +290,7 @@ bool fabric_mesh_connect( const fabric_graph* graph, bool across, fabric_pool* s
     bool done = list_edges( graph, &edges, cooked, &first_edge ) &&
                 ( uses = find_uses( f, first_edge, &edges ) ) != NULL && list_hinges( uses, cooked ) &&
                 fabric_mesh_list_corners( f, scratch, out ) &&
-                ( across == false || measure_ways( f, uses, scratch, out ) );
+                ( across == false || measure_adjacency( f, uses, scratch, out ) );
     fabric_pool_release( &edges );
     return done;
 }

@@ -76,10 +76,10 @@ static bool is_better( double inside, double radius, double best_inside, double 
 // near the child; then the Euclidean distance is used.
 static double distance_between( const level_maker* m, int32_t rank_a, int32_t rank_b )
 {
-    double known = level_distance( m, rank_a, rank_b );
+    double distance = level_distance( m, rank_a, rank_b );
     const wisp_vec3 *a = m->fabric->rest + m->fine[rank_a], *b = m->fabric->rest + m->fine[rank_b];
     double x = (double)a->x - (double)b->x, y = (double)a->y - (double)b->y, z = (double)a->z - (double)b->z;
-    return known < (double)INFINITY ? known : sqrt( x * x + y * y + z * z );
+    return distance < (double)INFINITY ? distance : sqrt( x * x + y * y + z * z );
 }
 
 static bool find_triangle( const level_maker* m, const level_near* near, int count, parents* out )

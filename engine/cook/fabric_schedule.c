@@ -339,11 +339,11 @@ static bool put_attached_last( schedule_state* s, int tile_begin )
     for ( int g = 0; g < count; ++g )
     {
         const int32_t* group = groups + (size_t)g * WISP_FABRIC_LANES;
-        bool late = touches_first_slots( s, group );
-        memmove( late ? attached + (size_t)last * WISP_FABRIC_LANES : groups + (size_t)kept * WISP_FABRIC_LANES,
+        bool is_last = touches_first_slots( s, group );
+        memmove( is_last ? attached + (size_t)last * WISP_FABRIC_LANES : groups + (size_t)kept * WISP_FABRIC_LANES,
                  group, group_bytes );
-        last += late ? 1 : 0;
-        kept += late ? 0 : 1;
+        last += is_last ? 1 : 0;
+        kept += is_last ? 0 : 1;
     }
     if ( last > 0 )
     {

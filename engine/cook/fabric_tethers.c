@@ -40,7 +40,7 @@ typedef struct tether_maker
 
 // Numbers the components that have attachments; others have -1.
 // @param queue [vertex_count]
-static void label_shells( tether_maker* m, int32_t* queue )
+static void label_components( tether_maker* m, int32_t* queue )
 {
     const fabric_mesh* mesh = m->parts->mesh;
     memset( m->component, 0xff, (size_t)mesh->vertex_count * sizeof( int32_t ) );
@@ -71,7 +71,7 @@ static void label_shells( tether_maker* m, int32_t* queue )
     }
 }
 
-static void gather_shells( tether_maker* m )
+static void gather_components( tether_maker* m )
 {
     const wisp_fabric* f = m->fabric;
     memset( m->component_end, 0, (size_t)f->attachment_count * sizeof( int32_t ) );
@@ -125,8 +125,8 @@ static void spread_out( const wisp_vec3* rest, int32_t* list, int count, double*
         away[farthest] = away[front];
         for ( int i = front + 1; i < count; ++i )
         {
-            double here = squared_distance( rest[list[i]], rest[list[front]] );
-            away[i] = front == 0 || here < away[i] ? here : away[i];
+            double squared = squared_distance( rest[list[i]], rest[list[front]] );
+            away[i] = front == 0 || squared < away[i] ? squared : away[i];
         }
     }
 }
@@ -320,8 +320,8 @@ static bool cook( tether_maker* m, fabric_pool* scratch, int32_t* tether_x4, flo
         m->spread[i] = ( tether ){ .slot = -1 };
     }
     find_margins( m );
-    label_shells( m, m->march.heap );
-    gather_shells( m );
+    label_components( m, m->march.heap );
+    gather_components( m );
     march_all( m, away );
     write_tethers( m, tether_x4, rest );
     return true;

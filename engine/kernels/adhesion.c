@@ -43,7 +43,7 @@ LANE_INLINE lane8 kernel_weight( lane8 r, lane8 inverse_h )
     return lane8_mul( u, u );
 }
 
-static float largest( lane8 squared )
+static float max_length( lane8 squared )
 {
     float lanes[WISP_SLICE], most = 0.0f;
     lane8_storeu( lanes, squared );
@@ -83,13 +83,13 @@ typedef struct attract_law
 } attract_law;
 
 // Replaces a distance that has no direction; larger than any radius.
-static const float NOWHERE = 3e38f;
+static const float NO_DISTANCE = 3e38f;
 
 LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wisp_neighbour_list* list, int slice,
                                        lane8v p, attract_law law, attract_sums sums )
 {
     const lane8 h = lane8_set1( args->radius ), inverse_h = lane8_set1( 1.0f / args->radius );
-    const lane8 epsilon = lane8_set1( args->epsilon ), zero = lane8_zero(), nowhere = lane8_set1( NOWHERE );
+    const lane8 epsilon = lane8_set1( args->epsilon ), zero = lane8_zero(), no_distance = lane8_set1( NO_DISTANCE );
     const size_t first = (size_t)list->begin[slice] * WISP_SLICE;
     const int length = list->length[slice];
     const int32_t* entries = list->entries + first;
@@ -99,7 +99,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
     {
         lane8v d = lane8v_sub( load_entry( current, entries + k * WISP_SLICE, law.planar ), p );
         lane8 r = lane8_sqrt( squared_length( d, law.planar ) );
-        r = lane8_select( lane8_eq( r, zero ), nowhere, r );
+        r = lane8_select( lane8_eq( r, zero ), no_distance, r );
         lane8 weight = kernel_weight( r, inverse_h );
         lane8 pull = lane8_div( weight, law.printed ? lane8_add( r, epsilon ) : r );
         sums.force.x = lane8_mul_add( d.x, pull, sums.force.x );
@@ -119,7 +119,7 @@ LANE_INLINE attract_sums attract_list( const wisp_adhesion_args* args, const wis
 
 // Marks vertices that have moved farther than the search margin. Returns the maximum squared distance moved since
 // the search.
-LANE_INLINE lane8 follow( const wisp_adhesion_args* args, int slice, lane8v p, lane8 most )
+LANE_INLINE lane8 check_margin( const wisp_adhesion_args* args, int slice, lane8v p, lane8 most )
 {
     lane8v d = lane8v_sub( p, load_slice( args->search_position, slice ) );
     lane8 moved = lane8v_dot( d, d );
@@ -136,7 +136,7 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
     {
         lane8v p = load_slice( args->current, slice );
         p.z = law.planar ? zero : p.z;
-        attract_sums sums = { { zero, zero, zero }, lane8_set1( NOWHERE ), zero, 0 };
+        attract_sums sums = { { zero, zero, zero }, lane8_set1( NO_DISTANCE ), zero, 0 };
         for ( int i = 0; i < args->attracting_count; ++i )
         {
             sums = attract_list( args, args->attracting + i, slice, p, law, sums );
@@ -155,9 +155,9 @@ LANE_INLINE float attract_slices( const wisp_adhesion_args* args, int slice_firs
         lane8v tentative = lane8v_add( p, move );
         lane8v_store( args->displacement + (size_t)slice * 3 * WISP_SLICE, move );
         store_slice( args->tentative, slice, tentative );
-        most = args->gap == WISP_GAP_NONE ? follow( args, slice, tentative, most ) : most;
+        most = args->gap == WISP_GAP_NONE ? check_margin( args, slice, tentative, most ) : most;
     }
-    return largest( most );
+    return max_length( most );
 }
 
 LANE_INLINE float attract_in( const wisp_adhesion_args* args, int slice_first, int slice_last, bool planar )
@@ -255,9 +255,9 @@ LANE_INLINE float brake_slices( const wisp_adhesion_args* args, int slice_first,
         lane8v move = lane8v_scale( lane8v_load( args->displacement + (size_t)slice * 3 * WISP_SLICE ), lambda );
         lane8v next = lane8v_add( load_slice( args->current, slice ), move );
         store_slice( args->next, slice, next );
-        most = follow( args, slice, next, most );
+        most = check_margin( args, slice, next, most );
     }
-    return largest( most );
+    return max_length( most );
 }
 
 LANE_INLINE float brake_by_gap( const wisp_adhesion_args* args, int slice_first, int slice_last, bool by_iteration,

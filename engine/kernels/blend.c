@@ -52,11 +52,11 @@ LANE_INLINE void sum_parents( const float* xyzw, const int32_t ( *parents )[4], 
 
 // Keeps the old normal and marks it where the new one cancels, for a caller that knows the triangles. This is rare,
 // so it goes through memory.
-static void keep_unknown( float* out, const float* before, uint32_t unknown )
+static void keep_unknown( float* out, const float* before, uint32_t invalid )
 {
     for ( int l = 0; l < 8; ++l )
     {
-        if ( ( unknown >> l & 1u ) != 0 )
+        if ( ( invalid >> l & 1u ) != 0 )
         {
             memcpy( out + 4 * l, before + 4 * l, 3 * sizeof( float ) );
             out[4 * l + 3] = 1.0f;
@@ -70,13 +70,13 @@ LANE_INLINE int store_normals( float* out, const lane8 sum[4] )
     lane8_transpose_quads( lanes );
     const lane8v normal = { lanes[0], lanes[1], lanes[2] };
     const lane8 squared = lane8v_dot( normal, normal ), one = lane8_set1( 1.0f );
-    const lane8m known = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
-    lane8_spread_xyz( lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) ), scales );
+    const lane8m valid = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
+    lane8_spread_xyz( lane8_div( one, lane8_sqrt( lane8_select( valid, squared, one ) ) ), scales );
     for ( int r = 0; r < 4; ++r )
     {
         unit[r] = lane8_mul( sum[r], scales[r] );
     }
-    if ( lane8m_all( known ) )
+    if ( lane8m_all( valid ) )
     {
         lane8_store_quads( out, lane_quad_iota, unit );
         return 0;
@@ -84,16 +84,16 @@ LANE_INLINE int store_normals( float* out, const lane8 sum[4] )
     float before[32];
     memcpy( before, out, sizeof( before ) );
     lane8_store_quads( out, lane_quad_iota, unit );
-    const uint32_t unknown = ~lane8m_bits( known ) & 0xffu;
-    keep_unknown( out, before, unknown );
-    return __builtin_popcount( unknown );
+    const uint32_t invalid = ~lane8m_bits( valid ) & 0xffu;
+    keep_unknown( out, before, invalid );
+    return __builtin_popcount( invalid );
 }
 
 LANE_INLINE int blend( const wisp_blend_args* args, int begin, int end, int parent_count )
 {
     const lane8i corner = lane8i_and( lane8i_iota(), lane8i_set1( 3 ) );
     const lane8m xyz = lane8i_lt( corner, lane8i_set1( 3 ) );
-    int unknown = 0;
+    int invalid = 0;
     for ( int p = begin; p < end; p += 8 )
     {
         lane8 weights[MAX_PARENTS][4], sum[4], own[4];
@@ -115,9 +115,9 @@ LANE_INLINE int blend( const wisp_blend_args* args, int begin, int end, int pare
             load_weights( args->normal_weights + p, parent_count, weights );
         }
         sum_parents( args->normal, args->parents + p, parent_count, weights, sum );
-        unknown += store_normals( args->normals + (size_t)p * 4, sum );
+        invalid += store_normals( args->normals + (size_t)p * 4, sum );
     }
-    return unknown;
+    return invalid;
 }
 
 int KERNEL( blend_two )( const wisp_blend_args* args, int begin, int end )

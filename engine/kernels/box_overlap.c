@@ -26,8 +26,8 @@ LANE_INLINE void compare( const wisp_aabb_stream* s, const float* box, int32_t a
             lane8m_and( lane8_ge( to_y, lane8_loadu( low_y + j ) ), lane8_le( from_y, lane8_loadu( high_y + j ) ) );
         lane8m z =
             lane8m_and( lane8_ge( to_z, lane8_loadu( low_z + j ) ), lane8_le( from_z, lane8_loadu( high_z + j ) ) );
-        lane8m queried = lane8i_lt( least, lane8i_loadu( s->item + j ) );
-        hits[k] = lane8m_and( lane8m_and( x, y ), lane8m_and( z, queried ) );
+        lane8m is_requested = lane8i_lt( least, lane8i_loadu( s->item + j ) );
+        hits[k] = lane8m_and( lane8m_and( x, y ), lane8m_and( z, is_requested ) );
     }
 }
 
@@ -41,7 +41,7 @@ LANE_INLINE int32_t* pack( const int32_t* item, const int32_t* eights, int count
     return found;
 }
 
-static void ask( const wisp_aabb_stream* stream, const int32_t* eights, int count, wisp_aabb_group* group )
+static void test_eights( const wisp_aabb_stream* stream, const int32_t* eights, int count, wisp_aabb_group* group )
 {
     lane8m hits[MAX_EIGHTS];
     for ( int l = 0; l < group->count; ++l )
@@ -64,13 +64,13 @@ void KERNEL( box_overlap )( const wisp_aabb_stream* stream, const int32_t* runs,
         {
             if ( count == MAX_EIGHTS )
             {
-                ask( stream, eights, count, group );
+                test_eights( stream, eights, count, group );
                 count = 0;
             }
             eights[count++] = slot;
         }
     }
-    ask( stream, eights, count, group );
+    test_eights( stream, eights, count, group );
 }
 
 // Places each number at the count of smaller ones. Numbers are below 2^31, so the sign of a difference compares

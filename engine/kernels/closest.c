@@ -130,15 +130,15 @@ LANE_INLINE intersection cross_at( segment g, lane8 g_squared, lane8v h, lane8 h
     const lane8 least = lane8_set1( FLT_MIN );
     const lane8 slant = lane8_mul( lane8v_dot( h, g.along ), g.inverse ),
                 ahead = lane8_mul( lane8v_dot( r, g.along ), g.inverse );
-    const lane8v aside = lane8v_sub( r, lane8v_scale( g.along, ahead ) );
+    const lane8v across_g = lane8v_sub( r, lane8v_scale( g.along, ahead ) );
     intersection c;
     c.width = lane8v_sub( h, lane8v_scale( g.along, slant ) );
     c.squared = squared_of( c.width );
     c.wide = lane8m_and( lane8_gt( c.squared, lane8_mul( h_squared, lane8_set1( MIN_WIDTH ) ) ),
                          lane8_ge( lane8_mul( c.squared, g_squared ), least ) );
-    c.y = lane8_div( lane8v_dot( aside, c.width ), lane8_max( c.squared, least ) );
+    c.y = lane8_div( lane8v_dot( across_g, c.width ), lane8_max( c.squared, least ) );
     c.x = lane8_sub( ahead, lane8_mul( c.y, slant ) );
-    c.between = lane8v_sub( aside, lane8v_scale( c.width, c.y ) );
+    c.between = lane8v_sub( across_g, lane8v_scale( c.width, c.y ) );
     return c;
 }
 

@@ -40,8 +40,8 @@ LANE_INLINE void move_corners( const wisp_hinge_args* args, int hinge, const cor
     for ( int k = 0; k < CORNERS; ++k )
     {
         const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
-        lane8v there = lane8v_mul_add( c->point[k], lane8_mul( c->weight[k], step ), gradient[k] );
-        lane8_store_xyzw( args->position, slot_x4, there.x, there.y, there.z, c->weight[k] );
+        lane8v moved = lane8v_mul_add( c->point[k], lane8_mul( c->weight[k], step ), gradient[k] );
+        lane8_store_xyzw( args->position, slot_x4, moved.x, moved.y, moved.z, c->weight[k] );
     }
 }
 

@@ -61,8 +61,8 @@ int KERNEL( find_out_of_bounds )( const wisp_bound_args* args, int begin, int en
 void KERNEL( accelerate )( const wisp_particle_args* args, int begin, int end );
 void KERNEL( predict )( const wisp_particle_args* args, int begin, int end );
 int KERNEL( gather_particles )( const wisp_gather_args* args, int begin, int end );
-int KERNEL( cull_particles )( const wisp_cull_args* sight, int count );
-int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays );
+int KERNEL( cull_particles )( const wisp_cull_args* args, int count );
+int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced );
 void KERNEL( rigid_sums )( const wisp_rigid_args* args, int begin, int end, wisp_rigid_sums* sums );
 void KERNEL( rigid_approach )( const wisp_rigid_args* args, int begin, int end );
 void KERNEL( velocity )( const wisp_particle_args* args, int begin, int end );

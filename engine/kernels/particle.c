@@ -37,8 +37,8 @@ void KERNEL( predict )( const wisp_particle_args* args, int begin, int end )
         lane8 position = lane8_load( args->position + (size_t)slot * 4 );
         lane8 velocity = lane8_load( args->velocity + (size_t)slot * 4 );
         lane8_store( args->previous + (size_t)slot * 4, position );
-        lane8 there = lane8_mul_add( velocity, dt, position );
-        lane8_store( args->position + (size_t)slot * 4, lane8_select( moves( position ), there, position ) );
+        lane8 moved = lane8_mul_add( velocity, dt, position );
+        lane8_store( args->position + (size_t)slot * 4, lane8_select( moves( position ), moved, position ) );
     }
 }
 

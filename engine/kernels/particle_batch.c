@@ -107,66 +107,65 @@ LANE_INLINE lane8 outside( lane8 distance, float half )
 }
 
 // Tests whether a particle is beyond reach of a sphere, or of a capsule along y, by more than the rounding error.
-LANE_INLINE lane8m is_beyond_round( const wisp_cull_args* sight, lane8v p, lane8 reach )
+LANE_INLINE lane8m is_beyond_round( const wisp_cull_args* args, lane8v p, lane8 reach )
 {
-    const lane8 limit = lane8_add( lane8_set1( sight->radius ), reach ), y = outside( p.y, sight->half_length );
+    const lane8 limit = lane8_add( lane8_set1( args->radius ), reach ), y = outside( p.y, args->half_length );
     const lane8 squared = lane8_add( lane8_add( lane8_mul( p.x, p.x ), lane8_mul( y, y ) ), lane8_mul( p.z, p.z ) );
     return lane8_gt( squared, lane8_mul( lane8_mul( lane8_set1( 1.00001f ), limit ), limit ) );
 }
 
-LANE_INLINE lane8m is_beyond( const wisp_cull_args* sight, wisp_cull_shape bound, lane8v p, lane8 reach )
+LANE_INLINE lane8m is_beyond( const wisp_cull_args* args, wisp_cull_shape bound, lane8v p, lane8 reach )
 {
     if ( bound == WISP_CULL_HALF_SPACE )
     {
         return lane8_gt( p.y, reach );
     }
-    const lane8v d = lane8v_sub( p, lane8v_set1( sight->centre ) );
-    const lane8v out = { outside( d.x, sight->half.x ), outside( d.y, sight->half.y ),
-                         outside( d.z, sight->half.z ) };
+    const lane8v d = lane8v_sub( p, lane8v_set1( args->centre ) );
+    const lane8v out = { outside( d.x, args->half.x ), outside( d.y, args->half.y ), outside( d.z, args->half.z ) };
     const lane8m beyond = lane8_gt( lane8v_length( out ), reach );
-    return bound == WISP_CULL_BOX ? beyond : lane8m_or( beyond, is_beyond_round( sight, p, reach ) );
+    return bound == WISP_CULL_BOX ? beyond : lane8m_or( beyond, is_beyond_round( args, p, reach ) );
 }
 
 // Culls particles. `bound` is a constant after inlining.
-LANE_INLINE int see( const wisp_cull_args* sight, wisp_cull_shape bound, int count )
+LANE_INLINE int cull( const wisp_cull_args* args, wisp_cull_shape bound, int count )
 {
-    const lane8 margin = lane8_set1( sight->margin );
-    int queried = 0;
+    const lane8 margin = lane8_set1( args->margin );
+    int found = 0;
     for ( int i = 0; i < count; i += LANES )
     {
-        const lane8v from = to_body( sight->before, load( sight->batch.old, i ) ),
-                     to = to_body( sight->after, load( sight->batch.now, i ) );
+        const lane8v from = to_body( args->before, load( args->batch.old, i ) ),
+                     to = to_body( args->after, load( args->batch.now, i ) );
         const lane8 path = lane8v_length( lane8v_sub( to, from ) ), reach = lane8_add( margin, path ),
-                    clear = lane8_loadu( sight->clearance + i );
-        const lane8m beyond = is_beyond( sight, bound, to, reach );
-        store( sight->from, i, from );
-        store( sight->to, i, to );
-        lane8_storeu( sight->path + i, path );
-        lane8_storeu( sight->reach + i, reach );
-        lane8_storeu( sight->clearance + i, lane8_select( beyond, lane8_min( reach, clear ), clear ) );
+                    clear = lane8_loadu( args->clearance + i );
+        const lane8m beyond = is_beyond( args, bound, to, reach );
+        store( args->from, i, from );
+        store( args->to, i, to );
+        lane8_storeu( args->path + i, path );
+        lane8_storeu( args->reach + i, reach );
+        lane8_storeu( args->clearance + i, lane8_select( beyond, lane8_min( reach, clear ), clear ) );
         const uint32_t bits = lane8m_bits( lane8m_and_not( lane8m_first( count - i ), beyond ) );
         const lane8i numbers = lane8i_add( lane8i_set1( i ), lane8i_iota() );
-        queried += lane8i_compress_store( sight->candidates + queried, numbers, bits );
+        found += lane8i_compress_store( args->candidates + found, numbers, bits );
     }
-    return queried;
+    return found;
 }
 
-int KERNEL( cull_particles )( const wisp_cull_args* sight, int count )
+int KERNEL( cull_particles )( const wisp_cull_args* args, int count )
 {
-    switch ( sight->shape )
+    switch ( args->shape )
     {
         case WISP_CULL_HALF_SPACE:
-            return see( sight, WISP_CULL_HALF_SPACE, count );
+            return cull( args, WISP_CULL_HALF_SPACE, count );
         case WISP_CULL_ROUND:
-            return see( sight, WISP_CULL_ROUND, count );
+            return cull( args, WISP_CULL_ROUND, count );
         default:
-            return see( sight, WISP_CULL_BOX, count );
+            return cull( args, WISP_CULL_BOX, count );
     }
 }
 
 // ---- displaced particles ----
 
-int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays )
+int KERNEL( find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced )
 {
     int count = 0;
     for ( int slot = begin; slot < end; slot += LANES )
@@ -177,7 +176,7 @@ int KERNEL( find_displaced )( const float* position, const float* place, int beg
         lane8_load_xyzw_contiguous( place + (size_t)slot * 4, &q.x, &q.y, &q.z, &most );
         const uint32_t bits = lane8m_bits( lane8_gt( lane8v_length( lane8v_sub( p, q ) ), most ) );
         const lane8i slots = lane8i_add( lane8i_set1( slot ), lane8i_iota() );
-        count += lane8i_compress_store( strays + count, slots, bits );
+        count += lane8i_compress_store( displaced + count, slots, bits );
     }
     return count;
 }

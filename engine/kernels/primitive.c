@@ -104,7 +104,7 @@ float KERNEL( separation )( const wisp_separating_axis_args* args )
             }
         }
     }
-    float least[8], most[8], apart = -1.0f;
+    float least[8], most[8], max_gap = -1.0f;
     lane8_storeu( least, min_of_each( lower ) );
     lane8_storeu( most, min_of_each( upper ) );
     for ( int k = 0; k < AXES; ++k )
@@ -112,8 +112,8 @@ float KERNEL( separation )( const wisp_separating_axis_args* args )
         const float* a = args->axis[k];
         const float one = least[k] + most[AXES + k], other = least[AXES + k] + most[k];
         const float squared = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-        const float here = squared > KERNEL_MIN_SQUARED ? ( one > other ? one : other ) / sqrtf( squared ) : -1.0f;
-        apart = here > apart ? here : apart;
+        const float gap = squared > KERNEL_MIN_SQUARED ? ( one > other ? one : other ) / sqrtf( squared ) : -1.0f;
+        max_gap = gap > max_gap ? gap : max_gap;
     }
-    return apart;
+    return max_gap;
 }

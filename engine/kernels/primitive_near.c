@@ -116,15 +116,16 @@ LANE_INLINE lane16 bound_of( lane16 between, lane16 spans, lane16 squared )
 
 // Bounds the distance of two edges along the line between their centres, or along the common perpendicular if there
 // is one.
-LANE_INLINE lane16 bound_of_edges( lane16v way, lane16v a, lane16v b )
+LANE_INLINE lane16 bound_of_edges( lane16v offset, lane16v a, lane16v b )
 {
     const lane16v across = lane16v_cross( a, b );
-    const lane16 squared = lane16v_dot( across, across ), way_squared = lane16v_dot( way, way );
+    const lane16 squared = lane16v_dot( across, across ), offset_squared = lane16v_dot( offset, offset );
     const lane16 spans_across =
         lane16_add( lane16_abs( lane16v_dot( across, a ) ), lane16_abs( lane16v_dot( across, b ) ) );
-    const lane16 spans_along = lane16_add( lane16_abs( lane16v_dot( a, way ) ), lane16_abs( lane16v_dot( b, way ) ) );
-    const lane16 aside = bound_of( lane16_abs( lane16v_dot( across, way ) ), spans_across, squared );
-    const lane16 along = bound_of( way_squared, spans_along, way_squared );
+    const lane16 spans_along =
+        lane16_add( lane16_abs( lane16v_dot( a, offset ) ), lane16_abs( lane16v_dot( b, offset ) ) );
+    const lane16 aside = bound_of( lane16_abs( lane16v_dot( across, offset ) ), spans_across, squared );
+    const lane16 along = bound_of( offset_squared, spans_along, offset_squared );
     const lane16m better =
         lane16m_and( lane16_gt( squared, lane16_set1( KERNEL_MIN_SQUARED ) ), lane16_gt( aside, along ) );
     return lane16_select( better, aside, along );
@@ -136,8 +137,8 @@ LANE_INLINE lane16m has_point( lane16i point_x4, const edges16* edges )
 }
 
 // Bounds the distance of one edge from sixteen; the bounds of skipped edges go to `others`.
-LANE_INLINE lane16 ask_edges( const wisp_primitive_pack* query, int lane, bool is_own, const edges16* edges,
-                              lane16m* others )
+LANE_INLINE lane16 bound_edges( const wisp_primitive_pack* query, int lane, bool is_own, const edges16* edges,
+                                lane16m* others )
 {
     const lane16v centre = { lane16_set1( query->centre[0][lane] ), lane16_set1( query->centre[1][lane] ),
                              lane16_set1( query->centre[2][lane] ) };
@@ -176,7 +177,7 @@ LANE_INLINE int find_edges( const wisp_primitive_near_args* args, int number, ne
         {
             lane16m others;
             const lane16 bound =
-                ask_edges( args->queries + queries[i] / LANES, queries[i] % LANES, args->is_self, &edges, &others );
+                bound_edges( args->queries + queries[i] / LANES, queries[i] % LANES, args->is_self, &edges, &others );
             const lane16m apart = lane16_gt( bound, within );
             const uint32_t bits = ~lane16m_bits( lane16m_or( apart, others ) );
             least = lane16_min( least,
@@ -198,14 +199,14 @@ LANE_INLINE lane8v row_of( const float row[3][LANES] )
     return lane8v_load( row[0] );
 }
 
-LANE_INLINE lane8 bound_of_triangle( lane8v way, const wisp_primitive_pack* row )
+LANE_INLINE lane8 bound_of_triangle( lane8v offset, const wisp_primitive_pack* row )
 {
     const lane8 aside =
-        lane8_sub( lane8_abs( lane8v_dot( row_of( row->normal ), way ) ), lane8_load( row->rounding ) );
-    lane8 span = lane8_max( lane8v_dot( row_of( row->edge_vector ), way ),
-                            lane8v_dot( row_of( row->other_edge_vector[0] ), way ) );
-    span = lane8_max( span, lane8v_dot( row_of( row->other_edge_vector[1] ), way ) );
-    const lane8 squared = lane8v_dot( way, way );
+        lane8_sub( lane8_abs( lane8v_dot( row_of( row->normal ), offset ) ), lane8_load( row->rounding ) );
+    lane8 span = lane8_max( lane8v_dot( row_of( row->edge_vector ), offset ),
+                            lane8v_dot( row_of( row->other_edge_vector[0] ), offset ) );
+    span = lane8_max( span, lane8v_dot( row_of( row->other_edge_vector[1] ), offset ) );
+    const lane8 squared = lane8v_dot( offset, offset );
     return lane8_max( aside, lane8_div( lane8_sub( squared, span ), lane8_sqrt( squared ) ) );
 }
 

@@ -103,10 +103,10 @@ LANE_INLINE void search_eights( const wisp_range_search_args* args, search_slice
                 within = lane8m_and( within, inside );
                 near = lane8m_and( near, inside );
             }
-            uint32_t near_bits = lane8m_bits( near ), shell_bits = lane8m_bits( within ) ^ near_bits;
-            lane8i here = lane8i_add( slot_x4, lane8i_set1( 4 * j ) );
-            near_end += lane8i_compress_store( near_end, here, near_bits );
-            skin_end += lane8i_compress_store( skin_end, here, shell_bits );
+            uint32_t near_bits = lane8m_bits( near ), skin_bits = lane8m_bits( within ) ^ near_bits;
+            lane8i found_x4 = lane8i_add( slot_x4, lane8i_set1( 4 * j ) );
+            near_end += lane8i_compress_store( near_end, found_x4, near_bits );
+            skin_end += lane8i_compress_store( skin_end, found_x4, skin_bits );
             if ( law.bounded )
             {
                 near_end = near_end < s->max_near[l] ? near_end : s->max_near[l];
@@ -239,7 +239,7 @@ static void count_found( const search_slice* s, int limit, wisp_range_search_res
 }
 
 // Appends the skin to the near neighbours, in groups of eight.
-static void append_shell( int limit, wisp_range_search_result* result )
+static void append_skin( int limit, wisp_range_search_result* result )
 {
     for ( int l = 0; l < WISP_SLICE; ++l )
     {
@@ -276,7 +276,7 @@ void KERNEL( range_search )( const wisp_range_search_args* args, int slice, int 
         search_rows( args, &s, g );
     }
     count_found( &s, limit, result );
-    append_shell( limit, result );
+    append_skin( limit, result );
 }
 
 static void rename_all( const int32_t* rename, int32_t* list, int count )

@@ -101,11 +101,11 @@ void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
     {
         vertex_lanes v = walk_ring( args, slice );
         lane8 squared = lane8v_dot( v.vector, v.vector );
-        lane8m known = lane8_ge( squared, lane8_set1( FLT_MIN ) );
+        lane8m valid = lane8_ge( squared, lane8_set1( FLT_MIN ) );
         lane8 scale =
-            lane8_div( lane8_set1( 1.0f ), lane8_sqrt( lane8_select( known, squared, lane8_set1( 1.0f ) ) ) );
+            lane8_div( lane8_set1( 1.0f ), lane8_sqrt( lane8_select( valid, squared, lane8_set1( 1.0f ) ) ) );
         lane8v_store( gradient_of( args, slice ),
-                      lane8v_scale( v.vector, lane8_select( known, scale, lane8_zero() ) ) );
+                      lane8v_scale( v.vector, lane8_select( valid, scale, lane8_zero() ) ) );
         if ( args->area != NULL )
         {
             store_area( args, slice, v.point );
@@ -118,11 +118,11 @@ void KERNEL( ring_normal )( const wisp_ring_args* args, int begin, int end )
 LANE_INLINE lane8v add_face_normal( lane8v sum, lane8v across )
 {
     const lane8 squared = lane8v_dot( across, across ), one = lane8_set1( 1.0f );
-    const lane8m known =
+    const lane8m valid =
         lane8m_and( lane8_ge( squared, lane8_set1( FLT_MIN ) ), lane8_le( squared, lane8_set1( FLT_MAX ) ) );
-    const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );
+    const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( valid, squared, one ) ) );
     const lane8v nothing = { lane8_zero(), lane8_zero(), lane8_zero() };
-    return lane8v_add( sum, lane8v_select( known, lane8v_scale( across, scale ), nothing ) );
+    return lane8v_add( sum, lane8v_select( valid, lane8v_scale( across, scale ), nothing ) );
 }
 
 void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end, float* xyzw )
@@ -142,9 +142,9 @@ void KERNEL( ring_mean_normal )( const wisp_ring_args* args, int begin, int end,
         }
         // a sum that cancels consists of rounding errors of unit vectors
         const lane8 squared = lane8v_dot( sum, sum );
-        const lane8m known = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
-        const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( known, squared, one ) ) );
-        const lane8v unit = lane8v_scale( sum, lane8_select( known, scale, lane8_zero() ) );
+        const lane8m valid = lane8_ge( squared, lane8_set1( WISP_MIN_BLEND_LENGTH * WISP_MIN_BLEND_LENGTH ) );
+        const lane8 scale = lane8_div( one, lane8_sqrt( lane8_select( valid, squared, one ) ) );
+        const lane8v unit = lane8v_scale( sum, lane8_select( valid, scale, lane8_zero() ) );
         lane8_store_xyzw_contiguous( xyzw + (size_t)slice * 32, unit.x, unit.y, unit.z, lane8_zero() );
     }
 }
@@ -158,8 +158,8 @@ void KERNEL( push )( const wisp_push_args* args, int begin, int end )
         lane8v p;
         lane8 w;
         lane8_load_xyzw_contiguous( xyzw, &p.x, &p.y, &p.z, &w );
-        lane8v there =
+        lane8v result =
             lane8v_mul_add( p, lane8_mul( w, factor ), lane8v_load( args->gradient + (size_t)slice * 24 ) );
-        lane8_store_xyzw_contiguous( xyzw, there.x, there.y, there.z, w );
+        lane8_store_xyzw_contiguous( xyzw, result.x, result.y, result.z, w );
     }
 }

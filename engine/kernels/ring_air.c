@@ -38,8 +38,8 @@ LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, 
     const lane8 most = lane8_set1( FLT_MAX );
     const lane8m has_area = lane8m_and( lane8_ge( raw_area, tiny ), lane8_le( raw_area, most ) );
     const lane8m has_wind = lane8m_and( lane8_ge( raw_speed, tiny ), lane8_le( raw_speed, most ) );
-    const lane8m known = lane8m_and( has_area, has_wind );
-    const lane8 twice_area = lane8_select( known, raw_area, one ), speed = lane8_select( known, raw_speed, one );
+    const lane8m valid = lane8m_and( has_area, has_wind );
+    const lane8 twice_area = lane8_select( valid, raw_area, one ), speed = lane8_select( valid, raw_speed, one );
 
     const lane8 facing = lane8_div( lane8v_dot( u, cross ), twice_area ); // u . n, m/s
     const lane8m is_behind = lane8_lt( facing, zero );
@@ -53,8 +53,8 @@ LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, 
     const lane8 rate = lane8_mul( pressure, lane8_add( air->drag, air->lift ) );
 
     const lane8v nothing = { zero, zero, zero };
-    sum->force = lane8v_add( sum->force, lane8v_scale( lane8v_select( known, force, nothing ), third ) );
-    sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( known, rate, zero ), lane8_set1( 3.0f ) ) );
+    sum->force = lane8v_add( sum->force, lane8v_scale( lane8v_select( valid, force, nothing ), third ) );
+    sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( valid, rate, zero ), lane8_set1( 3.0f ) ) );
 }
 
 // Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
@@ -87,7 +87,8 @@ void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
         const lane8 change = lane8_div( reach, lane8_add( one, lane8_mul( reach, sum.rate ) ) );
-        const lane8v there = lane8v_select( moves, lane8v_add( old, lane8v_scale( sum.force, change ) ), old );
-        lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, there.x, there.y, there.z, rest );
+        const lane8v new_velocity = lane8v_select( moves, lane8v_add( old, lane8v_scale( sum.force, change ) ), old );
+        lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, new_velocity.x, new_velocity.y,
+                                     new_velocity.z, rest );
     }
 }

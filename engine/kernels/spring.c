@@ -62,10 +62,10 @@ typedef struct link_lanes
 LANE_INLINE link_lanes load_link( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const int32_t* other_x4 = args->links.other_x4[entry];
-    lane8v there, moves;
-    lane8_load_xyz( args->position, other_x4, &there.x, &there.y, &there.z );
+    lane8v other_point, moves;
+    lane8_load_xyz( args->position, other_x4, &other_point.x, &other_point.y, &other_point.z );
     lane8_load_xyz( args->velocity, other_x4, &moves.x, &moves.y, &moves.z );
-    lane8v across = lane8v_sub( there, row->point );
+    lane8v across = lane8v_sub( other_point, row->point );
     const lane8v closing = lane8v_sub( row->velocity, moves );
     if ( args->base_position != NULL )
     {

@@ -4,14 +4,14 @@
 // thickness. A vertex must end at distance h. A vertex that began nearer, for example inside the body, may keep its
 // depth, less the depth recovered in this substep:
 //
-//   may = allowed depth, at most the depth at the start (or the depth at the start, if contact is new)
-//   healed <= recovery per call: position and previous position move together, so no velocity is added
-//   pushed = h - (may - healed) - distance, the remaining correction: represents the normal impulse
+//   allowed = tolerated depth, at most the depth at the start (or the depth at the start, if contact is new)
+//   recovered <= recovery per call: position and previous position move together, so no velocity is added
+//   push = h - (allowed - recovered) - distance, the remaining correction: represents the normal impulse
 //
 // The remaining depth comes from other constraints. It is corrected with velocity, otherwise a strand under tension
 // would sink into the body. Friction follows, on the motion relative to the body's surface:
 //
-//   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s pushed, else p -= mu_k pushed u / |u|
+//   u = tangential part of (p - previous) - motion,   p -= u if |u| <= mu_s push, else p -= mu_k push u / |u|
 #include "kernel_isa.h"
 
 #include <math.h>
@@ -92,9 +92,9 @@ static lane16v to_body( const contact_pose* pose, lane16v p )
 static contact_surface around( lane16v away, lane16 radius, wisp_vec3 fallback )
 {
     lane16 length = lane16v_length( away );
-    lane16m apart = lane16_gt( length, lane16_zero() );
+    lane16m has_normal = lane16_gt( length, lane16_zero() );
     lane16v normal = lane16v_scale( away, lane16_div( lane16_set1( 1.0f ), length ) );
-    return ( contact_surface ){ lane16v_select( apart, normal, lane16v_set1( fallback ) ),
+    return ( contact_surface ){ lane16v_select( has_normal, normal, lane16v_set1( fallback ) ),
                                 lane16_sub( length, radius ) };
 }
 
@@ -155,37 +155,37 @@ static contact_surface closest( const contact_body* body, lane16v p )
 // ---- one row ----
 
 // Correction of a vertex along the normal, and its parts.
-typedef struct contact_way
+typedef struct contact_correction
 {
-    lane16 out;    // m, along the normal
-    lane16 healed; // m of `out` by which the previous position moves too
-    lane16 calmed; // m by which the previous position moves in addition
-    lane16 left;   // m of depth that remains
-} contact_way;
+    lane16 out;       // m, along the normal
+    lane16 recovered; // m of `out` by which the previous position moves too
+    lane16 damped;    // m by which the previous position moves in addition
+    lane16 remaining; // m of depth that remains
+} contact_correction;
 
-static contact_way find_way( const contact_body* body, lane16 start, lane16 now, lane16 depth )
+static contact_correction find_correction( const contact_body* body, lane16 start, lane16 now, lane16 depth )
 {
     lane16 zero = lane16_zero();
-    lane16 began = lane16_max( lane16_sub( body->thickness, start ), zero );
-    lane16m is_new = lane16_gt( began, lane16_add( depth, body->thickness ) );
-    lane16 may = lane16_select( is_new, began, lane16_min( depth, began ) );
-    lane16 pulled = lane16_sub( began, may );
-    lane16 outward = lane16_max( lane16_sub( lane16_sub( now, start ), pulled ), zero );
-    lane16 left = lane16_max( lane16_sub( may, outward ), zero );
-    contact_way way;
-    way.healed = lane16_min( left, lane16_max( lane16_sub( body->recovery, outward ), zero ) );
-    way.left = lane16_sub( left, way.healed );
-    way.out = lane16_max( lane16_sub( lane16_sub( body->thickness, way.left ), now ), zero );
-    way.calmed = lane16_select( lane16_gt( may, body->shallow ), outward, zero );
-    return way;
+    lane16 start_depth = lane16_max( lane16_sub( body->thickness, start ), zero );
+    lane16m is_new = lane16_gt( start_depth, lane16_add( depth, body->thickness ) );
+    lane16 allowed = lane16_select( is_new, start_depth, lane16_min( depth, start_depth ) );
+    lane16 excess = lane16_sub( start_depth, allowed );
+    lane16 outward = lane16_max( lane16_sub( lane16_sub( now, start ), excess ), zero );
+    lane16 remaining = lane16_max( lane16_sub( allowed, outward ), zero );
+    contact_correction correction;
+    correction.recovered = lane16_min( remaining, lane16_max( lane16_sub( body->recovery, outward ), zero ) );
+    correction.remaining = lane16_sub( remaining, correction.recovered );
+    correction.out = lane16_max( lane16_sub( lane16_sub( body->thickness, correction.remaining ), now ), zero );
+    correction.damped = lane16_select( lane16_gt( allowed, body->shallow ), outward, zero );
+    return correction;
 }
 
 // Computes the part of the tangential motion `u` that friction removes.
-static lane16v rub( const contact_body* body, lane16v u, lane16 pushed )
+static lane16v find_friction( const contact_body* body, lane16v u, lane16 push )
 {
     lane16 length = lane16v_length( u );
-    lane16m sticks = lane16_le( length, lane16_mul( body->static_friction, pushed ) );
-    lane16 fraction = lane16_div( lane16_mul( body->kinetic_friction, pushed ), length );
+    lane16m sticks = lane16_le( length, lane16_mul( body->static_friction, push ) );
+    lane16 fraction = lane16_div( lane16_mul( body->kinetic_friction, push ), length );
     return lane16v_scale( u, lane16_select( sticks, lane16_set1( 1.0f ), fraction ) );
 }
 
@@ -208,25 +208,26 @@ static void touch_row( const wisp_strand_contact_args* args, const contact_body*
     {
         return;
     }
-    float *pushed = args->normal_correction + row * WISP_LANES, *left = args->remaining_depth + row * WISP_LANES;
+    float *normal_sum = args->normal_correction + row * WISP_LANES,
+          *remaining = args->remaining_depth + row * WISP_LANES;
     lane16v previous = lane16v_load( from );
     lane16 start = closest( body, to_body( &body->before, previous ) ).distance;
-    const contact_way way =
-        find_way( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ) );
+    const contact_correction correction =
+        find_correction( body, start, s.distance, lane16_load( args->allowed_depth + row * WISP_LANES ) );
     lane16v normal = turn( body->after.axis, body->after.w, s.normal );
-    lane16v out = lane16v_mul_add( p, way.out, normal );
-    lane16v moved = lane16v_mul_add( previous, lane16_add( way.healed, way.calmed ), normal );
+    lane16v out = lane16v_mul_add( p, correction.out, normal );
+    lane16v moved = lane16v_mul_add( previous, lane16_add( correction.recovered, correction.damped ), normal );
 
-    lane16 push = lane16_max( lane16_sub( way.out, way.healed ), lane16_zero() );
+    lane16 push = lane16_max( lane16_sub( correction.out, correction.recovered ), lane16_zero() );
     lane16v u = lane16v_sub( lane16v_sub( out, moved ), surface_motion( body, local, &s ) );
     u = lane16v_mul_add( u, lane16_neg( lane16v_dot( normal, u ) ), normal );
-    out = lane16v_sub( out, rub( body, u, push ) );
+    out = lane16v_sub( out, find_friction( body, u, push ) );
 
     lane16v_store( at, lane16v_select( touches, out, p ) );
     lane16v_store( from, lane16v_select( touches, moved, previous ) );
-    lane16 sum = lane16_load( pushed ), deepest = lane16_load( left );
-    lane16_store( pushed, lane16_select( touches, lane16_add( sum, push ), sum ) );
-    lane16_store( left, lane16_select( touches, lane16_max( deepest, way.left ), deepest ) );
+    lane16 sum = lane16_load( normal_sum ), deepest = lane16_load( remaining );
+    lane16_store( normal_sum, lane16_select( touches, lane16_add( sum, push ), sum ) );
+    lane16_store( remaining, lane16_select( touches, lane16_max( deepest, correction.remaining ), deepest ) );
 }
 
 // ---- before the first body ----
@@ -244,14 +245,15 @@ static lane16v larger( lane16v a, lane16v b )
 // Sets the depths; a vertex without contact in the last iteration is allowed the depth that it has.
 static void begin_row( const wisp_strand_contact_args* args, size_t row, bool first_iteration )
 {
-    float *pushed = args->normal_correction + row * WISP_LANES, *left = args->remaining_depth + row * WISP_LANES;
-    lane16 sum = lane16_load( pushed ), deep = lane16_load( left );
+    float *normal_sum = args->normal_correction + row * WISP_LANES,
+          *remaining = args->remaining_depth + row * WISP_LANES;
+    lane16 sum = lane16_load( normal_sum ), deep = lane16_load( remaining );
     lane16m held = lane16_gt( lane16_max( sum, deep ), lane16_zero() );
     lane16_store( args->allowed_depth + row * WISP_LANES, lane16_select( held, deep, lane16_set1( INFINITY ) ) );
-    lane16_store( left, lane16_zero() );
+    lane16_store( remaining, lane16_zero() );
     if ( first_iteration )
     {
-        lane16_store( pushed, lane16_zero() );
+        lane16_store( normal_sum, lane16_zero() );
     }
 }
 
@@ -276,17 +278,17 @@ static wisp_vec3 fold( lane16v v, bool to_smallest )
 void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int group, bool first_iteration,
                                      wisp_strand_bounds* reach )
 {
-    const lane16v nowhere = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
-    const lane16v beyond = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
-    lane16v lower = nowhere, upper = beyond;
+    const lane16v plus_infinity = lane16v_set1( ( wisp_vec3 ){ INFINITY, INFINITY, INFINITY } );
+    const lane16v minus_infinity = lane16v_set1( ( wisp_vec3 ){ -INFINITY, -INFINITY, -INFINITY } );
+    lane16v lower = plus_infinity, upper = minus_infinity;
     lane16 longest = lane16_zero();
     for ( int row = args->group_row[group]; row < args->group_row[group + 1]; ++row )
     {
         lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
         lane16v q = lane16v_load( args->previous + (size_t)row * STRIDE ), d = lane16v_sub( p, q );
         lane16m moves = lane16_gt( lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ), lane16_zero() );
-        lower = smaller( lane16v_select( moves, smaller( p, q ), nowhere ), lower );
-        upper = larger( lane16v_select( moves, larger( p, q ), beyond ), upper );
+        lower = smaller( lane16v_select( moves, smaller( p, q ), plus_infinity ), lower );
+        upper = larger( lane16v_select( moves, larger( p, q ), minus_infinity ), upper );
         longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
         begin_row( args, (size_t)row, first_iteration );
     }

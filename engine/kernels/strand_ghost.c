@@ -214,8 +214,8 @@ LANE_INLINE quad_walk begin_walk( const int32_t* node, const int32_t* count, int
 LANE_INLINE void walk( quad_walk* w )
 {
     lane8i_storeu( w->at, w->next );
-    const lane8i ahead = lane8i_add( w->next, w->stride );
-    w->next = lane8i_select( lane8i_lt( w->last, ahead ), w->last, ahead );
+    const lane8i following = lane8i_add( w->next, w->stride );
+    w->next = lane8i_select( lane8i_lt( w->last, following ), w->last, following );
 }
 
 LANE_INLINE lane8v load_offset( const float* rows )

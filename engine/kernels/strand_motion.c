@@ -58,11 +58,11 @@ LANE_INLINE void predict_row( const wisp_strand_motion_args* args, const motion_
     const lane16v none = { zero, zero, zero };
     const lane16v p = lane16v_load( args->position + at );
     const lane16v gained = lane16v_add( v, lane16v_select( is_free, gain, none ) );
-    const lane16v way = lane16v_scale( gained, terms->dt );
-    const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, way ) );
+    const lane16v path = lane16v_scale( gained, terms->dt );
+    const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, path ) );
     lane16v_store( args->previous + at, start );
     lane16v_store( args->velocity + at, gained );
-    lane16v_store( args->position + at, lane16v_add( start, way ) );
+    lane16v_store( args->position + at, lane16v_add( start, path ) );
 }
 
 // Predicts all rows. With `takes_velocity`, velocities of the last substep are computed first.

@@ -36,7 +36,7 @@ LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 
 }
 
 // Returns the displacement by the acceleration, scaled per strand.
-LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
+LANE_INLINE lane16 acceleration_offset( const wisp_strand_rod_args* args, int group )
 {
     const lane16 minus_dt2 = lane16_set1( -args->dt * args->dt );
     return args->acceleration_scale != NULL ? lane16_mul( minus_dt2, lanes_of( args->acceleration_scale, group ) )
@@ -48,7 +48,7 @@ LANE_INLINE lane16 way_back( const wisp_strand_rod_args* args, int group )
 static void pull( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -args->dt * args->dt );
-    const lane16 back = way_back( args, group );
+    const lane16 back = acceleration_offset( args, group );
     lane16v p = coasting( args, first, back ), before = { zero, zero, zero };
     for ( int row = first; row < last; ++row )
     {
@@ -146,7 +146,7 @@ static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int fir
 static void measure_frames( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     frame16 before = clamp_frame( args, group );
-    const lane16 back = way_back( args, group );
+    const lane16 back = acceleration_offset( args, group );
     carry_frames( args, back, first, last );
     lane16v p = coasting( args, first, back ), t_before = frame16_z( before );
     float* out = args->scratch;

@@ -57,7 +57,7 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
     const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
     const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
     const lane16 squared = lane16v_dot( e, e );
-    const lane16 lacks = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
+    const lane16 deficit = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
     // off is minus the coefficient, and off^2 / previous pivot is written as off times coupling, to shorten the
     // dependency between segments
     const lane16 off = lane16_mul( s->w, lane16v_dot( s->e_before, e ) );
@@ -66,7 +66,7 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
     const lane16m solvable = lane16_lt( lane16_set1( MIN_PIVOT ), pivot );
     const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
     const lane16 coupling = lane16_mul( off, s->inverse_before );
-    const lane16 multiplier = lane16_mul( lane16_add( lacks, lane16_mul( off, s->multiplier_before ) ), inverse );
+    const lane16 multiplier = lane16_mul( lane16_add( deficit, lane16_mul( off, s->multiplier_before ) ), inverse );
     lane16v_store( out, e );
     lane16_store( out + MULTIPLIER, multiplier );
     lane16_store( out + COUPLING, coupling );
@@ -232,14 +232,14 @@ static lane16 whole_length( const wisp_strand_stretch_args* args, int first, int
 static lane16v start_of( const wisp_strand_stretch_args* args, int row, lane16v put, lane16 reach2 )
 {
     lane16v start = lane16v_load( args->previous + (size_t)row * STRIDE );
-    const lane16v way = lane16v_sub( put, start );
-    const lane16 squared = lane16v_dot( way, way );
+    const lane16v path = lane16v_sub( put, start );
+    const lane16 squared = lane16v_dot( path, path );
     if ( args->velocity != NULL )
     {
         const lane16v v = lane16v_load( args->velocity + (size_t)row * STRIDE );
         const lane16 predicted = lane16_mul( lane16v_dot( v, v ), lane16_set1( args->dt * args->dt ) );
         const lane16 fraction = lane16_sqrt( lane16_div( predicted, squared ) );
-        start = lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( way, fraction ) ),
+        start = lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( path, fraction ) ),
                                 start );
     }
     return lane16v_select( lane16_le( squared, reach2 ), start, put );

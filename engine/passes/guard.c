@@ -21,7 +21,7 @@ typedef struct guard_loop
     _Atomic int first_bad; // lowest slot out of bounds, slot_count if there is none
 } guard_loop;
 
-static void look( void* context, int begin, int end, int worker )
+static void check( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
@@ -80,7 +80,7 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
         .slot_count = wisp_frame_fabric( frame, span->entity )->slot_count,
     };
     atomic_init( &loop.first_bad, loop.slot_count );
-    wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, look, &loop );
+    wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, check, &loop );
     if ( atomic_load( &loop.first_bad ) < loop.slot_count )
     {
         put_back( frame, span->entity, &loop );

@@ -377,10 +377,10 @@ static void loop_fast( wisp_frame* frame, const plan_node* node, const plan_bloc
 // of strands. The timed substep runs pass by pass, because a fused function gives no times of its passes.
 static void loop_block( wisp_frame* frame, const plan_node* node, const plan_block* block, wisp_span span, int index )
 {
-    const uint64_t turn = frame->step + (uint64_t)index, every = (uint64_t)frame->clocked_blocks;
+    const uint64_t turn = frame->step + (uint64_t)index, interval = (uint64_t)frame->clocked_blocks;
     const int substeps = frame->substeps;
-    const bool is_timed = frame->sampled && turn % every == 0;
-    const int timed = is_timed ? (int)( turn / every % (uint64_t)substeps ) : substeps;
+    const bool is_timed = frame->sampled && turn % interval == 0;
+    const int timed = is_timed ? (int)( turn / interval % (uint64_t)substeps ) : substeps;
     loop_fast( frame, node, block, span, 0, timed );
     if ( is_timed )
     {
@@ -443,7 +443,7 @@ static bool has_several_passes( const wisp_frame* frame, int count, int* only )
 
 // Divide the wall time of a wave among its passes in proportion to the samples. Walks the plan, not the registry,
 // so that unselected passes cost nothing.
-static void share_time( wisp_frame* frame, double seconds )
+static void divide_time( wisp_frame* frame, double seconds )
 {
     const plan* p = frame->plan;
     double totals[PLAN_MAX_PASSES] = { 0 }, sum = 0.0;
@@ -483,7 +483,7 @@ static void run_narrow( wisp_frame* frame, int count, int rows )
     double seconds = wisp_clock_seconds() - begin;
     if ( frame->sampled )
     {
-        share_time( frame, seconds );
+        divide_time( frame, seconds );
     }
     else
     {

@@ -210,7 +210,7 @@ static wisp_component max_missed( const writer* w, const char* module )
 }
 
 // Set the reason of a module to that of its pass that is closest to being active.
-static void tell_module( const writer* w, const wisp_plan_info* report, wisp_plan_module* m )
+static void explain_module( const writer* w, const wisp_plan_info* report, wisp_plan_module* m )
 {
     const wisp_plan_pass* nearest = NULL;
     for ( int i = 0; i < report->pass_count; ++i )
@@ -248,7 +248,7 @@ static void add_modules( writer* w, wisp_plan_info* report )
     {
         if ( w->modules[i].active_count == 0 )
         {
-            tell_module( w, report, w->modules + i );
+            explain_module( w, report, w->modules + i );
         }
     }
 }

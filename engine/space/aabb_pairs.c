@@ -210,7 +210,7 @@ static void keep_lists( search_block* b )
 
 // Runs several queries at once.
 // @return false if the grid needs them one by one
-static bool ask_together( search_block* b, const int32_t* queries, int count )
+static bool query_together( search_block* b, const int32_t* queries, int count )
 {
     const pair_search* s = b->search;
     box_question* q = &b->question;
@@ -247,12 +247,12 @@ static bool ask_together( search_block* b, const int32_t* queries, int count )
     return true;
 }
 
-static void ask_group( search_block* b, const int32_t* queries, int count )
+static void query_group( search_block* b, const int32_t* queries, int count )
 {
-    bool is_done = ask_together( b, queries, count );
+    bool is_done = query_together( b, queries, count );
     for ( int l = 0; l < count && !is_done; ++l )
     {
-        ask_together( b, queries + l, 1 );
+        query_together( b, queries + l, 1 );
         if ( b->next >= b->full )
         {
             keep_lists( b );
@@ -300,11 +300,11 @@ static void search_queries( void* context, int begin, int end, int worker )
         last = find_group_end( s, i, end );
         if ( s->order != NULL )
         {
-            ask_group( &b, s->order + i, last - i );
+            query_group( &b, s->order + i, last - i );
         }
         else if ( box_is_valid( s->queries + i ) )
         {
-            ask_group( &b, &( int32_t ){ i }, 1 );
+            query_group( &b, &( int32_t ){ i }, 1 );
         }
     }
     keep_lists( &b );

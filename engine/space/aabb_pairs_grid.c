@@ -454,7 +454,7 @@ typedef struct run_list
     int32_t runs[2 * MAX_RUNS];
 } run_list;
 
-static void ask_runs( run_list* list )
+static void compare_runs( run_list* list )
 {
     const box_grid* grid = list->grid;
     box_question* q = list->question;
@@ -492,7 +492,7 @@ static bool add_run( run_list* list, int begin, int end )
             {
                 return false;
             }
-            ask_runs( list );
+            compare_runs( list );
         }
         last = list->runs + 2 * list->count;
         last[0] = begin > list->covered ? begin : list->covered;
@@ -505,7 +505,7 @@ static bool add_run( run_list* list, int begin, int end )
     return true;
 }
 
-static bool ask_level( const box_level* level, const wisp_aabb* around, run_list* list )
+static bool query_level( const box_level* level, const wisp_aabb* around, run_list* list )
 {
     int first[3], last[3];
     for ( int k = 0; k < 3; ++k )
@@ -559,7 +559,7 @@ bool box_grid_find( const box_grid* grid, box_question* question )
     const wisp_aabb around = find_box_around( &question->group );
     for ( int level = 0; level < grid->level_count; ++level )
     {
-        if ( !ask_level( grid->levels + level, &around, &list ) )
+        if ( !query_level( grid->levels + level, &around, &list ) )
         {
             return false;
         }
@@ -570,7 +570,7 @@ bool box_grid_find( const box_grid* grid, box_question* question )
     }
     if ( list.count > 0 )
     {
-        ask_runs( &list );
+        compare_runs( &list );
     }
     return true;
 }

@@ -80,12 +80,12 @@ static bool watch_memory( void* user, ssize_t bytes, bool is_taken )
 {
     embree_tree* tree = user;
     int64_t sum = atomic_fetch_add( &tree->node_bytes, (int64_t)bytes ) + (int64_t)bytes;
-    bool is_fine = bytes <= 0 || tree->max_node_bytes == 0 || sum <= tree->max_node_bytes;
-    if ( !is_fine && !is_taken )
+    bool is_allowed = bytes <= 0 || tree->max_node_bytes == 0 || sum <= tree->max_node_bytes;
+    if ( !is_allowed && !is_taken )
     {
         atomic_fetch_sub( &tree->node_bytes, (int64_t)bytes ); // Embree does not report the release
     }
-    return is_fine;
+    return is_allowed;
 }
 
 static wisp_status take_fault( embree_tree* tree, const char* what, wisp_error* error )

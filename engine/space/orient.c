@@ -79,7 +79,7 @@ typedef struct float_parts
     bool negative;
 } float_parts;
 
-static float_parts take_apart( float value )
+static float_parts decompose( float value )
 {
     uint32_t word;
     memcpy( &word, &value, sizeof( word ) );
@@ -158,7 +158,7 @@ static int side_in_whole_numbers( const float* const points[4] )
     float_parts parts[4][3];
     for ( int i = 0; i < 4 * 3; ++i )
     {
-        parts[i / 3][i % 3] = take_apart( points[i / 3][i % 3] );
+        parts[i / 3][i % 3] = decompose( points[i / 3][i % 3] );
     }
     int unit, span;
     if ( !find_span( parts, &unit, &span ) )

@@ -178,13 +178,13 @@ static bool has_lines( const samples_update* u, int t, samples_lines lines )
     int p = m->begin[element];
     while ( samples_next_line( &lines ) )
     {
-        const float there = p < end ? u->from.weights[p][across] : -1.0f;
-        if ( u->args->policy == WISP_SPACING_EVEN && there != (float)lines.fraction )
+        const float weight = p < end ? u->from.weights[p][across] : -1.0f;
+        if ( u->args->policy == WISP_SPACING_EVEN && weight != (float)lines.fraction )
         {
             return false;
         }
         const int first = p;
-        while ( p < end && u->from.weights[p][across] == there )
+        while ( p < end && u->from.weights[p][across] == weight )
         {
             ++p;
         }
@@ -211,8 +211,8 @@ static void remember_triangle( const samples_update* u, int t, const samples_ext
 {
     const float* before = u->args->triangle_extent + 2 * (size_t)t;
     const samples_extent made = { now->axis, (double)before[0], (double)before[1] };
-    const bool known = before[0] > 0.0f && u->args->triangle_axis[t] == now->axis;
-    const bool stays = known && triangle_stays( u, &made, now );
+    const bool has_extent = before[0] > 0.0f && u->args->triangle_axis[t] == now->axis;
+    const bool stays = has_extent && triangle_stays( u, &made, now );
     kept[0] = stays ? before[0] : (float)now->base;
     kept[1] = stays ? before[1] : (float)now->height;
 }

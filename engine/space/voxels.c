@@ -146,7 +146,7 @@ static wisp_status choose_size( voxels* v, const mesh_surface* s, wisp_error* er
 
 // Tests the cross products of triangle edges and grid axes of Akenine-Moeller 2001, "Fast 3D triangle-box overlap
 // testing". Returns whether one of them separates the triangle from a cube of half edge `half` around `centre`.
-static bool is_apart_by_edges( const triangle_corners* t, const double3* centre, double half )
+static bool is_separated_by_edges( const triangle_corners* t, const double3* centre, double half )
 {
     for ( int e = 0; e < 3; ++e )
     {
@@ -198,7 +198,7 @@ static bool is_touched( const voxels* v, const voxel_finder* f, int x, int y, in
     double3 centre = { v->lower[0] + ( (double)x + 0.5 ) * v->size, v->lower[1] + ( (double)y + 0.5 ) * v->size,
                        v->lower[2] + ( (double)z + 0.5 ) * v->size };
     return fabs( double3_dot( double3_sub( centre, f->t.at[0] ), f->normal ) ) <= f->reach &&
-           !( f->is_large && is_apart_by_edges( &f->t, &centre, f->half ) );
+           !( f->is_large && is_separated_by_edges( &f->t, &centre, f->half ) );
 }
 
 // Counts a triangle in the voxels that it touches, or appends it to their lists.

@@ -86,7 +86,7 @@ static bool is_far( const closest_walk* w, int32_t triangle )
     return sum > w->most;
 }
 
-static void look_into( closest_walk* w, int32_t voxel )
+static void propose_voxel( closest_walk* w, int32_t voxel )
 {
     const int32_t *begins = w->v->begins.data, *lists = w->v->lists.data;
     for ( int32_t i = begins[voxel]; i < begins[voxel + 1]; ++i )
@@ -109,7 +109,7 @@ static bool was_near( const closest_walk* w, const int at[3] )
     return far <= NEAR_RINGS;
 }
 
-static void look_into_block( closest_walk* w, int x, int y, int z )
+static void propose_block( closest_walk* w, int x, int y, int z )
 {
     const voxels* v = w->v;
     uint64_t mask = ( (const uint64_t*)v->masks.data )[( z * v->blocks[1] + y ) * v->blocks[0] + x];
@@ -122,7 +122,7 @@ static void look_into_block( closest_walk* w, int x, int y, int z )
         double gap = square_gap( w, 0, at[0], 1 ) + square_gap( w, 1, at[1], 1 ) + square_gap( w, 2, at[2], 1 );
         if ( gap <= w->most && !was_near( w, at ) )
         {
-            look_into( w, voxels_number( v, at[0], at[1], at[2] ) );
+            propose_voxel( w, voxels_number( v, at[0], at[1], at[2] ) );
         }
     }
 }
@@ -144,11 +144,11 @@ static void walk_row( closest_walk* w, const ring_walk* r, int ring, int y, int 
         }
         if ( r->unit == 1 )
         {
-            look_into( w, voxels_number( w->v, x, y, z ) );
+            propose_voxel( w, voxels_number( w->v, x, y, z ) );
         }
         else
         {
-            look_into_block( w, x, y, z );
+            propose_block( w, x, y, z );
         }
     }
 }

@@ -695,11 +695,11 @@ typedef struct wisp_kernels
     int ( *gather_particles )( const wisp_gather_args* args, int begin, int end );
     /// Transform gathered particles to the frame of a body and keep those that may touch it.
     /// @return number of candidates
-    int ( *cull_particles )( const wisp_cull_args* sight, int count );
+    int ( *cull_particles )( const wisp_cull_args* args, int count );
     /// Find slots that have moved farther from `place` than its fourth component.
-    /// @param strays [end - begin] output
+    /// @param displaced [end - begin] output
     /// @return number of slots
-    int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* strays );
+    int ( *find_displaced )( const float* position, const float* place, int begin, int end, int32_t* displaced );
     /// Find a component that is NaN or beyond the bound.
     /// @return its slot, the first if there are several; `end` if there is none
     int ( *find_out_of_bounds )( const wisp_bound_args* args, int begin, int end );
