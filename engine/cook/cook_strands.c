@@ -38,7 +38,7 @@ static size_t padded( size_t bytes )
 }
 
 // Takes the next array from the block.
-static int32_t* carve( char** cursor, size_t count )
+static int32_t* take_array( char** cursor, size_t count )
 {
     int32_t* array = (int32_t*)(void*)*cursor;
     *cursor += padded( count * sizeof( int32_t ) );
@@ -91,10 +91,10 @@ cook_strands* cook_strands_create( const wisp_allocator* allocator, const int32_
         t->group_count = (int)group_count;
         t->dimension = dimension;
         char* cursor = (char*)cooked + padded( sizeof( cook_strands ) );
-        int32_t* own_offsets = carve( &cursor, strands + 1 );
-        int32_t* group_row = carve( &cursor, group_count + 1 );
-        int32_t* lane_strand = carve( &cursor, lanes );
-        int32_t* lane_count = carve( &cursor, lanes );
+        int32_t* own_offsets = take_array( &cursor, strands + 1 );
+        int32_t* group_row = take_array( &cursor, group_count + 1 );
+        int32_t* lane_strand = take_array( &cursor, lanes );
+        int32_t* lane_count = take_array( &cursor, lanes );
         memcpy( own_offsets, offsets, ( strands + 1 ) * sizeof( int32_t ) );
         fill_lanes( t, own_offsets, order, laned, group_row, lane_strand, lane_count );
         t->offsets = own_offsets;

@@ -26,7 +26,7 @@ double level_distance( const level_maker* m, int32_t rank_a, int32_t rank_b )
     return found != NULL ? (double)found->distance : (double)INFINITY;
 }
 
-static void meet_neighbours( level_maker* m, int32_t a )
+static void mark_mutual( level_maker* m, int32_t a )
 {
     level_near* near = m->near + (size_t)a * LEVEL_NEAR;
     for ( int i = 0; i < m->near_count[a]; ++i )
@@ -47,7 +47,7 @@ static void meet_neighbours( level_maker* m, int32_t a )
     }
 }
 
-static void forget_strangers( level_maker* m, int32_t a )
+static void remove_one_sided( level_maker* m, int32_t a )
 {
     level_near* near = m->near + (size_t)a * LEVEL_NEAR;
     int count = 0;
@@ -69,11 +69,11 @@ void level_agree( level_maker* m )
         {
             if ( m->chosen[a] && pass == 0 )
             {
-                meet_neighbours( m, a );
+                mark_mutual( m, a );
             }
             else if ( m->chosen[a] )
             {
-                forget_strangers( m, a );
+                remove_one_sided( m, a );
             }
         }
     }

@@ -52,7 +52,7 @@ LANE_INLINE void sum_parents( const float* xyzw, const int32_t ( *parents )[4], 
 
 // Keeps the old normal and marks it where the new one cancels, for a caller that knows the triangles. This is rare,
 // so it goes through memory.
-static void keep_unknown( float* out, const float* before, uint32_t invalid )
+static void keep_normals( float* out, const float* before, uint32_t invalid )
 {
     for ( int l = 0; l < 8; ++l )
     {
@@ -85,7 +85,7 @@ LANE_INLINE int store_normals( float* out, const lane8 sum[4] )
     memcpy( before, out, sizeof( before ) );
     lane8_store_quads( out, lane_quad_iota, unit );
     const uint32_t invalid = ~lane8m_bits( valid ) & 0xffu;
-    keep_unknown( out, before, invalid );
+    keep_normals( out, before, invalid );
     return __builtin_popcount( invalid );
 }
 

@@ -184,7 +184,7 @@ LANE_INLINE nearest nearest_of( candidate best, intersection c, lane8m allowed, 
 }
 
 // Subtracts the component of d along an edge, in the lanes of `mask`.
-LANE_INLINE lane8v clear_of( lane8v d, segment on, lane8m mask )
+LANE_INLINE lane8v subtract_along( lane8v d, segment on, lane8m mask )
 {
     const lane8 excess = lane8_mul( lane8v_dot( d, on.along ), on.inverse );
     return lane8v_sub( d, lane8v_scale( on.along, lane8_select( mask, excess, lane8_zero() ) ) );
@@ -212,13 +212,13 @@ LANE_INLINE void store_normal( float ( *normal )[8], const nearest* n, lane8v d,
 // the edge.
 LANE_INLINE void store_answer( const wisp_closest_args* args, int group, const nearest* n, bool requests_normal )
 {
-    const lane8v once = clear_of( n->between, n->on, n->straight );
+    const lane8v once = subtract_along( n->between, n->on, n->straight );
     const lane8 all = squared_of( once );
     const lane8 squared = lane8_select( lane8_lt( all, lane8_set1( FLT_MIN ) ), lane8_zero(), all );
     lane8_storeu( args->distance + 8 * (ptrdiff_t)group, lane8_add( lane8_sqrt( squared ), n->poison ) );
     if ( requests_normal )
     {
-        const lane8v twice = clear_of( once, n->on, n->straight );
+        const lane8v twice = subtract_along( once, n->on, n->straight );
         const lane8m nothing = lane8_lt( squared_of( twice ), lane8_set1( FLT_MIN ) );
         store_normal( args->normal[group], n, lane8v_select( nothing, once, twice ), squared );
     }

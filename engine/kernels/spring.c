@@ -117,8 +117,8 @@ LANE_INLINE void add_link( const wisp_spring_args* args, row_lanes* row, int ent
     row->matrix[5] = lane8_add( row->matrix[5], lane8_mul_add( e.z, e.z, k2 ) );
 }
 
-// Scales stiffness for one substep; the material of the links stays.
-LANE_INLINE lane8 no_stiffer( const wisp_spring_args* args, lane8 stiffness )
+// Clamps stiffness to the maximum of this substep; the material of the links stays unchanged.
+LANE_INLINE lane8 clamp_stiffness( const wisp_spring_args* args, lane8 stiffness )
 {
     return lane8_min( stiffness, lane8_set1( args->max_stiffness > 0.0f ? args->max_stiffness : FLT_MAX ) );
 }
@@ -128,7 +128,7 @@ LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entr
 {
     const link_lanes l = load_link( args, row, entry );
     const lane8m taut = lane8m_and( lane8_ge( l.length, l.rest ), l.directed );
-    const lane8 stiffness = no_stiffer( args, l.load ), zero = lane8_zero();
+    const lane8 stiffness = clamp_stiffness( args, l.load ), zero = lane8_zero();
     const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->compression_margin ) );
     const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
     const lane8 along = lane8_select( resists, stiffness, zero );
@@ -144,7 +144,7 @@ LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
     const lane8m slack = lane8m_and( lane8_lt( l.length, l.rest ), l.directed );
     const lane8 inverse_rest = lane8_div( one, lane8_select( slack, l.rest, one ) );
     const arc_load arc = load_arc( lane8_min( lane8_mul( l.length, inverse_rest ), one ) );
-    const lane8 ramp = no_stiffer( args, lane8_load( args->links.ramp_stiffness[entry] ) );
+    const lane8 ramp = clamp_stiffness( args, lane8_load( args->links.ramp_stiffness[entry] ) );
     const lane8 buckled = lane8_mul( l.load, arc.load ), straight = lane8_mul( ramp, lane8_sub( l.length, l.rest ) );
     const lane8m ramps = lane8_lt( buckled, straight );
     const lane8 pull = lane8_select( slack, lane8_select( ramps, straight, buckled ), zero );

@@ -27,7 +27,7 @@ static lane16v mean_of( const align_group* g )
 }
 
 // Selects strands inside the radius. Eq. 10 as printed tests the tip; `nearest` tests every vertex.
-static lane16m reached( const wisp_strand_align_args* args, const align_group* g, lane16v target )
+static lane16m find_inside( const wisp_strand_align_args* args, const align_group* g, lane16v target )
 {
     lane16v d = lane16v_sub( g->tip, target );
     lane16 nearest = lane16v_dot( d, d );
@@ -106,7 +106,7 @@ static void align_group_to( const wisp_strand_align_args* args, int group )
     g.root = lane16v_load( g.rows );
     g.tip = lane16v_load( g.rows + (size_t)( g.row_count - 1 ) * STRIDE );
     lane16v target = lane16v_set1( args->target );
-    lane16m inside = reached( args, &g, target );
+    lane16m inside = find_inside( args, &g, target );
     if ( lane16m_any( inside ) == false )
     {
         return;

@@ -257,7 +257,7 @@ static void begin_row( const wisp_strand_contact_args* args, size_t row, bool fi
     }
 }
 
-static wisp_vec3 fold( lane16v v, bool to_smallest )
+static wisp_vec3 reduce( lane16v v, bool to_smallest )
 {
     _Alignas( 64 ) float lanes[3 * WISP_LANES];
     float least[3];
@@ -292,9 +292,9 @@ void KERNEL( strand_contact_begin )( const wisp_strand_contact_args* args, int g
         longest = lane16_max( lane16_select( moves, lane16v_dot( d, d ), lane16_zero() ), longest );
         begin_row( args, (size_t)row, first_iteration );
     }
-    *reach = ( wisp_strand_bounds ){ .lower = fold( lower, true ), .upper = fold( upper, false ) };
+    *reach = ( wisp_strand_bounds ){ .lower = reduce( lower, true ), .upper = reduce( upper, false ) };
     lane16 length = lane16_sqrt( longest );
-    reach->max_path = fold( ( lane16v ){ length, length, length }, false ).x;
+    reach->max_path = reduce( ( lane16v ){ length, length, length }, false ).x;
 }
 
 // ---- one body ----

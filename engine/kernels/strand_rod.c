@@ -28,7 +28,7 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
 }
 
 // Computes the predicted position without the acceleration of this substep: at rest this is the current position.
-LANE_INLINE lane16v coasting( const wisp_strand_rod_args* args, int row, lane16 minus_dt2 )
+LANE_INLINE lane16v unaccelerated( const wisp_strand_rod_args* args, int row, lane16 minus_dt2 )
 {
     const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
     const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( args->acceleration ) );
@@ -49,13 +49,13 @@ static void pull( const wisp_strand_rod_args* args, int group, int first, int la
 {
     const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -args->dt * args->dt );
     const lane16 back = acceleration_offset( args, group );
-    lane16v p = coasting( args, first, back ), before = { zero, zero, zero };
+    lane16v p = unaccelerated( args, first, back ), before = { zero, zero, zero };
     for ( int row = first; row < last; ++row )
     {
         lane16v behind = { zero, zero, zero }, next = p;
         if ( row + 1 < last )
         {
-            next = coasting( args, row + 1, back );
+            next = unaccelerated( args, row + 1, back );
             const lane16 most = lanes_of( args->max_tension, row );
             float* at = args->tension + (size_t)row * WISP_LANES;
             const lane16 tension = lane16_max( lane16_neg( most ), lane16_min( most, lane16_load( at ) ) );
@@ -134,10 +134,10 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
 // parallel.
 static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
 {
-    lane16v p = coasting( args, first, back );
+    lane16v p = unaccelerated( args, first, back );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const lane16v next = coasting( args, row + 1, back );
+        const lane16v next = unaccelerated( args, row + 1, back );
         frame16_store( args->frame + (size_t)row * QUATERNION, carry_frame( args, row, lane16v_sub( next, p ) ) );
         p = next;
     }
@@ -148,11 +148,11 @@ static void measure_frames( const wisp_strand_rod_args* args, int group, int fir
     frame16 before = clamp_frame( args, group );
     const lane16 back = acceleration_offset( args, group );
     carry_frames( args, back, first, last );
-    lane16v p = coasting( args, first, back ), t_before = frame16_z( before );
+    lane16v p = unaccelerated( args, first, back ), t_before = frame16_z( before );
     float* out = args->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v next = coasting( args, row + 1, back );
+        const lane16v next = unaccelerated( args, row + 1, back );
         const lane16v t = lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) );
         const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
         measure_vertex( args, row, before, q, t_before, t, out );

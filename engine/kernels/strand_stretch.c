@@ -188,7 +188,7 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const floa
 // ---- strands that do not converge ----
 
 // Selects lanes with a segment that is not within the tolerance. Called only for groups that are not exact.
-static lane16m find_bad( const wisp_strand_stretch_args* args, int first, int last )
+static lane16m find_inexact( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * args->tolerance );
     lane16m bad = lane16_lt( zero, zero );
@@ -245,7 +245,7 @@ static lane16v start_of( const wisp_strand_stretch_args* args, int row, lane16v 
     return lane16v_select( lane16_le( squared, reach2 ), start, put );
 }
 
-static void lay_out( const wisp_strand_stretch_args* args, lane16m lanes, int first, int last )
+static void reset_strands( const wisp_strand_stretch_args* args, lane16m lanes, int first, int last )
 {
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
     const lane16 reach = whole_length( args, first, last ), reach2 = lane16_mul( reach, reach );
@@ -298,19 +298,19 @@ static void clear_tension( const wisp_strand_stretch_args* args, int first, int 
 
 // Resets strands that did not converge.
 // @return number of strands
-static int mend( const wisp_strand_stretch_args* args, int first, int last )
+static int reset_diverged( const wisp_strand_stretch_args* args, int first, int last )
 {
-    const lane16m lost = lane16m_and_not( find_bad( args, first, last ), further_pins( args, first, last ) );
-    if ( lane16m_any( lost ) )
+    const lane16m diverged = lane16m_and_not( find_inexact( args, first, last ), further_pins( args, first, last ) );
+    if ( lane16m_any( diverged ) )
     {
-        lay_out( args, lost, first, last );
+        reset_strands( args, diverged, first, last );
     }
-    return count_lanes( lost );
+    return count_lanes( diverged );
 }
 
 // Runs one Newton iteration over interleaved groups.
-LANE_INLINE void pass_over( const wisp_strand_stretch_args* args, const int* first, int rows, int count,
-                            lane16m* inexact )
+LANE_INLINE void iterate( const wisp_strand_stretch_args* args, const int* first, int rows, int count,
+                          lane16m* inexact )
 {
     eliminate( args, first, rows, count );
     for ( int c = 0; c < count; ++c )
@@ -330,15 +330,15 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
     {
         clear_tension( args, first[c], first[c] + rows );
     }
-    pass_over( args, first, rows, count, inexact );
+    iterate( args, first, rows, count, inexact );
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
         for ( int pass = 1; pass < args->iterations && lane16m_any( inexact[c] ); ++pass )
         {
-            pass_over( args, first + c, rows, 1, inexact + c );
+            iterate( args, first + c, rows, 1, inexact + c );
         }
-        laid += lane16m_any( inexact[c] ) ? mend( args, first[c], first[c] + rows ) : 0;
+        laid += lane16m_any( inexact[c] ) ? reset_diverged( args, first[c], first[c] + rows ) : 0;
     }
     return laid;
 }

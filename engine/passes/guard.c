@@ -43,7 +43,7 @@ static void keep( void* context, int begin, int end, int worker )
     memcpy( loop->good_velocity + first, loop->velocity + first, bytes );
 }
 
-static void put_back( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
+static void restore( wisp_frame* frame, wisp_entity entity, guard_loop* loop )
 {
     int slot = atomic_load( &loop->first_bad );
     const float* p = loop->position + (size_t)slot * 4;
@@ -83,7 +83,7 @@ static void guard( wisp_frame* frame, const wisp_span* span, void* user )
     wisp_parallel_for( parallel, loop.slot_count / 8, GRAIN, check, &loop );
     if ( atomic_load( &loop.first_bad ) < loop.slot_count )
     {
-        put_back( frame, span->entity, &loop );
+        restore( frame, span->entity, &loop );
     }
     else
     {

@@ -245,7 +245,7 @@ static wave_size collect_blocks( wisp_frame* frame, plan_section section, int wa
 
 // Move blocks that run on all workers to the end: large entities, and a single one.
 // @return number of other blocks
-static int part_wide_blocks( const wisp_frame* frame, int count )
+static int partition_wide_blocks( const wisp_frame* frame, int count )
 {
     plan* p = frame->plan;
     int entity_blocks = 0;
@@ -508,7 +508,7 @@ static void run_section( wisp_frame* frame, plan_section section )
     for ( int wave = 0; wave < frame->plan->wave_count[section]; ++wave )
     {
         wave_size size = collect_blocks( frame, section, wave );
-        int narrow = part_wide_blocks( frame, size.count );
+        int narrow = partition_wide_blocks( frame, size.count );
         frame->wave = frame->plan->blocks;
         if ( narrow > 0 )
         {

@@ -102,7 +102,7 @@ void explain_reasons( wisp_plan_pass* p )
 // ---- why a pass is absent ----
 
 // Components of an entity that passes may require; rows that only a pass fills do not count.
-static store_mask given( const store_entity* e )
+static store_mask source_components( const store_entity* e )
 {
     return e->alive ? e->components & ~e->derived : 0;
 }
@@ -112,7 +112,7 @@ store_mask explain_missing( const wisp_registry* r, const wisp_pass* pass )
     store_mask anybody_has = 0;
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
-        anybody_has |= given( r->store->entities + slot );
+        anybody_has |= source_components( r->store->entities + slot );
     }
     return plan_mask( pass->required ) & ~anybody_has;
 }
@@ -124,9 +124,9 @@ static wisp_plan_state state_of( const wisp_registry* r, const wisp_pass* pass )
     for ( int slot = 0; slot < r->store->entity_count; ++slot )
     {
         const store_entity* e = r->store->entities + slot;
-        const bool has_all = e->alive && ( required & ~given( e ) ) == 0;
+        const bool has_all = e->alive && ( required & ~source_components( e ) ) == 0;
         suits = suits || has_all;
-        is_free = is_free || ( has_all && ( excluded & given( e ) ) == 0 );
+        is_free = is_free || ( has_all && ( excluded & source_components( e ) ) == 0 );
     }
     if ( explain_missing( r, pass ) != 0 )
     {

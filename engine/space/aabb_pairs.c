@@ -104,7 +104,7 @@ static void order_by_digits( int32_t* items, int count, int32_t below, int32_t* 
     }
 }
 
-static void put_in_order( const pair_search* s, int32_t* items, int count, int32_t* scratch, int32_t* out )
+static void sort_list( const pair_search* s, int32_t* items, int count, int32_t* scratch, int32_t* out )
 {
     const wisp_kernels* kernels = s->args->kernels;
     if ( kernels != NULL && count <= MAX_RANKED )
@@ -143,7 +143,7 @@ typedef struct pool_chunk
 } pool_chunk;
 
 // Reserves a list, possibly beyond the capacity of the pool.
-static size_t take_room( pair_pool* pool, pool_chunk* chunk, size_t count )
+static size_t reserve_entries( pair_pool* pool, pool_chunk* chunk, size_t count )
 {
     if ( chunk->end - chunk->at < count + BOX_FOUND_PADDING )
     {
@@ -196,10 +196,10 @@ static void keep_lists( search_block* b )
     {
         found_list* list = b->waiting + i;
         filter_list( b, list );
-        size_t count = (size_t)list->count, at = take_room( &s->pool, &b->chunk, count );
+        size_t count = (size_t)list->count, at = reserve_entries( &s->pool, &b->chunk, count );
         if ( at + count + BOX_FOUND_PADDING <= s->pool.capacity )
         {
-            put_in_order( s, list->items, list->count, b->scratch, s->pool.entries + at );
+            sort_list( s, list->items, list->count, b->scratch, s->pool.entries + at );
         }
         s->place[list->query] = at;
         s->begin[list->query + 1] = list->count;

@@ -411,7 +411,7 @@ static int eights( int count )
     return ( count + WISP_SLICE - 1 ) & ~( WISP_SLICE - 1 );
 }
 
-static void overlap_plainly( const wisp_aabb_stream* s, const int32_t* runs, int run_count, wisp_aabb_group* group )
+static void overlap_scalar( const wisp_aabb_stream* s, const int32_t* runs, int run_count, wisp_aabb_group* group )
 {
     for ( int l = 0; l < group->count; ++l )
     {
@@ -465,7 +465,7 @@ static void compare_runs( run_list* list )
     }
     else
     {
-        overlap_plainly( &grid->stream, list->runs, list->count, &q->group );
+        overlap_scalar( &grid->stream, list->runs, list->count, &q->group );
     }
     list->count = list->slots = 0;
 }

@@ -291,7 +291,7 @@ static bool triangles_are_remembered( const samples_update* u, int begin, int en
 
 // Marks slices that the kernel has decided. Spacings of the caller are not padded, so their last slice is measured
 // instead.
-static void hold( const samples_update* u, samples_group* g, int begin, int end )
+static void mark_unchanged( const samples_update* u, samples_group* g, int begin, int end )
 {
     const bool edges = g == &u->memory->edges;
     const float* each = edges ? u->args->edge_spacing : u->args->triangle_spacing;
@@ -321,7 +321,7 @@ static samples_tally count_group( const samples_update* u, samples_group* g, int
     memset( g->held + begin / 8, 0, (size_t)( ( end - begin + 7 ) / 8 ) );
     memset( m->changed + g->first + begin, 0, (size_t)( end - begin ) );
     memcpy( m->next + g->first + begin, g->points + begin, (size_t)( end - begin ) * sizeof( int32_t ) );
-    hold( u, g, begin, end );
+    mark_unchanged( u, g, begin, end );
     for ( int i = begin; i < end; ++i )
     {
         if ( i % 8 == 0 && g->held[i / 8] == 0xff )

@@ -30,7 +30,7 @@ typedef struct wisp_strand_jitter_args
     const float* bend;          ///< [group_count][16] bending stiffness k_b > 0
     wisp_random_key length_key, angle_key, axis_key;
     float angle_max; ///< rad, maximum angle, reached at stiffness 1
-    float epsilon;   ///< added to denominators, as the paper prints it; 0: safe division instead
+    float epsilon;   ///< added to denominators, as the paper prints it; 0: omitted
     int dimension;   ///< 2: a straight strand bends about the z axis; 3: about a random perpendicular
 } wisp_strand_jitter_args;
 
@@ -89,7 +89,7 @@ typedef struct wisp_range_search_result
     int near_count[WISP_SLICE]; ///< near neighbours in each lane's list
     int count[WISP_SLICE];      ///< near and skin neighbours in each lane's list
     int near_length, length;    ///< maximum of near_count and of count
-    int capped;                 ///< incremented by the number of queries that reached the limit
+    int capped;                 ///< incremented by the number of queries that exceeded the limit
 } wisp_range_search_result;
 
 /// Boxes as one array per component, sorted so that boxes tested together are stored together.
@@ -154,7 +154,7 @@ typedef struct wisp_adhesion_args
     uint32_t iteration;
     float radius;       ///< h, m
     float step;         ///< sigma, m
-    float epsilon;      ///< m, added to r in the direction, as the paper prints it; 0: safe division instead
+    float epsilon;      ///< m, added to r in the direction, as the paper prints it; 0: omitted
     float distance_min; ///< r_min, m; minimum distance that the guard keeps between vertices of a pair
     float lambda_min;   ///< minimum of the brake's factor, reached where the distance changes by h
     bool min_distance_clamp;
