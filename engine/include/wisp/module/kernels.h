@@ -53,12 +53,12 @@ typedef struct wisp_strand_align_args
 /// Arguments of the copy from lanes to strands one after the other, in the user's order.
 typedef struct wisp_strand_unpack_args
 {
-    const int32_t* group_row;
-    const int32_t* lane_strand;
-    const int32_t* lane_count;
-    const int32_t* offsets; ///< [strand_count + 1] first vertex of each strand, in the user's order
-    const float* position;  ///< [row][3][16] m
-    float* points;          ///< [vertex_count][3] m
+    const int32_t* group_row;   ///< [group_count + 1] first row of each group
+    const int32_t* lane_strand; ///< [group_count][16] index of the strand
+    const int32_t* lane_count;  ///< [group_count][16] vertices of the strand, 0 in an empty lane
+    const int32_t* offsets;     ///< [strand_count + 1] first vertex of each strand, in the user's order
+    const float* position;      ///< [row][3][16] m
+    float* points;              ///< [vertex_count][3] m
 } wisp_strand_unpack_args;
 
 /// Arguments of the search for all items within a radius of eight queries, through the rows of a uniform grid.
@@ -152,14 +152,14 @@ typedef struct wisp_adhesion_args
                            ///< brake
     wisp_random_key key;
     uint32_t iteration;
-    float radius;       ///< h, m
-    float step;         ///< sigma, m
-    float epsilon;      ///< m, added to r in the direction, as the paper prints it; 0: omitted
-    float distance_min; ///< r_min, m; minimum distance that the guard keeps between vertices of a pair
-    float lambda_min;   ///< minimum of the brake's factor, reached where the distance changes by h
-    bool min_distance_clamp;
-    bool planar; ///< all z are 0
-    int gap;     ///< a wisp_gap value
+    float radius;            ///< h, m
+    float step;              ///< sigma, m
+    float epsilon;           ///< m, added to r in the direction, as the paper prints it; 0: omitted
+    float distance_min;      ///< r_min, m; minimum distance that the guard keeps between vertices of a pair
+    float lambda_min;        ///< minimum of the brake's factor, reached where the distance changes by h
+    bool min_distance_clamp; ///< enables the guard
+    bool planar;             ///< all z are 0
+    int gap;                 ///< a wisp_gap value
 } wisp_adhesion_args;
 
 /// Arguments of distance constraints between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and
@@ -188,7 +188,7 @@ typedef struct wisp_hinge_args
     const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd
     const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
     float* lambda;           ///< [hinge] multiplier of this substep; null: starts at 0, for a single iteration
-    float inverse_dt2;
+    float inverse_dt2;       ///< xpbd: 1/s^2
 } wisp_hinge_args;
 
 /// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
@@ -289,11 +289,11 @@ typedef struct wisp_push_args
 /// only if the attachment is pinned, so that all layers of a particle can be processed before the next particle.
 typedef struct wisp_tether_args
 {
-    float* position;          ///< [slot][4]
-    const int32_t* anchor_x4; ///< [layer][slot_count] slot of the attachment times 4
-    const float* rest;        ///< [layer][slot_count] m, rest length
-    int layer_count, slot_count;
-    float slack; ///< maximum distance as a factor of the rest length, >= 1
+    float* position;             ///< [slot][4]
+    const int32_t* anchor_x4;    ///< [layer][slot_count] slot of the attachment times 4
+    const float* rest;           ///< [layer][slot_count] m, rest length
+    int layer_count, slot_count; ///< tethers per particle, and slots per layer
+    float slack;                 ///< maximum distance as a factor of the rest length, >= 1
 } wisp_tether_args;
 
 /// Arguments of prolongation from a coarse level: p += sum of weights times the displacements of the parents.
@@ -352,13 +352,13 @@ typedef struct wisp_strand_bound_args
 /// motion.
 typedef struct wisp_strand_motion_args
 {
-    const int32_t* group_row;
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
     float* position;           ///< [row][3][16] m
     float* previous;           ///< [row][3][16] m, at the start of the substep
     float* velocity;           ///< [row][3][16] m/s
     const float* inverse_mass; ///< [row][16] 1/kg; 0: pinned, beyond the tip, or empty lane
     const float* root;         ///< [group][3][16] m, target position of pinned vertices in row 0; null: they stay
-    wisp_vec3 acceleration;
+    wisp_vec3 acceleration;    ///< m/s^2
     const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
     float dt;                        ///< s
 } wisp_strand_motion_args;
@@ -367,26 +367,26 @@ typedef struct wisp_strand_motion_args
 /// centre).
 typedef struct wisp_strand_damp_args
 {
-    const int32_t* group_row;
-    const float* position;     ///< [row][3][16] m
-    float* velocity;           ///< [row][3][16] m/s
-    const float* inverse_mass; ///< [row][16] 1/kg
-    float retained_fraction;   ///< in [0, 1]
-    wisp_vec3 linear, angular, centre;
+    const int32_t* group_row;          ///< [group_count + 1] first row of each group
+    const float* position;             ///< [row][3][16] m
+    float* velocity;                   ///< [row][3][16] m/s
+    const float* inverse_mass;         ///< [row][16] 1/kg
+    float retained_fraction;           ///< in [0, 1]
+    wisp_vec3 linear, angular, centre; ///< m/s, rad/s, m
 } wisp_strand_damp_args;
 
 /// Arguments of air drag across a strand. Motion along the strand has no drag. Implicit in the velocity, so that
 /// drag never reverses it.
 typedef struct wisp_strand_air_args
 {
-    const int32_t* group_row;
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
     const float* position;     ///< [row][3][16] m
     float* velocity;           ///< [row][3][16] m/s
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* length;       ///< [row][16] m, of the segment to the next row
     wisp_vec3 wind;            ///< m/s
     float drag;                ///< kg/m^2: 1/2 density C_d diameter
-    float dt;
+    float dt;                  ///< s
 } wisp_strand_air_args;
 
 /// Arguments of inextensible segments by a direct solve of the chain, repeated in Newton iterations. With C_s =
@@ -398,7 +398,7 @@ typedef struct wisp_strand_air_args
 /// not reset.
 typedef struct wisp_strand_stretch_args
 {
-    const int32_t* group_row;
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
     float* position;           ///< [row][3][16] m
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* length;      ///< [row][16] m, > 0: length of the segment from this row to the next; 0 beyond the tip
@@ -408,8 +408,8 @@ typedef struct wisp_strand_stretch_args
     float tolerance;          ///< maximum of |l/l0 - 1|
     float* previous;          ///< [row][3][16] m, moved with a vertex that loses its velocity
     const float* velocity;    ///< [row][3][16] m/s, predicted; a reset gives no vertex a higher speed. Null: no limit
-    float dt;
-    float* scratch; ///< WISP_STRAND_SCRATCH floats per row of the longest group
+    float dt;                 ///< s
+    float* scratch;           ///< WISP_STRAND_SCRATCH floats per row of the longest group
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
@@ -419,9 +419,9 @@ typedef struct wisp_strand_stretch_args
 /// xpbd: as wisp_link_args).
 typedef struct wisp_strand_link_args
 {
-    const int32_t* group_row;
-    float* position;
-    const float* inverse_mass;
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    const float* inverse_mass; ///< [row][16] 1/kg
     const float* rest; ///< [row][16] m, rest length between this row and the row `stride` after it; 0 or less: no
                        ///< link
     float* lambda;   ///< xpbd: [row][16] N s^2, multiplier of this substep; null: starts at 0, for a single iteration
@@ -436,23 +436,23 @@ typedef struct wisp_strand_link_args
 /// are computed.
 typedef struct wisp_strand_follow_args
 {
-    const int32_t* group_row;
-    float* position;
-    float* previous;
-    const float* inverse_mass;
-    const float* length;
-    float leader_correction; ///< s of the paper, in [0, 1]
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    float* previous;           ///< [row][3][16] m, at the start of the substep
+    const float* inverse_mass; ///< [row][16] 1/kg
+    const float* length;       ///< [row][16] m, of the segment to the next row
+    float leader_correction;   ///< s of the paper, in [0, 1]
 } wisp_strand_follow_args;
 
 /// Arguments of bending and twist of elastic rods, implicit in the positions. The bending energy of vertex i is
-///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i,
+///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i.
 /// It is quadratic while the frames that hold the rest vectors k_i are fixed. Then (M + dt^2 K) x = -dt^2 dE/dp is
 /// one pentadiagonal system, the same for x, y and z, and its factors are kept. Frames are transported without
 /// twist to the predicted segments (p less dt^2 acceleration). Then twist is brought to equilibrium by a
 /// tridiagonal system. Segment -1 is the clamp at the root.
 typedef struct wisp_strand_rod_args
 {
-    const int32_t* group_row;
+    const int32_t* group_row;    ///< [group_count + 1] first row of each group
     float* position;             ///< [row][3][16] m, predicted positions; in and out
     const float* previous;       ///< [row][3][16] m, at the start of the substep
     const float* inverse_mass;   ///< [row][16] 1/kg
@@ -471,8 +471,8 @@ typedef struct wisp_strand_rod_args
     float damping;                   ///< s, damping of bending: multiplies its rate of change
     wisp_vec3 acceleration;          ///< m/s^2, of the prediction
     const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
-    float dt;
-    float* scratch; ///< WISP_STRAND_SCRATCH floats per row of the longest group
+    float dt;                        ///< s
+    float* scratch;                  ///< WISP_STRAND_SCRATCH floats per row of the longest group
 } wisp_strand_rod_args;
 
 /// Arguments of contact of strands with one body in closed form, with Coulomb friction; equations in
@@ -480,8 +480,8 @@ typedef struct wisp_strand_rod_args
 /// along its normal there. Pinned vertices stay.
 typedef struct wisp_strand_contact_args
 {
-    const int32_t* group_row;
-    float* position; ///< [row][3][16] m, in and out
+    const int32_t* group_row; ///< [group_count + 1] first row of each group
+    float* position;          ///< [row][3][16] m, in and out
     float* previous; ///< [row][3][16] m, at the start of the substep; moved with the position when initial overlap is
                      ///< resolved
     const float* inverse_mass; ///< [row][16] 1/kg
@@ -523,7 +523,7 @@ typedef enum wisp_elastic
 /// the sway time, and limit is the cap in m.
 typedef struct wisp_strand_target_args
 {
-    const int32_t* group_row;
+    const int32_t* group_row;       ///< [group_count + 1] first row of each group
     const int32_t* lane_count;      ///< [group][16] nodes, 0 in an empty lane
     const int32_t* lane_node;       ///< [group][16] index in the table, in floats, of the first float of the root
     const float* position;          ///< [row][3][16] m
@@ -532,8 +532,8 @@ typedef struct wisp_strand_target_args
     const float* previous_velocity; ///< [row][3][16] m/s, one step earlier; null: equal to velocity
     const float* max_sway;          ///< [row][16] m, maximum sway of a node
     const float* root;              ///< [group][4][16] quaternion, rotation of the root from rest; null: none
-    float* table;
-    int stride;             ///< floats per node: 8 without frames, 12 or 16 with frames
+    float* table;                   ///< [node][stride] output
+    int stride;                     ///< floats per node: 8 without frames, 12 or 16 with frames
     bool transports_frames; ///< frames are transported from the root by the smallest rotations; otherwise all nodes
                             ///< have the frame of the root
     bool is_capped, is_blended;
@@ -548,20 +548,20 @@ typedef struct wisp_strand_target_args
 /// limit.
 typedef struct wisp_strand_ghost_args
 {
-    const int32_t* group_row;
-    const int32_t* lane_count;
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
     const int32_t* lane_node; ///< [group][target][16] index in `table`, in floats, of the first float of the target's
                               ///< root
     const float* lane_fraction; ///< blend: [group][target][16] weight of the target; weights sum to 1
     const float* centre_scale;  ///< [group][16] 1/m
     const float* offset;        ///< [row][target][3][16] m, offset from the target at rest
-    const float* table;
-    int stride;           ///< floats per node: 8 or 12; blend: 16
-    int target_count;     ///< blend: targets per ghost, 1 .. WISP_MAX_GHOST_TARGETS; otherwise 1
-    bool rotates_offsets; ///< blend: offsets rotate with the frames
-    wisp_elastic elastic; ///< blend
-    float sway_time;      ///< blend: s
-    float* points;        ///< [row][3][16] m, output
+    const float* table;         ///< output of strand_target
+    int stride;                 ///< floats per node: 8 or 12; blend: 16
+    int target_count;           ///< blend: targets per ghost, 1 .. WISP_MAX_GHOST_TARGETS; otherwise 1
+    bool rotates_offsets;       ///< blend: offsets rotate with the frames
+    wisp_elastic elastic;       ///< blend
+    float sway_time;            ///< blend: s
+    float* points;              ///< [row][3][16] m, output
 } wisp_strand_ghost_args;
 
 /// Arguments of smooth curves through the vertices of strands: one row for the first vertex, then `samples` rows
