@@ -13,9 +13,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Most tests do not use their state.
-#pragma GCC diagnostic ignored "-Wunused-parameter"
-
 /// Where the tree is, for tests that read files of it.
 #ifndef WISP_SOURCE_ROOT
 #define WISP_SOURCE_ROOT "."

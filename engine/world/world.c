@@ -381,5 +381,6 @@ wisp_status wisp_world_restore( wisp_world* world, const void* bytes, size_t siz
         return wisp_world_fail( world, status, "%s", error.message );
     }
     world->clock = clock;
+    world->blend.is_shown = false;
     return WISP_OK;
 }

@@ -86,15 +86,17 @@ wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp
     const double ROUNDING = 1e-6; // of a step
     double pending = world->clock.pending + (double)seconds;
     const double due = floor( pending / (double)dt + ROUNDING );
+    const int steps = due < MAX_STEPS ? (int)due : MAX_STEPS;
     pending = fmax( pending - due * (double)dt, 0.0 );
-    for ( int i = 0; i < MAX_STEPS && i < due; ++i )
+    world->clock.pending = pending;
+    for ( int i = 0; i < steps; ++i )
     {
         if ( before_step != NULL )
         {
             before_step( user, world );
         }
         // Compiling first keeps the layout of the kept points.
-        if ( wisp_world_plan_passes( world ) >= 0 && keep_points( world ) == false )
+        if ( i + 1 == steps && wisp_world_plan_passes( world ) >= 0 && keep_points( world ) == false )
         {
             return wisp_world_fail( world, WISP_NO_MEMORY, "advance: out of memory for the points of a step" );
         }
@@ -104,7 +106,6 @@ wisp_status wisp_world_advance( wisp_world* world, float seconds, float dt, wisp
             return status;
         }
     }
-    world->clock.pending = pending;
     if ( is_kept( world ) )
     {
         blend_points( world, (float)( pending / (double)dt ) );

@@ -245,9 +245,8 @@ static wisp_status user_rows( const wisp_world* world, wisp_entity entity, wisp_
                           "component '%s': has no rows in the user's order, request it with wisp_request first",
                           def != NULL ? def->name : "unknown" );
     }
-    const void* blended = world_blended_rows( world, e, component );
-    *out = ( wisp_view ){ blended != NULL ? blended : store_column( &world->store, e, component, 0 ),
-                          e->rows[WISP_TABLE_POINT].count, def->columns[0].row_size };
+    *out = ( wisp_view ){ store_column( &world->store, e, component, 0 ), e->rows[WISP_TABLE_POINT].count,
+                          def->columns[0].row_size };
     return WISP_OK;
 }
 
@@ -255,13 +254,20 @@ wisp_status wisp_world_view( wisp_world* world, wisp_entity entity, wisp_compone
 {
     wisp_error error = { 0 };
     wisp_status status = user_rows( world, entity, component, out, &error );
-    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
+    if ( status != WISP_OK )
+    {
+        return wisp_world_fail( world, status, "%s", error.message );
+    }
+    const void* blended = world_blended_rows( world, store_find( &world->store, entity ), component );
+    out->data = blended != NULL ? blended : out->data;
+    return WISP_OK;
 }
 
 wisp_status wisp_world_hash_column( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* out )
 {
     wisp_view view;
-    wisp_status status = wisp_world_view( world, entity, component, &view );
+    wisp_error error = { 0 };
+    wisp_status status = user_rows( world, entity, component, &view, &error );
     *out = status == WISP_OK ? store_hash_bytes( 0, view.data, (size_t)view.count * view.stride ) : 0;
-    return status;
+    return status == WISP_OK ? WISP_OK : wisp_world_fail( world, status, "%s", error.message );
 }

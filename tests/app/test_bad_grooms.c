@@ -19,11 +19,13 @@ static void demand_refusal( const char* path, const char* name, wisp_error* erro
 
 static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
 {
+    (void)state;
     demand_refusal_of_folder( 35, demand_refusal );
 }
 
 static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
 {
+    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_groom_lists ); ++l )
     {
         demand_words( bad_groom_lists + l, demand_refusal );
@@ -32,6 +34,7 @@ static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
 
 static void the_committed_files_are_those_that_the_generator_writes( void** state )
 {
+    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_groom_lists ); ++l )
     {
         demand_bytes( bad_groom_lists + l );
@@ -40,6 +43,7 @@ static void the_committed_files_are_those_that_the_generator_writes( void** stat
 
 static void the_files_they_were_made_from_are_good( void** state )
 {
+    (void)state;
     unsigned char bytes[BAD_FILE_MAX];
     wisp_groom groom;
     bad_groom_good_hair( bytes );
@@ -56,6 +60,7 @@ static void the_files_they_were_made_from_are_good( void** state )
 // it.
 static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
 {
+    (void)state;
     unsigned char good[BAD_FILE_MAX];
     for ( int format = 0; format < 2; ++format )
     {

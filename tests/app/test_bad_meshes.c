@@ -56,6 +56,7 @@ static void demand_refusal( const bad_mesh* bad )
 
 static void every_bad_file_is_refused_for_the_reason_it_was_made_for( void** state )
 {
+    (void)state;
     assert_true( WISP_COUNT( bad_meshes ) >= FEWEST_FILES );
     for ( int i = 0; i < WISP_COUNT( bad_meshes ); ++i )
     {
@@ -65,6 +66,7 @@ static void every_bad_file_is_refused_for_the_reason_it_was_made_for( void** sta
 
 static void the_files_that_are_cut_and_damaged_are_good( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
     {
         wisp_mesh mesh;
@@ -98,6 +100,7 @@ static void demand_answer( const char* name, const char* bytes, size_t size )
 
 static void every_shorter_beginning_of_a_good_file_gets_an_answer( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( good_meshes ); ++i )
     {
         for ( size_t size = 0; size < good_meshes[i].size; ++size )
@@ -109,6 +112,7 @@ static void every_shorter_beginning_of_a_good_file_gets_an_answer( void** state 
 
 static void a_binary_file_that_misses_its_last_byte_is_refused( void** state )
 {
+    (void)state;
     for ( int i = 2; i < WISP_COUNT( good_meshes ); ++i )
     {
         wisp_mesh mesh;
@@ -119,6 +123,7 @@ static void a_binary_file_that_misses_its_last_byte_is_refused( void** state )
 
 static void every_byte_of_a_good_file_may_be_anything( void** state )
 {
+    (void)state;
     static const unsigned char telling[] = { 0x00, 0xff, 0x7f, 0x80, 0x01, '0',  '9', '-',
                                              '.',  'e',  '/',  '#',  '\n', '\r', ' ' };
     char damaged[1024];
@@ -140,6 +145,7 @@ static void every_byte_of_a_good_file_may_be_anything( void** state )
 
 static void a_face_of_more_corners_than_the_cap_is_refused( void** state )
 {
+    (void)state;
     enum
     {
         CORNERS = WISP_MESH_CORNER_CAP + 1

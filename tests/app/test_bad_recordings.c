@@ -46,11 +46,13 @@ static void demand_refusal( const char* path, const char* name, wisp_error* erro
 
 static void every_file_of_the_folder_is_refused_with_a_message_that_names_it( void** state )
 {
+    (void)state;
     demand_refusal_of_folder( 60, demand_refusal );
 }
 
 static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
 {
+    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_recording_lists ); ++l )
     {
         demand_words( bad_recording_lists + l, demand_refusal );
@@ -59,6 +61,7 @@ static void every_refusal_gives_the_reason_the_file_was_made_for( void** state )
 
 static void the_committed_files_are_those_that_the_generator_writes( void** state )
 {
+    (void)state;
     for ( int l = 0; l < WISP_COUNT( bad_recording_lists ); ++l )
     {
         demand_bytes( bad_recording_lists + l );
@@ -67,6 +70,7 @@ static void the_committed_files_are_those_that_the_generator_writes( void** stat
 
 static void the_files_they_were_made_from_are_good( void** state )
 {
+    (void)state;
     unsigned char bytes[BAD_FILE_MAX];
     wisp_error error = { .status = WISP_OK };
     wisp_recording* recording = NULL;

@@ -409,6 +409,7 @@ static void path_in_folder( char* path, size_t room, const char* file )
 
 static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( void** state )
 {
+    (void)state;
     for ( int i = 0; i < scene_count(); ++i )
     {
         const bad_scene* bad = scene_at( i );
@@ -434,6 +435,7 @@ static void every_bad_file_is_refused_with_its_place_its_key_and_what_is_wrong( 
 
 static void every_file_of_the_folder_has_its_message( void** state )
 {
+    (void)state;
     DIR* walk = opendir( FOLDER );
     assert_non_null( walk );
     int files = 0;
@@ -456,6 +458,7 @@ static void every_file_of_the_folder_has_its_message( void** state )
 
 static void a_refusal_without_an_error_to_fill_still_has_its_status( void** state )
 {
+    (void)state;
     char path[1024];
     path_in_folder( path, sizeof path, BAD_SCENES[0].file );
     wisp_scene scene;

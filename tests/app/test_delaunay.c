@@ -77,6 +77,7 @@ static int32_t draw( uint64_t seed, int i, uint32_t axis, int32_t lower, int32_t
 
 static void three_points_are_one_triangle( void** state )
 {
+    (void)state;
     begin();
     put( 0, 0 );
     put( 5, 1 );
@@ -87,6 +88,7 @@ static void three_points_are_one_triangle( void** state )
 
 static void random_points_in_a_square_have_empty_circles( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 1; seed <= 4; ++seed )
     {
         begin();
@@ -101,6 +103,7 @@ static void random_points_in_a_square_have_empty_circles( void** state )
 
 static void a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way( void** state )
 {
+    (void)state;
     enum
     {
         SIDE = 24,
@@ -131,6 +134,7 @@ static void a_grid_whose_cells_are_all_cocircular_is_cut_in_a_fixed_way( void** 
 
 static void twelve_points_of_one_circle_and_its_middle_are_joined( void** state )
 {
+    (void)state;
     static const int32_t x[] = { 5, 4, 3, 0, -3, -4, -5, -4, -3, 0, 3, 4 };
     static const int32_t y[] = { 0, 3, 4, 5, 4, 3, 0, -3, -4, -5, -4, -3 };
     for ( int with_middle = 0; with_middle < 2; ++with_middle )
@@ -151,6 +155,7 @@ static void twelve_points_of_one_circle_and_its_middle_are_joined( void** state 
 
 static void points_in_long_straight_rows_are_joined( void** state )
 {
+    (void)state;
     begin();
     for ( int i = 0; i <= 300; ++i )
     {
@@ -171,6 +176,7 @@ static void points_in_long_straight_rows_are_joined( void** state )
 
 static void points_on_edges_and_at_the_rim_of_the_lattice_are_joined( void** state )
 {
+    (void)state;
     begin();
     put_square( 0, LAST );
     // the middle of the first diagonal, points on edges that then exist, and some that lie one place from a corner
@@ -206,6 +212,7 @@ static void put_star( uint64_t seed, int corners, double inner )
 
 static void stars_with_many_thin_points_keep_their_outline( void** state )
 {
+    (void)state;
     static const int corners[] = { 10, 40, 150, 400 };
     int hidden = 0;
     for ( int i = 0; i < WISP_COUNT( corners ); ++i )
@@ -225,6 +232,7 @@ static void stars_with_many_thin_points_keep_their_outline( void** state )
 
 static void a_long_edge_is_cut_through_many_triangles( void** state )
 {
+    (void)state;
     // a slit from the left almost to the right side, through a crowd
     begin();
     put( 0, 0 );
@@ -268,6 +276,7 @@ static void put_crowd( uint64_t seed, int count )
 
 static void a_slit_is_kept_in_any_small_crowd( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 0; seed < 2000; ++seed )
     {
         begin();
@@ -288,6 +297,7 @@ static void a_slit_is_kept_in_any_small_crowd( void** state )
 
 static void teeth_of_a_comb_are_not_joined_across_the_gaps( void** state )
 {
+    (void)state;
     // long and short teeth in turn, so that the circles of the long ones hold the tips of the short ones
     begin();
     put( 0, 0 );
@@ -312,6 +322,7 @@ static void demand_refusal( const char* words )
 
 static void points_that_no_outline_makes_are_refused( void** state )
 {
+    (void)state;
     begin();
     put_square( 10, 90 );
     set.outline_count = 2;
@@ -333,6 +344,7 @@ static void points_that_no_outline_makes_are_refused( void** state )
 
 static void an_outline_that_runs_clockwise_or_has_no_area_is_refused( void** state )
 {
+    (void)state;
     begin();
     put( 0, 0 );
     put( 0, 9 );
@@ -345,6 +357,7 @@ static void an_outline_that_runs_clockwise_or_has_no_area_is_refused( void** sta
 
 static void an_outline_that_crosses_or_touches_itself_is_refused( void** state )
 {
+    (void)state;
     begin();
     put( 0, 0 );
     put( 100, 0 );
@@ -372,6 +385,7 @@ static void an_outline_that_crosses_or_touches_itself_is_refused( void** state )
 
 static void the_longer_side_becomes_the_whole_lattice( void** state )
 {
+    (void)state;
     const double coordinates[] = { -1.0, 7.0, 3.0, 8.0, 1.0, 7.5 };
     delaunay_point out[3];
     assert_int_equal( delaunay_snap( coordinates, 3, out, "set", NULL ), WISP_OK );
@@ -382,6 +396,7 @@ static void the_longer_side_becomes_the_whole_lattice( void** state )
 
 static void points_that_no_lattice_fits_are_refused( void** state )
 {
+    (void)state;
     static const double bad[][4] = { { 0.0, NAN, 1.0, 1.0 },
                                      { 0.0, 0.0, HUGE_VAL, 1.0 },
                                      { 2.0, 3.0, 2.0, 3.0 },
@@ -401,6 +416,7 @@ static void points_that_no_lattice_fits_are_refused( void** state )
 
 static void hilberts_curve_goes_from_neighbour_to_neighbour( void** state )
 {
+    (void)state;
     enum
     {
         SIDE = 64,

@@ -63,6 +63,7 @@ static wisp_groom read_hair_row( const byte_row* row )
 
 static void a_hand_made_hair_file_gives_its_strands_and_arrays( void** state )
 {
+    (void)state;
     byte_row row;
     put_hair_header( &row, 2, 3, 31, 77 );
     put_u16( &row, 1 );
@@ -87,6 +88,7 @@ static void a_hand_made_hair_file_gives_its_strands_and_arrays( void** state )
 
 static void default_segments_apply_and_missing_arrays_stay_null( void** state )
 {
+    (void)state;
     byte_row row;
     put_hair_header( &row, 2, 6, 2, 2 );
     for ( int v = 0; v < 6; ++v )
@@ -107,6 +109,7 @@ static void default_segments_apply_and_missing_arrays_stay_null( void** state )
 
 static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** state )
 {
+    (void)state;
     byte_row row = { .size = 0 };
     put_float( &row, 4.0f );
     put_u32( &row, 2 );
@@ -141,6 +144,7 @@ static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** st
 
 static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state )
 {
+    (void)state;
     char name[2000];
     memset( name, 'a', sizeof name - 1 );
     strcpy( name + sizeof name - 11, "/last.hair" );
@@ -154,6 +158,7 @@ static void a_message_keeps_its_reason_when_the_name_is_very_long( void** state 
 
 static void a_hair_file_comes_back_bit_for_bit( void** state )
 {
+    (void)state;
     wisp_groom groom = fixture_groom();
     for ( int columns = 0; columns < 8; ++columns )
     {
@@ -173,6 +178,7 @@ static void a_hair_file_comes_back_bit_for_bit( void** state )
 
 static void the_header_of_a_hair_file_is_what_other_readers_expect( void** state )
 {
+    (void)state;
     wisp_groom groom = fixture_groom();
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
@@ -199,6 +205,7 @@ static wisp_groom long_strand( int vertex_count )
 
 static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** state )
 {
+    (void)state;
     wisp_groom groom = long_strand( 65536 );
     size_t size = 0;
     char* bytes = fixture_written( wisp_groom_write_hair, &groom, &size );
@@ -219,6 +226,7 @@ static void a_strand_may_have_65536_vertices_in_a_hair_file_and_no_more( void** 
 
 static void strands_that_a_format_cannot_hold_are_refused_by_number( void** state )
 {
+    (void)state;
     static int with_empty[] = { 0, 3, 3, 6 };
     wisp_groom groom = fixture_groom();
     wisp_error error = { .status = WISP_OK };
@@ -281,6 +289,7 @@ static void assert_interpolated( const char* usda, const char* declaration )
 
 static void a_usda_file_holds_the_same_curves_widths_and_colours( void** state )
 {
+    (void)state;
     wisp_groom groom = fixture_curves();
     char* text = fixture_written( wisp_groom_write_usda, &groom, NULL );
     assert_int_equal( strncmp( text, "#usda 1.0\n", 10 ), 0 );
@@ -304,6 +313,7 @@ static void a_usda_file_holds_the_same_curves_widths_and_colours( void** state )
 
 static void the_extent_of_a_usda_file_holds_the_curves_with_their_widths( void** state )
 {
+    (void)state;
     static int offsets[] = { 0, 2 };
     static wisp_vec3 points[] = { { 1.0f, 2.0f, 3.0f }, { -1.0f, 5.0f, 3.0f } };
     static float thickness[] = { 0.5f, 0.25f };
@@ -317,6 +327,7 @@ static void the_extent_of_a_usda_file_holds_the_curves_with_their_widths( void**
 
 static void an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices( void** state )
 {
+    (void)state;
     static const int segments[][2] = { { 1, 2 }, { 2, 3 }, { 5, 6 } };
     wisp_groom groom = fixture_groom();
     char* text = fixture_written( wisp_groom_write_obj, &groom, NULL );
@@ -351,6 +362,7 @@ static void an_obj_file_holds_the_same_points_and_only_lines_of_two_vertices( vo
 
 static void text_has_decimal_points_where_the_locale_has_commas( void** state )
 {
+    (void)state;
     static const char* const commas[] = { "de_DE.UTF-8", "fr_FR.UTF-8", "de_DE", "fr_FR", "ru_RU.UTF-8" };
     wisp_groom groom = fixture_curves();
     char* expected = fixture_written( wisp_groom_write_usda, &groom, NULL );
@@ -403,6 +415,7 @@ static wisp_groom* make_small( small_groom* small )
 
 static void a_check_accepts_the_limits_themselves( void** state )
 {
+    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.points[0] = ( wisp_vec3 ){ WISP_GROOM_MAX_COORDINATE, -WISP_GROOM_MAX_COORDINATE, 0.0f };
@@ -413,6 +426,7 @@ static void a_check_accepts_the_limits_themselves( void** state )
 
 static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** state )
 {
+    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.points[3].y = NAN;
@@ -440,6 +454,7 @@ static void a_check_names_the_first_wrong_number_by_strand_and_vertex( void** st
 
 static void a_check_refuses_offsets_that_do_not_partition_the_vertices( void** state )
 {
+    (void)state;
     small_groom small;
     wisp_groom* groom = make_small( &small );
     small.offsets[0] = 1;

@@ -171,6 +171,7 @@ static void a_symbolic_link_and_the_permissions_of_its_file_survive_a_write( voi
 
 static void info_prints_counts_bounds_and_lengths( void** state )
 {
+    (void)state;
     static int offsets[] = { 0, 3, 5 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 }, { 3, 0, 0 }, { 3, 0, 4 } };
     static float thickness[] = { 0.5f, 0.5f, 0.5f, 0.25f, 0.25f };
@@ -190,6 +191,7 @@ static void info_prints_counts_bounds_and_lengths( void** state )
 
 static void info_names_what_is_wrong_by_element( void** state )
 {
+    (void)state;
     static int offsets[] = { 0, 2, 2, 3, 6, 8 };
     static wisp_vec3 points[] = {
         { 1, 0, 0 }, { 1, 1, 0 },                  // strand 0
@@ -210,6 +212,7 @@ static void info_names_what_is_wrong_by_element( void** state )
 
 static void info_lists_the_first_ten_and_counts_the_rest( void** state )
 {
+    (void)state;
     int offsets[14];
     wisp_vec3 points[26];
     for ( int s = 0; s < 14; ++s )
@@ -233,6 +236,7 @@ static void info_lists_the_first_ten_and_counts_the_rest( void** state )
 
 static void info_says_which_number_is_out_of_its_range( void** state )
 {
+    (void)state;
     static int offsets[] = { 0, 2 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     static float transparency[] = { 0.0f, 7.0f };
@@ -244,6 +248,7 @@ static void info_says_which_number_is_out_of_its_range( void** state )
 
 static void info_of_a_malformed_groom_is_one_message( void** state )
 {
+    (void)state;
     static int offsets[] = { 0, 9 };
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 0, -1, 0 } };
     wisp_groom groom = { 1, 2, 2, offsets, points, NULL, NULL, NULL };

@@ -36,6 +36,7 @@ static double strand_length( const wisp_groom* groom, int s )
 
 static void every_default_generator_makes_a_groom_that_nothing_is_wrong_with( void** state )
 {
+    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
@@ -73,6 +74,7 @@ static uint64_t hash_points( const wisp_groom* groom )
 
 static void every_generator_gives_the_bits_it_always_gave( void** state )
 {
+    (void)state;
     // Recorded once; any compiler, C library or processor that gives others breaks the promise.
     static const uint64_t recorded[2][3] = {
         { 0xa2acb56289eafd09u, 0x37c565b1a8bc50e3u, 0xf463462c260eb727u },
@@ -96,6 +98,7 @@ static void every_generator_gives_the_bits_it_always_gave( void** state )
 
 static void another_seed_makes_another_groom( void** state )
 {
+    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, dimension );
@@ -110,6 +113,7 @@ static void another_seed_makes_another_groom( void** state )
 
 static void straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     generator.spacing = 0.25f; // a power of two, so that every root is exact
     generator.strand_count = 5;
@@ -131,6 +135,7 @@ static void straight_flat_hair_has_one_x_a_strand_and_roots_on_a_line( void** st
 
 static void lengths_stay_within_their_variation_and_use_it( void** state )
 {
+    (void)state;
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, dimension );
@@ -156,6 +161,7 @@ static void lengths_stay_within_their_variation_and_use_it( void** state )
 
 static void waves_swing_by_their_amplitude_and_come_back_after_their_length( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 2 );
     generator.strand_count = 1;
     generator.vertices_per_strand = 401; // 100 a wave
@@ -182,6 +188,7 @@ static void waves_swing_by_their_amplitude_and_come_back_after_their_length( voi
 
 static void curls_wind_around_their_centre_line( void** state )
 {
+    (void)state;
     // Seen along a strand that has come to hang straight down, a helix is a circle of the amplitude.
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 3 );
     generator.strand_count = 1;
@@ -209,6 +216,7 @@ static void curls_wind_around_their_centre_line( void** state )
 
 static void curls_in_the_plane_run_back_up( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
     generator.vertices_per_strand = 200;
     wisp_groom groom = make( &generator );
@@ -223,6 +231,7 @@ static void curls_in_the_plane_run_back_up( void** state )
 
 static void roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp( void** state )
 {
+    (void)state;
     for ( int shape = WISP_GROOM_STRAIGHT; shape <= WISP_GROOM_CURLY; ++shape )
     {
         wisp_groom_generator generator = wisp_default_groom_generator( (wisp_groom_shape)shape, 3 );
@@ -246,6 +255,7 @@ static void roots_lie_on_the_upper_cap_and_no_strand_enters_the_scalp( void** st
 
 static void roots_are_spread_evenly_over_the_cap( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
     generator.vertices_per_strand = 2;
     generator.scalp_radius = 1.0f;
@@ -270,6 +280,7 @@ static void roots_are_spread_evenly_over_the_cap( void** state )
 
 static void thickness_is_a_column_only_when_queried_for( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     wisp_groom groom = make( &generator );
     assert_non_null( groom.thickness );
@@ -292,6 +303,7 @@ static void assert_refused( const wisp_groom_generator* generator, const char* w
 
 static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value( void** state )
 {
+    (void)state;
     const wisp_groom_generator good = wisp_default_groom_generator( WISP_GROOM_WAVY, 3 );
     wisp_groom_generator r = good;
     r.shape = (wisp_groom_shape)7;
@@ -324,6 +336,7 @@ static void a_generator_that_cannot_be_made_is_refused_by_the_name_of_its_value(
 
 static void values_that_a_generator_does_not_use_are_not_queried_for( void** state )
 {
+    (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 2 );
     generator.wave_length = 0.0f;
     generator.wave_amplitude = NAN;

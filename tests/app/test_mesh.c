@@ -32,6 +32,7 @@ static void assert_triangles( const wisp_mesh* mesh, const int32_t* triangles, i
 
 static void vertices_and_faces_keep_the_order_of_the_obj_file( void** state )
 {
+    (void)state;
     // the second vertex is used by nobody, the third repeats the first, and faces come between vertices
     wisp_mesh mesh = read_obj_text( "v 1 2 3\nv 9 9 9\nv 1 2 3\nf 4 1 3\nv 4 5 6\nf 1 3 4\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { 9, 9, 9 }, { 1, 2, 3 }, { 4, 5, 6 } };
@@ -44,6 +45,7 @@ static void vertices_and_faces_keep_the_order_of_the_obj_file( void** state )
 
 static void a_polygon_becomes_a_fan_around_its_first_corner( void** state )
 {
+    (void)state;
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 2 3 4 5 1\n" );
     const int32_t fan[] = { 1, 2, 3, 1, 3, 4, 1, 4, 0 };
     assert_triangles( &mesh, fan, 3 );
@@ -52,6 +54,7 @@ static void a_polygon_becomes_a_fan_around_its_first_corner( void** state )
 
 static void every_way_to_write_a_corner_means_the_same_vertex( void** state )
 {
+    (void)state;
     wisp_mesh mesh = read_obj_text( "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\n"
                                     "f 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nf 1/1/1 2/1/1 3/1/1\nf +1 +2 +3\n"
                                     "f -3/-1/-1 -2/-1/-1 -1/-1/-1\nv 5 5 5\nf -4 -3 -2\n" );
@@ -62,6 +65,7 @@ static void every_way_to_write_a_corner_means_the_same_vertex( void** state )
 
 static void only_the_first_three_numbers_of_a_vertex_count( void** state )
 {
+    (void)state;
     wisp_mesh mesh = read_obj_text( "v 1 2 3 0.5\nv -1e-3 +.5 2.e1 1 0 0\nv 1 1 1 1 1 1 1\nf 1 2 3\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { -1e-3f, 0.5f, 20 }, { 1, 1, 1 } };
     assert_memory_equal( mesh.points, points, sizeof points );
@@ -70,6 +74,7 @@ static void only_the_first_three_numbers_of_a_vertex_count( void** state )
 
 static void every_other_line_of_an_obj_file_is_passed_over( void** state )
 {
+    (void)state;
     // the exponent of the normal would overflow an int inside the library, which therefore never sees it
     wisp_mesh mesh =
         read_obj_text( "# free text, 100 % \xc3\xa9\xff\nmtllib none.mtl\no thing\ng a b\ng \n  v 0 0 0 # here\r\n"
@@ -83,6 +88,7 @@ static void every_other_line_of_an_obj_file_is_passed_over( void** state )
 
 static void a_locale_with_a_decimal_comma_changes_nothing( void** state )
 {
+    (void)state;
     static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE" };
     bool found = false;
     for ( int i = 0; i < WISP_COUNT( names ) && !found; ++i )
@@ -127,6 +133,7 @@ static void assert_tangled( wisp_mesh* mesh )
 
 static void text_ply_passes_over_what_it_does_not_need( void** state )
 {
+    (void)state;
     const char* text = "ply\r\nformat ascii 1.0\r\n" TANGLED_HEADER "2 7 -7\n0\n"
                        "1 3 0 1 2 0\n\n9 4 3 2 1 0 2 0.5 1e3\n"
                        "1 0 .5 -2\r\n-1 1 3.5 1 300\n0 0 -4.0 0\n  127 2 1 2 8 1 \n42";
@@ -185,6 +192,7 @@ static void put_tangled_rows( byte_writer* w )
 
 static void binary_ply_passes_over_what_it_does_not_need_in_both_byte_orders( void** state )
 {
+    (void)state;
     for ( int big = 0; big < 2; ++big )
     {
         byte_writer w = { .big = big != 0 };
@@ -211,6 +219,7 @@ static const int32_t odd_triangles[] = { 3, 1, 0, 2, 3, 0, 1, 1, 2 };
 
 static void both_formats_bring_every_float_back_bit_for_bit( void** state )
 {
+    (void)state;
     static const char* const names[] = { "round-trip.obj", "round-trip.ply" };
     wisp_mesh mesh = fixture_mesh( odd_points, 4, odd_triangles, 3 );
     for ( int i = 0; i < 2; ++i )
@@ -227,6 +236,7 @@ static void both_formats_bring_every_float_back_bit_for_bit( void** state )
 
 static void a_sphere_survives_both_formats_one_after_the_other( void** state )
 {
+    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_ICOSPHERE );
     wisp_mesh mesh = fixture_made( &generator ), once, twice;
     assert_int_equal( wisp_mesh_write_obj( "sphere.one", &mesh, NULL ), WISP_OK );
@@ -244,6 +254,7 @@ static void a_sphere_survives_both_formats_one_after_the_other( void** state )
 
 static void a_name_without_a_known_extension_is_refused_both_ways( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), out;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_read( "thing.stl", &out, &error ), WISP_BAD_INPUT );
@@ -257,6 +268,7 @@ static void a_name_without_a_known_extension_is_refused_both_ways( void** state 
 
 static void a_malformed_mesh_is_not_written_and_the_old_file_stays( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), again;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_mesh_write( "old.ply", &mesh, NULL ), WISP_OK );
@@ -277,6 +289,7 @@ static void a_malformed_mesh_is_not_written_and_the_old_file_stays( void** state
 
 static void the_bunny_is_one_closed_sound_shell( void** state )
 {
+    (void)state;
     wisp_mesh mesh;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_mesh_read( WISP_SOURCE_ROOT "/data/bunny.obj", &mesh, &error ), error );

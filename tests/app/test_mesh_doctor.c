@@ -7,6 +7,7 @@
 
 static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     wisp_mesh_diagnostics r = fixture_report( &mesh );
     assert_int_equal( r.edge_count, 6 );
@@ -26,6 +27,7 @@ static void a_sound_tetrahedron_has_its_stats_and_no_finding( void** state )
 
 static void volume_and_area_do_not_depend_on_the_distance_from_the_origin( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
@@ -40,6 +42,7 @@ static void volume_and_area_do_not_depend_on_the_distance_from_the_origin( void*
 
 static void a_missing_triangle_leaves_three_border_edges_in_one_loop( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     mesh.triangle_count = 3;
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -65,6 +68,7 @@ static void swap_corners( wisp_mesh* mesh, int t )
 
 static void a_turned_triangle_disagrees_along_its_three_edges( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     swap_corners( &mesh, 1 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -76,6 +80,7 @@ static void a_turned_triangle_disagrees_along_its_three_edges( void** state )
 
 static void a_shell_turned_inside_out_is_named( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int t = 0; t < 4; ++t )
     {
@@ -90,6 +95,7 @@ static void a_shell_turned_inside_out_is_named( void** state )
 
 static void an_edge_of_three_triangles_is_named( void** state )
 {
+    (void)state;
     const int32_t triangles[] = { 0, 1, 2, 1, 0, 3, 0, 1, 4 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0, 1, 0 }, { 1, 0, 0 }, { 0, 0, 1 }, { -1, 0, 0 } };
     wisp_mesh mesh = fixture_mesh( points, 5, triangles, 3 );
@@ -103,6 +109,7 @@ static void an_edge_of_three_triangles_is_named( void** state )
 
 static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( void** state )
 {
+    (void)state;
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 5, 4, 3, 4, 6, 3, 6, 5, 4, 5, 6 };
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 },
                                  { 2, 0, 1 }, { 0, 2, 1 }, { 0, 0, 3 } };
@@ -125,6 +132,7 @@ static void two_tetrahedra_that_touch_in_a_vertex_are_two_shells_and_two_fans( v
 
 static void duplicates_are_found_whatever_their_first_corner_and_winding( void** state )
 {
+    (void)state;
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 3, 1, 0, 2, 0, 1 };
     wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 6 );
     wisp_mesh_diagnostics r = fixture_report( &mesh );
@@ -136,6 +144,7 @@ static void duplicates_are_found_whatever_their_first_corner_and_winding( void**
 
 static void triangles_without_area_and_vertices_without_triangle_are_named( void** state )
 {
+    (void)state;
     // vertex 3 lies in the middle of 0 and 1; 0.1 + 0.2 style rounding keeps vertex 6 a little off its line
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 },       { 0, 1, 0 },       { 1, 0, 0 },
                                  { 5, 5, 5 }, { 3, 0.3f, 0.9f }, { 1, 0.1f, 0.3f }, { 7, 0.7f, 2.1f } };
@@ -153,6 +162,7 @@ static void triangles_without_area_and_vertices_without_triangle_are_named( void
 
 static void a_report_lists_the_first_and_counts_the_rest( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     wisp_vec3* more = realloc( mesh.points, 104 * sizeof *more );
     assert_non_null( more );
@@ -168,6 +178,7 @@ static void a_report_lists_the_first_and_counts_the_rest( void** state )
 
 static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), empty = { 0 };
     wisp_mesh_repairs repairs;
     wisp_mesh_diagnostics r;
@@ -187,6 +198,7 @@ static void a_malformed_mesh_is_refused_and_reports_nothing( void** state )
 
 static void the_largest_floats_do_not_overflow_the_stats( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     for ( int v = 0; v < 4; ++v )
     {
@@ -205,6 +217,7 @@ static void the_largest_floats_do_not_overflow_the_stats( void** state )
 // All triangles around one edge: whatever compares neighbours pair by pair would need hours.
 static void a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired( void** state )
 {
+    (void)state;
     enum
     {
         COUNT = 100000
@@ -243,6 +256,7 @@ static wisp_mesh_repairs repaired( wisp_mesh* mesh, int what )
 
 static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron(), before = fixture_tetrahedron();
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     assert_same_mesh( &mesh, &before );
@@ -256,6 +270,7 @@ static void a_sound_mesh_is_not_changed_by_any_repair( void** state )
 
 static void winding_is_repaired_outwards_whatever_was_turned( void** state )
 {
+    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_TORUS );
     wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     for ( int seed = 1; seed < 4; ++seed )
@@ -279,6 +294,7 @@ static void winding_is_repaired_outwards_whatever_was_turned( void** state )
 
 static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** state )
 {
+    (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
     wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
     // the flood begins with triangle 0, which is one of the wrong ones
@@ -296,6 +312,7 @@ static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** stat
 
 static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** state )
 {
+    (void)state;
     // two tetrahedra on the edge 0-1, the second one inside out
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, -1, 0 }, { 0, 0, -1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 1, 4, 0, 5, 1, 0, 4, 5, 1, 5, 4 };
@@ -313,6 +330,7 @@ static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** sta
 
 static void a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was( void** state )
 {
+    (void)state;
     enum
     {
         PARTS = 5
@@ -354,6 +372,7 @@ static wisp_mesh ill_mesh( void )
 
 static void what_is_not_queried_for_is_not_repaired( void** state )
 {
+    (void)state;
     static const struct
     {
         int what, degenerates, duplicates, turned, unreferenced;
@@ -382,6 +401,7 @@ static void what_is_not_queried_for_is_not_repaired( void** state )
 
 static void everything_repaired_keeps_its_order_and_tells_where_vertices_went( void** state )
 {
+    (void)state;
     wisp_mesh mesh = ill_mesh();
     wisp_mesh_repairs repairs = repaired( &mesh, WISP_MESH_REPAIR_ALL );
     const int32_t kept[] = { 1, 2, 3, 4 };
@@ -396,6 +416,7 @@ static void everything_repaired_keeps_its_order_and_tells_where_vertices_went( v
 
 static void a_mesh_of_nothing_but_faults_is_refused( void** state )
 {
+    (void)state;
     const int32_t triangles[] = { 0, 0, 1, 2, 2, 2 };
     wisp_mesh mesh = fixture_mesh( fixture_corners, 4, triangles, 2 );
     wisp_mesh_repairs repairs;
@@ -427,6 +448,7 @@ static void begin_printing( printed* p )
 
 static void a_sound_mesh_is_described_in_few_lines( void** state )
 {
+    (void)state;
     wisp_mesh mesh = fixture_tetrahedron();
     printed p;
     begin_printing( &p );
@@ -449,6 +471,7 @@ static void a_sound_mesh_is_described_in_few_lines( void** state )
 
 static void every_defect_is_printed_by_its_number( void** state )
 {
+    (void)state;
     wisp_mesh mesh = ill_mesh();
     mesh.triangle_count = 5;
     printed p;
@@ -467,6 +490,7 @@ static void every_defect_is_printed_by_its_number( void** state )
 
 static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
 {
+    (void)state;
     wisp_mesh empty = { 0 };
     printed p;
     begin_printing( &p );
@@ -478,6 +502,7 @@ static void a_mesh_that_cannot_be_examined_prints_one_message( void** state )
 
 static void every_repair_is_said_out_loud( void** state )
 {
+    (void)state;
     wisp_mesh_repairs all = {
         .degenerates_dropped = 1, .duplicates_dropped = 2, .triangles_turned = 3, .unreferenced_dropped = 1
     };

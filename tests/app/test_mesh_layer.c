@@ -55,6 +55,7 @@ static void write_good( const sheet* s )
 // The machine that tests is little-endian, as the file is.
 static void every_number_is_where_the_header_says( void** state )
 {
+    (void)state;
     sheet s;
     make_sheet( &s );
     write_good( &s );
@@ -96,6 +97,7 @@ static void every_number_is_where_the_header_says( void** state )
 
 static void it_is_read_back_as_a_mesh_with_vertices_of_no_triangle( void** state )
 {
+    (void)state;
     sheet s;
     make_sheet( &s );
     write_good( &s );
@@ -116,6 +118,7 @@ static void it_is_read_back_as_a_mesh_with_vertices_of_no_triangle( void** state
 
 static void a_layer_without_points_is_the_mesh_with_its_normals( void** state )
 {
+    (void)state;
     sheet s;
     make_sheet( &s );
     s.layer.point_count = 0;
@@ -139,6 +142,7 @@ static void assert_refused( const sheet* s, const char* words )
 
 static void what_cannot_be_is_refused_and_leaves_no_file( void** state )
 {
+    (void)state;
     remove( FILE_NAME );
     sheet s;
     make_sheet( &s );
@@ -170,6 +174,7 @@ static void what_cannot_be_is_refused_and_leaves_no_file( void** state )
 
 static void a_folder_that_is_not_there_is_an_error_of_the_system( void** state )
 {
+    (void)state;
     sheet s;
     make_sheet( &s );
     wisp_error error = { .status = WISP_OK };

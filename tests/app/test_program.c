@@ -35,6 +35,7 @@ static int enter_folder( void** state )
 
 static void the_version_is_told( void** state )
 {
+    (void)state;
     run_ok( "--version" );
     assert_string_equal( result.out, "wisp " WISP_VERSION_STRING "\n" );
     assert_string_equal( result.err, "" );
@@ -59,6 +60,7 @@ static void assert_lines_fit( const char* text )
 
 static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** state )
 {
+    (void)state;
     static const char* const commands[][2] = {
         { "--help", "Usage: wisp [OPTION...] COMMAND" },
         { "run --help", "Usage: wisp run [OPTION...] SCENE" },
@@ -80,6 +82,7 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
 
 static void every_command_has_a_usage( void** state )
 {
+    (void)state;
     static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
                                             "info --usage", "render --usage", "tune --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
@@ -91,6 +94,7 @@ static void every_command_has_a_usage( void** state )
 
 static void a_misspelt_command_is_answered_with_the_nearest( void** state )
 {
+    (void)state;
     assert_usage( "rnu good.yaml", "did you mean 'run'?" );
     assert_usage( "bnech", "did you mean 'bench'?" );
     assert_usage( "redner", "did you mean 'render'?" );
@@ -100,6 +104,7 @@ static void a_misspelt_command_is_answered_with_the_nearest( void** state )
 
 static void a_missing_or_second_argument_is_wrong_usage( void** state )
 {
+    (void)state;
     assert_usage( "", "expected a command: run, " );
     assert_usage( "run", "expected a scene" );
     assert_usage( "plan", "expected a scene" );
@@ -110,6 +115,7 @@ static void a_missing_or_second_argument_is_wrong_usage( void** state )
 
 static void an_unknown_option_is_wrong_usage( void** state )
 {
+    (void)state;
     assert_usage( "--colour", "--colour" );
     assert_memory_equal( result.err, "wisp: ", 6 );
     assert_usage( "run good.yaml --fast", "--fast" );
@@ -120,6 +126,7 @@ static void an_unknown_option_is_wrong_usage( void** state )
 
 static void a_number_out_of_its_range_is_wrong_usage( void** state )
 {
+    (void)state;
     assert_usage( "run good.yaml --steps 0", "--steps: got '0'" );
     assert_usage( "run good.yaml --steps -1", "--steps: got '-1'" );
     assert_usage( "run good.yaml --steps 1.5", "--steps: got '1.5'" );
@@ -132,6 +139,7 @@ static void a_number_out_of_its_range_is_wrong_usage( void** state )
 
 static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** state )
 {
+    (void)state;
     assert_usage( "run good.yaml --format jsn", "did you mean 'json'?" );
     assert_usage( "run good.yaml --isa avx22", "did you mean 'avx2'?" );
     assert_usage( "run good.yaml --isa quantum", "expected one of baseline, avx2, avx512" );
@@ -150,6 +158,7 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
 
 static void a_file_that_is_not_there_is_named_in_one_message( void** state )
 {
+    (void)state;
     assert_refused( "run absent.yaml", "absent.yaml" );
     assert_refused( "plan absent.yaml", "absent.yaml" );
     assert_refused( "info absent.hair", "absent.hair" );
@@ -160,6 +169,7 @@ static void a_file_that_is_not_there_is_named_in_one_message( void** state )
 
 static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** state )
 {
+    (void)state;
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
@@ -173,6 +183,7 @@ static void a_misspelt_key_is_named_with_its_line_and_the_nearest_key( void** st
 
 static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene( void** state )
 {
+    (void)state;
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
                             "  - name: hair\n"
@@ -185,6 +196,7 @@ static void a_groom_that_a_scene_cannot_read_is_named_with_the_line_of_the_scene
 
 static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** state )
 {
+    (void)state;
     run_ok( "run good.yaml" );
     write_text( "bad.yaml", "wisp: 1\n"
                             "strands:\n"
@@ -199,6 +211,7 @@ static void a_list_of_numbers_must_have_one_for_each_strand_of_the_file( void** 
 
 static void results_that_cannot_be_written_fail_the_run( void** state )
 {
+    (void)state;
     assert_refused( "run good.yaml --output absent/summary.csv", "absent/summary.csv" );
     if ( access( "/dev/full", W_OK ) == 0 )
     {
@@ -208,6 +221,7 @@ static void results_that_cannot_be_written_fail_the_run( void** state )
 
 static void what_cannot_be_written_is_told_before_the_first_step( void** state )
 {
+    (void)state;
     write_text( "lost.yaml", "wisp: 1\n"
                              "strands:\n"
                              "  - name: hair\n"
@@ -234,6 +248,7 @@ static json_t* run_for_json( const char* command )
 
 static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set( void** state )
 {
+    (void)state;
     static const char* const commands[] = {
         "run good.yaml --format json --workers 1",
         "run good.yaml --format json --workers 2",
@@ -260,6 +275,7 @@ static void a_run_gives_the_same_hash_on_every_worker_count_and_instruction_set(
 
 static void a_run_prints_passes_counters_and_hash( void** state )
 {
+    (void)state;
     run_ok( "run good.yaml --steps 2" );
     assert_string_equal( result.err, "" );
     // the search takes most of the time; passes below 1 % may be summed
@@ -283,6 +299,7 @@ static void a_run_prints_passes_counters_and_hash( void** state )
 // A counter that is zero says nothing, and the first line is the result.
 static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** state )
 {
+    (void)state;
     run_ok( "run good.yaml --steps 2" );
     assert_memory_equal( result.out, "scene ", 6 );
     char* machine = strstr( result.out, "\nmachine: " );
@@ -297,6 +314,7 @@ static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** st
 
 static void every_format_can_be_queried_for( void** state )
 {
+    (void)state;
     static const char* const starts[][2] = {
         { "run good.yaml --format text", "scene " },      { "run good.yaml --format markdown", "|  |  |" },
         { "run good.yaml --format csv", "case,variant" }, { "run good.yaml --format json", "{" },
@@ -311,6 +329,7 @@ static void every_format_can_be_queried_for( void** state )
 
 static void the_summary_goes_to_a_file_when_queried( void** state )
 {
+    (void)state;
     run_ok( "run good.yaml --format csv --output summary.csv" );
     assert_string_equal( result.out, "" );
     assert_int_equal( access( "summary.csv", R_OK ), 0 );
@@ -318,6 +337,7 @@ static void the_summary_goes_to_a_file_when_queried( void** state )
 
 static void info_prints_the_keys_of_a_block( void** state )
 {
+    (void)state;
     run_ok( "info --keys surfaces.cloth" );
     assert_non_null( strstr( result.out, "### `surfaces[].cloth`" ) );
     assert_non_null( strstr( result.out, "- `internal_damping` (number, 1/s" ) );
@@ -329,6 +349,7 @@ static void info_prints_the_keys_of_a_block( void** state )
 
 static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** state )
 {
+    (void)state;
     remove( "written.hair" );
     remove( "written.obj" );
     run_ok( "run good.yaml" );
@@ -343,6 +364,7 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
 
 static void stretched_cloth_is_reported_and_statistics_are_printed( void** state )
 {
+    (void)state;
     static const char cloth[] = "surfaces:\n"
                                 "  - name: flag\n"
                                 "    generate: { shape: plane, columns: 33, rows: 33, spacing: 0.03 }\n"
@@ -367,6 +389,7 @@ static void stretched_cloth_is_reported_and_statistics_are_printed( void** state
 
 static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
+    (void)state;
     write_text( "empty.yaml", "wisp: 1\n"
                               "strands:\n"
                               "  - name: hair\n"
@@ -381,6 +404,7 @@ static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 
 static void info_tells_scenes_results_and_grooms_apart( void** state )
 {
+    (void)state;
     run_ok( "info good.yaml" );
     assert_non_null( strstr( result.out, "hair (line 4): 40 strands, 800 vertices" ) );
     run_ok( "run good.yaml --format json --output result.json" );
@@ -391,6 +415,7 @@ static void info_tells_scenes_results_and_grooms_apart( void** state )
 
 static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
 {
+    (void)state;
     write_text( "other.txt", "a letter\n" );
     assert_refused( "info other.txt", "unknown kind of file, expected a groom" );
     write_text( "cut.hair", "HAIR" );
@@ -401,6 +426,7 @@ static void info_refuses_what_it_does_not_know_or_cannot_trust( void** state )
 
 static void bench_lists_its_cases( void** state )
 {
+    (void)state;
     run_ok( "bench --list" );
     assert_memory_equal( result.out, "paper ", 6 );
 }
@@ -446,6 +472,7 @@ static void bench_is_found_through_a_symbolic_link( void** state )
 
 static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
 {
+    (void)state;
     setenv( "TERM", "xterm", 1 );
     run_on_terminal( "run good.yaml" );
     assert_int_equal( result.status, 0 );
@@ -455,6 +482,7 @@ static void progress_is_drawn_on_a_terminal_and_wiped_out_again( void** state )
 
 static void no_color_takes_the_colour_away_and_leaves_the_bar( void** state )
 {
+    (void)state;
     setenv( "TERM", "xterm", 1 );
     setenv( "NO_COLOR", "1", 1 );
     run_on_terminal( "run good.yaml" );
@@ -469,6 +497,7 @@ static void no_color_takes_the_colour_away_and_leaves_the_bar( void** state )
 
 static void a_dumb_terminal_and_a_file_see_no_bar( void** state )
 {
+    (void)state;
     setenv( "TERM", "dumb", 1 );
     run_on_terminal( "run good.yaml" );
     assert_int_equal( result.status, 0 );

@@ -54,6 +54,7 @@ static void run_well( const char* command )
 
 static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew( void** state )
 {
+    (void)state;
     run_well( "run ball.yaml" );
     const char* line = strstr( result.out, "ball: " );
     assert_non_null( line );
@@ -73,6 +74,7 @@ static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew(
 
 static void a_run_tells_of_contact_where_stats_are_requested( void** state )
 {
+    (void)state;
     run_well( "run two.yaml" );
     assert_non_null( strstr( result.out, "contact: 2 entities, " ) );
     assert_non_null( strstr( result.out, ", 0 intersections, " ) );
@@ -83,6 +85,7 @@ static void a_run_tells_of_contact_where_stats_are_requested( void** state )
 
 static void machines_get_a_row_a_step( void** state )
 {
+    (void)state;
     run_well( "run two.yaml --format json" );
     static const char* const words[] = { "\"step 1\"",
                                          "\"step 2\"",
@@ -108,6 +111,7 @@ static void machines_get_a_row_a_step( void** state )
 
 static void a_scene_is_described_with_its_layers_and_contacts( void** state )
 {
+    (void)state;
     run_well( "info two.yaml" );
     assert_non_null(
         strstr( result.out, "    contact and self contact: thickness a quarter of the mean edge, friction " ) );
@@ -119,6 +123,7 @@ static void a_scene_is_described_with_its_layers_and_contacts( void** state )
 
 static void files_hold_the_vertices_and_behind_them_the_points( void** state )
 {
+    (void)state;
     run_well( "run ball.yaml --boundary layer.ply --every 2" );
     assert_non_null( strstr( result.out, "boundary points written: 2 files, the last is layer_0003.ply" ) );
     assert_true( exists( "layer_0002.ply" ) && exists( "layer_0003.ply" ) );
@@ -147,6 +152,7 @@ static void files_hold_the_vertices_and_behind_them_the_points( void** state )
 
 static void several_surfaces_are_a_file_each( void** state )
 {
+    (void)state;
     run_well( "run two.yaml --boundary both.ply" );
     assert_non_null( strstr( result.out, "6 files" ) );
     assert_true( exists( "both_left_0002.ply" ) && exists( "both_right_0004.ply" ) );
@@ -154,6 +160,7 @@ static void several_surfaces_are_a_file_each( void** state )
 
 static void files_do_not_depend_on_the_number_of_workers( void** state )
 {
+    (void)state;
     run_well( "run ball.yaml --boundary one.ply --workers 1" );
     run_well( "run ball.yaml --boundary three.ply --workers 3" );
     size_t size, other;
@@ -167,6 +174,7 @@ static void files_do_not_depend_on_the_number_of_workers( void** state )
 
 static void points_that_cannot_be_written_are_refused( void** state )
 {
+    (void)state;
     assert_refused( "run plain.yaml --boundary a.ply", "plain.yaml has no surface with the key 'boundary'" );
     assert_refused( "run ball.yaml --boundary no_folder/a.ply", "no_folder/a_0002.ply" );
     assert_usage( "run ball.yaml --boundary a.obj", "got 'a.obj', expected a file name that ends in .ply" );
@@ -174,6 +182,7 @@ static void points_that_cannot_be_written_are_refused( void** state )
 
 static void a_place_where_bench_can_have_no_folder_is_refused_before_anything_is_measured( void** state )
 {
+    (void)state;
     assert_refused( "bench boundary --quick --pictures ball.yaml", "ball.yaml: cannot make a folder" );
     assert_refused( "bench contact --quick --pictures absent/pictures", "absent/pictures: cannot make a folder" );
 }
@@ -199,6 +208,7 @@ static int count_differing( const char* a, const char* b )
 
 static void points_are_drawn_unless_nobody_requests_them( void** state )
 {
+    (void)state;
     run_well( "render ball.yaml -o drawn.png" SMALL );
     run_well( "render ball.yaml --boundary normal -o normal.png" SMALL );
     run_well( "render ball.yaml --boundary none -o none.png" SMALL );
@@ -216,6 +226,7 @@ static void points_are_drawn_unless_nobody_requests_them( void** state )
 
 static void the_start_has_no_points_yet( void** state )
 {
+    (void)state;
     run_well( "render ball.yaml --frame 0 -o start.png" SMALL );
     run_well( "render ball.yaml --frame 0 --boundary none -o empty.png" SMALL );
     assert_int_equal( count_differing( "start.png", "empty.png" ), 0 );
@@ -226,6 +237,7 @@ static void the_start_has_no_points_yet( void** state )
 
 static void points_of_what_has_none_are_refused( void** state )
 {
+    (void)state;
     run_well( "render plain.yaml -o plain.png" SMALL );
     run_well( "render plain.yaml --boundary none -o plain.png" SMALL );
     assert_refused( "render plain.yaml --boundary class -o a.png", "plain.yaml: has no boundary points" );

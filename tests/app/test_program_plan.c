@@ -69,6 +69,7 @@ static double sum_of( const json_t* passes, const char* key, int* count )
 
 static void shares_of_the_json_form_sum_to_one( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 4" );
     const json_t* passes = json_object_get( root, "passes" );
     const int kept = (int)json_integer_value( json_object_get( root, "active" ) );
@@ -90,6 +91,7 @@ static void shares_of_the_json_form_sum_to_one( void** state )
 
 static void without_steps_nothing_is_measured_and_all_else_is_told( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json --steps 0" );
     int count = 0;
     sum_of( json_object_get( root, "passes" ), "measured_fraction", &count );
@@ -104,6 +106,7 @@ static void without_steps_nothing_is_measured_and_all_else_is_told( void** state
 
 static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     const json_t* freeze = find( json_object_get( root, "passes" ), "frozen_hair.freeze" );
     assert_string_equal( word( freeze, "state" ), "active" );
@@ -125,6 +128,7 @@ static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void*
 
 static void every_absent_module_and_pass_has_its_reason_in_every_form( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     const json_t* modules = json_object_get( root, "modules" );
     assert_string_equal( word( find( modules, "balloon" ), "missing" ), "balloon.gas" );
@@ -151,6 +155,7 @@ static void every_absent_module_and_pass_has_its_reason_in_every_form( void** st
 
 static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml --verbose" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -167,6 +172,7 @@ static void the_verbose_text_names_each_pass_of_the_json_form( void** state )
 
 static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -217,6 +223,7 @@ static void assert_balanced( const char* dot )
 
 static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan hair.yaml --format json" );
     run_ok( "plan hair.yaml --format dot" );
     assert_int_equal( strncmp( result.out, "digraph wisp_plan {", 19 ), 0 );
@@ -242,6 +249,7 @@ static void a_graph_is_balanced_and_names_each_kept_pass_once( void** state )
 
 static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
 {
+    (void)state;
     run_ok( "plan quo\"te.yaml --format dot --steps 0" );
     assert_balanced( result.out );
     assert_non_null( strstr( result.out, "quo\\\"te.yaml" ) );
@@ -254,6 +262,7 @@ static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
 
 static void an_empty_scene_has_a_plan_in_every_form( void** state )
 {
+    (void)state;
     json_t* root = read_json( "plan " WISP_SOURCE_ROOT "/data/scenes/empty.yaml --format json" );
     assert_int_equal( json_integer_value( json_object_get( root, "active" ) ), 0 );
     int count = 0;
@@ -266,6 +275,7 @@ static void an_empty_scene_has_a_plan_in_every_form( void** state )
 
 static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void** state )
 {
+    (void)state;
     run_ok( "plan " WISP_SOURCE_ROOT "/data/scenes/hanging_cloth.yaml --format dot --steps 1" );
     assert_balanced( result.out );
     static const char* const LOOPS[] = { "substep", "iteration", "substep end", "after" };
@@ -280,6 +290,7 @@ static void a_scene_with_substeps_has_loops_and_what_comes_round_is_dashed( void
 
 static void what_runs_together_is_told_in_every_form( void** state )
 {
+    (void)state;
 #define CHAINS "plan " WISP_SOURCE_ROOT "/data/scenes/chain_links.yaml --steps 1 --format "
     json_t* root = read_json( CHAINS "json" );
     const json_t* passes = json_object_get( root, "passes" );
@@ -299,6 +310,7 @@ static void what_runs_together_is_told_in_every_form( void** state )
 
 static void wrong_words_are_wrong_usage_and_a_missing_scene_is_bad_input( void** state )
 {
+    (void)state;
     assert_usage( "plan hair.yaml --format svg", "--format: got 'svg', expected one of text, dot, json" );
     assert_usage( "plan hair.yaml --steps -1", "--steps: got '-1'" );
     assert_usage( "plan hair.yaml --steps many", "--steps: got 'many'" );

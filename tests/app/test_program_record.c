@@ -6,6 +6,7 @@
 
 static void a_run_is_recorded_in_every_format( void** state )
 {
+    (void)state;
     static const char* const files[][2] = {
         { "a.wisp", "a.wisp" },    { "a.pc2", "a.pc2" },   { "a.pvd", "a/hair_0004.vtp" },
         { "a.obj", "a_0004.obj" }, { "a.usda", "a.usda" },
@@ -23,6 +24,7 @@ static void a_run_is_recorded_in_every_format( void** state )
 
 static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** state )
 {
+    (void)state;
     run_ok( "run hair.yaml --steps 7 --every 3 --record nth.wisp" );
     wisp_error error = { 0 };
     wisp_recording* recording;
@@ -46,6 +48,7 @@ static void a_recording_has_the_start_and_every_nth_step_with_hashes( void** sta
 
 static void tracks_are_the_points_of_the_recording( void** state )
 {
+    (void)state;
     run_ok( "run hair.yaml --record t.wisp --track hair:19,0 --track hair:7 --track-file t.csv" );
     assert_non_null( strstr( result.out, "t.csv: 3 vertices over 4 frames" ) );
     FILE* table = fopen( "t.csv", "r" );
@@ -78,6 +81,7 @@ static void tracks_are_the_points_of_the_recording( void** state )
 
 static void a_run_verifies_its_recording_on_other_workers( void** state )
 {
+    (void)state;
     run_ok( "run hair.yaml --record proof.wisp --workers 1" );
     run_ok( "run hair.yaml --verify proof.wisp --workers 3 --isa baseline" );
     assert_non_null( strstr( result.out, "proof.wisp: 4 frames, every bit equal" ) );
@@ -116,6 +120,7 @@ static void copy_with_one_bit_off( const char* from, const char* to )
 
 static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** state )
 {
+    (void)state;
     run_ok( "run hair.yaml --record proof.wisp" );
     copy_with_one_bit_off( "proof.wisp", "off.wisp" );
     assert_refused( "run hair.yaml --verify off.wisp", "off.wisp: frame 2 " );
@@ -125,6 +130,7 @@ static void a_difference_of_one_bit_is_named_by_frame_body_and_vertex( void** st
 
 static void a_recording_of_something_else_is_not_compared( void** state )
 {
+    (void)state;
     assert_refused( "run hair.yaml --verify fly.wisp", "body 0 differs in its name" );
     assert_refused( "run hair.yaml --verify absent.wisp", "absent.wisp" );
     assert_refused( "run hair.yaml --verify sheet.obj", "sheet.obj" );
@@ -134,6 +140,7 @@ static void a_recording_of_something_else_is_not_compared( void** state )
 
 static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
 {
+    (void)state;
     run_ok( "info sheet.obj" );
     assert_non_null( strstr( result.out, "triangles            32" ) );
     assert_non_null( strstr( result.out, "open edges" ) );
@@ -147,6 +154,7 @@ static void info_names_what_is_wrong_with_a_mesh_by_element( void** state )
 
 static void info_tells_whether_a_recording_is_whole( void** state )
 {
+    (void)state;
     run_ok( "info fly.wisp" );
     assert_non_null( strstr( result.out, "6 frames" ) );
     run_ok( "info fly.pc2" );

@@ -72,6 +72,7 @@ static bool same_file( const char* a, const char* b )
 
 static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void** state )
 {
+    (void)state;
     static const char* const inputs[] = {
         "hair.yaml", "fly.wisp", "fly.pc2 --mesh sheet.obj", "sheet.obj", "hair.hair",
     };
@@ -95,6 +96,7 @@ static void every_kind_of_input_becomes_a_picture_of_the_size_queried_for( void*
 
 static void a_picture_does_not_depend_on_the_number_of_workers( void** state )
 {
+    (void)state;
     run( "render fly.wisp -o one.png --size 80x60 --samples 4 --workers 1" );
     free( assert_picture( "one.png", 80, 60 ).rgb );
     run( "render fly.wisp -o three.png --size 80x60 --samples 4 --workers 3" );
@@ -103,6 +105,7 @@ static void a_picture_does_not_depend_on_the_number_of_workers( void** state )
 
 static void frames_and_times_name_the_same_pictures( void** state )
 {
+    (void)state;
     run( "render fly.wisp -o frame.png --size 64x48 --samples 1 --frame 2" );
     free( assert_picture( "frame.png", 64, 48 ).rgb );
     // nearest to a time: a little before and a little after frame 2 at 0.2 s
@@ -118,6 +121,7 @@ static void frames_and_times_name_the_same_pictures( void** state )
 
 static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** state )
 {
+    (void)state;
     run_ok( "run hair.yaml --record drawn.wisp" );
     // a recording has neither widths nor colours, which the look of the scene has: only where something is can be equal
     run_ok( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
@@ -143,6 +147,7 @@ static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** st
 // A recording does not say what its bodies are made of, and has no planes: both are found again.
 static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void** state )
 {
+    (void)state;
     run_ok( "run cloth.yaml --record cloth.wisp" );
     run( "info cloth.wisp" );
     assert_non_null( strstr( result.out, "cloth " ) );
@@ -159,6 +164,7 @@ static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void*
 
 static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
 {
+    (void)state;
     run_ok( "render cloth.yaml -o body.png --size 80x60 --samples 1 --frames 0:6:3" );
     run_ok( "render cloth.yaml -o pace.png --size 80x60 --samples 1 --frames 0:6:3 --colour speed" );
     run_ok( "render cloth.yaml -o pull.png --size 80x60 --samples 1 --frames 0:6:3 --colour strain" );
@@ -169,6 +175,7 @@ static void a_scene_shows_strain_and_speed_of_its_surfaces( void** state )
 
 static void a_sequence_is_numbered_from_one( void** state )
 {
+    (void)state;
     run_ok( "render fly.wisp -o run.png --size 40x30 --samples 1 --frames 0:4:2" );
     assert_non_null( strstr( result.out, "run_0001.png: the first of 3 pictures of 40 x 30 pixels, frames 0 to 4" ) );
     assert_true( exists( "run_0001.png" ) && exists( "run_0003.png" ) );
@@ -177,6 +184,7 @@ static void a_sequence_is_numbered_from_one( void** state )
 
 static void parts_of_a_range_of_frames_may_be_left_out( void** state )
 {
+    (void)state;
     run( "render fly.wisp -o tail.png --size 40x30 --samples 1 --frames 4:" );
     assert_true( exists( "tail_0002.png" ) && !exists( "tail_0003.png" ) );
     run( "render fly.wisp -o all.png --size 40x30 --samples 1 --frames ::3" );
@@ -186,6 +194,7 @@ static void parts_of_a_range_of_frames_may_be_left_out( void** state )
 
 static void a_flying_body_stays_in_view_under_one_camera( void** state )
 {
+    (void)state;
     run_ok( "render fly.wisp -o view.png --size 160x90 --samples 1 --frames : --background white --ground none" );
     int left[FRAMES];
     for ( int f = 0; f < FRAMES; ++f )
@@ -209,6 +218,7 @@ static void a_flying_body_stays_in_view_under_one_camera( void** state )
 
 static void a_sheet_has_its_pictures_in_columns( void** state )
 {
+    (void)state;
     run_ok( "render fly.wisp -o sheet.png --size 60x40 --samples 1 --frames 0:4 --sheet=3" );
     assert_non_null( strstr( result.out, "sheet.png: 5 pictures of 60 x 40 pixels, frames 0 to 4" ) );
     picture p = read_picture( "sheet.png" );
@@ -221,12 +231,14 @@ static void a_sheet_has_its_pictures_in_columns( void** state )
 
 static void a_sheet_without_frames_shows_all_of_a_short_recording( void** state )
 {
+    (void)state;
     run_ok( "render fly.wisp -o few.png --size 40x30 --samples 1 --sheet" );
     assert_non_null( strstr( result.out, "6 pictures of 40 x 30 pixels, frames 0 to 5" ) );
 }
 
 static void a_turntable_shows_other_sides_and_keeps_the_body_in_view( void** state )
 {
+    (void)state;
     run_ok( "render sheet.obj -o turn.png --size 80x60 --samples 1 --turntable 4 --background white --ground none" );
     for ( int i = 1; i <= 4; ++i )
     {
@@ -266,6 +278,7 @@ static double green_over_blue( const char* path )
 
 static void strain_is_measured_from_the_first_frame( void** state )
 {
+    (void)state;
     run_ok(
         "render stay.wisp -o rest.png --size 120x90 --samples 1 --frame 0 --colour strain --range 0,1 --background "
         "white --ground none" );
@@ -279,6 +292,7 @@ static void strain_is_measured_from_the_first_frame( void** state )
 
 static void speed_is_measured_between_neighbouring_frames( void** state )
 {
+    (void)state;
     run_ok(
         "render fly.wisp -o slow.png --size 120x90 --samples 1 --frame 2 --color speed --range 10,1000 --background "
         "white --ground none" );
@@ -291,6 +305,7 @@ static void speed_is_measured_between_neighbouring_frames( void** state )
 
 static void the_user_places_camera_ground_and_background( void** state )
 {
+    (void)state;
     run( "render sheet.obj -o away.png --size 40x30 --samples 1 --camera 0,0,5,0,0,10 --background #204060 --ground "
          "none" );
     picture p = assert_picture( "away.png", 40, 30 );
@@ -308,6 +323,7 @@ static void the_user_places_camera_ground_and_background( void** state )
 
 static void wrong_words_are_wrong_usage( void** state )
 {
+    (void)state;
     static const char* const commands[][2] = {
         { "render", "expected a scene, recording, mesh or groom" },
         { "render fly.wisp", "-o FILE.png" },
@@ -356,6 +372,7 @@ static void wrong_words_are_wrong_usage( void** state )
 
 static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
 {
+    (void)state;
     static const char* const commands[][2] = {
         { "render absent.wisp -o b.png", "absent.wisp" },
         { "render . -o b.png", "." },
@@ -385,6 +402,7 @@ static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
 
 static void output_that_cannot_be_written_is_refused_in_one_message( void** state )
 {
+    (void)state;
     assert_int_equal( mkdir( "folder.png", 0700 ), 0 );
     assert_refused( "render sheet.obj -o no/such/c.png --size 20x20", "no/such/c.png" );
     assert_refused( "render sheet.obj -o folder.png --size 20x20 --samples 1", "folder.png" );
@@ -400,6 +418,7 @@ static void output_that_cannot_be_written_is_refused_in_one_message( void** stat
 
 static void the_progress_of_pictures_is_drawn_on_a_terminal_only( void** state )
 {
+    (void)state;
     setenv( "TERM", "xterm", 1 );
     run_on_terminal( "render fly.wisp -o bar.png --size 40x30 --samples 1 --frames 0:2" );
     assert_int_equal( result.status, 0 );

@@ -8,6 +8,7 @@ static char page[4 << 20];
 
 static void a_report_is_written_beside_the_usual_output( void** state )
 {
+    (void)state;
     run_ok( "bench collision --quick --seconds 0.01 --workers 1 --report page.html" );
     read_text( "page.html", page, sizeof( page ) );
     assert_memory_equal( page, "<!DOCTYPE html>\n", 16 );
@@ -35,6 +36,7 @@ static void a_report_is_written_beside_the_usual_output( void** state )
 
 static void a_report_that_cannot_be_written_is_refused_before_anything_is_measured( void** state )
 {
+    (void)state;
     assert_int_equal( mkdir( "folder", 0700 ), 0 );
     assert_refused( "bench collision --quick --seconds 0.01 --report nowhere/page.html",
                     "nowhere/page.html: cannot be written: No such" );
@@ -48,6 +50,7 @@ static void a_report_that_cannot_be_written_is_refused_before_anything_is_measur
 
 static void a_report_over_the_output_is_wrong_usage( void** state )
 {
+    (void)state;
     assert_usage( "bench collision --quick --seconds 0.01 --report a.html --output a.html",
                   "--report and --output both write to 'a.html'" );
     assert_false( exists( "a.html" ) );
@@ -55,6 +58,7 @@ static void a_report_over_the_output_is_wrong_usage( void** state )
 
 static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
 {
+    (void)state;
     write_text( "kept.html", "a page of last week" );
     assert_refused( "bench collision --quick --seconds 0.01 --report kept.html --output nowhere/out.txt",
                     "nowhere/out.txt" );
@@ -67,6 +71,7 @@ static void looking_whether_a_file_can_be_written_leaves_it_as_it_was( void** st
 
 static void a_disk_that_fills_up_is_a_failed_run( void** state )
 {
+    (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
         skip();
@@ -81,6 +86,7 @@ static void a_disk_that_fills_up_is_a_failed_run( void** state )
 
 static void help_tells_of_the_report( void** state )
 {
+    (void)state;
     run_ok( "bench --help" );
     assert_non_null( strstr( result.out, "--report=FILE" ) );
 }

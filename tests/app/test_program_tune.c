@@ -61,6 +61,7 @@ static const char* chosen_line( void )
 
 static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void** state )
 {
+    (void)state;
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --output tuned.yaml" );
     assert_string_equal( result.err, "" );
     assert_memory_equal( result.out, "target     met: error at most 0.02 m\n", 37 );
@@ -92,6 +93,7 @@ static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void**
 
 static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** state )
 {
+    (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nsubsteps: 1\niterations: 1\nsurfaces:\n  - name: cloth\n"
                                 "    generate: { shape: plane, columns: 17, rows: 17, spacing: 0.02 }\n"
                                 "    pins: [0, 16]\n    levels: 2\n    finest_level: 2 # coarse\n"
@@ -117,6 +119,7 @@ static void levels_of_a_scene_are_tuned_and_their_choice_is_written( void** stat
 
 static void passes_of_strands_are_tuned_and_their_choice_is_written( void** state )
 {
+    (void)state;
     static const char scene[] = "wisp: 1\nsteps: 8\nstrands:\n  - name: hair\n"
                                 "    generate: { dimension: 2, strands: 16, vertices: 9, spacing: 0.03 }\n"
                                 "    dynamics: { stretch_passes: 3, rest: straight }\n";
@@ -131,6 +134,7 @@ static void passes_of_strands_are_tuned_and_their_choice_is_written( void** stat
 
 static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
 {
+    (void)state;
     run_ok( "tune cloth.yaml --budget 1000 --workers 1 --seconds 0.1" );
     assert_non_null( strstr( result.out, "target     met: at most 1000 ms per step" ) );
     assert_non_null( strstr( result.out, "81 points and 6 steps" ) );
@@ -144,6 +148,7 @@ static void a_budget_is_met_or_it_is_told_that_it_is_not( void** state )
 
 static void an_error_out_of_reach_ends_with_1_and_the_best( void** state )
 {
+    (void)state;
     run( "tune cloth.yaml --error 1e-12 --workers 1 --seconds 0.1" );
     assert_int_equal( result.status, 1 );
     assert_string_equal( result.err, "" );
@@ -152,6 +157,7 @@ static void an_error_out_of_reach_ends_with_1_and_the_best( void** state )
 
 static void a_report_in_json_has_a_row_for_every_setting( void** state )
 {
+    (void)state;
     run_ok( "tune cloth.yaml --error 0.02 --workers 1 --seconds 0.1 --format json" );
     assert_int_equal( result.out[0], '{' );
     assert_non_null( strstr( result.out, "\"chosen\"" ) );
@@ -161,6 +167,7 @@ static void a_report_in_json_has_a_row_for_every_setting( void** state )
 
 static void a_limit_leaves_one_run_and_says_that_there_may_be_better( void** state )
 {
+    (void)state;
     run( "tune cloth.yaml --error 0.02 --workers 1 --limit 1e-9" );
     assert_non_null( strstr( result.out, "1 run of 1 configuration in" ) );
     assert_non_null( strstr( result.out, "better ones may exist" ) );
@@ -168,6 +175,7 @@ static void a_limit_leaves_one_run_and_says_that_there_may_be_better( void** sta
 
 static void a_repair_is_told_once_and_not_with_every_run( void** state )
 {
+    (void)state;
     write_text( "doubled.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\nf 1 3 2\nf 2 3 4\nf 2 3 4\n" );
     write_text( "doubled.yaml", "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    file: doubled.obj\n"
                                 "    repair: [duplicates]\n    pins: [0]\n    cloth: { bending: none }\n" );
@@ -181,6 +189,7 @@ static void a_repair_is_told_once_and_not_with_every_run( void** state )
 
 static void wrong_command_lines_are_told( void** state )
 {
+    (void)state;
     assert_usage( "tune", "expected a scene" );
     assert_usage( "tune cloth.yaml", "expected one of --error and --budget" );
     assert_usage( "tune cloth.yaml --error 1 --budget 1", "expected one of --error and --budget" );
@@ -194,6 +203,7 @@ static void wrong_command_lines_are_told( void** state )
 
 static void scenes_that_cannot_be_tuned_are_refused( void** state )
 {
+    (void)state;
     assert_refused( "tune no_such.yaml --error 1", "no_such.yaml" );
     assert_refused( "tune still.yaml --error 1", "nothing in the scene moves" );
     write_text( "bad.yaml", "wisp: 1\nsubsteps: none\n" );
@@ -202,6 +212,7 @@ static void scenes_that_cannot_be_tuned_are_refused( void** state )
 
 static void a_place_where_the_scene_would_not_find_its_files_is_refused( void** state )
 {
+    (void)state;
     write_text( "mesh.yaml", "wisp: 1\nsurfaces:\n  - { name: a, file: a.obj, cloth: {} }\n" );
     assert_refused( "tune mesh.yaml --error 1 -o elsewhere/tuned.yaml",
                     "elsewhere/tuned.yaml must be in the same folder" );
@@ -210,6 +221,7 @@ static void a_place_where_the_scene_would_not_find_its_files_is_refused( void** 
 
 static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void** state )
 {
+    (void)state;
     assert_refused( "tune unmade.yaml --error 1", "no vertex starts in pin_box" );
     assert_refused( "tune unmade.yaml --error 1 -o no_such/tuned.yaml", "no_such/tuned.yaml: cannot be written" );
     assert_int_equal( access( "no_such", F_OK ), -1 );
@@ -221,6 +233,7 @@ static void a_place_where_nothing_can_be_written_is_refused_before_any_run( void
 
 static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state )
 {
+    (void)state;
     write_text( "kept.yaml", "kept\n" );
     assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
     if ( access( "kept.yaml", W_OK ) == 0 )
@@ -232,6 +245,7 @@ static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state
 
 static void trying_whether_a_file_can_be_written_leaves_it_as_it_was( void** state )
 {
+    (void)state;
     write_text( "before.yaml", "before\n" );
     assert_refused( "tune unmade.yaml --error 1 -o before.yaml", "no vertex starts in pin_box" );
     char text[100];

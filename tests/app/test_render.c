@@ -57,6 +57,7 @@ static void assert_same_picture( const image* a, const image* b )
 
 static void the_number_of_threads_changes_no_byte( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -85,6 +86,7 @@ static void backwards( void* user, int block_count, wisp_block_fn* run, void* co
 
 static void a_host_that_draws_backwards_gets_the_same_bytes( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -103,6 +105,7 @@ static void a_host_that_draws_backwards_gets_the_same_bytes( void** state )
 
 static void another_seed_has_other_noise( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -120,6 +123,7 @@ static void another_seed_has_other_noise( void** state )
 
 static void an_empty_scene_is_its_background( void** state )
 {
+    (void)state;
     render_scene scene = render_default_scene();
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
@@ -143,6 +147,7 @@ static void an_empty_scene_is_its_background( void** state )
 
 static void the_ground_runs_out_into_the_background( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -190,6 +195,7 @@ static void release_view( ball_view* v )
 
 static void a_ball_covers_the_disc_that_the_camera_says( void** state )
 {
+    (void)state;
     render_options options = fixture_options();
     const float radius = 0.8f, away = 5.0f;
     ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, radius, &options );
@@ -209,6 +215,7 @@ static void a_ball_covers_the_disc_that_the_camera_says( void** state )
 
 static void right_is_right_and_up_is_up( void** state )
 {
+    (void)state;
     render_options options = fixture_options();
     render_camera camera = fixture_camera();
     wisp_vec3 centre = { 1.2f, 1.9f, -0.5f };
@@ -241,6 +248,7 @@ static image picture_of_triangle( const int32_t* triangle, render_material mater
 
 static void cloth_is_the_same_from_both_sides( void** state )
 {
+    (void)state;
     const int32_t front[] = { 0, 1, 2 }, back[] = { 0, 2, 1 };
     image a = picture_of_triangle( front, RENDER_CLOTH ), b = picture_of_triangle( back, RENDER_CLOTH );
     image none = picture_of_triangle( NULL, RENDER_CLOTH );
@@ -254,6 +262,7 @@ static void cloth_is_the_same_from_both_sides( void** state )
 
 static void colours_of_vertices_run_into_each_other( void** state )
 {
+    (void)state;
     const int32_t front[] = { 0, 1, 2 };
     image picture = picture_of_triangle( front, RENDER_SOLID );
     const uint8_t *left = fixture_pixel( &picture, 36, 50 ), *right = fixture_pixel( &picture, 60, 50 );
@@ -288,6 +297,7 @@ static image picture_of_strand( float radius, float min_pixels )
 
 static void a_strand_is_seen_along_its_whole_length( void** state )
 {
+    (void)state;
     image none = picture_of_strand( 0.0f, 0.0f );
     image thick = picture_of_strand( 0.04f, 0.0f );
     render_camera camera = fixture_camera();
@@ -308,6 +318,7 @@ static void a_strand_is_seen_along_its_whole_length( void** state )
 
 static void a_hair_thinner_than_a_pixel_is_widened( void** state )
 {
+    (void)state;
     image none = picture_of_strand( 0.0f, 0.0f );
     image thin = picture_of_strand( 4e-5f, 0.0f );
     image widened = picture_of_strand( 4e-5f, 1.0f );
@@ -349,6 +360,7 @@ static render_options under_a_lamp( void )
 
 static void the_ground_under_a_ball_is_darker_than_beside_it( void** state )
 {
+    (void)state;
     render_options options = under_a_lamp();
     image picture = picture_with_shadow( RENDER_SOLID, &above, &options );
     fixture_place under = fixture_project( &above, &options, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
@@ -371,6 +383,7 @@ static int ground_at( const image* picture, const render_options* options, float
 
 static void a_shadow_has_a_soft_edge( void** state )
 {
+    (void)state;
     render_options options = under_a_lamp();
     options.width = 320;
     options.height = 240;
@@ -387,6 +400,7 @@ static void a_shadow_has_a_soft_edge( void** state )
 
 static void latex_colours_its_shadow( void** state )
 {
+    (void)state;
     render_options options = under_a_lamp();
     image latex = picture_with_shadow( RENDER_LATEX, &above, &options );
     image solid = picture_with_shadow( RENDER_SOLID, &above, &options );
@@ -401,6 +415,7 @@ static void latex_colours_its_shadow( void** state )
 
 static void light_from_the_left_lights_the_left( void** state )
 {
+    (void)state;
     render_options options = fixture_options();
     options.light = ( wisp_vec3 ){ -1.0f, 0.2f, 0.5f };
     ball_view v = view_ball( ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f }, 0.8f, &options );
@@ -410,6 +425,7 @@ static void light_from_the_left_lights_the_left( void** state )
 
 static void film_rolls_off_what_plain_output_cuts( void** state )
 {
+    (void)state;
     render_scene scene = render_default_scene();
     scene.background_top = scene.background_bottom = ( wisp_vec3 ){ 1.5f, 0.3f, 0.3f };
     render_camera camera = fixture_camera();
@@ -435,6 +451,7 @@ static void film_rolls_off_what_plain_output_cuts( void** state )
 
 static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
 {
+    (void)state;
     render_bounds box = { { -0.3f, 0.1f, -1.2f }, { 1.4f, 0.9f, 0.7f }, true };
     render_options options = fixture_options();
     for ( int angle = 0; angle < 360; angle += 30 )
@@ -460,6 +477,7 @@ static void the_whole_box_is_in_the_picture_and_fills_it( void** state )
 
 static void a_turntable_keeps_its_distance( void** state )
 {
+    (void)state;
     render_bounds box = { { -1.0f, 0.0f, -0.2f }, { 1.0f, 0.5f, 0.2f }, true };
     render_view view = render_default_view();
     view.is_turntable = true;
@@ -480,6 +498,7 @@ static void a_turntable_keeps_its_distance( void** state )
 
 static void an_empty_box_still_has_a_camera( void** state )
 {
+    (void)state;
     render_bounds none = { .is_filled = false };
     render_view view = render_default_view();
     render_scene scene = render_default_scene();
@@ -493,6 +512,7 @@ static void an_empty_box_still_has_a_camera( void** state )
 
 static void bounds_hold_what_is_drawn_and_join( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_bounds bounds;
@@ -526,6 +546,7 @@ static void listen( void* user, double fraction )
 
 static void progress_rises_to_one( void** state )
 {
+    (void)state;
     render_scene scene = render_default_scene();
     render_camera camera = fixture_camera();
     render_options options = fixture_options();
@@ -547,6 +568,7 @@ static void progress_rises_to_one( void** state )
 // Of N = 2^m points, every box of 2^-a x 2^-(m-a) holds exactly one: that is what a (0,m,2)-net means.
 static void the_samples_of_a_pixel_are_a_net( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 3, 1, 4 );
     for ( int pixel = 0; pixel < 20; ++pixel )
     {

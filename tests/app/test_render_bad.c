@@ -70,6 +70,7 @@ static void assert_refused( const spoilt* s, const char* words )
 
 static void the_unspoilt_scene_is_drawn( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     image picture = { 0 };
@@ -80,6 +81,7 @@ static void the_unspoilt_scene_is_drawn( void** state )
 
 static void a_vertex_that_is_not_finite_is_named( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.points[2].y = NAN;
@@ -96,6 +98,7 @@ static void a_vertex_that_is_not_finite_is_named( void** state )
 
 static void a_triangle_that_names_no_vertex_is_named( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.triangles[4] = 4;
@@ -115,6 +118,7 @@ static void a_triangle_that_names_no_vertex_is_named( void** state )
 
 static void a_strand_out_of_order_is_named( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.curves.name = "head";
@@ -138,6 +142,7 @@ static void a_strand_out_of_order_is_named( void** state )
 
 static void a_colour_that_is_none_is_named( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.colours[1].x = -0.1f;
@@ -158,6 +163,7 @@ static void a_colour_that_is_none_is_named( void** state )
 
 static void a_camera_that_sees_nothing_is_refused( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.camera.target = s.camera.eye;
@@ -180,6 +186,7 @@ static void a_camera_that_sees_nothing_is_refused( void** state )
 
 static void a_frame_that_cannot_be_is_refused( void** state )
 {
+    (void)state;
     render_bounds box = { { 0.0f, 0.0f, 0.0f }, { 1.0f, NAN, 1.0f }, true };
     render_view view = render_default_view();
     render_camera camera;
@@ -197,6 +204,7 @@ static void a_frame_that_cannot_be_is_refused( void** state )
 
 static void options_out_of_range_are_named( void** state )
 {
+    (void)state;
     spoilt s;
     make_good( &s );
     s.options.width = 0;
@@ -222,6 +230,7 @@ static void options_out_of_range_are_named( void** state )
 // strands of one, a point for a scene, tiny and far bodies.
 static void strange_scenes_are_drawn( void** state )
 {
+    (void)state;
     const float scales[] = { 0.0f, 1e-30f, 1e-6f, 1e5f };
     const float shifts[] = { 0.0f, 9e5f };
     for ( int i = 0; i < WISP_COUNT( scales ) * WISP_COUNT( shifts ); ++i )

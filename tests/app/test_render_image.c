@@ -32,6 +32,7 @@ static void assert_words( const wisp_error* error, const char* words )
 
 static void a_picture_without_pixels_or_with_too_many_is_refused( void** state )
 {
+    (void)state;
     const int sides[][2] = { { 0, 4 }, { 4, -1 }, { IMAGE_MAX_SIDE + 1, 1 }, { 60000, 60000 } };
     for ( int i = 0; i < WISP_COUNT( sides ); ++i )
     {
@@ -45,6 +46,7 @@ static void a_picture_without_pixels_or_with_too_many_is_refused( void** state )
 
 static void a_linear_value_becomes_its_srgb_byte( void** state )
 {
+    (void)state;
     // IEC 61966-2-1 at its ends, in its straight part (0.002 x 12.92 x 255 = 6.6) and at middle grey.
     assert_int_equal( image_byte_of_linear( 0.0f ), 0 );
     assert_int_equal( image_byte_of_linear( 1.0f ), 255 );
@@ -57,6 +59,7 @@ static void a_linear_value_becomes_its_srgb_byte( void** state )
 
 static void filling_stays_inside_the_picture( void** state )
 {
+    (void)state;
     image picture = make( 8, 6, WHITE );
     image_fill( &picture, -5, -5, 7, 7, BLACK, 1.0f );
     image_fill( &picture, 6, 4, 2147483647, 2147483647, BLACK, 0.5f );
@@ -96,6 +99,7 @@ static image noise( int width, int height )
 
 static void a_file_holds_the_pixels_of_the_picture( void** state )
 {
+    (void)state;
     const int sizes[][2] = { { 1, 1 }, { 33, 17 }, { 3, 400 } };
     for ( int i = 0; i < WISP_COUNT( sizes ); ++i )
     {
@@ -110,6 +114,7 @@ static void a_file_holds_the_pixels_of_the_picture( void** state )
 
 static void a_picture_that_cannot_be_written_leaves_the_old_file( void** state )
 {
+    (void)state;
     const char* path = "test_render_image_kept.png";
     image old = noise( 9, 9 ), empty = { 0 };
     wisp_error error = { .status = WISP_OK };
@@ -133,6 +138,7 @@ static void a_picture_that_cannot_be_written_leaves_the_old_file( void** state )
 
 static void a_sheet_shows_each_picture_in_its_cell( void** state )
 {
+    (void)state;
     image pictures[5];
     for ( int i = 0; i < 5; ++i )
     {
@@ -161,6 +167,7 @@ static void a_sheet_shows_each_picture_in_its_cell( void** state )
 
 static void a_smaller_picture_stands_in_the_middle_of_its_cell( void** state )
 {
+    (void)state;
     image pictures[] = { make( 30, 30, BLACK ), make( 10, 20, BLACK ) };
     image sheet = { 0 };
     assert_int_equal( image_sheet( pictures, 2, 2, NULL, &sheet, NULL ), WISP_OK );
@@ -188,6 +195,7 @@ static int dark_pixels( const image* picture, int left, int top, int right, int 
 
 static void labels_stand_below_their_pictures_and_in_no_other_cell( void** state )
 {
+    (void)state;
     image pictures[] = { make( 60, 30, WHITE ), make( 60, 30, WHITE ), make( 60, 30, WHITE ) };
     const char* const labels[] = { "a name that is far too long for a cell", NULL, "t = 1" };
     image sheet = { 0 };
@@ -207,6 +215,7 @@ static void labels_stand_below_their_pictures_and_in_no_other_cell( void** state
 
 static void a_sheet_left_to_itself_is_nearly_square( void** state )
 {
+    (void)state;
     image pictures[12];
     for ( int i = 0; i < 12; ++i )
     {
@@ -225,6 +234,7 @@ static void a_sheet_left_to_itself_is_nearly_square( void** state )
 
 static void a_sheet_refuses_what_it_cannot_show( void** state )
 {
+    (void)state;
     image pictures[] = { make( 30000, 2, WHITE ), { 0 } };
     image sheet = { 0 };
     wisp_error error = { .status = WISP_OK };
@@ -243,6 +253,7 @@ static void a_sheet_refuses_what_it_cannot_show( void** state )
 
 static void letters_are_their_squares( void** state )
 {
+    (void)state;
     static const char* const drawing[7] = { ".###.#####", "#...#..#..", "#......#..", "#......#..",
                                             "#......#..", "#...#..#..", ".###...#.." };
     image picture = make( 24, 16, WHITE );
@@ -263,6 +274,7 @@ static void letters_are_their_squares( void** state )
 
 static void every_character_has_a_drawing_of_its_own( void** state )
 {
+    (void)state;
     image drawn[96];
     for ( int i = 0; i < 96; ++i )
     {
@@ -285,6 +297,7 @@ static void every_character_has_a_drawing_of_its_own( void** state )
 
 static void text_that_leaves_the_picture_is_cut( void** state )
 {
+    (void)state;
     image picture = make( 10, 5, WHITE );
     image_text( &picture, -3, -2, 1, BLACK, "MMMMMMMM" );
     image_text( &picture, 1000, 1000, 3, BLACK, "M" );
@@ -318,6 +331,7 @@ static double distance( oklab a, oklab b )
 
 static void equal_steps_of_a_map_look_equal( void** state )
 {
+    (void)state;
     for ( int map = COLOUR_MAP_RISING; map <= COLOUR_MAP_DIVERGING; ++map )
     {
         double least = 1e9, most = 0.0;
@@ -336,6 +350,7 @@ static void equal_steps_of_a_map_look_equal( void** state )
 
 static void lightness_rises_evenly( void** state )
 {
+    (void)state;
     for ( int k = 0; k <= 64; ++k )
     {
         double l = oklab_of( colour_map_at( COLOUR_MAP_RISING, (float)k / 64.0f ) ).l;
@@ -345,6 +360,7 @@ static void lightness_rises_evenly( void** state )
 
 static void values_take_the_colours_of_their_place( void** state )
 {
+    (void)state;
     const float values[] = { -1.0f, 0.0f, 5.0f, 10.0f, 3e38f, NAN };
     wisp_vec3 colours[6];
     colour_map_apply( COLOUR_MAP_RISING, values, 6, 0.0f, 10.0f, colours );
@@ -375,6 +391,7 @@ static bool has_colour( const image* picture, image_colour c )
 
 static void a_legend_has_both_ends_of_its_map_and_stays_in_its_corner( void** state )
 {
+    (void)state;
     image picture = make( 320, 240, BLACK );
     image_legend( &picture, COLOUR_MAP_RISING, 0.0, 0.25, "strain" );
     for ( int end = 0; end <= 1; ++end )

@@ -27,6 +27,7 @@ static image picture_of( const render_points* points )
 
 static void points_are_balls_where_the_camera_says( void** state )
 {
+    (void)state;
     render_points points = two_points( 0.2f );
     image none = picture_of( NULL ), picture = picture_of( &points );
     render_camera camera = fixture_camera();
@@ -51,6 +52,7 @@ static void points_are_balls_where_the_camera_says( void** state )
 
 static void every_point_has_its_colour( void** state )
 {
+    (void)state;
     render_points points = two_points( 0.2f );
     image picture = picture_of( &points );
     render_camera camera = fixture_camera();
@@ -111,6 +113,7 @@ static void make_everything( everything* e )
 
 static void meshes_and_strands_stay_what_they_are_beside_points( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -139,6 +142,7 @@ static void meshes_and_strands_stay_what_they_are_beside_points( void** state )
 
 static void the_number_of_threads_changes_no_byte_of_points( void** state )
 {
+    (void)state;
     everything e;
     make_everything( &e );
     render_camera camera = fixture_camera();
@@ -155,6 +159,7 @@ static void the_number_of_threads_changes_no_byte_of_points( void** state )
 // Light goes through latex and strands: a point among them lets none through.
 static void a_point_throws_a_shadow_also_where_others_let_light_through( void** state )
 {
+    (void)state;
     const wisp_vec3 place = { 0.0f, 0.6f, 0.0f };
     render_points points = render_default_points();
     points.points = &place;
@@ -185,6 +190,7 @@ static void a_point_throws_a_shadow_also_where_others_let_light_through( void** 
 
 static void bounds_hold_whole_balls( void** state )
 {
+    (void)state;
     render_points points = two_points( 0.25f );
     render_scene scene = render_default_scene();
     scene.points = &points;
@@ -214,6 +220,7 @@ static void assert_refused( const render_points* points, int count, const char* 
 
 static void points_that_cannot_be_are_refused_by_name( void** state )
 {
+    (void)state;
     render_points good = two_points( 0.1f ), bad = good;
     assert_refused( &good, -1, "-1 sets of points do not fit their array" );
     assert_refused( NULL, 1, "1 sets of points do not fit their array" );
@@ -240,6 +247,7 @@ static void points_that_cannot_be_are_refused_by_name( void** state )
 
 static void no_points_are_nothing( void** state )
 {
+    (void)state;
     render_points points = render_default_points();
     image none = picture_of( NULL ), empty = picture_of( &points );
     assert_int_equal( fixture_count_differing( &none, &empty ), 0 );

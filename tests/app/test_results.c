@@ -73,6 +73,7 @@ static json_t* parsed( results_format format )
 
 static void json_has_the_keys_of_its_schema( void** state )
 {
+    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 1 );
     static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa" };
@@ -103,6 +104,7 @@ static void json_has_the_keys_of_its_schema( void** state )
 
 static void json_keeps_every_number_of_a_row( void** state )
 {
+    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     json_t* row = json_array_get( json_object_get( root, "rows" ), 1 );
     assert_string_equal( json_string_value( json_object_get( row, "case" ) ), "comma, \"quote\"" );
@@ -122,6 +124,7 @@ static void json_keeps_every_number_of_a_row( void** state )
 
 static void json_says_null_where_nothing_is_known( void** state )
 {
+    (void)state;
     json_t* root = parsed( RESULTS_JSON );
     json_t* row = json_array_get( json_object_get( root, "rows" ), 0 );
     assert_true( json_is_null( json_object_get( row, "ms_p10" ) ) );
@@ -132,6 +135,7 @@ static void json_says_null_where_nothing_is_known( void** state )
 
 static void text_that_is_not_utf8_does_not_break_json( void** state )
 {
+    (void)state;
     results all = { 0 };
     results_add_row( &all, "\xff\xfe", "run" );
     all.machine = machine_describe( "baseline" );
@@ -147,6 +151,7 @@ static void text_that_is_not_utf8_does_not_break_json( void** state )
 
 static void gbench_has_the_keys_that_its_readers_need( void** state )
 {
+    (void)state;
     json_t* root = parsed( RESULTS_GBENCH );
     static const char* const context[] = { "date",     "host_name",           "executable",
                                            "num_cpus", "mhz_per_cpu",         "caches",
@@ -221,6 +226,7 @@ static const char* csv_field( char* header[CSV_COLUMNS], char* row[CSV_COLUMNS],
 
 static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
 {
+    (void)state;
     char* text = written_example( RESULTS_CSV );
     char *lines[4] = { NULL }, *header[CSV_COLUMNS], *source[CSV_COLUMNS], *wisp[CSV_COLUMNS];
     int line_count = 0;
@@ -255,6 +261,7 @@ static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
 
 static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state )
 {
+    (void)state;
     char* text = written_example( RESULTS_TEXT );
     assert_non_null( strstr( text, "\nwho              ms  note\n" ) );
     assert_non_null( strstr( text, "\nwisp           0.75  a|b\n" ) );
@@ -266,6 +273,7 @@ static void text_aligns_numbers_to_the_right_and_names_to_the_left( void** state
 
 static void markdown_escapes_the_bar_that_would_end_a_cell( void** state )
 {
+    (void)state;
     char* text = written_example( RESULTS_MARKDOWN );
     assert_non_null( strstr( text, "\n| who | ms | note |\n|---|---:|---|\n" ) );
     assert_non_null( strstr( text, "| wisp | 0.75 | a\\|b |\n" ) );
@@ -277,6 +285,7 @@ static void markdown_escapes_the_bar_that_would_end_a_cell( void** state )
 
 static void a_failure_marks_the_results_and_says_so( void** state )
 {
+    (void)state;
     results all = { 0 };
     assert_false( all.failed );
     results_add_failure( &all, "hash %d", 3 );
@@ -287,6 +296,7 @@ static void a_failure_marks_the_results_and_says_so( void** state )
 
 static void a_full_disk_is_an_error_in_every_format( void** state )
 {
+    (void)state;
     if ( access( "/dev/full", W_OK ) != 0 )
     {
         skip();
@@ -304,6 +314,7 @@ static void a_full_disk_is_an_error_in_every_format( void** state )
 
 static void a_folder_that_is_not_there_is_an_error_that_names_the_file( void** state )
 {
+    (void)state;
     results all = { 0 };
     wisp_error error = { 0 };
     assert_int_equal( results_write_file( &all, RESULTS_TEXT, "no such folder/out.txt", &error ), WISP_IO_ERROR );
@@ -330,6 +341,7 @@ static wisp_status info_on( const char* text, wisp_error* error )
 
 static void info_accepts_what_the_writer_writes( void** state )
 {
+    (void)state;
     char* text = written_example( RESULTS_JSON );
     wisp_error error = { 0 };
     assert_true( info_is_results( text, strlen( text ) ) );
@@ -339,6 +351,7 @@ static void info_accepts_what_the_writer_writes( void** state )
 
 static void info_names_what_is_wrong_with_a_result( void** state )
 {
+    (void)state;
 #define HEAD "{\"wisp_results\":1,\"machine\":{},\"build\":{},\"rows\":["
 #define ROW( median, workers, hash )                                                                                 \
     "{\"case\":\"a\",\"variant\":\"b\",\"size\":{},\"workers\":" workers ",\"ms_median\":" median                    \

@@ -37,6 +37,7 @@ static void demand_refusal( const char* text, const char* message )
 
 static void a_scene_of_one_key_has_the_defaults( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\n" );
     assert_string_equal( scene.name, "scenes/test.yaml" );
     assert_true( scene.dt == 1.0f / 60.0f );
@@ -50,6 +51,7 @@ static void a_scene_of_one_key_has_the_defaults( void** state )
 
 static void strands_without_blocks_have_the_defaults_and_compute_points( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_STRAIGHT, 3 );
@@ -72,6 +74,7 @@ static void strands_without_blocks_have_the_defaults_and_compute_points( void** 
 
 static void a_stage_is_queried_for_by_its_key_alone( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: {}, frozen_hair: { freeze: {} } }\n"
                              "  - { name: b, generate: {}, frozen_hair: { align: {} } }\n"
@@ -92,6 +95,7 @@ static void a_stage_is_queried_for_by_its_key_alone( void** state )
 
 static void a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, generate: { length: 0.5, dimension: 2, shape: curly } }\n" );
     wisp_groom_generator expected = wisp_default_groom_generator( WISP_GROOM_CURLY, 2 );
@@ -173,6 +177,7 @@ static void assert_generator( const wisp_groom_generator* generator )
 
 static void every_key_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = good( EVERY_KEY );
     assert_true( scene.dt == 0.25f );
     assert_int_equal( scene.steps, 5 );
@@ -211,6 +216,7 @@ static void every_key_reaches_its_place( void** state )
 
 static void points_are_requested_unless_the_scene_says_what_to_compute( void** state )
 {
+    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nstrands: [ { name: a, generate: {}, compute: [] }, { name: b, generate: {}, compute: [] }, "
               "{ name: c, generate: {} }, { name: d, generate: {}, show: false } ]\n"
@@ -224,6 +230,7 @@ static void points_are_requested_unless_the_scene_says_what_to_compute( void** s
 
 static void commands_come_in_the_order_of_their_steps( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nsteps: 9\n"
                              "strands:\n"
                              "  - { name: b, generate: {}, frozen_hair: {} }\n"
@@ -246,6 +253,7 @@ static void commands_come_in_the_order_of_their_steps( void** state )
 
 static void files_are_looked_for_beside_the_scene( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nstrands:\n"
                              "  - { name: a, file: ../grooms/hair.hair, frozen_hair: { freeze: "
                              "{ bend_stiffness: [1, 2, 3, 4, 5] } } }\n"
@@ -261,6 +269,7 @@ static void files_are_looked_for_beside_the_scene( void** state )
 
 static void the_scenes_of_the_project_are_read( void** state )
 {
+    (void)state;
     static const char* const files[] = { "empty.yaml",       "frozen_2d.yaml",   "frozen_3d_curly.yaml",
                                          "freeze_only.yaml", "freeze_only.json", "environment_and_appearance.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )
@@ -275,6 +284,7 @@ static void the_scenes_of_the_project_are_read( void** state )
 
 static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
 {
+    (void)state;
     wisp_scene yaml = read_good( "freeze_only.yaml" ), json = read_good( "freeze_only.json" );
     const wisp_scene_strands *a = yaml.strands, *b = json.strands;
     assert_string_equal( a->name, b->name );
@@ -293,6 +303,7 @@ static void a_scene_in_json_says_the_same_as_in_yaml( void** state )
 
 static void a_scene_with_keys_of_every_block_is_read( void** state )
 {
+    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/every_key.yaml", &scene, &error ), error );
@@ -308,6 +319,7 @@ static void a_scene_with_keys_of_every_block_is_read( void** state )
 
 static void a_missing_file_is_an_error_of_the_system( void** state )
 {
+    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_scene_read( "no_such_folder/scene.yaml", &scene, &error ), WISP_IO_ERROR );
@@ -321,6 +333,7 @@ static void a_missing_file_is_an_error_of_the_system( void** state )
 
 static void line_ends_byte_order_marks_and_comments_do_not_matter( void** state )
 {
+    (void)state;
     static const char* const texts[] = {
         "wisp: 1\r\nsteps: 7 # seven\r\n",
         "\xef\xbb\xbfwisp: 1\nsteps: 7\n",
@@ -338,11 +351,13 @@ static void line_ends_byte_order_marks_and_comments_do_not_matter( void** state 
 
 static void a_byte_order_mark_does_not_push_the_column( void** state )
 {
+    (void)state;
     demand_refusal( "\xef\xbb\xbfwisp: 2\n", "scenes/test.yaml:1:7: wisp: got version 2, expected version 1" );
 }
 
 static void columns_count_characters_and_not_bytes( void** state )
 {
+    (void)state;
     demand_refusal(
         "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
         "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, steps, substeps, "
@@ -357,6 +372,7 @@ static void columns_count_characters_and_not_bytes( void** state )
 
 static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
 {
+    (void)state;
     static const char* const names[] = { "de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "de_DE", "fr_FR" };
     const char* comma = NULL;
     for ( int i = 0; i < WISP_COUNT( names ) && !comma; ++i )
@@ -403,6 +419,7 @@ static char* repeat( const char* head, const char* part, size_t size )
 
 static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state )
 {
+    (void)state;
     const size_t most = (size_t)16 << 20;
     static const struct
     {
@@ -426,6 +443,7 @@ static void what_is_too_much_is_refused_where_it_becomes_too_much( void** state 
 
 static void a_scene_of_16_mebibytes_and_not_one_more_is_read( void** state )
 {
+    (void)state;
     char* text = repeat( "wisp: 1\n", "\n", (size_t)16 << 20 );
     wisp_scene scene = good( text );
     assert_int_equal( scene.steps, 1 );
@@ -435,6 +453,7 @@ static void a_scene_of_16_mebibytes_and_not_one_more_is_read( void** state )
 
 static void a_list_of_32_levels_is_only_refused_for_what_it_is( void** state )
 {
+    (void)state;
     char text[128] = "wisp: 1\nsteps: ";
     memset( text + strlen( text ), '[', 31 );
     memset( text + strlen( text ), ']', 31 );
@@ -443,6 +462,7 @@ static void a_list_of_32_levels_is_only_refused_for_what_it_is( void** state )
 
 static void a_long_name_keeps_its_end_in_the_message( void** state )
 {
+    (void)state;
     char name[1200];
     memset( name, 'd', sizeof name );
     memcpy( name + sizeof name - 12, "/scene.yaml", 12 );
@@ -454,6 +474,7 @@ static void a_long_name_keeps_its_end_in_the_message( void** state )
 
 static void numbers_are_checked_as_the_module_sees_them( void** state )
 {
+    (void)state;
     // 3.14159265358979 rounds up to the float above pi, which is the float that the module compares with.
     wisp_scene scene =
         good( "wisp: 1\nstrands:\n  - { name: a, generate: {}, frozen_hair: { freeze: { max_bend_angle: "
@@ -467,6 +488,7 @@ static void numbers_are_checked_as_the_module_sees_them( void** state )
 
 static void the_nearest_word_is_the_one_that_was_meant( void** state )
 {
+    (void)state;
     static const char* const words[] = { "radius", "iterations", "step", "gap", "guard" };
     static const struct
     {
@@ -498,12 +520,14 @@ static void the_nearest_word_is_the_one_that_was_meant( void** state )
 
 static void of_words_equally_near_the_first_is_taken( void** state )
 {
+    (void)state;
     static const char* const words[] = { "cat", "bat" };
     assert_ptr_equal( nearest_word( "hat", words, 2 ), words[0] );
 }
 
 static void a_word_longer_than_any_key_is_near_nothing( void** state )
 {
+    (void)state;
     char* word = repeat( "", "h", 1 << 20 );
     char almost[66];
     memset( almost, 'h', 64 );

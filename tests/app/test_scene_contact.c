@@ -16,6 +16,7 @@ static wisp_scene with_settings( const char* mapping )
 
 static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
 {
+    (void)state;
     wisp_scene scene = with_block( "boundary", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_boundary_def *b = &s->boundary, def = wisp_default_boundary_def();
@@ -32,6 +33,7 @@ static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
 
 static void a_participant_without_keys_has_the_defaults_of_its_module( void** state )
 {
+    (void)state;
     wisp_scene scene = with_block( "contact", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_contact_def *c = &s->contact, def = wisp_default_contact_def();
@@ -45,6 +47,7 @@ static void a_participant_without_keys_has_the_defaults_of_its_module( void** st
 
 static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
 {
+    (void)state;
     const wisp_contact_settings def = wisp_default_contact_settings();
     const char* const texts[] = { "wisp: 1\n", "wisp: 1\ncontact: {}\n" };
     for ( int i = 0; i < WISP_COUNT( texts ); ++i )
@@ -64,6 +67,7 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
 
 static void every_key_of_a_layer_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene =
         with_block( "boundary", "{ spacing: 0.02, policy: exact, rounding: up, scanline_normals: true, "
                                 "hysteresis: 0.25, max_points: 1000, min_spacing: 0.01, max_spacing: "
@@ -82,6 +86,7 @@ static void every_key_of_a_layer_reaches_its_place( void** state )
 
 static void every_key_of_a_participant_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( "wisp: 1\n"
                                "surfaces:\n"
                                "  - name: cloth\n"
@@ -106,6 +111,7 @@ static void every_key_of_a_participant_reaches_its_place( void** state )
 
 static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = with_settings( "{ primitives: particles, search: brute, particle_spacing: 0.004, margin: 0.5, "
                                       "compute: [intersections] }" );
     assert_int_equal( scene.contact.primitives, WISP_CONTACT_PARTICLES );
@@ -122,6 +128,7 @@ static void every_key_of_the_contact_of_a_scene_reaches_its_place( void** state 
 
 static void every_word_is_the_enumerator_of_its_name( void** state )
 {
+    (void)state;
     static const char* const policies[] = { "even", "exact" };
     static const char* const roundings[] = { "down", "nearest", "up" };
     static const char* const primitives[] = { "triangles", "particles" };
@@ -152,6 +159,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
 
 static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
 {
+    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: icosphere, level: 1 }, boundary: { spacing: 0.1 } }\n"
@@ -164,6 +172,7 @@ static void an_instance_has_a_layer_and_a_contact_of_its_own( void** state )
 
 static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state )
 {
+    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     if ( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/boundary_and_contact.yaml", &scene, &error ) !=
@@ -186,6 +195,7 @@ static void a_scene_with_every_key_of_boundary_and_contact_is_read( void** state
 
 static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, BALL "    boundary: { spacing: 0.02 }\n" );
     wisp_boundary_view view;
@@ -222,6 +232,7 @@ static void a_layer_is_there_after_a_step_and_lies_on_its_surface( void** state 
 
 static void a_layer_changes_no_bit_of_its_surface( void** state )
 {
+    (void)state;
     fixture with, without;
     build( &with, BALL "    boundary: { spacing: 0.02, curvature_gain: 1, hysteresis: 0.2 }\n" );
     build( &without, BALL );
@@ -237,6 +248,7 @@ static void a_layer_changes_no_bit_of_its_surface( void** state )
 
 static void a_surface_without_a_layer_has_none( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, BALL );
     step( &f, 1 );
@@ -255,6 +267,7 @@ static void a_surface_without_a_layer_has_none( void** state )
 
 static void stats_of_contact_are_there_where_they_are_requested( void** state )
 {
+    (void)state;
     fixture f;
     wisp_contact_stats stats;
     build( &f, "wisp: 1\nsubsteps: 4\n" TWO_SHEETS );
@@ -278,6 +291,7 @@ static void stats_of_contact_are_there_where_they_are_requested( void** state )
 
 static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
 {
+    (void)state;
     fixture f = { .scene = parsed( "wisp: 1\nsurfaces:\n"
                                    "  - { name: cloth, generate: { shape: plane }, implicit: {}, contact: {} }\n" ) };
     const scene_world_options options = { .workers = 1 };
@@ -288,6 +302,7 @@ static void implicit_cloth_with_contact_is_refused_at_its_line( void** state )
 
 static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
 {
+    (void)state;
     static const char* const blocks[] = {
         "boundary: { spacing: 1e-6, hysteresis: 0, max_points: 1, min_spacing: 1e-6, max_spacing: 1e-6 }",
         "boundary: { spacing: 1e6, hysteresis: 0.5, max_points: 134217728, min_spacing: 1e6, max_spacing: 1e6 }",
@@ -329,6 +344,7 @@ static void the_ends_of_all_ranges_are_taken_by_the_modules( void** state )
 
 static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
 {
+    (void)state;
     // The mean edge of a plane of spacing 0.02 is below 0.03; four times half of it is below 1.
     fixture f = { .scene =
                       parsed( "wisp: 1\nsurfaces:\n"
@@ -343,6 +359,7 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
 
 static void the_scenes_of_the_project_with_boundary_particles_or_contact_run( void** state )
 {
+    (void)state;
     static const struct
     {
         const char* file;

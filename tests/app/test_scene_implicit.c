@@ -7,6 +7,7 @@
 
 static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void** state )
 {
+    (void)state;
     wisp_scene scene = with_block( "implicit", "{}" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     const wisp_implicit_cloth_def *d = &s->implicit, def = wisp_default_implicit_cloth_def();
@@ -27,6 +28,7 @@ static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void*
 
 static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane }, cloth: {} }\n" );
     assert_false( scene.surfaces[0].has_implicit || scene.surfaces[0].has_quad_links );
     wisp_scene_release( &scene );
@@ -36,6 +38,7 @@ static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
 
 static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = with_block(
         "implicit", "{ stiffness_model: material, stretch_stiffness: 350, bend_stiffness: 2e-6, bend_rigidity: 3e-6, "
                     "compression_stiffness: "
@@ -61,6 +64,7 @@ static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
 
 static void every_word_is_the_enumerator_of_its_name( void** state )
 {
+    (void)state;
     static const struct
     {
         const char* mapping;
@@ -98,6 +102,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
 
 static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
 {
+    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nsurfaces:\n"
                 "  - { name: a, generate: { shape: plane }, implicit: { links: quad } }\n"
@@ -110,6 +115,7 @@ static void quad_links_are_taken_of_a_plane_and_of_its_instances( void** state )
 
 static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
 {
+    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/implicit_cloth.yaml", &scene, &error ), error );
@@ -123,6 +129,7 @@ static void a_scene_with_every_key_of_implicit_cloth_is_read( void** state )
 
 static void a_grid_of_25_by_25_has_2352_pairs_that_stretch_and_2208_that_bend( void** state )
 {
+    (void)state;
     wisp_quad_pairs pairs;
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_quad_pairs_make( 25, 25, &pairs, &error ), WISP_OK );
@@ -166,6 +173,7 @@ static int joined( const int32_t* pairs, int count, int a, int b )
 
 static void pairs_of_a_grid_are_first_and_second_neighbours_each_once( void** state )
 {
+    (void)state;
     static const int sizes[][2] = { { 2, 2 }, { 2, 5 }, { 3, 2 }, { 3, 3 }, { 7, 5 } };
     for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
     {
@@ -194,6 +202,7 @@ static void pairs_of_a_grid_are_first_and_second_neighbours_each_once( void** st
 
 static void a_grid_that_is_no_grid_or_too_large_has_no_pairs( void** state )
 {
+    (void)state;
     static const int sizes[][2] = { { 1, 5 }, { 5, 1 }, { 0, 0 }, { -3, -3 }, { 65536, 65536 }, { 8192, 8193 } };
     for ( int k = 0; k < WISP_COUNT( sizes ); ++k )
     {
@@ -227,6 +236,7 @@ static wisp_vec3 first_point( fixture* f )
 
 static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsurfaces:\n"
                "  - { name: a, generate: { shape: plane, columns: 25, rows: 25 }, pins: [0], compute: [points, "
@@ -246,6 +256,7 @@ static void a_plane_with_quad_links_has_the_links_of_the_quad_reference( void** 
 
 static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_them( void** state )
 {
+    (void)state;
     fixture f;
     build(
         &f,
@@ -264,6 +275,7 @@ static void a_mesh_with_its_own_links_stretches_along_edges_and_bends_across_the
 
 static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
 {
+    (void)state;
     fixture f;
     build(
         &f,
@@ -286,6 +298,7 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
 // Left alone, BDF2 would carry the velocity from before the script's into the step: x + 2/3 h v instead of x + h v.
 static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator( void** state )
 {
+    (void)state;
     static const char* const integrators[] = { "euler", "bdf2" };
     for ( int i = 0; i < 2; ++i )
     {
@@ -310,6 +323,7 @@ static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrat
 
 static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
 {
+    (void)state;
     static const char* const mappings[] = {
         "{ stretch_stiffness: 0, bend_stiffness: 0, link_damping: 0, newton_iterations: 1, tolerance: 1e-7, "
         "max_iterations: "
@@ -332,6 +346,7 @@ static void the_ends_of_all_ranges_are_taken_by_the_module( void** state )
 
 static void the_scenes_of_the_project_with_implicit_cloth_run( void** state )
 {
+    (void)state;
     static const char* const files[] = { "triangle_drape.yaml", "quad_drape.yaml", "garment_drop.yaml",
                                          "moving_floor_cloth.yaml", "stiff_thirtieth.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )

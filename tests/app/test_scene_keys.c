@@ -33,6 +33,7 @@ static char* read_document( void )
 
 static void the_document_has_the_keys_of_the_tables( void** state )
 {
+    (void)state;
     static const char begin_mark[] = "<!-- keys: begin -->\n", end_mark[] = "<!-- keys: end -->\n";
     int count = 0;
     char *document = read_document(), *keys = keys_of( NULL, &count );
@@ -52,6 +53,7 @@ static void the_document_has_the_keys_of_the_tables( void** state )
 
 static void every_example_of_the_document_is_a_scene( void** state )
 {
+    (void)state;
     static const char fence[] = "```yaml\n";
     char* document = read_document();
     int examples = 0;
@@ -78,6 +80,7 @@ static void every_example_of_the_document_is_a_scene( void** state )
 
 static void every_key_has_a_message( void** state )
 {
+    (void)state;
     int count = 0, keys = 0;
     char* text = keys_of( NULL, &count );
     assert_true( count > 30 );
@@ -98,6 +101,7 @@ static void every_key_has_a_message( void** state )
 
 static void a_block_is_written_with_the_blocks_in_it( void** state )
 {
+    (void)state;
     int count = 0;
     char* text = keys_of( "frozen_hair", &count );
     assert_int_equal( count, 4 );
@@ -115,6 +119,7 @@ static void a_block_is_written_with_the_blocks_in_it( void** state )
 
 static void an_unknown_block_writes_nothing( void** state )
 {
+    (void)state;
     int count = 1;
     char* text = keys_of( "clot", &count );
     assert_int_equal( count, 0 );
@@ -124,6 +129,7 @@ static void an_unknown_block_writes_nothing( void** state )
 
 static void a_default_is_that_of_the_module( void** state )
 {
+    (void)state;
     int count = 0;
     char expected[100], *text = keys_of( "surfaces.balloon", &count );
     snprintf( expected, sizeof expected, "- `edge_stiffness` (number, N/m, 1e-6 .. 1e12, default %g):",
@@ -158,6 +164,7 @@ static bool is_there( const char* text, const char* where, const char* line )
 
 static void every_old_key_leads_to_a_key_that_is_read( void** state )
 {
+    (void)state;
     int count = 0;
     char* text = keys_of( NULL, &count );
     for ( int i = 0; i < SCENE_RENAMED_KEY_COUNT; ++i )
@@ -193,6 +200,7 @@ static bool has_word( const char* text, const char* key, const char* word )
 
 static void every_old_word_leads_to_a_word_that_is_read( void** state )
 {
+    (void)state;
     int count = 0;
     char* text = keys_of( NULL, &count );
     for ( int i = 0; i < SCENE_RENAMED_WORD_COUNT; ++i )
@@ -208,6 +216,7 @@ static void every_old_word_leads_to_a_word_that_is_read( void** state )
 
 static void an_old_name_counts_only_where_the_new_one_is_known( void** state )
 {
+    (void)state;
     static const char* const known[] = { "internal_damping", "wind" };
     const char* now = scene_find_renamed_key( "surfaces[3].cloth", "damping", known, 2 );
     assert_non_null( now );

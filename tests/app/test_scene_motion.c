@@ -8,6 +8,7 @@
 
 static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {} }\n" );
     const wisp_scene_strands* s = &scene.strands[0];
     assert_false( s->has_dynamics || s->has_head || s->has_grid || s->has_ghosts || s->is_scattered || s->is_curves );
@@ -22,6 +23,7 @@ static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** 
 
 static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_the_scene( void** state )
 {
+    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: hair, generate: {}, dynamics: {} }\ngravity: [0, -1, 2]\n" );
     const wisp_strand_dynamics_def* def = &scene.strands[0].dynamics;
@@ -40,6 +42,7 @@ static void dynamics_without_keys_are_the_modules_defaults_under_the_gravity_of_
 
 static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( "wisp: 1\nstrands:\n  - { name: guides, generate: {}, dynamics: {}, grid: {} }\n"
                                "  - { name: ghosts, generate: {}, ghosts: { targets: guides } }\n"
                                "  - { name: drawn, curves: { of: ghosts } }\n" );
@@ -127,6 +130,7 @@ static void assert_ghosts( const wisp_ghosts_def* g )
 
 static void every_key_of_motion_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     const wisp_scene_strands *hair = &scene.strands[0], *ghosts = &scene.strands[1], *drawn = &scene.strands[2];
     assert_dynamics( &hair->dynamics );
@@ -160,6 +164,7 @@ static void every_key_of_motion_reaches_its_place( void** state )
 
 static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     assert_true( scene.strands[0].is_shown );  // ghosts follow it, but it says so
     assert_false( scene.strands[1].is_shown ); // curves run through it
@@ -170,6 +175,7 @@ static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** s
 
 static void events_are_for_strands_as_well_as_for_surfaces( void** state )
 {
+    (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
     assert_int_equal( scene.event_count, 2 );
     assert_int_equal( scene.events[0].strands, -1 );
@@ -182,6 +188,7 @@ static void events_are_for_strands_as_well_as_for_surfaces( void** state )
 
 static void scattered_ghosts_follow_what_they_are_scattered_around( void** state )
 {
+    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, generate: {}, dynamics: {} }\n"
@@ -196,6 +203,7 @@ static void scattered_ghosts_follow_what_they_are_scattered_around( void** state
 
 static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise( void** state )
 {
+    (void)state;
     wisp_scene scene =
         parsed( "wisp: 1\nstrands:\n  - { name: a, generate: {}, dynamics: {} }\n"
                 "  - { name: b, frozen_hair: {}, generate: {}, ghosts: { targets: a } }\n"
@@ -209,6 +217,7 @@ static void frozen_hair_on_ghosts_is_new_in_every_frame_unless_it_says_otherwise
 
 static void a_scene_with_every_key_of_moving_strands_is_read( void** state )
 {
+    (void)state;
     wisp_scene scene;
     wisp_error error = { .status = WISP_OK };
     assert_ok( wisp_scene_read( WISP_SOURCE_ROOT "/tests/app/scenes/moving_strands.yaml", &scene, &error ), error );
@@ -244,6 +253,7 @@ static float dot( wisp_vec3 a, wisp_vec3 b )
 
 static void scattered_strands_are_their_targets_moved_across_the_root_within_the_radius( void** state )
 {
+    (void)state;
     const wisp_scene_scatter scatter = { .around = 0, .count = 200, .radius = 0.01f, .seed = 3 };
     for ( int dimension = 2; dimension <= 3; ++dimension )
     {
@@ -278,6 +288,7 @@ static void scattered_strands_are_their_targets_moved_across_the_root_within_the
 
 static void scattering_more_strands_around_each_keeps_those_that_there_were( void** state )
 {
+    (void)state;
     wisp_groom source = straight_groom( 3 ), few, many;
     wisp_error error = { .status = WISP_OK };
     wisp_scene_scatter scatter = { .around = 0, .count = 2, .radius = 0.01f, .seed = 3 };
@@ -296,6 +307,7 @@ static void scattering_more_strands_around_each_keeps_those_that_there_were( voi
 
 static void scattering_too_many_strands_is_refused_before_memory_is_queried_for( void** state )
 {
+    (void)state;
     wisp_groom source = straight_groom( 3 ), out;
     wisp_error error = { .status = WISP_OK };
     const wisp_scene_scatter scatter = { .around = 0, .count = 6710887, .radius = 0.01f, .seed = 3 };
@@ -310,6 +322,7 @@ static void scattering_too_many_strands_is_refused_before_memory_is_queried_for(
 
 static void curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise( void** state )
 {
+    (void)state;
     // strands of 1, 2, 3, 4 and 6 vertices: no curve, a line, a quadratic, a whole group, a group and a rest
     static const int counts[] = { 1, 2, 3, 4, 6 };
     static const int bezier[] = { 0, 5, 5, 5, 9 }, catmull_rom[] = { 0, 5, 9, 13, 21 };

@@ -29,6 +29,7 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 
 static void a_surface_without_blocks_has_the_defaults_and_computes_points( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n  - { name: cloth, generate: { shape: plane } }\n" );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_int_equal( scene.surface_count, 1 );
@@ -54,6 +55,7 @@ static void a_surface_without_blocks_has_the_defaults_and_computes_points( void*
 
 static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces:\n"
                              "  - { name: a, generate: { shape: plane } }\n"
                              "  - { name: b, generate: { shape: plane }, gravity: [1, 0, 0] }\n"
@@ -118,6 +120,7 @@ static void assert_pins( const wisp_scene_surface* s )
 
 static void every_key_of_a_cloth_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene = good( CLOTH_KEYS );
     const wisp_scene_surface* s = &scene.surfaces[0];
     assert_string_equal( s->mesh.file, "scenes/meshes/cloth.ply" );
@@ -148,6 +151,7 @@ static void every_key_of_a_cloth_reaches_its_place( void** state )
 
 static void every_key_of_a_balloon_reaches_its_place( void** state )
 {
+    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - name: a\n    generate: { shape: icosphere, level: 2 }\n    compute: [effect_stats]\n"
@@ -186,6 +190,7 @@ static void every_key_of_a_balloon_reaches_its_place( void** state )
 
 static void colliders_have_the_sizes_of_their_shape( void** state )
 {
+    (void)state;
     wisp_scene scene = good(
         "wisp: 1\ncolliders:\n"
         "  - { name: p, shape: plane, position: [0, -1, 0], friction: 0.25, thickness: 0.5, layers: [1] }\n"
@@ -215,6 +220,7 @@ static void colliders_have_the_sizes_of_their_shape( void** state )
 
 static void an_instance_knows_its_source_and_has_effects_of_its_own( void** state )
 {
+    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsurfaces:\n"
               "  - { name: ball, generate: { shape: icosphere }, balloon: {} }\n"
@@ -229,6 +235,7 @@ static void an_instance_knows_its_source_and_has_effects_of_its_own( void** stat
 
 static void three_angles_turn_about_x_then_y_then_z( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\ncolliders:\n"
                              "  - { name: a, shape: plane, rotation: { degrees: [90, 90, 0] } }\n"
                              "  - { name: b, shape: plane, rotation: { degrees: [0, 90, 90] } }\n"
@@ -245,6 +252,7 @@ static void three_angles_turn_about_x_then_y_then_z( void** state )
 
 static void vertices_are_counted_as_the_maker_makes_them( void** state )
 {
+    (void)state;
     for ( int shape = 0; shape < WISP_MESH_SHAPE_COUNT; ++shape )
     {
         wisp_mesh_generator generator = wisp_default_mesh_generator( (wisp_mesh_shape)shape );
@@ -265,6 +273,7 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
 
 static void events_come_in_the_order_of_their_steps( void** state )
 {
+    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
@@ -294,6 +303,7 @@ static void events_come_in_the_order_of_their_steps( void** state )
 
 static void a_fill_after_its_keyframes_is_taken( void** state )
 {
+    (void)state;
     wisp_scene scene =
         good( "wisp: 1\nsteps: 100\n"
               "surfaces:\n"
@@ -305,6 +315,7 @@ static void a_fill_after_its_keyframes_is_taken( void** state )
 
 static void points_are_requested_where_an_output_writes_a_surface( void** state )
 {
+    (void)state;
     wisp_scene scene = good( "wisp: 1\nsurfaces: [ { name: a, generate: { shape: plane } } ]\n"
                              "output: [ { surface: a, file: a.ply } ]\n" );
     assert_true( scene.surfaces[0].request_points );
@@ -329,6 +340,7 @@ static char* repeat( const char* head, const char* part, int count )
 
 static void lists_of_surfaces_and_colliders_have_an_end( void** state )
 {
+    (void)state;
     char* text = repeat( "wisp: 1\nsurfaces:\n", "  - 0\n", WISP_SCENE_MAX_SURFACES + 1 );
     demand_refusal( text, "scenes/test.yaml:3:3: surfaces: got 10001 entries, expected at most 10000" );
     free( text );
@@ -339,6 +351,7 @@ static void lists_of_surfaces_and_colliders_have_an_end( void** state )
 
 static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
 {
+    (void)state;
     // Times that do not rise are found at the second entry, so a long list of equals costs nothing.
     char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    generate: { shape: icosphere }\n    balloon:\n"
                          "      gas_ratio_keyframes:\n",
@@ -353,6 +366,7 @@ static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
 
 static void the_scenes_of_the_project_with_surfaces_are_read( void** state )
 {
+    (void)state;
     static const struct
     {
         const char* file;

@@ -34,6 +34,7 @@ static void assert_near( wisp_vec3 v, float x, float y, float z )
 
 static void bodies_are_strands_then_surfaces_then_colliders( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\n"
                "colliders:\n  - { name: ground, shape: plane, position: [0, -1, 0] }\n"
@@ -78,6 +79,7 @@ static double volume_of( const scene_body* body, const wisp_vec3* p )
 
 static void meshes_of_colliders_look_outwards_and_have_their_size( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\ncolliders:\n"
                "  - { name: box, shape: box, half_extent: [1, 2, 3] }\n"
@@ -100,6 +102,7 @@ static void meshes_of_colliders_look_outwards_and_have_their_size( void** state 
 
 static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ncolliders:\n"
@@ -116,6 +119,7 @@ static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
 
 static void a_surface_starts_scaled_then_turned_then_moved( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
@@ -130,6 +134,7 @@ static void a_surface_starts_scaled_then_turned_then_moved( void** state )
 
 static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsurfaces:\n"
                "  - { name: free, generate: { shape: plane } }\n"
@@ -160,6 +165,7 @@ static void a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else( void
 
 static void levels_begin_where_the_scene_says( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsurfaces:\n"
@@ -175,6 +181,7 @@ static void levels_begin_where_the_scene_says( void** state )
 
 static void pins_are_named_by_number_by_place_and_by_box( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsurfaces:\n"
@@ -191,6 +198,7 @@ static void pins_are_named_by_number_by_place_and_by_box( void** state )
 // A file whose first vertex belongs to no triangle: a repair drops it and renumbers the others.
 static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void** state )
 {
+    (void)state;
     write_text( "scene_world_loose.obj", "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 0 1\nf 2 4 3\n" );
     fixture f;
     build(
@@ -212,6 +220,7 @@ static void numbers_of_vertices_are_those_of_the_file_also_after_a_repair( void*
 
 static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.001\nsteps: 3\nsurfaces:\n"
@@ -231,6 +240,7 @@ static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** st
 
 static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 100\nsurfaces:\n"
@@ -251,6 +261,7 @@ static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
 
 static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 100\nsubsteps: 1\nsurfaces:\n"
                "  - name: a\n    generate: { shape: plane, columns: 2, rows: 2 }\n    pins: [0, 1, 2, 3]\n"
@@ -268,6 +279,7 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
 
 static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.1\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 1 }, compute: [effect_stats], "
@@ -291,6 +303,7 @@ static void keyframes_tell_the_fill_and_leave_the_gas_alone_afterwards( void** s
 
 static void the_outlet_opens_and_closes_when_an_event_says( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\ndt: 0.01\nsteps: 40\nsubsteps: 4\nsurfaces:\n"
                "  - { name: a, generate: { shape: icosphere, level: 2, radius: 0.2 }, compute: [effect_stats], "
@@ -311,6 +324,7 @@ static void the_outlet_opens_and_closes_when_an_event_says( void** state )
 
 static void wind_of_an_event_blows_from_its_step_on( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.01\nsteps: 40\nsurfaces:\n"
@@ -326,6 +340,7 @@ static void wind_of_an_event_blows_from_its_step_on( void** state )
 
 static void colliders_follow_their_keyframes( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\ndt: 0.1\nsteps: 40\ncolliders:\n"
@@ -344,6 +359,7 @@ static void colliders_follow_their_keyframes( void** state )
 
 static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_through( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsteps: 60\nsubsteps: 4\nsurfaces:\n"
@@ -362,6 +378,7 @@ static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_t
 
 static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nstrands:\n  - { name: hair, generate: { strands: 2 } }\n"
                "surfaces:\n  - { name: cloth, generate: { shape: plane } }\n"
@@ -376,6 +393,7 @@ static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
 
 static void what_is_queried_for_is_there_after_a_step( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 }, "
                "compute: [] }\n" );
@@ -402,6 +420,7 @@ static void what_is_queried_for_is_there_after_a_step( void** state )
 
 static void a_written_surface_is_read_back_where_it_was( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 5\nsurfaces:\n  - { name: cloth, generate: { shape: plane, columns: 3, rows: 3 } }\n"
                "output: [{ surface: cloth, file: scene_world_out.ply }]\n" );
@@ -423,6 +442,7 @@ static void a_written_surface_is_read_back_where_it_was( void** state )
 
 static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
 {
+    (void)state;
     demand_refusal( "wisp: 1\nsurfaces:\n"
                     "  - { name: a, generate: { shape: plane }, pin_box: { min: [5, 5, 5], max: [6, 6, 6] } }\n",
                     "test.yaml:3:5: surface 'a': no vertex starts in pin_box 0" );
@@ -441,6 +461,7 @@ static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( v
 
 static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )
 {
+    (void)state;
     fixture f;
     assert_int_equal( try_build( &f, "wisp: 1\nsurfaces:\n  - { name: a, file: no_such_mesh.obj }\n" ),
                       WISP_IO_ERROR );
@@ -456,6 +477,7 @@ static void a_missing_mesh_is_an_error_of_the_system_at_its_line( void** state )
 
 static void the_scenes_of_the_project_run( void** state )
 {
+    (void)state;
     static const char* const files[] = { "bunny_balloon.yaml", "hanging_cloth.yaml", "cloth_on_ball.yaml",
                                          "flag.yaml",          "balloons.yaml",      "pear_jet.yaml" };
     for ( int i = 0; i < WISP_COUNT( files ); ++i )

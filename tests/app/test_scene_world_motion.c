@@ -52,6 +52,7 @@ static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int c
 
 static void strands_start_scaled_then_turned_then_moved( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nstrands:\n"
@@ -67,6 +68,7 @@ static void strands_start_scaled_then_turned_then_moved( void** state )
 
 static void curves_are_bodies_wherever_their_source_stands( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: drawn, curves: { of: hair, samples: 3 }, compute: [points] }\n"
@@ -83,6 +85,7 @@ static void curves_are_bodies_wherever_their_source_stands( void** state )
 // What is drawn before the first step and what the engine draws of strands that stand still are the same curves.
 static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
 {
+    (void)state;
     static const char* const kinds[] = { "bezier", "catmull_rom" };
     for ( int kind = 0; kind < 2; ++kind )
     {
@@ -123,6 +126,7 @@ static const char TURNING_HEAD[] =
 
 static void roots_go_with_a_collider_of_the_same_keyframes( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, TURNING_HEAD );
     wisp_vec3* start = points_of( &f, 0 );
@@ -147,6 +151,7 @@ static void roots_go_with_a_collider_of_the_same_keyframes( void** state )
 
 static void a_pivot_is_what_a_head_turns_about( void** state )
 {
+    (void)state;
     fixture f;
     build( &f,
            "wisp: 1\nsteps: 12\ndt: 0.1\nstrands:\n"
@@ -162,6 +167,7 @@ static void a_pivot_is_what_a_head_turns_about( void** state )
 
 static void roots_stay_on_the_surface_that_is_named_below_them( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 20\ndt: 0.05\nstrands:\n"
                "  - { name: hair, generate: { dimension: 2, strands: 3, vertices: 4, spacing: 0.01 }, dynamics: {}, "
@@ -204,6 +210,7 @@ static wisp_vec3 middle_root( const wisp_vec3* points )
 
 static void roots_of_ghosts_stand_around_that_of_their_target_with_and_without_frozen_hair( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, FOLLOWED );
     wisp_vec3 *guides = points_of( &f, 0 ), *start = points_of( &f, 1 );
@@ -228,6 +235,7 @@ static void roots_of_ghosts_stand_around_that_of_their_target_with_and_without_f
 
 static void frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_carried( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, FOLLOWED );
     step( &f, 10 );
@@ -242,6 +250,7 @@ static void frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_car
 
 static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
 {
+    (void)state;
     fixture f;
     assert_int_equal(
         try_build( &f, "wisp: 1\nstrands:\n"
@@ -256,6 +265,7 @@ static void ghosts_of_other_lengths_are_refused_at_their_line( void** state )
 
 static void ghosts_of_other_lengths_follow_if_they_are_resampled( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 2\nstrands:\n"
                "  - { name: guides, generate: { strands: 2, vertices: 8 }, dynamics: {} }\n"
@@ -269,6 +279,7 @@ static void ghosts_of_other_lengths_follow_if_they_are_resampled( void** state )
 
 static void masses_of_scattered_strands_are_counted_once_there_are_any( void** state )
 {
+    (void)state;
     demand_refusal(
         "wisp: 1\nstrands:\n"
         "  - { name: guides, generate: { dimension: 2, strands: 1, vertices: 2 } }\n"
@@ -281,6 +292,7 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
 
 static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not( void** state )
 {
+    (void)state;
     fixture f;
     build(
         &f,
@@ -306,6 +318,7 @@ static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_n
 
 static void an_event_blows_on_strands( void** state )
 {
+    (void)state;
     fixture f;
     build( &f, "wisp: 1\nsteps: 20\nsubsteps: 2\ngravity: [0, 0, 0]\nstrands:\n"
                "  - name: hair\n    generate: { dimension: 2, strands: 1, vertices: 8, length: 0.1 }\n"
@@ -326,6 +339,7 @@ static const char* const SCENES[] = { "swinging_guides.yaml", "curly_rest.yaml",
 
 static void scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers( void** state )
 {
+    (void)state;
     static const int workers[] = { 1, 2, 5 };
     for ( int i = 0; i < WISP_COUNT( SCENES ); ++i )
     {
@@ -351,6 +365,7 @@ static void scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers( 
 
 static void balanced_curls_stay_where_those_beside_them_sag( void** state )
 {
+    (void)state;
     fixture f;
     open_scene( &f, "curly_rest.yaml", 1 );
     const int count = scene_world_body( &f.world, 0 ).vertex_count;
@@ -373,6 +388,7 @@ static void balanced_curls_stay_where_those_beside_them_sag( void** state )
 
 static void links_stretch_where_the_direct_solve_and_the_follower_do_not( void** state )
 {
+    (void)state;
     fixture f;
     open_scene( &f, "chain_links.yaml", 1 );
     step( &f, 40 );

@@ -6,6 +6,7 @@
 
 static void the_median_of_an_odd_count_is_the_middle_one( void** state )
 {
+    (void)state;
     double samples[] = { 9.0, 1.0, 5.0, 700.0, 3.0 };
     stats_summary s = stats_summarise( samples, 5 );
     assert_int_equal( s.count, 5 );
@@ -15,12 +16,14 @@ static void the_median_of_an_odd_count_is_the_middle_one( void** state )
 
 static void the_median_of_an_even_count_lies_between_the_middle_two( void** state )
 {
+    (void)state;
     double samples[] = { 4.0, 1.0, 2.0, 8.0 };
     assert_true( stats_summarise( samples, 4 ).median == 3.0 );
 }
 
 static void percentiles_interpolate_between_neighbours( void** state )
 {
+    (void)state;
     double samples[12];
     for ( int i = 0; i < 12; ++i )
     {
@@ -36,6 +39,7 @@ static void percentiles_interpolate_between_neighbours( void** state )
 
 static void one_sample_is_its_own_median_and_percentiles( void** state )
 {
+    (void)state;
     double sample = 2.5;
     stats_summary s = stats_summarise( &sample, 1 );
     assert_true( s.median == 2.5 && s.p10 == 2.5 && s.p90 == 2.5 && s.minimum == 2.5 );
@@ -43,12 +47,14 @@ static void one_sample_is_its_own_median_and_percentiles( void** state )
 
 static void no_samples_have_no_median( void** state )
 {
+    (void)state;
     stats_summary s = stats_summarise( NULL, 0 );
     assert_true( isnan( s.median ) && isnan( s.p10 ) && isnan( s.p90 ) && isnan( s.minimum ) );
 }
 
 static void points_on_a_line_give_the_line( void** state )
 {
+    (void)state;
     double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 0.5, 2.5, 4.5, 6.5 };
     stats_line line = stats_fit_line( x, y, 4 );
     // all sums are exact here
@@ -57,6 +63,7 @@ static void points_on_a_line_give_the_line( void** state )
 
 static void the_source_table_gives_the_line_that_it_is_known_for( void** state )
 {
+    (void)state;
     double thousands[] = { 2.0, 6.0, 10.0 }, ms[] = { 6.8, 16.5, 28.7 };
     stats_line line = stats_fit_line( thousands, ms, 3 );
     // stated to two decimals: 0.91 ms + 2.74 ms per 1000 vertices
@@ -67,6 +74,7 @@ static void the_source_table_gives_the_line_that_it_is_known_for( void** state )
 
 static void noise_without_a_trend_is_not_explained( void** state )
 {
+    (void)state;
     double x[] = { 0.0, 1.0, 2.0, 3.0 }, y[] = { 1.0, -1.0, -1.0, 1.0 };
     stats_line line = stats_fit_line( x, y, 4 );
     assert_true( line.slope == 0.0 && line.r_squared == 0.0 );
@@ -74,6 +82,7 @@ static void noise_without_a_trend_is_not_explained( void** state )
 
 static void a_line_far_from_the_origin_keeps_its_digits( void** state )
 {
+    (void)state;
     double x[] = { 1e9, 1e9 + 1.0, 1e9 + 2.0 }, y[] = { 3.0, 4.0, 5.0 };
     stats_line line = stats_fit_line( x, y, 3 );
     // the mean of x is off by a few of its last places, 1.2e-7 each; the slope sees their square
@@ -83,6 +92,7 @@ static void a_line_far_from_the_origin_keeps_its_digits( void** state )
 
 static void a_single_x_has_no_line( void** state )
 {
+    (void)state;
     double x[] = { 2.0, 2.0 }, y[] = { 1.0, 3.0 };
     stats_line line = stats_fit_line( x, y, 2 );
     assert_true( isnan( line.slope ) && isnan( line.intercept ) && isnan( line.r_squared ) );
@@ -91,6 +101,7 @@ static void a_single_x_has_no_line( void** state )
 
 static void passes_keep_their_own_samples_when_the_plan_changes( void** state )
 {
+    (void)state;
     profile_samples samples = { 0 };
     const wisp_profile_line both[] = { { "a.first", 1.0, 10 }, { "b.second", 5.0, 20 } };
     const wisp_profile_line second[] = { { "b.second", 7.0, 30 } };

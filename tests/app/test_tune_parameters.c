@@ -70,6 +70,7 @@ static void assert_parameter( const tune_parameters* parameters, int k, const ch
 
 static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -85,6 +86,7 @@ static void a_scene_of_cloth_has_its_parameters_with_its_own_values_among_them( 
 
 static void a_scene_of_implicit_cloth_has_other_parameters( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( implicit );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -97,6 +99,7 @@ static void a_scene_of_implicit_cloth_has_other_parameters( void** state )
 
 static void strands_with_the_direct_solve_have_their_passes( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( strands );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -113,6 +116,7 @@ static void strands_with_the_direct_solve_have_their_passes( void** state )
 
 static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searched( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( everything );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -139,6 +143,7 @@ static void a_scene_of_everything_keeps_ends_and_its_own_values_and_can_be_searc
 
 static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     assert_int_equal( tune_parameters_find( &scene, &parameters, NULL ), WISP_OK );
@@ -203,6 +208,7 @@ static void assert_edits( const char* text, const int* configuration, const wisp
 
 static void only_what_differs_is_edited( void** state )
 {
+    (void)state;
     static const wisp_scene_edit of_cloths[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 0, "cloth", "tethers", "false" },
@@ -219,6 +225,7 @@ static void only_what_differs_is_edited( void** state )
 
 static void levels_that_go_take_their_beginning_along( void** state )
 {
+    (void)state;
     static const wisp_scene_edit expected[] = {
         { NULL, 0, NULL, "substeps", "1" },
         { "surfaces", 2, "cloth", "tethers", "true" },
@@ -255,6 +262,7 @@ static void write_choice( const char* text, int parameter, int value, char* out,
 
 static void whatever_levels_are_chosen_the_file_can_say_it( void** state )
 {
+    (void)state;
     char text[2000];
     for ( int value = 0; value < 5; ++value )
     {
@@ -266,6 +274,7 @@ static void whatever_levels_are_chosen_the_file_can_say_it( void** state )
 
 static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** state )
 {
+    (void)state;
     static const char head[] =
         "wisp: 1\nsubsteps: 1\nsurfaces:\n  - name: a\n" MAKE "    levels: 2\n    cloth: { level_passes: 1 }\n";
     char with[400], text[2000], expected[400];
@@ -283,6 +292,7 @@ static void a_level_that_is_the_default_may_stand_in_the_file_or_not( void** sta
 
 static void levels_are_told_as_off_or_by_the_finest( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( cloths );
     tune_parameters parameters;
     char text[32];
@@ -298,6 +308,7 @@ static void levels_are_told_as_off_or_by_the_finest( void** state )
 
 static void a_scene_where_nothing_moves_has_no_parameters( void** state )
 {
+    (void)state;
     wisp_scene scene = parse( "wisp: 1\n" );
     tune_parameters parameters;
     wisp_error error = { 0 };

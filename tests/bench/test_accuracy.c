@@ -9,6 +9,7 @@
 
 static void the_front_is_what_nobody_beats( void** state )
 {
+    (void)state;
     const double error[] = { 1.0, 2.0, 4.0, 2.0, 0.5, 4.0 };
     const double ms[] = { 4.0, 2.0, 1.0, 3.0, 9.0, 1.5 };
     const bool expected[] = { true, true, true, false, true, false };
@@ -19,6 +20,7 @@ static void the_front_is_what_nobody_beats( void** state )
 
 static void those_that_tie_are_on_the_front_together( void** state )
 {
+    (void)state;
     // the third is as near as the first two and slower, the fourth as fast and farther
     const double error[] = { 1.0, 1.0, 1.0, 2.0 }, ms[] = { 2.0, 2.0, 3.0, 2.0 };
     const bool expected[] = { true, true, false, false };
@@ -29,6 +31,7 @@ static void those_that_tie_are_on_the_front_together( void** state )
 
 static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
 {
+    (void)state;
     const double error[] = { NAN, 1.0, 0.0, 5.0 }, ms[] = { 1.0, 2.0, NAN, 1.5 };
     const bool expected[] = { false, true, false, true };
     bool front[4];
@@ -40,6 +43,7 @@ static void what_has_no_error_or_no_time_is_not_on_the_front( void** state )
 
 static void a_power_law_has_its_power_as_order( void** state )
 {
+    (void)state;
     double parameter[6], error[6];
     for ( int i = 0; i < 6; ++i )
     {
@@ -55,6 +59,7 @@ static void a_power_law_has_its_power_as_order( void** state )
 
 static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
 {
+    (void)state;
     // in no order; first order down to 0.05, then a floor that wobbles; the coarsest was halted, and one is exact
     const double parameter[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
     const double error[] = { 0.1, NAN, 0.4, 0.2, 0.05, 0.051, 0.047, 0.0 };
@@ -66,6 +71,7 @@ static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
 
 static void a_series_that_does_not_fall_has_no_order( void** state )
 {
+    (void)state;
     const double parameter[] = { 0.4, 0.2, 0.1 }, error[] = { 1.0, 1.1, 1.2 };
     const accuracy_order order = accuracy_observed_order( parameter, error, 3 );
     assert_true( isnan( order.slope ) );
@@ -77,6 +83,7 @@ static void a_series_that_does_not_fall_has_no_order( void** state )
 
 static void levels_are_round_numbers_around_the_values( void** state )
 {
+    (void)state;
     const double values[] = { 0.7, NAN, 0.0, -3.0, 21.0, 5.0 }, expected[] = { 1.0, 2.0, 5.0, 10.0, 20.0, 50.0 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 6, levels ), 6 );
@@ -85,6 +92,7 @@ static void levels_are_round_numbers_around_the_values( void** state )
 
 static void many_levels_are_picked_evenly_and_keep_both_ends( void** state )
 {
+    (void)state;
     const double values[] = { 1e-3, 1e2 }, expected[] = { 1e-3, 1e-2, 1e-1, 1.0, 10.0, 100.0 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 2, levels ), ACCURACY_LEVELS_MAX );
@@ -93,6 +101,7 @@ static void many_levels_are_picked_evenly_and_keep_both_ends( void** state )
 
 static void values_between_two_round_numbers_have_the_one_above( void** state )
 {
+    (void)state;
     const double values[] = { 0.021, 0.03 };
     double levels[ACCURACY_LEVELS_MAX];
     assert_int_equal( accuracy_levels( values, 2, levels ), 1 );
@@ -102,6 +111,7 @@ static void values_between_two_round_numbers_have_the_one_above( void** state )
 
 static void the_best_within_a_limit_is_the_cheapest_that_takes_part( void** state )
 {
+    (void)state;
     const double ms[] = { 1.0, 3.0, 2.0, 2.0, NAN }, error[] = { 9.0, 0.5, 1.0, 1.0, 0.1 };
     const bool takes_part[] = { true, true, false, false, true };
     assert_int_equal( accuracy_best_within( ms, error, 1.0, NULL, 5 ), 2 );
@@ -211,6 +221,7 @@ static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake
 
 static int forget_fake( void** state )
 {
+    (void)state;
     fake = ( fake_log ){ .differs = -1, .fails_at = -1, .slower = 1.0 };
     return 0;
 }
@@ -228,6 +239,7 @@ static results run_fake( double seconds, int workers )
 
 static void each_setting_is_looked_at_once_and_timed_at_least_once( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_false( all.failed );
     assert_int_equal( fake.looks_after_times, 0 );
@@ -242,6 +254,7 @@ static void each_setting_is_looked_at_once_and_timed_at_least_once( void** state
 
 static void with_one_worker_nothing_runs_twice( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 1 );
     assert_int_equal( fake.timed[0][0], 1 );
     assert_int_equal( fake.timed[0][1], 0 );
@@ -251,6 +264,7 @@ static void with_one_worker_nothing_runs_twice( void** state )
 
 static void who_takes_more_than_its_share_sits_out( void** state )
 {
+    (void)state;
     // the share is 0.1 s: one run of the first, more of at least one of the others, none of the halted one after its
     // first
     fake.cost = 0.15;
@@ -271,6 +285,7 @@ static void who_takes_more_than_its_share_sits_out( void** state )
 
 static void the_table_has_times_errors_measures_and_the_front( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`: a scene that pretends, ms per step" );
     assert_int_equal( table->row_count, 1 + FAKE_SETTINGS );
@@ -292,6 +307,7 @@ static void the_table_has_times_errors_measures_and_the_front( void** state )
 
 static void rows_for_machines_name_scene_setting_reference_and_parameter( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.row_count, 2 * FAKE_SETTINGS );
     const results_row* row = &all.rows[3];
@@ -313,6 +329,7 @@ static void rows_for_machines_name_scene_setting_reference_and_parameter( void**
 
 static void levels_that_would_say_the_same_are_said_once( void** state )
 {
+    (void)state;
     fake.slower = 64.0;
     results all = run_fake( 1e-9, 2 );
     // 256 ms, 2, 1 and the loner's 0.5: nobody is between 2 and 256 ms
@@ -328,6 +345,7 @@ static void levels_that_would_say_the_same_are_said_once( void** state )
 
 static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
     // errors 1 to 4: within 5 mm the loner is the fastest, with half the time of the series
@@ -354,6 +372,7 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
 
 static void observed_orders_stand_beside_the_promised( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, observed order" );
     assert_int_equal( table->row_count, 2 );
@@ -366,6 +385,7 @@ static void observed_orders_stand_beside_the_promised( void** state )
 
 static void charts_have_a_series_each_and_mark_the_front( void** state )
 {
+    (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_int_equal( all.chart_count, 2 );
     const results_chart* time = &all.charts[0];
@@ -389,6 +409,7 @@ static void charts_have_a_series_each_and_mark_the_front( void** state )
 
 static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** state )
 {
+    (void)state;
     fake.differs = 2;
     results all = run_fake( 1e-9, 2 );
     assert_true( all.failed );
@@ -407,6 +428,7 @@ static void a_hash_that_depends_on_workers_fails_the_run_and_is_named( void** st
 
 static void a_setting_that_fails_ends_the_case_with_its_message( void** state )
 {
+    (void)state;
     fake.fails_at = 1;
     results all = { 0 };
     wisp_error error = { 0 };
@@ -421,6 +443,7 @@ static void a_setting_that_fails_ends_the_case_with_its_message( void** state )
 
 static void a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series( void** state )
 {
+    (void)state;
     static const struct
     {
         const char* series;
@@ -472,6 +495,7 @@ static wisp_status make_two_series( const bench_options* options, double seconds
 
 static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are( void** state )
 {
+    (void)state;
     const accuracy_entry entry = { "fake", "a scene of two series", make_two_series };
     bench_options options = bench_default_options();
     options.quick = true;
@@ -565,6 +589,7 @@ static wisp_status make_few( const bench_options* options, double seconds, accur
 
 static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
 {
+    (void)state;
     const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few };
     const bench_options options = bench_default_options();
     results all = { 0 };

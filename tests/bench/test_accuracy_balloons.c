@@ -7,6 +7,7 @@ static accuracy_scene inflate, flight, meshes;
 
 static int make_scenes( void** state )
 {
+    (void)state;
     expect_made( accuracy_balloon_inflate, &inflate );
     expect_made( accuracy_balloon_flight, &flight );
     expect_made( accuracy_balloon_meshes, &meshes );
@@ -15,6 +16,7 @@ static int make_scenes( void** state )
 
 static int drop_scenes( void** state )
 {
+    (void)state;
     free_scene( &inflate );
     free_scene( &flight );
     free_scene( &meshes );
@@ -33,6 +35,7 @@ enum
 
 static void every_setting_of_a_balloon_has_a_name_of_its_own( void** state )
 {
+    (void)state;
     expect_names_differ( &inflate );
     expect_names_differ( &flight );
     expect_names_differ( &meshes );
@@ -42,6 +45,7 @@ static void every_setting_of_a_balloon_has_a_name_of_its_own( void** state )
 
 static void pressure_comes_to_the_closed_form_at_second_order( void** state )
 {
+    (void)state;
     static const char* const readings[] = { "virial", "multiplier" };
     for ( int r = 0; r < WISP_COUNT( readings ); ++r )
     {
@@ -63,6 +67,7 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
 // An icosahedron swells evenly, so its tensions and its volume belong together to what the solver left undone.
 static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state )
 {
+    (void)state;
     const accuracy_run regular = look_at( &inflate, "xpbd, virial, 400 x 1" );
     const accuracy_run finer = look_at( &inflate, "xpbd, virial, 100 x 1, 642 vertices" );
     assert_true( fabs( regular.measures[OWN_VOLUME] ) < 0.01 );
@@ -74,6 +79,7 @@ static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state 
 // more.
 static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 {
+    (void)state;
     const accuracy_run run = look_at( &inflate, "xpbd, gas law, 400 x 1" );
     const double linear = run.measures[MULTIPLIER], more = run.measures[GAS_LAW] / linear - 1.0;
     assert_true( fabs( more - linear / 101325.0 ) < 2e-3 );
@@ -84,6 +90,7 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 // reference.
 static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
 {
+    (void)state;
     const accuracy_run few = look_at( &inflate, "pbd skin, xpbd volume, virial, 10 x 10" );
     const accuracy_run many = look_at( &inflate, "pbd skin, xpbd volume, virial, 50 x 10" );
     assert_true( many.error > 2.0 * few.error );
@@ -93,6 +100,7 @@ static void the_forms_of_the_source_do_not_converge_with_substeps( void** state 
 
 static void a_flight_comes_nearer_to_double_precision_with_substeps( void** state )
 {
+    (void)state;
     static const int substeps[] = { 10, 40, 160 };
     double last = INFINITY;
     for ( int i = 0; i < WISP_COUNT( substeps ); ++i )
@@ -114,6 +122,7 @@ static void a_flight_comes_nearer_to_double_precision_with_substeps( void** stat
 
 static void momentum_is_what_the_forces_have_given( void** state )
 {
+    (void)state;
     enum
     {
         NOT_CLOSED = 4,
@@ -128,6 +137,7 @@ static void momentum_is_what_the_forces_have_given( void** state )
 // A polyhedron in a body: half the edge leaves out a quarter of the volume. Paths have no such order.
 static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( void** state )
 {
+    (void)state;
     enum
     {
         VOLUME = 3,
@@ -144,6 +154,7 @@ static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( vo
 
 static void a_balloon_has_one_hash_whoever_computes_it( void** state )
 {
+    (void)state;
     expect_one_hash( &inflate, "xpbd, multiplier, 50 x 1" );
     expect_one_hash( &inflate, "xpbd, virial, 10 x 1, 642 vertices" );
     expect_one_hash( &inflate, "pbd skin, pbd volume, virial, 10 x 10" );

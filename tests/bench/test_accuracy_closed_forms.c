@@ -16,24 +16,28 @@ static accuracy_scene scene;
 
 static int make_scene( void** state )
 {
+    (void)state;
     expect_made( accuracy_closed_forms, &scene );
     return 0;
 }
 
 static int drop_scene( void** state )
 {
+    (void)state;
     free_scene( &scene );
     return 0;
 }
 
 static void every_closed_form_has_settings_of_its_own( void** state )
 {
+    (void)state;
     expect_names_differ( &scene );
 }
 
 // Digits of tables, and of the reference for what no formula of this program has made.
 static void references_are_what_the_references_print( void** state )
 {
+    (void)state;
     assert_true( fabs( look_at( &scene, "terminal velocity of a plate, m/s, substeps 1" ).measures[REFERENCE] -
                        1.37000 ) < 6e-6 );
     assert_true( fabs( look_at( &scene, "lift of 0.14 m of helium, N, level 0" ).measures[REFERENCE] - 0.11799 ) <
@@ -72,6 +76,7 @@ static const series_check checks[] = {
 
 static void errors_fall_at_the_promised_order( void** state )
 {
+    (void)state;
     for ( int c = 0; c < WISP_COUNT( checks ); ++c )
     {
         double parameter[POINTS_MAX], error[POINTS_MAX], promised = NAN;
@@ -98,6 +103,7 @@ static void errors_fall_at_the_promised_order( void** state )
 // At rest the answer belongs to the springs, not to how often they were asked.
 static void a_bar_that_has_converged_is_as_long_as_its_springs_say( void** state )
 {
+    (void)state;
     const accuracy_run once = look_at( &scene, "elastic bar by iterations, m, iterations 1" );
     const accuracy_run often = look_at( &scene, "elastic bar by iterations, m, iterations 64" );
     assert_true( once.error > 10.0 );
@@ -106,6 +112,7 @@ static void a_bar_that_has_converged_is_as_long_as_its_springs_say( void** state
 
 static void what_friction_holds_does_not_creep( void** state )
 {
+    (void)state;
     assert_true( look_at( &scene, "sticking, 11 deg, mu 0.2, m, substeps 20" ).error == 0.0 );
     assert_true( look_at( &scene, "sticking, 26 deg, mu 0.5, m, substeps 20" ).error == 0.0 );
     // nothing holds it at the next degrees, so it is the friction that did
@@ -114,6 +121,7 @@ static void what_friction_holds_does_not_creep( void** state )
 
 static void free_fall_strains_nothing_and_keeps_momentum( void** state )
 {
+    (void)state;
     const accuracy_run fall = look_at( &scene, "fall of a cloth in 0.5 s, m, substeps 20" );
     // roundings of coordinates of 1 m over edges of 2 cm, in per cent
     assert_true( fall.measures[STRAIN] < 1e-3 );
@@ -123,12 +131,14 @@ static void free_fall_strains_nothing_and_keeps_momentum( void** state )
 // Its triangles never become equilateral, so the limit of fine spheres lies beside the smooth one.
 static void a_fine_sphere_is_within_two_per_cent_of_a_smooth_one( void** state )
 {
+    (void)state;
     assert_true( look_at( &scene, "sphere stretched by 5 %, 2 sigma / R, Pa, level 4" ).error < 1.5 );
     assert_true( look_at( &scene, "elastica, G = 1, drop / L, cells 6" ).error < 0.5 );
 }
 
 static void a_closed_form_has_one_hash_whoever_computes_it( void** state )
 {
+    (void)state;
     expect_one_hash( &scene, "angular momentum of a cloth after 0.5 s, N m s, substeps 5" );
     expect_one_hash( &scene, "falling plate after 0.1 s, m/s, substeps 5" );
     expect_one_hash( &scene, "sliding, 20 deg, mu 0.2, m, substeps 5" );

@@ -114,6 +114,7 @@ static void expect_generator_refused( const char* text, size_t size, const char*
 
 static void a_reference_comes_back_as_it_was_written( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     accuracy_reference back;
@@ -139,6 +140,7 @@ static void a_reference_comes_back_as_it_was_written( void** state )
 
 static void a_reference_that_is_not_there_is_a_message( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     accuracy_reference back;
@@ -158,6 +160,7 @@ static void a_reference_that_is_not_there_is_a_message( void** state )
 
 static void numbers_of_another_generator_are_refused( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files before = written( &reference );
@@ -175,6 +178,7 @@ static void numbers_of_another_generator_are_refused( void** state )
 
 static void a_file_that_is_too_long_is_not_read_to_its_end( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files files = written( &reference );
@@ -202,6 +206,7 @@ static void a_file_that_is_too_long_is_not_read_to_its_end( void** state )
 
 static void a_reference_of_a_scene_that_has_changed_is_refused_by_what_changed( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     accuracy_reference back, requested = reference;
@@ -225,6 +230,7 @@ static void a_reference_of_a_scene_that_has_changed_is_refused_by_what_changed( 
 // Roundings of a mesh are no other mesh, and a vertex that is a tenth of a millimetre elsewhere is.
 static void another_start_is_seen_and_its_roundings_are_not( void** state )
 {
+    (void)state;
     wisp_vec3 points[40];
     for ( int i = 0; i < WISP_COUNT( points ); ++i )
     {
@@ -252,6 +258,7 @@ static void another_start_is_seen_and_its_roundings_are_not( void** state )
 
 static void numbers_that_are_cut_off_anywhere_are_refused( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files files = written( &reference );
@@ -264,6 +271,7 @@ static void numbers_that_are_cut_off_anywhere_are_refused( void** state )
 
 static void numbers_with_a_wrong_byte_are_refused_wherever_it_is( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     reference_files files = written( &reference );
@@ -282,6 +290,7 @@ static void numbers_with_a_wrong_byte_are_refused_wherever_it_is( void** state )
 
 static void numbers_that_nothing_has_are_refused_by_their_place( void** state )
 {
+    (void)state;
     static const double wrong[] = { NAN, INFINITY, -INFINITY, 1e6, -1e300 };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -297,6 +306,7 @@ static void numbers_that_nothing_has_are_refused_by_their_place( void** state )
 
 static void a_generator_that_is_cut_off_anywhere_is_refused( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files files = written( &reference );
@@ -310,6 +320,7 @@ static void a_generator_that_is_cut_off_anywhere_is_refused( void** state )
 // A byte of a recipe may be any other, and nothing worse happens than that it is refused or means something else.
 static void a_generator_with_a_wrong_byte_does_no_harm( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     reference_files files = written( &reference );
@@ -346,6 +357,7 @@ static void expect_change_refused( const reference_files* files, const char* par
 
 static void a_generator_that_says_what_none_can_is_refused_by_the_word( void** state )
 {
+    (void)state;
     static const struct
     {
         const char *part, *by, *said;
@@ -380,6 +392,7 @@ static void a_generator_that_says_what_none_can_is_refused_by_the_word( void** s
 
 static void more_info_than_there_is_room_for_are_refused( void** state )
 {
+    (void)state;
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files files = written( &reference );
@@ -396,6 +409,7 @@ static void more_info_than_there_is_room_for_are_refused( void** state )
 
 static void every_stored_reference_is_whole_and_small( void** state )
 {
+    (void)state;
     static const char* const names[] = { "hanging_cloth", "flag",           "balloon_flight", "balloon_meshes",
                                          "strands_swing", "strands_guides", "frozen_clumps" };
     for ( int i = 0; i < WISP_COUNT( names ); ++i )

@@ -79,6 +79,7 @@ static int forget_all( void** state )
 
 static void two_runs_differ_in_times_alone( void** state )
 {
+    (void)state;
     const json_t *a = rows_of( seen.first ), *b = rows_of( seen.longer );
     assert_int_equal( json_array_size( a ), json_array_size( b ) );
     for ( size_t i = 0; i < json_array_size( a ); ++i )
@@ -89,6 +90,7 @@ static void two_runs_differ_in_times_alone( void** state )
 
 static void workers_change_nothing_but_times( void** state )
 {
+    (void)state;
     const json_t *a = rows_of( seen.first ), *b = rows_of( seen.alone );
     assert_int_equal( json_array_size( a ), 2 * json_array_size( b ) );
     for ( size_t i = 0; i < json_array_size( b ); ++i )

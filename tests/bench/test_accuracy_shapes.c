@@ -6,6 +6,7 @@ accuracy_scene_fn accuracy_frozen_clumps, accuracy_boundary_contact;
 
 static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
 {
+    (void)state;
     // G, drop and reach of the length, by another integration in double
     static const double known[][3] = { { 1.0, 0.12347140, 0.99124640 },
                                        { 10.0, 0.70019972, 0.65635376 },
@@ -22,6 +23,7 @@ static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
 
 static void frozen_hair_is_the_oracles_with_all_neighbours_only( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_frozen_clumps, &scene );
     assert_well_formed( &scene );
@@ -39,6 +41,7 @@ static void frozen_hair_is_the_oracles_with_all_neighbours_only( void** state )
 
 static void shorter_steps_of_clumping_come_nearer_at_first_order( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_frozen_clumps, &scene );
     const double order = order_between( &scene, "flow in 4 steps", "flow in 16 steps", 4.0 );
@@ -50,6 +53,7 @@ static void shorter_steps_of_clumping_come_nearer_at_first_order( void** state )
 
 static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_boundary_contact, &scene );
     assert_well_formed( &scene );

@@ -7,6 +7,7 @@ accuracy_scene_fn accuracy_strands_swing, accuracy_strands_chain, accuracy_stran
 
 static void strands_that_fall_come_nearer_at_first_order( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_swing, &scene );
     assert_well_formed( &scene );
@@ -25,6 +26,7 @@ static void strands_that_fall_come_nearer_at_first_order( void** state )
 
 static void lengths_cost_sweeps_and_not_direct_solves( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_swing, &scene );
     const accuracy_run direct = run_setting( &scene, "direct, 2 substeps", 1, true );
@@ -41,6 +43,7 @@ static void lengths_cost_sweeps_and_not_direct_solves( void** state )
 
 static void a_hanging_chain_swings_in_its_periods( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_chain, &scene );
     assert_well_formed( &scene );
@@ -61,6 +64,7 @@ static void a_hanging_chain_swings_in_its_periods( void** state )
 
 static void a_heavy_rod_hangs_as_the_elastica( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_elastica, &scene );
     assert_well_formed( &scene );
@@ -80,6 +84,7 @@ static void a_heavy_rod_hangs_as_the_elastica( void** state )
 
 static void hair_that_is_balanced_stays_where_it_is( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_rest, &scene );
     assert_well_formed( &scene );
@@ -93,6 +98,7 @@ static void hair_that_is_balanced_stays_where_it_is( void** state )
 
 static void balanced_curls_stay_at_any_number_of_substeps( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_curls, &scene );
     assert_well_formed( &scene );
@@ -106,6 +112,7 @@ static void balanced_curls_stay_at_any_number_of_substeps( void** state )
 
 static void fewer_guides_miss_more( void** state )
 {
+    (void)state;
     accuracy_scene scene;
     open_scene( accuracy_strands_guides, &scene );
     assert_well_formed( &scene );

@@ -47,6 +47,7 @@ static bench_variant variant_of( pretender* p )
 
 static void long_steps_alternate_one_by_one( void** state )
 {
+    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.03, 0, 0, 0 }, b = { &log, 'B', 0.03, 0, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -65,6 +66,7 @@ static void long_steps_alternate_one_by_one( void** state )
 
 static void short_steps_have_longer_turns_whose_first_step_does_not_count( void** state )
 {
+    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 0, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -85,6 +87,7 @@ static void short_steps_have_longer_turns_whose_first_step_does_not_count( void*
 
 static void a_variant_that_is_warm_already_is_not_warmed_up( void** state )
 {
+    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 };
     bench_variant variant = variant_of( &a );
@@ -99,6 +102,7 @@ static void a_variant_that_is_warm_already_is_not_warmed_up( void** state )
 
 static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state )
 {
+    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.011, 0, 0, 0 };
     bench_variant variant = variant_of( &a );
@@ -112,6 +116,7 @@ static void the_time_ends_the_run_after_the_least_number_of_rounds( void** state
 
 static void a_step_that_fails_ends_the_run_with_its_message( void** state )
 {
+    (void)state;
     step_log log = { .count = 0 };
     pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 5, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
@@ -125,6 +130,7 @@ static void a_step_that_fails_ends_the_run_with_its_message( void** state )
 
 static void every_case_has_a_name_of_its_own_and_a_purpose( void** state )
 {
+    (void)state;
     int count;
     const bench_case* cases = bench_cases( &count );
     assert_true( count > 0 );
@@ -140,6 +146,7 @@ static void every_case_has_a_name_of_its_own_and_a_purpose( void** state )
 
 static void quick_is_shorter_unless_the_user_says_how_long( void** state )
 {
+    (void)state;
     bench_options options = bench_default_options();
     double full = bench_seconds( &options );
     options.quick = true;
@@ -173,6 +180,7 @@ static int count_parts( const char* text, const char* what )
 
 static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apart( void** state )
 {
+    (void)state;
     enum
     {
         COLUMNS = 20,
@@ -201,6 +209,7 @@ static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apa
 
 static void long_cells_go_on_in_the_next_line( void** state )
 {
+    (void)state;
     results all = { 0 };
     char words[400] = "";
     for ( int i = 0; i < 60; ++i )
@@ -219,6 +228,7 @@ static void long_cells_go_on_in_the_next_line( void** state )
 
 static void hashes_and_quantiles_are_left_to_formats_for_programs( void** state )
 {
+    (void)state;
     results all = { 0 };
     const char* const header[] = { "size", "ms", "p10 .. p90", "hash" };
     const int table = results_add_table( &all, "A table", WISP_COUNT( header ), header );

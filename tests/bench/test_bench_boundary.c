@@ -148,6 +148,7 @@ static layer_check check_of( one_layer* l, const wisp_boundary_def* def )
 
 static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** state )
 {
+    (void)state;
     one_layer l = open_layer( 0.1f );
     layer_check check = check_of( &l, &l.def );
     assert_true( check.inner_points > 0 );
@@ -170,6 +171,7 @@ static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** s
 
 static void anew_is_all_elements_and_the_same_points( void** state )
 {
+    (void)state;
     wisp_error error = { 0 };
     one_layer l = open_layer( 0.1f );
     wisp_boundary_view view;
@@ -190,6 +192,7 @@ static void anew_is_all_elements_and_the_same_points( void** state )
 
 static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
 {
+    (void)state;
     wisp_vec3 points[] = { { 0.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f } };
     int32_t triangles[] = { 0, 1, 2 };
     const wisp_mesh mesh = { points, triangles, 3, 1 };
@@ -206,6 +209,7 @@ static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
 
 static void pictures_are_written_where_there_is_a_folder( void** state )
 {
+    (void)state;
     static const char* const names[] = { "./boundary_body.png", "./boundary_inflation.png",
                                          "./boundary_spacing.png" };
     bench_options options = quick;
@@ -229,6 +233,7 @@ static void pictures_are_written_where_there_is_a_folder( void** state )
 
 static void the_sizes_of_the_case_are_those_of_the_contract( void** state )
 {
+    (void)state;
     const boundary_plan plan = boundary_default_plan( &quick );
     assert_int_equal( plan.spacing_count, 5 );
     assert_true( plan.spacings[3] == 0.025f && plan.spacings[4] == 0.0125f );

@@ -33,6 +33,7 @@ static cloth_plan small_plan( void )
 
 static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** state )
 {
+    (void)state;
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -59,6 +60,7 @@ static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** st
 
 static void other_engines_stand_beside_only_where_they_were_measured( void** state )
 {
+    (void)state;
     cloth_plan plan = small_plan();
     plan.hang_sizes[1] = 32;
     plan.hang_count = 2;
@@ -79,6 +81,7 @@ static void other_engines_stand_beside_only_where_they_were_measured( void** sta
 
 static void levels_are_compared_with_a_converged_run_on_both_meshes( void** state )
 {
+    (void)state;
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -122,6 +125,7 @@ static void levels_are_compared_with_a_converged_run_on_both_meshes( void** stat
 
 static void residuals_fall_with_passes_in_every_order( void** state )
 {
+    (void)state;
     cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -142,6 +146,7 @@ static void residuals_fall_with_passes_in_every_order( void** state )
 
 static void the_reference_projects_as_the_oracle_does( void** state )
 {
+    (void)state;
     cloth_scene scene;
     wisp_fabric* fabric;
     cloth_reference reference;
@@ -185,6 +190,7 @@ static void the_reference_projects_as_the_oracle_does( void** state )
 
 static void a_hash_of_its_own_fails_the_run( void** state )
 {
+    (void)state;
     surface_implementation implementations[2] = { { .generator = { .workers = 1 } },
                                                   { .generator = { .workers = 2 } } };
     results all = { 0 };
@@ -199,6 +205,7 @@ static void a_hash_of_its_own_fails_the_run( void** state )
 
 static void an_error_above_its_tolerance_or_without_a_number_fails_the_run( void** state )
 {
+    (void)state;
     const double wrong[] = { 2e-6, NAN, INFINITY };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -213,6 +220,7 @@ static void an_error_above_its_tolerance_or_without_a_number_fails_the_run( void
 
 static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
 {
+    (void)state;
     results all = { 0 };
     results_add_claim( &all, false, "it is fast", 1.5, " times" );
     assert_false( all.failed );
@@ -222,6 +230,7 @@ static void a_claim_that_is_not_met_is_a_message_and_no_failure( void** state )
 
 static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
 {
+    (void)state;
     cloth_scene scene;
     wisp_fabric* fabric;
     surface_implementation implementation;
@@ -248,6 +257,7 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
 
 static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** state )
 {
+    (void)state;
     balloon_plan plan = balloon_default_plan( &quick );
     plan.levels[0] = 1;
     plan.levels[1] = 2;
@@ -271,6 +281,7 @@ static void the_balloon_shows_volume_pressure_and_memory_beside_time( void** sta
 
 static void a_figure_that_is_not_met_fails_the_run( void** state )
 {
+    (void)state;
     static figures_fn* const small[] = { figures_two_particles, figures_links, figures_four_forces };
     results all = { 0 };
     wisp_error error = { 0 };

@@ -73,6 +73,7 @@ static void expect_refused( const unsigned char* bytes, size_t size, const char*
 
 static void a_reference_comes_back_as_it_was_written( void** state )
 {
+    (void)state;
     float points[LOOKS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     wisp_error error = { 0 };
@@ -94,6 +95,7 @@ static void a_reference_comes_back_as_it_was_written( void** state )
 
 static void a_reference_that_is_cut_off_anywhere_is_refused( void** state )
 {
+    (void)state;
     float points[LOOKS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     file_bytes file = written( &reference );
@@ -107,6 +109,7 @@ static void a_reference_that_is_cut_off_anywhere_is_refused( void** state )
 
 static void a_reference_with_a_wrong_byte_is_refused_wherever_it_is( void** state )
 {
+    (void)state;
     float points[LOOKS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     file_bytes file = written( &reference );
@@ -127,6 +130,7 @@ static void a_reference_with_a_wrong_byte_is_refused_wherever_it_is( void** stat
 
 static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( void** state )
 {
+    (void)state;
     static const struct
     {
         size_t at;
@@ -154,6 +158,7 @@ static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( v
 
 static void numbers_that_no_cloth_has_are_refused_by_look( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < 5; ++kind )
     {
         float points[LOOKS * VERTICES * 3];
@@ -169,6 +174,7 @@ static void numbers_that_no_cloth_has_are_refused_by_look( void** state )
 
 static void a_reference_of_another_cloth_is_refused( void** state )
 {
+    (void)state;
     compare_scene scene;
     wisp_error error = { 0 };
     assert_ok( compare_scene_make( COMPARE_TAUT, 64, &scene, &error ), error );
@@ -189,6 +195,7 @@ static void a_reference_of_another_cloth_is_refused( void** state )
 
 static void a_reference_that_is_not_there_is_a_message( void** state )
 {
+    (void)state;
     compare_plan plan = compare_default_plan( &quick );
     plan.folder = "no_such_folder";
     results all = { 0 };
@@ -245,6 +252,7 @@ static results compared( const compare_plan* plan )
 
 static void the_tables_are_whole( void** state )
 {
+    (void)state;
     compare_plan plan = small_plan( COMPARE_TAUT );
     plan.variants[1].has_rest = true;
     results all = compared( &plan );
@@ -271,6 +279,7 @@ static void the_tables_are_whole( void** state )
 // What xpbd converges to is the same model there, so nobody's error has a floor.
 static void errors_of_the_taut_cloth_fall_with_the_step( void** state )
 {
+    (void)state;
     const compare_plan plan = small_plan( COMPARE_TAUT );
     results all = compared( &plan );
     const double euler[] = { error_of( &all, "implicit 1/100, Euler, 0.0001, 1" ),
@@ -285,6 +294,7 @@ static void errors_of_the_taut_cloth_fall_with_the_step( void** state )
 
 static void errors_of_the_draped_cloth_fall_with_the_step( void** state )
 {
+    (void)state;
     const compare_plan plan = small_plan( COMPARE_DRAPE );
     results all = compared( &plan );
     const double coarse = error_of( &all, "implicit 1/100, Euler, 0.0001, 1" );

@@ -151,6 +151,7 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
 
 static void a_way_that_takes_too_long_ends_early( void** state )
 {
+    (void)state;
     const contact_way way = { .name = "exact", .margin = 2.0f };
     const contact_teams teams = { { 1 }, 1 };
     contact_scene scene;
@@ -177,6 +178,7 @@ static void a_way_that_takes_too_long_ends_early( void** state )
 
 static void the_sizes_of_the_case_grow_with_its_time( void** state )
 {
+    (void)state;
     bench_options options = { .seconds = 18.0, .workers = 1 };
     const contact_plan brief = contact_default_plan( &options );
     options.seconds = 85.0;
@@ -224,6 +226,7 @@ static double overlap_of( float distance, float* thickness )
 
 static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
 {
+    (void)state;
     float t;
     // facets of a level 3 sphere are up to 0.6 % of the radius below it: a vertex may be so much less deep
     const double facet = 0.006 * (double)PRESS_RADIUS;
@@ -245,6 +248,7 @@ static wisp_status fail_on_purpose( void* context, const wisp_parallel* parallel
 
 static void a_probe_calls_once_and_hands_a_failure_on( void** state )
 {
+    (void)state;
     contact_probe probe;
     wisp_error error = { 0 };
     int calls = 0;
@@ -257,6 +261,7 @@ static void a_probe_calls_once_and_hands_a_failure_on( void** state )
 
 static void pictures_are_written_and_linked( void** state )
 {
+    (void)state;
     char folder[] = "contact_pictures_XXXXXX";
     assert_non_null( mkdtemp( folder ) );
     bench_options options = quick;

@@ -109,6 +109,7 @@ static void newton_pass( double p[VERTICES][3], const double* w, const double* r
 
 static void plain_tridiagonal_solves_the_whole_system( void** state )
 {
+    (void)state;
     wisp_vec3 points[VERTICES];
     for ( int v = 0; v < VERTICES; ++v )
     {
@@ -146,6 +147,7 @@ static void plain_tridiagonal_solves_the_whole_system( void** state )
 
 static void vertices_of_plain_strands_have_half_the_mass_of_each_segment( void** state )
 {
+    (void)state;
     const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 3.0f, 0.0f } };
     plain_strands plain;
     assert_true( plain_strands_create( &plain, points, 1, 3, 2.0f ) );
@@ -197,6 +199,7 @@ static double distance_to_engine( plain_strand_stretch how, int steps, double* m
 
 static void both_sides_of_the_comparison_compute_the_same( void** state )
 {
+    (void)state;
     for ( int how = 0; how < 2; ++how )
     {
         double moved;
@@ -212,6 +215,7 @@ static void both_sides_of_the_comparison_compute_the_same( void** state )
 
 static void strands_start_horizontal_with_their_roots_pinned( void** state )
 {
+    (void)state;
     strands_shape few, many;
     strands_implementation implementation;
     wisp_error error = { 0 };
@@ -247,6 +251,7 @@ static void strands_start_horizontal_with_their_roots_pinned( void** state )
 
 static void a_nan_is_never_a_small_stretch( void** state )
 {
+    (void)state;
     strands_shape shape;
     wisp_error error = { 0 };
     const wisp_vec3 along = { 1.0f, 0.0f, 0.0f };
@@ -259,6 +264,7 @@ static void a_nan_is_never_a_small_stretch( void** state )
 
 static void guides_are_the_means_of_neighbours( void** state )
 {
+    (void)state;
     strands_shape hair, guides;
     wisp_error error = { 0 };
     assert_ok( hair_head_make_hair( 8, 5, &hair, &error ), error );
@@ -279,6 +285,7 @@ static void guides_are_the_means_of_neighbours( void** state )
 
 static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** state )
 {
+    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -320,6 +327,7 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
 
 static void more_substeps_come_nearer_to_the_reference( void** state )
 {
+    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -339,6 +347,7 @@ static void more_substeps_come_nearer_to_the_reference( void** state )
 
 static void closed_forms_are_met( void** state )
 {
+    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -351,6 +360,7 @@ static void closed_forms_are_met( void** state )
 
 static void a_hair_at_rest_does_not_depend_on_the_rate_of_steps( void** state )
 {
+    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -376,6 +386,7 @@ static void a_hair_at_rest_does_not_depend_on_the_rate_of_steps( void** state )
 
 static void lone_ghosts_without_sway_are_their_guides( void** state )
 {
+    (void)state;
     strands_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
@@ -400,6 +411,7 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
 
 static void the_stats_of_guide_hair_are_met( void** state )
 {
+    (void)state;
     static figures_fn* const ghosts[] = {
         figures_ghost_centre, figures_ghost_sway,   figures_ghost_block,   figures_ghost_apart,
         figures_ghost_curves, figures_ghost_spread, figures_ghost_pairing,
@@ -414,6 +426,7 @@ static void the_stats_of_guide_hair_are_met( void** state )
 
 static void pictures_of_ghosts_are_written( void** state )
 {
+    (void)state;
     static figures_fn* const one[] = { figures_ghost_apart };
     bench_options options = quick;
     options.pictures = ".";

@@ -87,6 +87,7 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
 
 static void the_sizes_of_the_case_are_those_of_the_source_and_beyond( void** state )
 {
+    (void)state;
     bench_options options = quick;
     options.seconds = 40.0;
     const triangle_plan full = triangle_default_plan( &options );

@@ -63,6 +63,7 @@ static void shake( plain_cloth* cloth )
 
 static void every_edge_is_a_link_once_and_every_interior_edge_a_pair( void** state )
 {
+    (void)state;
     patch p = make_patch();
     plain_cloth cloth = make_cloth( &p, 1.0f, 0.2f );
     int rows = SIDE * ( SIDE - 1 ), diagonals = ( SIDE - 1 ) * ( SIDE - 1 ), border = 4 * ( SIDE - 1 );
@@ -80,6 +81,7 @@ static void every_edge_is_a_link_once_and_every_interior_edge_a_pair( void** sta
 
 static void a_pass_is_equation_6_link_by_link( void** state )
 {
+    (void)state;
     patch p = make_patch();
     plain_cloth cloth = make_cloth( &p, 0.5f, 0.2f );
     plain_cloth_pin( &cloth, 0 );
@@ -110,6 +112,7 @@ static void a_pass_is_equation_6_link_by_link( void** state )
 
 static void free_fall_is_the_sum_of_its_substeps( void** state )
 {
+    (void)state;
     patch p = make_patch();
     plain_cloth cloth = make_cloth( &p, 1.0f, 0.2f );
     cloth.substeps = 4;
@@ -129,6 +132,7 @@ static void free_fall_is_the_sum_of_its_substeps( void** state )
 
 static void a_pinned_vertex_stays_and_its_neighbours_hang( void** state )
 {
+    (void)state;
     patch p = make_patch();
     plain_cloth cloth = make_cloth( &p, 1.0f, 0.2f );
     plain_cloth_pin( &cloth, 0 );

@@ -139,6 +139,7 @@ static void assert_sum_of_parts( const effect* const* effects, int count )
 
 static void an_empty_scene_has_no_pass( void** state )
 {
+    (void)state;
     char text[EFFECT_PLAN_MAX];
     effect_world world = open_world( NULL, 0, true, EFFECT_EVERY, 0 );
     read_plan( &world, text );
@@ -174,6 +175,7 @@ static void write_plans( void )
 // WISP_GOLDEN=write in the environment writes the file anew first.
 static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other( void** state )
 {
+    (void)state;
     const char* mode = getenv( "WISP_GOLDEN" );
     if ( mode != NULL && strcmp( mode, "write" ) == 0 )
     {
@@ -196,6 +198,7 @@ static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other(
 
 static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
 {
+    (void)state;
     int count;
     const effect* all = effects_all( &count );
     for ( int i = 0; i < count; ++i )
@@ -209,6 +212,7 @@ static void the_plan_of_every_pair_is_that_of_its_parts_together( void** state )
 
 static void the_plan_of_all_effects_is_that_of_all_parts( void** state )
 {
+    (void)state;
     int count;
     const effect* all = effects_all( &count );
     const effect* effects[EFFECT_MODULES_MAX];
@@ -271,6 +275,7 @@ static void assert_same_world( const effect* which, bool is_on )
 
 static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory( void** state )
 {
+    (void)state;
     int count;
     const effect* all = effects_all( &count );
     for ( int i = 0; i < count; ++i )
@@ -282,6 +287,7 @@ static void modules_that_nobody_asks_for_change_neither_plan_nor_bits_nor_memory
 
 static void an_empty_world_grows_by_its_registry_alone( void** state )
 {
+    (void)state;
     effect_world every = open_world( NULL, 0, true, EFFECT_EVERY, 3 ),
                  none = open_world( NULL, 0, true, EFFECT_USED, 3 );
     assert_int_equal( none.module_count, 0 );
@@ -296,6 +302,7 @@ static void an_empty_world_grows_by_its_registry_alone( void** state )
 // A scene in which its effect does nothing would prove nothing.
 static void every_effect_that_moves_something_moves_it( void** state )
 {
+    (void)state;
     static const char* const STILL[] = { "boundary", "environment",
                                          "strand_appearance" }; // what they write is not points
     int count;
@@ -325,6 +332,7 @@ static void every_effect_that_moves_something_moves_it( void** state )
 
 static void the_case_has_a_line_for_each_effect_and_no_failure( void** state )
 {
+    (void)state;
     static results all;
     const bench_options options = { .quick = true };
     const effects_plan sizes = {

@@ -284,6 +284,7 @@ static void plain_equals_the_oracle( void** state )
 
 static void stages_that_are_off_hand_their_input_on( void** state )
 {
+    (void)state;
     frozen_scene scene = create_scene( FROZEN_SCENE_WAVY, 3 );
     plain_frozen_hair_options options = options_for( 3 );
     options.deform = options.align = false;
@@ -305,6 +306,7 @@ static void stages_that_are_off_hand_their_input_on( void** state )
 // The same floats in the same expression: the count must be exact, whatever the hash does.
 static void the_neighbour_figure_is_that_of_brute_force( void** state )
 {
+    (void)state;
     const float radii[] = { 0.0005f, 0.004f, 0.01f, 0.05f, 10.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( radii ); ++n )
     {
@@ -332,6 +334,7 @@ static void the_neighbour_figure_is_that_of_brute_force( void** state )
 
 static void a_repeated_run_gives_the_same_bits_and_a_new_event_does_not( void** state )
 {
+    (void)state;
     frozen_scene scene = create_scene( FROZEN_SCENE_CURLY, 3 );
     plain_frozen_hair_options options = options_for( 3 );
     plain_frozen_hair plain = create_plain( &scene, &options );
@@ -351,6 +354,7 @@ static void a_repeated_run_gives_the_same_bits_and_a_new_event_does_not( void** 
 
 static void degenerate_strands_come_out_as_the_oracle_has_them( void** state )
 {
+    (void)state;
     const int counts[] = { 0, 1, 2, 4, 3, 0, 3, 3 };
     const double step = 0x1p-7, side = 0x1p-9; // exact, so that straight is straight in both precisions
     const double3 points[] = {
@@ -389,6 +393,7 @@ static void degenerate_strands_come_out_as_the_oracle_has_them( void** state )
 
 static void empty_hair_is_a_no_op_and_wrong_input_is_refused( void** state )
 {
+    (void)state;
     plain_frozen_hair plain;
     const int nothing[] = { 0 }, one[] = { 0, 2 };
     plain_frozen_hair_options options = options_for( 3 );

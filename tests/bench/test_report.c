@@ -51,6 +51,7 @@ static void fill( results* all, const char* text )
 
 static void a_page_of_everything_is_whole_and_stands_alone( void** state )
 {
+    (void)state;
     results all;
     fill( &all, "quiet" );
     char* page = page_of( &all, &quiet_run );
@@ -64,6 +65,7 @@ static void a_page_of_everything_is_whole_and_stands_alone( void** state )
 
 static void an_empty_page_is_whole_too( void** state )
 {
+    (void)state;
     results all = { .failed = false }; // without a machine: every text of it is null or empty
     char* page = page_of( &all, &( report_run ){ "", "" } );
     assert_well_formed( page );
@@ -92,6 +94,7 @@ static char* skeleton_of( const char* page )
 
 static void hostile_names_add_no_tag_and_no_attribute( void** state )
 {
+    (void)state;
     results all;
     fill( &all, "quiet" );
     char* page = page_of( &all, &quiet_run );
@@ -117,6 +120,7 @@ static void hostile_names_add_no_tag_and_no_attribute( void** state )
 
 static void text_is_escaped_and_what_is_no_text_is_replaced( void** state )
 {
+    (void)state;
     static const char* const pairs[][2] = {
         { "a<b>&\"c'", "a&lt;b&gt;&amp;&quot;c&#39;" },
         { "caf\xc3\xa9 \xf0\x9f\x8e\x88\ttab", "caf\xc3\xa9 \xf0\x9f\x8e\x88\ttab" },
@@ -138,6 +142,7 @@ static void text_is_escaped_and_what_is_no_text_is_replaced( void** state )
 
 static void failures_stand_on_top_and_nowhere_else( void** state )
 {
+    (void)state;
     results all = empty_results();
     results_add_table( &all, "numbers", 1, ( const char* const[] ){ "ms" } );
     results_add_note( &all, "A claim is met." );
@@ -154,6 +159,7 @@ static void failures_stand_on_top_and_nowhere_else( void** state )
 
 static void numbers_stand_right_and_hashes_in_a_face_of_their_own( void** state )
 {
+    (void)state;
     results all = empty_results();
     int table = results_add_table( &all, "t", 3, ( const char* const[] ){ "who", "ms", "hash" } );
     results_add_cells( &all, table, ( const char* const[] ){ "wisp", "0.75", "0123456789abcdef" } );
@@ -169,6 +175,7 @@ static void numbers_stand_right_and_hashes_in_a_face_of_their_own( void** state 
 
 static void the_same_results_give_the_same_bytes( void** state )
 {
+    (void)state;
     results all;
     fill( &all, "quiet" );
     char* first = page_of( &all, &quiet_run );
@@ -182,6 +189,7 @@ static void the_same_results_give_the_same_bytes( void** state )
 
 static void a_decimal_comma_changes_no_byte( void** state )
 {
+    (void)state;
     results all;
     fill( &all, "quiet" );
     all.charts[0].series[0].points[1].y = 1.2345;
@@ -225,6 +233,7 @@ static size_t make_picture( unsigned char* out, size_t size )
 
 static void a_picture_is_embedded_byte_by_byte( void** state )
 {
+    (void)state;
     for ( size_t more = 0; more < 3; ++more ) // base64 has three kinds of ends
     {
         unsigned char picture[PICTURE_SIZE + 3], decoded[PICTURE_SIZE + 3];
@@ -264,6 +273,7 @@ static void assert_one_message( const char* path, const char* why )
 
 static void a_picture_that_cannot_be_read_is_one_message( void** state )
 {
+    (void)state;
     unsigned char picture[PICTURE_SIZE];
     size_t size = make_picture( picture, PICTURE_SIZE );
     assert_one_message( "report_missing.png", "The picture report_missing.png cannot be shown: No such file" );
@@ -287,6 +297,7 @@ static void a_picture_that_cannot_be_read_is_one_message( void** state )
 
 static void a_file_holds_what_a_stream_would( void** state )
 {
+    (void)state;
     results all;
     wisp_error error = { 0 };
     fill( &all, "quiet" );
@@ -307,6 +318,7 @@ static void a_file_holds_what_a_stream_would( void** state )
 
 static void a_file_that_cannot_be_written_is_an_error_that_names_it( void** state )
 {
+    (void)state;
     results all;
     wisp_error error = { 0 };
     fill( &all, "quiet" );

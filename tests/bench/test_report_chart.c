@@ -36,6 +36,7 @@ static char* page_of_points( const drawn_point* points, int count, bool x_log, b
 
 static void points_of_linear_axes_stand_between_their_ticks( void** state )
 {
+    (void)state;
     const drawn_point points[] = { { -4.0, 0.01 }, { 2.5, 0.0375 }, { 10.0, 0.05 } };
     char* page = page_of_points( points, 3, false, false );
     double left = tick_at( page, 'x', "0" ), right = tick_at( page, 'x', "10" );
@@ -52,6 +53,7 @@ static void points_of_linear_axes_stand_between_their_ticks( void** state )
 
 static void points_of_logarithmic_axes_stand_between_their_ticks( void** state )
 {
+    (void)state;
     const drawn_point points[] = { { 100.0, 0.02 }, { 3000.0, 1.0 }, { 50000.0, 314.0 } };
     char* page = page_of_points( points, 3, true, true );
     double left = tick_at( page, 'x', "100" ), right = tick_at( page, 'x',
@@ -69,6 +71,7 @@ static void points_of_logarithmic_axes_stand_between_their_ticks( void** state )
 
 static void a_line_goes_through_its_points( void** state )
 {
+    (void)state;
     const drawn_point points[] = { { 1.0, 3.0 }, { 2.0, 5.0 }, { 3.0, 4.0 } };
     char* page = page_of_points( points, 3, false, false );
     const char* line = strstr( plot_of( page ), "<path class=\"line" );
@@ -89,6 +92,7 @@ static void a_line_goes_through_its_points( void** state )
 
 static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state )
 {
+    (void)state;
     const drawn_point points[] = { { 1.0, 1.0 }, { 2.0, NAN }, { 3.0, 2.0 },
                                    { 4.0, 0.0 }, { 5.0, 3.0 }, { INFINITY, 1.0 } };
     char* page = page_of_points( points, 6, false, true );
@@ -114,6 +118,7 @@ static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state 
 
 static void charts_of_nothing_say_so( void** state )
 {
+    (void)state;
     const drawn_point none[] = { { NAN, 1.0 }, { 1.0, -INFINITY } };
     for ( int count = 0; count <= 2; count += 2 )
     {
@@ -134,6 +139,7 @@ static void charts_of_nothing_say_so( void** state )
 
 static void one_point_of_any_size_stands_inside( void** state )
 {
+    (void)state;
     static const double values[] = { 0.0, 1.0, -1.0, 7.3, 1e-12, -3e-99, 1e99, 123456.789, 5e-324, 1e-100 };
     for ( int i = 0; i < WISP_COUNT( values ); ++i )
     {
@@ -174,6 +180,7 @@ static int label_count( const report_axis* axis )
 
 static void linear_ticks_are_round_few_and_hold_all_values( void** state )
 {
+    (void)state;
     static const double ends[][2] = { { 0.0, 1.0 },        { 0.3, 0.7 },      { -5.0, 17.0 },
                                       { 1e-9, 7e-9 },      { 990.0, 1000.0 }, { -3e7, -1e7 },
                                       { 0.1, 0.30000001 }, { -1e100, 1e100 }, { 1.0, 1.0000001 } };
@@ -196,6 +203,7 @@ static void linear_ticks_are_round_few_and_hold_all_values( void** state )
 
 static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
 {
+    (void)state;
     static const double ends[][2] = { { 1.0, 10.0 },      { 0.3, 0.7 },      { 2.1, 2.9 },
                                       { 1e-9, 7e-3 },     { 990.0, 1000.0 }, { 1e-100, 1e100 },
                                       { 100.0, 50000.0 }, { 1e-4, 1e6 },     { 0.001, 0.0010001 } };
@@ -215,6 +223,7 @@ static void logarithmic_ticks_are_few_rise_and_hold_all_values( void** state )
 
 static void ticks_are_written_exactly( void** state )
 {
+    (void)state;
     report_axis axis = report_axis_make( 0.0, 0.3, false );
     assert_string_equal( axis.ticks[1].label, "0.1" );
     assert_string_equal( axis.ticks[3].label, "0.3" );
@@ -240,6 +249,7 @@ static void ticks_are_written_exactly( void** state )
 
 static void marked_points_have_a_ring_around_them( void** state )
 {
+    (void)state;
     results all = empty_results();
     int chart = add_points( &all, ( const drawn_point[] ){ { 1.0, 1.0 }, { 2.0, 3.0 } }, 2 );
     all.charts[chart].series[0].points[1].is_marked = true;
@@ -254,6 +264,7 @@ static void marked_points_have_a_ring_around_them( void** state )
 
 static void a_tooltip_has_name_label_and_both_values_with_their_units( void** state )
 {
+    (void)state;
     results all = empty_results();
     int chart = add_points( &all, ( const drawn_point[] ){ { 2000.0, 0.0123456 } }, 1 );
     snprintf( all.charts[chart].series[0].points[0].label, 64, "10 + tethers" );
@@ -266,6 +277,7 @@ static void a_tooltip_has_name_label_and_both_values_with_their_units( void** st
 
 static void names_beside_points_cover_neither_points_nor_names( void** state )
 {
+    (void)state;
     results all = empty_results();
     drawn_point points[40];
     for ( int i = 0; i < WISP_COUNT( points ); ++i )
@@ -306,6 +318,7 @@ static void names_beside_points_cover_neither_points_nor_names( void** state )
 
 static void sixteen_series_differ_in_colour_or_shape( void** state )
 {
+    (void)state;
     results all = empty_results();
     int chart = results_add_chart( &all, "many", "x", "y" );
     for ( int s = 0; s < 16; ++s )
@@ -373,6 +386,7 @@ static char* page_of_bars( const double* values, int count, bool y_log )
 
 static void bars_are_as_long_as_their_values( void** state )
 {
+    (void)state;
     char* page = page_of_bars( ( const double[] ){ 2.0, 8.0, NAN, 0.5 }, 4, false );
     assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
     assert_near( bar_fraction( page, 1 ), 25.0, ROUNDED ); // of the other series
@@ -391,6 +405,7 @@ static void bars_are_as_long_as_their_values( void** state )
 
 static void logarithmic_bars_begin_a_decade_below_the_smallest( void** state )
 {
+    (void)state;
     char* page = page_of_bars( ( const double[] ){ 1.0, 1000.0, 10.0 }, 3, true );
     assert_near( bar_fraction( page, 0 ), 25.0, ROUNDED );
     assert_near( bar_fraction( page, 2 ), 100.0, ROUNDED );

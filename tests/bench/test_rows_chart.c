@@ -14,6 +14,7 @@ static void add_row( results* all, const char* name, const char* variant, int wo
 
 static void rows_become_a_series_for_each_variant_and_worker_count( void** state )
 {
+    (void)state;
     results all = { .failed = false };
     add_row( &all, "race", "old", 1, 1.0, 1.0 ); // before the first
     for ( int i = 1; i <= 2; ++i )
@@ -49,6 +50,7 @@ static double error_of( const results_row* row )
 
 static void the_front_is_what_nothing_beats( void** state )
 {
+    (void)state;
     static const struct
     {
         double ms, miss;

@@ -88,6 +88,7 @@ static stability_outcome run_fake( flaw kind, bool may_halt )
 
 static void what_is_sound_holds( void** state )
 {
+    (void)state;
     const stability_outcome out = run_fake( SOUND, false );
     assert_int_equal( out.verdict.broke, STABILITY_LIMIT_NONE );
     assert_int_equal( out.verdict.frames, 0 );
@@ -95,6 +96,7 @@ static void what_is_sound_holds( void** state )
 
 static void what_recovers_says_in_how_many_frames( void** state )
 {
+    (void)state;
     const stability_outcome out = run_fake( RECOVERS, false );
     assert_int_equal( out.verdict.broke, STABILITY_LIMIT_NONE );
     assert_int_equal( out.verdict.frames, 29 );
@@ -102,6 +104,7 @@ static void what_recovers_says_in_how_many_frames( void** state )
 
 static void every_flaw_breaks_the_limit_that_it_should( void** state )
 {
+    (void)state;
     static const stability_limit expected[] = {
         [LATE] = STABILITY_LIMIT_RECOVERY,       [STAYS_LONG] = STABILITY_LIMIT_STRAIN,
         [NOT_A_NUMBER] = STABILITY_LIMIT_FINITE, [NOT_A_STRAIN] = STABILITY_LIMIT_FINITE,
@@ -118,12 +121,14 @@ static void every_flaw_breaks_the_limit_that_it_should( void** state )
 
 static void to_halt_is_right_only_where_it_is_expected( void** state )
 {
+    (void)state;
     assert_int_equal( run_fake( HALTED, true ).verdict.broke, STABILITY_LIMIT_NONE );
     assert_int_equal( run_fake( HALTED, false ).verdict.broke, STABILITY_LIMIT_HALTED );
 }
 
 static void a_cell_that_is_listed_must_break_as_the_list_says_and_no_other_may( void** state )
 {
+    (void)state;
     static const stability_known list[] = { { "a", STABILITY_LIMIT_ENERGY } };
     const stability_known* known = stability_find_known( list, 1, "a" );
     assert_ptr_equal( known, list );
@@ -139,6 +144,7 @@ static void a_cell_that_is_listed_must_break_as_the_list_says_and_no_other_may( 
 
 static void no_two_cells_have_one_name_and_every_start_has_its_twin( void** state )
 {
+    (void)state;
     int subjects;
     const stability_subject* subject = stability_cloths( &subjects );
     for ( int s = 0; s < subjects; ++s )
@@ -186,6 +192,7 @@ static bool is_named( const stability_named* list, int count, const char* name )
 
 static void every_line_of_the_list_is_a_cell( void** state )
 {
+    (void)state;
     int known, counts[7];
     const stability_known* list = stability_known_limits( &known );
     const stability_subject* subjects[3] = { stability_cloths( counts ), stability_balloons( counts + 1 ),
@@ -211,6 +218,7 @@ static void every_line_of_the_list_is_a_cell( void** state )
 
 static void every_quick_cell_holds_or_breaks_as_the_list_says( void** state )
 {
+    (void)state;
     const bench_options quick = { .quick = true, .workers = 2 };
     results all = { 0 };
     wisp_error error = { 0 };

@@ -20,6 +20,8 @@
 #include "wisp/module/sampling.h"
 #include "wisp/module/space.h"
 #include "wisp/module/springs.h"
+#include "wisp/module/strand_kernels.h"
+#include "wisp/module/surface_kernels.h"
 #include "wisp/module/particle_batch.h"
 
 #include "balloon.h"

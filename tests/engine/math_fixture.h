@@ -97,6 +97,7 @@ static float ordinary[ORDINARY_COUNT]; // within [-1, 1], [-10, 10], [-100, 100]
 
 static inline int fill_operands( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 1, 2, 3 );
     for ( int k = 0; k < OPERAND_COUNT; ++k )
     {

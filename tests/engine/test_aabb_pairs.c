@@ -252,6 +252,7 @@ static void check_everything( finder* f, const wisp_aabb* queries, int query_cou
 
 static void every_search_finds_the_pairs_of_a_double_loop( void** state )
 {
+    (void)state;
     const int counts[] = { 0, 1, 2, 7, 8, 9, 17, 100, MAX_BOXES };
     const int workers[] = { 1, 3 };
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], points[MAX_BOXES];
@@ -322,6 +323,7 @@ static right_pairs find_right_thirds( const wisp_aabb_args* args, int offset )
 
 static void a_filter_keeps_what_it_requests_in_order( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES];
     const int offset = 1;
     finder* f = finder_open( 2 );
@@ -352,6 +354,7 @@ static void a_filter_keeps_what_it_requests_in_order( void** state )
 
 static void other_queries_reuse_the_grid( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES], queries[MAX_BOXES], moved[MAX_BOXES];
     for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
     {
@@ -382,6 +385,7 @@ static void other_queries_reuse_the_grid( void** state )
 
 static void the_number_of_workers_does_not_show( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[5 * MAX_BOXES];
     const int count = WISP_COUNT( boxes ), workers[] = { 1, 2, 3, 8 };
     for ( int shape = 0; shape < BOXES_SHAPE_COUNT; ++shape )
@@ -413,6 +417,7 @@ static void the_number_of_workers_does_not_show( void** state )
 
 static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
 {
+    (void)state;
     // sizes from 1 to 1000 and huge boxes among small ones are what a single grid cannot do
     const box_shape shapes[] = { BOXES_RANDOM, BOXES_SHEET, BOXES_UNEVEN, BOXES_HUGE };
     static wisp_aabb boxes[5 * MAX_BOXES];
@@ -431,6 +436,7 @@ static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
 
 static void nothing_is_allocated_once_warm( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
     {
@@ -450,6 +456,7 @@ static void nothing_is_allocated_once_warm( void** state )
 
 static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_COINCIDENT, MAX_BOXES, 0 );
     const size_t all = (size_t)MAX_BOXES * ( MAX_BOXES - 1 ) / 2;
@@ -477,6 +484,7 @@ static void more_pairs_than_the_limit_are_refused_before_memory_is_taken( void**
 
 static void without_memory_it_says_so_and_works_again_with_it( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_UNEVEN, MAX_BOXES, 0 );
     for ( int s = 0; s < WISP_COUNT( SEARCHES ); ++s )
@@ -512,6 +520,7 @@ static void move_boxes( wisp_aabb* boxes, int count, int step )
 
 static void a_tree_follows_boxes_that_move( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 0 );
     wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
@@ -531,6 +540,7 @@ static void a_tree_follows_boxes_that_move( void** state )
 
 static void a_tree_that_has_decayed_is_built_again( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     finder* f = finder_open( 1 );
     wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
@@ -550,6 +560,7 @@ static void a_tree_that_has_decayed_is_built_again( void** state )
 
 static void a_tree_is_built_again_when_other_boxes_are_right( void** state )
 {
+    (void)state;
     static wisp_aabb boxes[MAX_BOXES];
     finder* f = finder_open( 1 );
     wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
@@ -570,6 +581,7 @@ static void a_tree_is_built_again_when_other_boxes_are_right( void** state )
 
 static void without_embree_a_grid_answers_for_the_tree( void** state )
 {
+    (void)state;
     wisp_aabb_args args = { .search = WISP_PAIR_SEARCH_TREE };
     assert_int_equal( wisp_aabb_pairs_choose( &args ),
                       box_tree_exists() ? WISP_PAIR_SEARCH_TREE : WISP_PAIR_SEARCH_GRID );

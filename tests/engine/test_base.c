@@ -52,6 +52,7 @@ static wisp_allocator allocator_of( counting_host* host )
 
 static void blocks_come_from_the_hooks_and_return_to_them_with_their_size( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -67,6 +68,7 @@ static void blocks_come_from_the_hooks_and_return_to_them_with_their_size( void*
 
 static void blocks_without_hooks_are_aligned_as_queried( void** state )
 {
+    (void)state;
     const wisp_allocator zero = { 0 };
     for ( size_t alignment = 1; alignment <= 4096; alignment *= 2 )
     {
@@ -80,6 +82,7 @@ static void blocks_without_hooks_are_aligned_as_queried( void** state )
 
 static void no_bytes_are_no_block( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -92,6 +95,7 @@ static void no_bytes_are_no_block( void** state )
 
 static void impossible_sizes_are_refused_before_they_reach_the_hooks( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
 
@@ -103,6 +107,7 @@ static void impossible_sizes_are_refused_before_they_reach_the_hooks( void** sta
 
 static void a_product_of_sizes_that_overflows_is_noticed( void** state )
 {
+    (void)state;
     size_t product = 7;
     assert_true( base_size_multiply( SIZE_MAX, 0, &product ) );
     assert_int_equal( product, 0 );
@@ -119,6 +124,7 @@ static void a_product_of_sizes_that_overflows_is_noticed( void** state )
 
 static void a_buffer_grows_geometrically_and_keeps_its_contents( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -147,6 +153,7 @@ static void a_buffer_grows_geometrically_and_keeps_its_contents( void** state )
 
 static void a_buffer_that_is_large_enough_is_left_alone( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -163,6 +170,7 @@ static void a_buffer_that_is_large_enough_is_left_alone( void** state )
 
 static void a_buffer_that_cannot_grow_is_unchanged( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     wisp_buffer buffer = { 0 };
@@ -207,6 +215,7 @@ static void run_step( base_arena* arena )
 
 static void an_arena_stops_allocating_once_it_is_warm( void** state )
 {
+    (void)state;
     const size_t capacities[] = { 0, 1, 1000, 1000000 };
     for ( int c = 0; c < WISP_COUNT( capacities ); ++c )
     {
@@ -235,6 +244,7 @@ static void an_arena_stops_allocating_once_it_is_warm( void** state )
 
 static void an_arena_keeps_its_size_through_smaller_steps( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -254,6 +264,7 @@ static void an_arena_keeps_its_size_through_smaller_steps( void** state )
 
 static void an_arena_without_memory_says_null_and_recovers( void** state )
 {
+    (void)state;
     counting_host host = { .out_of_memory = true };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -272,6 +283,7 @@ static void an_arena_without_memory_says_null_and_recovers( void** state )
 
 static void an_absurd_push_does_not_keep_an_arena_from_growing( void** state )
 {
+    (void)state;
     counting_host host = { 0 };
     wisp_allocator allocator = allocator_of( &host );
     base_arena arena;
@@ -293,6 +305,7 @@ static void an_absurd_push_does_not_keep_an_arena_from_growing( void** state )
 
 static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( void** state )
 {
+    (void)state;
     base_arena arena;
     base_arena_init( &arena, NULL, 0 );
     base_arena_expect( &arena, 1000 );
@@ -313,6 +326,7 @@ static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( 
 
 static void failing_fills_the_error_and_hands_the_status_back( void** state )
 {
+    (void)state;
     wisp_error error = { 0 };
     wisp_status status = wisp_fail( &error, WISP_BAD_INPUT, "%s:%d: edge %d has no length", "a.obj", 7, 12 );
     assert_int_equal( status, WISP_BAD_INPUT );
@@ -323,6 +337,7 @@ static void failing_fills_the_error_and_hands_the_status_back( void** state )
 
 static void a_message_too_long_is_cut_at_the_end( void** state )
 {
+    (void)state;
     char text[1000];
     memset( text, 'x', sizeof text - 1 );
     text[sizeof text - 1] = '\0';
@@ -337,6 +352,7 @@ static void a_message_too_long_is_cut_at_the_end( void** state )
 
 static void a_cut_never_splits_a_utf8_character( void** state )
 {
+    (void)state;
     const char* characters[] = { "\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\x8e\x88" };
     for ( int c = 0; c < WISP_COUNT( characters ); ++c )
     {
@@ -361,6 +377,7 @@ static void a_cut_never_splits_a_utf8_character( void** state )
 
 static void a_message_is_one_line( void** state )
 {
+    (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "no file\tnamed \"%s\"\r\n", "two\nlines" );
     assert_string_equal( error.message, "no file named \"two lines\"" );
@@ -368,6 +385,7 @@ static void a_message_is_one_line( void** state )
 
 static void a_message_may_quote_the_one_it_replaces( void** state )
 {
+    (void)state;
     wisp_error error = { 0 };
     wisp_fail( &error, WISP_BAD_INPUT, "vertex 3 is not a number" );
     wisp_fail( &error, error.status, "drape.scene: %s", error.message );
@@ -376,6 +394,7 @@ static void a_message_may_quote_the_one_it_replaces( void** state )
 
 static void every_status_has_a_name_of_its_own( void** state )
 {
+    (void)state;
     for ( int a = WISP_OK; a <= WISP_IO_ERROR + 1; ++a )
     {
         for ( int b = WISP_OK; b < a; ++b )
@@ -408,6 +427,7 @@ static void hear( void* user, wisp_log_level level, const char* message )
 
 static void the_log_reaches_the_host_as_one_line( void** state )
 {
+    (void)state;
     heard h = { 0 };
     base_log log = { .function = hear, .user = &h };
     base_log_write( &log, WISP_LOG_INFO, "step %d\n", 5 );
@@ -421,6 +441,7 @@ static void the_log_reaches_the_host_as_one_line( void** state )
 
 static void without_a_host_warnings_go_to_stderr_and_information_goes_nowhere( void** state )
 {
+    (void)state;
     const base_log zero = { 0 };
     FILE* file = tmpfile();
     assert_non_null( file );
@@ -458,6 +479,7 @@ static bool remember_assert( const char* condition, const char* file, int line )
 
 static void a_failed_assert_calls_the_handler_and_may_go_on( void** state )
 {
+    (void)state;
     assert_count = 0;
     wisp_set_assert_handler( remember_assert );
     int count = -1;
@@ -472,6 +494,7 @@ static void a_failed_assert_calls_the_handler_and_may_go_on( void** state )
 
 static void a_failed_assert_without_a_handler_aborts( void** state )
 {
+    (void)state;
     pid_t child = fork();
     assert_true( child >= 0 );
     if ( child == 0 )
@@ -489,6 +512,7 @@ static void a_failed_assert_without_a_handler_aborts( void** state )
 
 static void an_assert_that_holds_calls_nobody( void** state )
 {
+    (void)state;
     assert_count = 0;
     wisp_set_assert_handler( remember_assert );
     WISP_ASSERT( sizeof( int32_t ) == 4 );
@@ -498,6 +522,7 @@ static void an_assert_that_holds_calls_nobody( void** state )
 
 static void the_clock_never_goes_back_and_does_go_on( void** state )
 {
+    (void)state;
     double begin = wisp_clock_seconds();
     double last = begin;
     for ( int k = 0; k < 1000000 && last == begin; ++k )
@@ -514,6 +539,7 @@ static void the_clock_never_goes_back_and_does_go_on( void** state )
 // From a second implementation, in Python, written from the two papers.
 static void random_bits_equal_golden_values( void** state )
 {
+    (void)state;
     wisp_random_key zero = wisp_random_make_key( 0, 0, 0 );
     assert_int_equal( zero.word[0], 0xfbe98833u );
     assert_int_equal( zero.word[3], 0xf4430b33u );
@@ -526,6 +552,7 @@ static void random_bits_equal_golden_values( void** state )
 
 static void the_float_is_the_double_with_fewer_bits( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 5, 6, 7 );
     for ( uint32_t a = 0; a < 100000; ++a )
     {
@@ -540,6 +567,7 @@ static void the_float_is_the_double_with_fewer_bits( void** state )
 
 static void random_numbers_have_the_moments_of_a_uniform_law( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 2024, 1, 0 );
     double sum = 0.0, sum_of_squares = 0.0;
     for ( uint32_t a = 0; a < SAMPLE_COUNT; ++a )
@@ -568,6 +596,7 @@ static void assert_uniform_over_256_bins( const int bins[256], double sample_cou
 
 static void random_numbers_fill_the_bins_evenly( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 0; seed < 8; ++seed )
     {
         wisp_random_key key = wisp_random_make_key( seed, 2, 0 );
@@ -604,6 +633,7 @@ static void assert_independent( wisp_random_key first, wisp_random_key second, u
 
 static void neighbouring_elements_are_independent( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 11, 3, 4 );
     assert_independent( key, key, 1, 0, 0 );
     assert_independent( key, key, 0, 1, 0 );
@@ -613,6 +643,7 @@ static void neighbouring_elements_are_independent( void** state )
 
 static void seeds_streams_and_events_are_independent( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 11, 3, 4 );
     assert_independent( key, wisp_random_make_key( 12, 3, 4 ), 0, 0, 0 );
     assert_independent( key, wisp_random_make_key( 11, 4, 4 ), 0, 0, 0 );

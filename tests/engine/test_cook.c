@@ -112,6 +112,7 @@ static void check_counts( const test_strands* user, const wisp_strand_topology* 
 
 static void the_topology_counts_what_the_user_gave( void** state )
 {
+    (void)state;
     check_every_mix( check_counts );
 }
 
@@ -135,6 +136,7 @@ static void check_permutation( const test_strands* user, const wisp_strand_topol
 
 static void every_strand_with_vertices_has_exactly_one_lane( void** state )
 {
+    (void)state;
     check_every_mix( check_permutation );
 }
 
@@ -151,6 +153,7 @@ static void check_empty_lanes( const test_strands* user, const wisp_strand_topol
 
 static void empty_lanes_are_the_last_ones( void** state )
 {
+    (void)state;
     check_every_mix( check_empty_lanes );
 }
 
@@ -166,6 +169,7 @@ static void check_order( const test_strands* user, const wisp_strand_topology* t
 
 static void longer_strands_come_first_and_equal_ones_in_the_users_order( void** state )
 {
+    (void)state;
     check_every_mix( check_order );
 }
 
@@ -188,6 +192,7 @@ static void check_rows( const test_strands* user, const wisp_strand_topology* t,
 
 static void a_group_has_as_many_rows_as_its_longest_strand( void** state )
 {
+    (void)state;
     check_every_mix( check_rows );
 }
 
@@ -208,6 +213,7 @@ static void check_round_trip( const test_strands* user, const wisp_strand_topolo
 
 static void lanes_lead_back_to_the_users_points_bit_for_bit( void** state )
 {
+    (void)state;
     check_every_mix( check_round_trip );
 }
 
@@ -227,11 +233,13 @@ static void check_padding( const test_strands* user, const wisp_strand_topology*
 
 static void behind_a_tip_lanes_repeat_it_and_without_a_strand_they_are_zero( void** state )
 {
+    (void)state;
     check_every_mix( check_padding );
 }
 
 static void strands_of_equal_length_waste_at_most_fifteen_lanes( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( STRAND_COUNTS ); ++i )
     {
         test_strands user = make_mix( MIX_EQUAL, STRAND_COUNTS[i] );
@@ -249,6 +257,7 @@ static void strands_of_equal_length_waste_at_most_fifteen_lanes( void** state )
 
 static void the_offsets_of_the_user_may_die_after_cooking( void** state )
 {
+    (void)state;
     test_strands user = make_mix( MIX_RISING, 33 );
     cook_strands* cooked = cook_strands_create( NULL, user.offsets, user.strand_count, 3 );
     assert_non_null( cooked );
@@ -261,6 +270,7 @@ static void the_offsets_of_the_user_may_die_after_cooking( void** state )
 
 static void a_topology_dies_with_its_last_instance( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     test_strands user = make_mix( MIX_RANDOM, 20 );
@@ -280,6 +290,7 @@ static void a_topology_dies_with_its_last_instance( void** state )
 
 static void cooking_without_memory_is_null_and_leaks_nothing( void** state )
 {
+    (void)state;
     test_strands user = make_mix( MIX_RANDOM, 100 );
     int failures = 0;
     for ( int n = 1; failures == n - 1; ++n )

@@ -68,6 +68,7 @@ static void assert_list( const char* const* names, const char* letters )
 
 static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
 {
+    (void)state;
     wisp_world* world = open_chain();
     wisp_plan_info* report = explain( world );
     assert_int_equal( report->active_count, 3 );
@@ -96,6 +97,7 @@ static void a_kept_pass_tells_where_it_runs_and_on_what( void** state )
 
 static void a_kept_pass_tells_what_it_uses_and_all_who_request_it( void** state )
 {
+    (void)state;
     wisp_world* world = open_chain();
     wisp_plan_info* report = explain( world );
     const wisp_plan_pass *make = pass_of( report, "make" ), *show = pass_of( report, "show" );
@@ -118,6 +120,7 @@ static void a_kept_pass_tells_what_it_uses_and_all_who_request_it( void** state 
 
 static void of_many_readers_words_name_three_and_the_list_has_all( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .writes = "A" },
         { "r1", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -140,6 +143,7 @@ static void of_many_readers_words_name_three_and_the_list_has_all( void** state 
 
 static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** state )
 {
+    (void)state;
     const struct
     {
         const char* pass;
@@ -171,6 +175,7 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
 // Rows that a plan lays between two passes are no component that an entity was given.
 static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .writes = "A" },
         { "show", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -186,6 +191,7 @@ static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
 
 static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state )
 {
+    (void)state;
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();
     def.workers = 1;
@@ -211,6 +217,7 @@ static void predicted_shares_follow_bytes_and_loops_and_sum_to_one( void** state
 
 static void what_a_pass_touches_of_others_is_predicted_too( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "meet", SHAPE, ENTITY, .required = "N", .writes = "B", .foreign = "A" },
     };
@@ -228,6 +235,7 @@ static void what_a_pass_touches_of_others_is_predicted_too( void** state )
 
 static void passes_of_one_node_are_told_as_fused( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, GROUP, .writes = "A" },
         { "second", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -262,6 +270,7 @@ static wisp_status declare_other( wisp_registry* r )
 
 static void an_absent_module_tells_the_component_that_it_lacks( void** state )
 {
+    (void)state;
     static const wisp_module other = { .name = "other", .declare = declare_other };
     static const wisp_module* const modules[] = { &fake_module, &other };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
@@ -288,6 +297,7 @@ static void an_absent_module_tells_the_component_that_it_lacks( void** state )
 
 static void a_module_that_nobody_requests_says_so_of_its_nearest_pass( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "N" );
     wisp_plan_info* report = explain( world );
@@ -323,6 +333,7 @@ static void compare_line( void* user, const char* line )
 
 static void the_printed_plan_is_the_report_in_lines( void** state )
 {
+    (void)state;
     wisp_world* world = open_chain();
     line_check check = { .report = explain( world ) };
     assert_int_equal( wisp_world_plan( world, compare_line, &check ), WISP_OK );
@@ -336,6 +347,7 @@ static void the_printed_plan_is_the_report_in_lines( void** state )
 
 static void a_report_stays_as_it_is_and_gives_its_memory_back( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "B" );
@@ -357,6 +369,7 @@ static void a_report_stays_as_it_is_and_gives_its_memory_back( void** state )
 
 static void a_refused_plan_gives_no_report( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     wisp_plan_info* report = (wisp_plan_info*)(uintptr_t)1;
@@ -368,6 +381,7 @@ static void a_refused_plan_gives_no_report( void** state )
 
 static void without_memory_there_is_a_message_and_no_report( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     declare_fakes( CHAIN, WISP_COUNT( CHAIN ) );
     wisp_world_def def = wisp_default_world_def();

@@ -39,6 +39,7 @@ static void free_cases( test_case* cases )
 
 static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state )
 {
+    (void)state;
     test_case cases[CASE_COUNT];
     make_cases( cases );
     for ( int i = 0; i < CASE_COUNT; ++i )
@@ -66,6 +67,7 @@ static void every_mesh_becomes_the_fabric_that_brute_force_expects( void** state
 
 static void shuffled_meshes_hold_as_well( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -79,6 +81,7 @@ static void shuffled_meshes_hold_as_well( void** state )
 
 static void a_plane_has_the_edges_that_counting_gives( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 30, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -94,6 +97,7 @@ static void a_plane_has_the_edges_that_counting_gives( void** state )
 
 static void a_sphere_has_no_border_and_eulers_number_two( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 12, 17 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -106,6 +110,7 @@ static void a_sphere_has_no_border_and_eulers_number_two( void** state )
 
 static void a_moebius_strip_is_wild_only_along_its_seam( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_moebius( 41, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -119,6 +124,7 @@ static void a_moebius_strip_is_wild_only_along_its_seam( void** state )
 
 static void the_spine_of_a_book_is_wild_and_has_no_hinge( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_book( 3 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -132,6 +138,7 @@ static void the_spine_of_a_book_is_wild_and_has_no_hinge( void** state )
 
 static void two_triangles_back_to_back_have_hinges_but_no_bend_links( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_make( 3, 2 );
     int next = 0;
     mesh.points[1].x = mesh.points[2].y = 1.0f;
@@ -149,6 +156,7 @@ static void two_triangles_back_to_back_have_hinges_but_no_bend_links( void** sta
 
 static void loose_vertices_stand_at_the_end_even_when_attached( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_make( 10, 1 );
     int next = 0;
     mesh.points[4].x = mesh.points[8].y = 1.0f;
@@ -193,6 +201,7 @@ static void measure_steps( const wisp_fabric* f, int* steps )
 
 static void the_order_sweeps_away_from_the_attachments( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 30, 25 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -218,6 +227,7 @@ static void the_order_sweeps_away_from_the_attachments( void** state )
 
 static void components_come_one_after_another_attached_ones_first( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_make( 3 * 200, 3 * 200 );
     for ( int v = 0; v < 600; ++v )
     {
@@ -261,6 +271,7 @@ static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, i
 
 static void fans_begin_at_borders_or_with_the_users_first_triangle( void** state )
 {
+    (void)state;
     // around vertex 0 a closed fan, and an open one whose triangles come in the wrong order
     test_mesh mesh = test_mesh_make( 7, 5 );
     static const int corners[5][3] = { { 0, 2, 3 }, { 0, 5, 6 }, { 0, 1, 2 }, { 3, 1, 0 }, { 4, 5, 0 } };
@@ -280,6 +291,7 @@ static void fans_begin_at_borders_or_with_the_users_first_triangle( void** state
 
 static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 40, 40 );
     test_mesh_shuffle( &mesh );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -300,6 +312,7 @@ static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
 
 static void the_same_mesh_has_the_same_hash_and_another_has_another( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.hinges = true;
@@ -321,6 +334,7 @@ static void the_same_mesh_has_the_same_hash_and_another_has_another( void** stat
 
 static void there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256( void** state )
 {
+    (void)state;
     static const struct
     {
         int vertices, tile_size, tiles;
@@ -341,6 +355,7 @@ static void there_are_at_least_four_tiles_unless_they_would_be_smaller_than_256(
 
 static void what_hangs_on_an_attachment_comes_last_in_its_tile( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 20, 20 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     const int32_t corners[2] = { 0, 19 };
@@ -369,6 +384,7 @@ static void what_hangs_on_an_attachment_comes_last_in_its_tile( void** state )
 
 static void cloth_wastes_few_lanes_and_crowded_poles_few_more( void** state )
 {
+    (void)state;
     test_mesh meshes[] = { test_mesh_plane( 128, 128 ), test_mesh_plane( 64, 64 ), test_mesh_sphere( 60, 200 ) };
     for ( int i = 0; i < 3; ++i )
     {
@@ -389,6 +405,7 @@ static void cloth_wastes_few_lanes_and_crowded_poles_few_more( void** state )
 
 static void without_tiles_a_colour_is_a_tile_that_shares_no_vertex( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 9, 200 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     wisp_fabric* fabric = test_fabric_cook( &def );
@@ -423,6 +440,7 @@ static void without_tiles_a_colour_is_a_tile_that_shares_no_vertex( void** state
 
 static void triangles_without_area_keep_their_edges( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_make( 3, 1 );
     int next = 0;
     test_mesh_triangle( &mesh, &next, 0, 1, 2 );
@@ -446,6 +464,7 @@ static void expect_fabric_refusal( const wisp_fabric_def* def, const char* part 
 
 static void bad_input_is_refused_by_a_message_that_names_it( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 4, 4 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t kept = mesh.triangles[7], attachment = 16;
@@ -498,6 +517,7 @@ static void bad_input_is_refused_by_a_message_that_names_it( void** state )
 
 static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 5, 8 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     int32_t attachment = 3;
@@ -528,6 +548,7 @@ static void cooking_without_memory_says_so_and_leaks_nothing( void** state )
 
 static void a_fabric_dies_with_its_last_owner( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     test_mesh mesh = test_mesh_plane( 9, 9 );

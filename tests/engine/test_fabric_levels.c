@@ -139,6 +139,7 @@ static int wrong_children( const wisp_fabric* f, const wisp_vec3* flat, int l, d
 
 static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < 3; ++kind )
     {
         test_mesh mesh = test_mesh_uneven_plane( 33, 29, 0.12f * (float)kind, 1.0f );
@@ -170,6 +171,7 @@ static void a_level_keeps_its_spacing_and_cannot_be_extended( void** state )
 
 static void attachments_are_in_every_level_and_not_linked_to_each_other( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 40, 40 );
     int32_t border[40];
     for ( int i = 0; i < 40; ++i )
@@ -203,6 +205,7 @@ static void attachments_are_in_every_level_and_not_linked_to_each_other( void** 
 
 static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 64, 64 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     const wisp_schedule *finest = &f->levels[0].schedule, *coarsest = &f->levels[f->level_count - 1].schedule;
@@ -220,6 +223,7 @@ static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
 
 static void a_finest_level_of_two_begins_where_the_second_would_be( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 64, 64 );
     wisp_fabric_def def = test_fabric_def( &mesh );
     def.levels = 2;
@@ -242,6 +246,7 @@ static void a_finest_level_of_two_begins_where_the_second_would_be( void** state
 
 static void levels_thin_out_by_about_four_and_stop_before_they_are_tiny( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 64, 64 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     int finer = f->vertex_count, links = 0;
@@ -261,6 +266,7 @@ static void levels_thin_out_by_about_four_and_stop_before_they_are_tiny( void** 
 
 static void no_more_levels_come_than_are_queried_for_and_the_same_ones( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 40, 40, 0.2f, 1.0f );
     wisp_fabric* all = cook_levels( &mesh, NULL, 0 );
     wisp_fabric_def def = test_fabric_def( &mesh );
@@ -287,6 +293,7 @@ static void no_more_levels_come_than_are_queried_for_and_the_same_ones( void** s
 
 static void on_planes_links_are_straight_lines_and_parents_surround_their_children( void** state )
 {
+    (void)state;
     static const float jitters[] = { 0.0f, 0.1f, 0.24f };
     for ( int i = 0; i < WISP_COUNT( jitters ); ++i )
     {
@@ -307,6 +314,7 @@ static void on_planes_links_are_straight_lines_and_parents_surround_their_childr
 
 static void rolling_a_plane_up_changes_no_link( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 40, 30 );
     wisp_vec3* flat = test_mesh_roll( &mesh, 0.1 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
@@ -320,6 +328,7 @@ static void rolling_a_plane_up_changes_no_link( void** state )
 
 static void levels_of_large_meshes_are_measured_over_coarse_ones_and_still_hold( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 150, 150, 0.2f, 1.0f );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     int links = 0;
@@ -340,6 +349,7 @@ static void levels_of_large_meshes_are_measured_over_coarse_ones_and_still_hold(
 
 static void a_closed_mesh_without_attachments_has_levels( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 19, 30 );
     wisp_fabric* f = cook_levels( &mesh, NULL, 0 );
     assert_int_equal( f->tether_count, 0 );
@@ -361,6 +371,7 @@ static void a_closed_mesh_without_attachments_has_levels( void** state )
 
 static void shells_have_no_links_or_parents_in_common_and_loose_vertices_stay_alone( void** state )
 {
+    (void)state;
     test_mesh above = test_mesh_plane( 12, 12 );
     for ( int v = 0; v < above.vertex_count; ++v )
     {
@@ -395,6 +406,7 @@ static void shells_have_no_links_or_parents_in_common_and_loose_vertices_stay_al
 
 static void tiny_meshes_have_no_levels( void** state )
 {
+    (void)state;
     test_mesh meshes[] = { test_mesh_make( 0, 0 ),  test_mesh_make( 1, 0 ),  test_mesh_make( 40, 0 ),
                            test_mesh_plane( 2, 2 ), test_mesh_plane( 3, 3 ), test_mesh_fan( 5 ) };
     for ( int i = 0; i < WISP_COUNT( meshes ); ++i )
@@ -408,6 +420,7 @@ static void tiny_meshes_have_no_levels( void** state )
 
 static void ribbons_fans_books_and_flattened_meshes_hold_too( void** state )
 {
+    (void)state;
     test_mesh meshes[] = { test_mesh_plane( 200, 2 ),
                            test_mesh_fan( 300 ),
                            test_mesh_book( 30 ),
@@ -428,6 +441,7 @@ static void ribbons_fans_books_and_flattened_meshes_hold_too( void** state )
 
 static void points_that_all_coincide_have_no_levels( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 10, 10 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
@@ -441,6 +455,7 @@ static void points_that_all_coincide_have_no_levels( void** state )
 
 static void the_same_mesh_has_the_same_levels_bit_for_bit( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 30, 30, 0.2f, 1.0f );
     const int32_t attachments[] = { 0, 29, 450 };
     wisp_fabric *a = cook_levels( &mesh, attachments, 3 ), *b = cook_levels( &mesh, attachments, 3 );
@@ -467,6 +482,7 @@ static void expect_failures( const test_mesh* mesh, int64_t step )
 
 static void levels_without_memory_fail_and_leak_nothing( void** state )
 {
+    (void)state;
     test_mesh small = test_mesh_plane( 14, 14 ), large = test_mesh_plane( 130, 130 );
     expect_failures( &small, 1 );
 

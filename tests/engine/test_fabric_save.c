@@ -77,6 +77,7 @@ static void assert_level_is_equal( const wisp_fabric_level* a, const wisp_fabric
 
 static void a_loaded_fabric_is_the_saved_one( void** state )
 {
+    (void)state;
     test_mesh meshes[] = { test_mesh_plane( 24, 21 ), test_mesh_sphere( 9, 100 ), test_mesh_moebius( 20, 3 ),
                            test_mesh_book( 3 ),       test_mesh_make( 9, 0 ),     test_mesh_make( 0, 0 ) };
     for ( int i = 0; i < WISP_COUNT( meshes ); ++i )
@@ -112,6 +113,7 @@ static void a_loaded_fabric_is_the_saved_one( void** state )
 
 static void the_bytes_are_the_same_on_every_machine( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_make( 3, 1 );
     int next = 0;
     mesh.points[1].x = 1.0f;
@@ -133,6 +135,7 @@ static void the_bytes_are_the_same_on_every_machine( void** state )
 
 static void a_fabric_cut_at_any_byte_is_refused( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 3, 3 );
     saved s = save( fabric );
     for ( size_t size = 0; size < s.size; ++size )
@@ -149,6 +152,7 @@ static void a_fabric_cut_at_any_byte_is_refused( void** state )
 
 static void any_flipped_bit_is_noticed( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 3, 3 );
     saved s = save( fabric );
     for ( size_t bit = 0; bit < 8 * s.size; ++bit )
@@ -192,6 +196,7 @@ static void forge_hash( saved* s )
 
 static void a_forged_word_is_refused_or_harms_nobody( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 9, 9 );
     saved s = save( fabric );
     size_t words = ( s.size - HEAD_BYTES ) / 4;
@@ -248,6 +253,7 @@ static int32_t* copy_words( const void* words, int count )
 
 static void neighbouring_tiles_in_one_colour_are_refused( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int32_t all[] = { 0, fabric->link_order.tile_count };
     assert_true( fabric->link_order.colour_count > 1 );
@@ -260,6 +266,7 @@ static void neighbouring_tiles_in_one_colour_are_refused( void** state )
 
 static void lanes_that_share_a_vertex_are_refused( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int count = fabric->link_order.slot_count;
     int32_t *number = copy_words( fabric->link_order.constraint, count ),
@@ -294,6 +301,7 @@ static void lanes_that_share_a_vertex_are_refused( void** state )
 
 static void a_foreign_dummy_is_refused( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int pad = 0;
     while ( pad < fabric->link_order.slot_count && fabric->link_order.constraint[pad] >= 0 )
@@ -312,6 +320,7 @@ static void a_foreign_dummy_is_refused( void** state )
 
 static void arrays_that_contradict_the_triangles_are_refused( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 20, 20 );
     int entries = fabric->ring_begin[fabric->ring_slice_count] * 8;
     int32_t* ring_x4 = copy_words( fabric->ring_x4, entries );
@@ -339,6 +348,7 @@ static void arrays_that_contradict_the_triangles_are_refused( void** state )
 
 static void loading_without_memory_says_so_and_leaks_nothing( void** state )
 {
+    (void)state;
     wisp_fabric* fabric = cook_full( 9, 9 );
     saved s = save( fabric );
     bool refused = true;

@@ -47,6 +47,7 @@ static double largest_error( const wisp_fabric* f, const wisp_vec3* flat )
 
 static void on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_line( void** state )
 {
+    (void)state;
     static const struct
     {
         int width, height;
@@ -70,6 +71,7 @@ static void on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_
 
 static void rolling_a_plane_up_changes_no_tether( void** state )
 {
+    (void)state;
     static const double angles[] = { 0.02, 0.1, 0.3 };
     for ( int i = 0; i < WISP_COUNT( angles ); ++i )
     {
@@ -88,6 +90,7 @@ static void rolling_a_plane_up_changes_no_tether( void** state )
 
 static void on_a_sphere_tethers_follow_great_circles_within_two_percent( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 39, 60 );
     const int32_t attachments[] = { 0, 1170, mesh.vertex_count - 1 };
     wisp_fabric* f = cook_tethers( &mesh, attachments, 3 );
@@ -108,6 +111,7 @@ static void on_a_sphere_tethers_follow_great_circles_within_two_percent( void** 
 // A slit from the right border to the middle: everything behind it is reached around its end.
 static void a_tether_goes_around_a_slit( void** state )
 {
+    (void)state;
     enum
     {
         SIZE = 21,
@@ -142,6 +146,7 @@ static void a_tether_goes_around_a_slit( void** state )
 
 static void up_to_eight_attachments_give_the_four_nearest_in_order( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_uneven_plane( 30, 30, 0.2f, 1.0f );
     const int32_t attachments[] = { 0, 29, 870, 899, 465, 15, 700, 122 };
     for ( int count = 1; count <= WISP_COUNT( attachments ); ++count )
@@ -172,6 +177,7 @@ static void up_to_eight_attachments_give_the_four_nearest_in_order( void** state
 
 static void from_a_pinned_border_come_the_nearest_and_others_spread_along_it( void** state )
 {
+    (void)state;
     enum
     {
         SIZE = 64
@@ -204,6 +210,7 @@ static void from_a_pinned_border_come_the_nearest_and_others_spread_along_it( vo
 
 static void shells_hang_from_their_own_attachments_only( void** state )
 {
+    (void)state;
     test_mesh far = test_mesh_plane( 7, 7 ), mesh;
     for ( int v = 0; v < far.vertex_count; ++v )
     {
@@ -235,6 +242,7 @@ static void shells_hang_from_their_own_attachments_only( void** state )
 
 static void without_attachments_there_are_no_tethers( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 7, 8 );
     wisp_fabric* f = cook_tethers( &mesh, NULL, 0 );
     assert_int_equal( f->tether_count, 0 );
@@ -246,6 +254,7 @@ static void without_attachments_there_are_no_tethers( void** state )
 
 static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_and_the_edges( void** state )
 {
+    (void)state;
     test_mesh meshes[] = { test_mesh_book( 9 ), test_mesh_fan( 500 ), test_mesh_moebius( 30, 5 ),
                            test_mesh_uneven_plane( 20, 20, 0.0f, 1e-4f ),
                            test_mesh_uneven_plane( 20, 20, 0.0f, 0.0f ) };
@@ -271,6 +280,7 @@ static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_
 
 static void the_same_mesh_has_the_same_tethers_bit_for_bit( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_sphere( 20, 30 );
     int32_t attachments[40];
     for ( int i = 0; i < 40; ++i )
@@ -288,6 +298,7 @@ static void the_same_mesh_has_the_same_tethers_bit_for_bit( void** state )
 
 static void tethers_without_memory_fail_and_leak_nothing( void** state )
 {
+    (void)state;
     test_mesh mesh = test_mesh_plane( 8, 8 );
     int32_t attachments[20];
     for ( int i = 0; i < 20; ++i )

@@ -53,6 +53,7 @@ static void assert_sorted_naively( const wisp_grid* g, const cloud* c )
 
 static void slots_are_the_items_sorted_by_cell_and_number( void** state )
 {
+    (void)state;
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
         space* s = space_open( WORKER_COUNTS[w], baseline() );
@@ -72,6 +73,7 @@ static void slots_are_the_items_sorted_by_cell_and_number( void** state )
 
 static void many_blocks_of_items_are_sorted_alike( void** state )
 {
+    (void)state;
     cloud c = make_cloud( CLOUD_BALL, 30000 );
     for ( int w = 0; w < WISP_COUNT( WORKER_COUNTS ); ++w )
     {
@@ -102,6 +104,7 @@ static double outside_cell( const wisp_grid* g, const float* quad )
 
 static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** state )
 {
+    (void)state;
     space* s = space_open( 2, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -121,6 +124,7 @@ static void an_item_lies_in_its_cell_or_no_further_off_than_the_slack( void** st
 
 static void cells_are_as_wide_as_requested_unless_there_would_be_too_many( void** state )
 {
+    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -147,6 +151,7 @@ static int cells_of_rank( const wisp_grid* g, int i )
 
 static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
 {
+    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -163,6 +168,7 @@ static void the_axis_with_the_fewest_cells_is_the_fastest( void** state )
 
 static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many( void** state )
 {
+    (void)state;
     space* s = space_open( 1, baseline() );
     for ( int shape = 0; shape < CLOUD_SHAPE_COUNT; ++shape )
     {
@@ -190,6 +196,7 @@ static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many(
 
 static void slots_behind_the_last_may_be_read( void** state )
 {
+    (void)state;
     space* s = space_open( 1, baseline() );
     cloud c = make_cloud( CLOUD_BALL, 33 );
     assert_int_equal( build_grid( s, &c, 0.1f ), WISP_OK );

@@ -54,6 +54,7 @@ static void near_a_plane( int n, whole_point p[4] )
 // to the lowest subnormal one and up to 2^127.
 static void signs_are_those_of_whole_numbers_at_any_scale( void** state )
 {
+    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 60000; ++n )
     {
@@ -77,6 +78,7 @@ static void signs_are_those_of_whole_numbers_at_any_scale( void** state )
 // half, all coordinates are whole; the table has them in halves, and what is added in ulps.
 static void a_grid_of_ulps_is_cut_by_the_plane_where_it_should_be( void** state )
 {
+    (void)state;
     static const struct
     {
         whole_point halves[3], ulps;
@@ -162,6 +164,7 @@ static int polynomial_sign( polynomial m[3][3] )
 
 static void coordinates_of_all_sizes_may_stand_beside_each_other( void** state )
 {
+    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 40000; ++n )
     {
@@ -187,6 +190,7 @@ static void coordinates_of_all_sizes_may_stand_beside_each_other( void** state )
 // The plane x = y has the normal (1, -1, 0), so the side is a comparison: of any two floats there are.
 static void a_plane_tells_any_two_floats_apart( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 40000; ++n )
     {
         const float far = n % 2 == 0 ? FLT_MAX : 3e-38f;
@@ -202,6 +206,7 @@ static void a_plane_tells_any_two_floats_apart( void** state )
 // Swapping two points changes the sign, and nothing but the sign.
 static void signs_alternate_with_the_order_of_points( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 3000; ++n )
     {
         float f[4][3];
@@ -236,6 +241,7 @@ static void signs_alternate_with_the_order_of_points( void** state )
 // Coordinates below 2^12 by steps of a half, moved by whole numbers below 2^22: the sums are floats.
 static void signs_stay_when_everything_moves( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 20000; ++n )
     {
         float f[4][3], moved[4][3];
@@ -257,6 +263,7 @@ static void signs_stay_when_everything_moves( void** state )
 
 static void what_is_not_finite_is_on_no_side_and_crosses_nothing( void** state )
 {
+    (void)state;
     static const float bad[] = { NAN, INFINITY, -INFINITY };
     for ( int n = 0; n < 3 * 5 * 3; ++n )
     {
@@ -288,6 +295,7 @@ static bool crosses_whole( const whole_point p[5] )
 // On a small lattice every way to touch happens: ends in the plane, through edges, through corners, flat triangles.
 static void only_what_passes_through_the_inside_crosses( void** state )
 {
+    (void)state;
     int seen[3] = { 0 };
     for ( int n = 0; n < 60000; ++n )
     {
@@ -305,6 +313,7 @@ static void only_what_passes_through_the_inside_crosses( void** state )
 
 static void what_touches_does_not_cross( void** state )
 {
+    (void)state;
     static const struct
     {
         whole_point p[5];
@@ -335,6 +344,7 @@ static void what_touches_does_not_cross( void** state )
 
 static void intersection_knows_neither_direction_nor_facing( void** state )
 {
+    (void)state;
     static const int orders[6][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } };
     int intersection = 0;
     for ( int n = 0; n < 20000; ++n )
@@ -361,6 +371,7 @@ static void intersection_knows_neither_direction_nor_facing( void** state )
 // edge or the point. Rounded tests let rays slip through between two triangles, or hit both.
 static void a_fan_has_no_gaps_and_no_overlaps( void** state )
 {
+    (void)state;
     enum
     {
         SIDES = 7,

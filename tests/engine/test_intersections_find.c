@@ -316,6 +316,7 @@ static void assert_found( const searcher* s, const wisp_intersection* expected, 
 
 static void every_search_finds_what_brute_force_finds_whoever_works( void** state )
 {
+    (void)state;
     searcher* searchers[9] = { NULL };
     for ( int workers = 1; workers <= 8; ++workers )
     {
@@ -356,17 +357,20 @@ static int count_of( shape what )
 
 static void links_of_a_chain_and_balls_in_balls_do_not_cross( void** state )
 {
+    (void)state;
     assert_int_equal( count_of( LINKED ), 0 );
     assert_int_equal( count_of( NESTED ), 0 );
 }
 
 static void each_needle_through_a_plate_crosses_once( void** state )
 {
+    (void)state;
     assert_int_equal( count_of( NEEDLES ), NEEDLE_COUNT );
 }
 
 static void thick_tori_and_a_sheet_through_itself_cross( void** state )
 {
+    (void)state;
     assert_true( count_of( PIERCED ) > 100 );
     assert_true( count_of( CURL ) > 20 );
 }
@@ -375,6 +379,7 @@ static void thick_tori_and_a_sheet_through_itself_cross( void** state )
 // of times. Only edges that close a ring across the tube are looked at: every third edge, sixteen a ring.
 static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void** state )
 {
+    (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
     assert_int_equal( search( r, &s, WISP_PAIR_SEARCH_AUTO ), WISP_OK );
@@ -398,6 +403,7 @@ static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void
 
 static void what_shares_a_point_does_not_count( void** state )
 {
+    (void)state;
     // an edge through the inside, and two from a corner
     float xyzw[6][4] = { { 0.0f, 0.0f, 0.0f, 0.0f },  { 4.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 4.0f, 0.0f, 0.0f },
                          { 1.0f, 1.0f, -1.0f, 0.0f }, { 1.0f, 1.0f, 1.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f } };
@@ -417,6 +423,7 @@ static void what_shares_a_point_does_not_count( void** state )
 
 static void what_is_not_finite_crosses_nothing_and_hides_nothing( void** state )
 {
+    (void)state;
     static const float bad[] = { NAN, INFINITY, -INFINITY };
     contact_mesh s = contact_mesh_make( PIERCED );
     for ( int i = 0; i < s.point_count; i += 11 )
@@ -453,6 +460,7 @@ static void what_is_not_finite_crosses_nothing_and_hides_nothing( void** state )
 
 static void nothing_crosses_nothing( void** state )
 {
+    (void)state;
     contact_mesh s = contact_mesh_make( HEAP );
     searcher* r = searcher_open( 2 );
     const int edge_count = s.edge_count, triangle_count = s.triangle_count;
@@ -474,6 +482,7 @@ static void nothing_crosses_nothing( void** state )
 
 static void nothing_is_allocated_once_warm( void** state )
 {
+    (void)state;
     contact_mesh s = contact_mesh_make( PIERCED );
     searcher* r = searcher_open( 2 );
     for ( int how = WISP_PAIR_SEARCH_GRID; how < WISP_PAIR_SEARCH_COUNT; ++how )
@@ -491,6 +500,7 @@ static void nothing_is_allocated_once_warm( void** state )
 // Whichever request is refused, the call says so and the intersections of the call before it stay; or it did without.
 static void without_memory_the_last_intersections_stay( void** state )
 {
+    (void)state;
     contact_mesh few = contact_mesh_make( NEEDLES ), many = contact_mesh_make( HEAP );
     int few_count, many_count, failed = 0, n = 0;
     wisp_intersection *of_few = contact_mesh_brute( &few, &few_count ),

@@ -127,6 +127,7 @@ static counted_wave run_counted_waves( int workers, wisp_parallel_for_fn* host, 
 
 static void every_block_of_a_wave_runs_exactly_once( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         assert_int_equal( run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 ).wrong_counts, 0 );
@@ -135,6 +136,7 @@ static void every_block_of_a_wave_runs_exactly_once( void** state )
 
 static void no_two_blocks_run_under_one_worker_number_at_once( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         counted_wave wave = run_counted_waves( WORKER_COUNTS[i], NULL, NULL, 60 );
@@ -145,6 +147,7 @@ static void no_two_blocks_run_under_one_worker_number_at_once( void** state )
 
 static void a_host_with_threads_runs_every_block_once_and_one_a_worker( void** state )
 {
+    (void)state;
     thread_host host = { 0 };
     counted_wave wave = run_counted_waves( HOST_THREADS, thread_host_parallel_for, &host, 60 );
     assert_int_equal( wave.wrong_counts, 0 );
@@ -173,6 +176,7 @@ static void run_large_waves( void* context )
 
 static void waves_of_a_million_blocks_run_every_block_once( void** state )
 {
+    (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .runs = calloc( 1 << 20, sizeof( int ) ) };
     assert_non_null( wave.runs );
     jobs_enter( wave.pool, run_large_waves, &wave );
@@ -209,6 +213,7 @@ static void run_meeting( void* context )
 
 static void two_workers_run_two_blocks_at_the_same_time( void** state )
 {
+    (void)state;
     meeting m = { .pool = jobs_create( NULL, 2, NULL, NULL ) };
     jobs_enter( m.pool, run_meeting, &m );
     jobs_destroy( m.pool );
@@ -250,6 +255,7 @@ static void run_chain( void* context )
 
 static void a_wave_sees_what_the_wave_before_wrote( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         chain* c = checked_calloc( 1, sizeof( chain ) );
@@ -268,6 +274,7 @@ static void a_wave_sees_what_the_wave_before_wrote( void** state )
 
 static void a_pool_is_entered_a_thousand_times( void** state )
 {
+    (void)state;
     chain* c = checked_calloc( 1, sizeof( chain ) );
     c->pool = jobs_create( NULL, 3, NULL, NULL );
     for ( int i = 0; i < 1000; ++i )
@@ -284,6 +291,7 @@ static void a_pool_is_entered_a_thousand_times( void** state )
 
 static void a_wave_outside_an_entered_pool_runs_on_the_caller( void** state )
 {
+    (void)state;
     counted_wave wave = { .pool = jobs_create( NULL, 3, NULL, NULL ), .waves = 20, .seed = 1 };
     wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
     count_waves( &wave );
@@ -302,6 +310,7 @@ static void run_three_waves( void* context )
 
 static void a_host_is_called_once_a_wave( void** state )
 {
+    (void)state;
     thread_host host = { 0 };
     counted_wave wave = { .pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host ) };
     wave.runs = checked_calloc( MAX_BLOCKS, sizeof( int ) );
@@ -367,6 +376,7 @@ static const struct
 
 static void a_loop_is_cut_alike_for_every_number_of_workers( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
@@ -382,6 +392,7 @@ static void a_loop_is_cut_alike_for_every_number_of_workers( void** state )
 
 static void a_loop_on_a_hosts_threads_is_cut_the_same_way( void** state )
 {
+    (void)state;
     thread_host host = { 0 };
     jobs_pool* pool = jobs_create( NULL, HOST_THREADS, thread_host_parallel_for, &host );
     for ( int k = 0; k < WISP_COUNT( LOOPS ); ++k )
@@ -395,6 +406,7 @@ static void a_loop_on_a_hosts_threads_is_cut_the_same_way( void** state )
 
 static void a_loop_of_one_worker_alone_keeps_its_number_and_the_cut( void** state )
 {
+    (void)state;
     jobs_pool* pool = jobs_create( NULL, 5, NULL, NULL );
     loop_cut cut = { .parallel = jobs_alone( pool, 3 ), .count = 1000, .grain = 7 };
     jobs_enter( pool, run_loop, &cut );
@@ -405,6 +417,7 @@ static void a_loop_of_one_worker_alone_keeps_its_number_and_the_cut( void** stat
 
 static void a_loop_may_end_at_the_largest_number( void** state )
 {
+    (void)state;
     jobs_pool* pool = jobs_create( NULL, 2, NULL, NULL );
     loop_cut cut = { .parallel = jobs_everyone( pool ), .count = INT32_MAX, .grain = 1 << 30 };
     jobs_enter( pool, run_loop, &cut );
@@ -468,6 +481,7 @@ static void enter_scratch_use( scratch_use* use, jobs_pool* pool, int blocks )
 
 static void a_block_has_its_scratch_for_itself( void** state )
 {
+    (void)state;
     for ( int i = 0; i < WISP_COUNT( WORKER_COUNTS ); ++i )
     {
         jobs_pool* pool = jobs_create( NULL, WORKER_COUNTS[i], NULL, NULL );
@@ -482,6 +496,7 @@ static void a_block_has_its_scratch_for_itself( void** state )
 
 static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 3, NULL, NULL );
@@ -500,6 +515,7 @@ static void warm_scratch_costs_nothing_whoever_warmed_it( void** state )
 
 static void scratch_without_memory_is_null_and_returns_with_it( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 2, NULL, NULL );
@@ -518,6 +534,7 @@ static void scratch_without_memory_is_null_and_returns_with_it( void** state )
 
 static void a_pool_knows_its_workers_and_its_memory( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
     jobs_pool* pool = jobs_create( &allocator, 5, NULL, NULL );
@@ -530,6 +547,7 @@ static void a_pool_knows_its_workers_and_its_memory( void** state )
 
 static void a_pool_without_memory_is_null( void** state )
 {
+    (void)state;
     test_host host = { .refuse = 1, .refuse_rest = true };
     wisp_allocator allocator = test_host_allocator( &host );
     assert_null( jobs_create( &allocator, 2, NULL, NULL ) );
@@ -539,6 +557,7 @@ static void a_pool_without_memory_is_null( void** state )
 
 static void a_default_number_of_workers_is_one_that_a_world_takes( void** state )
 {
+    (void)state;
     assert_in_range( jobs_default_workers(), 1, WISP_MAX_WORKERS );
 }
 

@@ -105,16 +105,19 @@ static int threads_of_two_workers( void )
 
 static void one_worker_never_starts_a_thread( void** state )
 {
+    (void)state;
     assert_int_equal( exit_of_child( threads_of_one_worker ), 1 );
 }
 
 static void a_hosts_own_loop_never_starts_a_thread_of_ours( void** state )
 {
+    (void)state;
     assert_int_equal( exit_of_child( threads_of_a_host ), 1 );
 }
 
 static void two_workers_are_two_threads( void** state )
 {
+    (void)state;
     assert_int_equal( exit_of_child( threads_of_two_workers ), 2 );
 }
 
@@ -146,6 +149,7 @@ static int step_with_three_workers( void )
 
 static void a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three( void** state )
 {
+    (void)state;
     hash_of_parent = hash_after_a_step( 1 );
     assert_true( hash_of_parent != 0 );
 
@@ -245,11 +249,13 @@ static int threads_behind_the_first_step( void )
 
 static void all_threads_run_when_the_first_step_ends( void** state )
 {
+    (void)state;
     assert_int_equal( exit_of_child( threads_behind_the_first_step ), 8 );
 }
 
 static void workers_sleep_between_steps_wake_for_the_next_and_end_with_their_pool( void** state )
 {
+    (void)state;
     assert_int_equal( exit_of_child( sleep_and_wake ), 0 );
 }
 
@@ -299,6 +305,7 @@ static int fork_with_three_workers( void )
 
 static void a_process_with_workers_may_fork_and_both_step_the_world( void** state )
 {
+    (void)state;
     for ( int i = 0; i < 20; ++i ) // what goes wrong while threads start goes wrong by chance
     {
         assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
@@ -345,6 +352,7 @@ static int step_without_threads( void )
 
 static void a_system_that_starts_no_thread_is_told_of_once_and_steps_are_the_same( void** state )
 {
+    (void)state;
     hash_of_parent = hash_after_a_step( 1 );
     assert_int_equal( exit_of_child( step_without_threads ), 0 );
 }

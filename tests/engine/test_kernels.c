@@ -78,6 +78,7 @@ static uint64_t run_pipeline( const wisp_kernels* kernels, const groom* g, int d
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     groom* g = checked_malloc( sizeof( groom ) );
@@ -205,6 +206,7 @@ static void attract( attraction* a, const wisp_kernels* kernels, const wisp_para
 
 static void sums_through_the_grid_are_those_of_brute_force( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     const wisp_allocator allocator = { 0 };
@@ -238,6 +240,7 @@ static void sums_through_the_grid_are_those_of_brute_force( void** state )
 
 static void a_cap_names_a_table_at_most_that_wide_or_is_refused( void** state )
 {
+    (void)state;
     wisp_error error = { 0 };
     assert_string_equal( kernels_select( "baseline", &error )->isa, "baseline" );
     assert_null( kernels_select( "avx9", &error ) );

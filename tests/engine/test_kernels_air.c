@@ -81,6 +81,7 @@ static void make_strange( air_scene* s )
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int strange = 0; strange < 2; ++strange )
@@ -137,6 +138,7 @@ static double3 triangle_force( const wisp_ring_air_args* args, air_scene* s, con
 
 static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
 {
+    (void)state;
     air_scene* s = new_scene();
     const wisp_ring_air_args args = job_of( s );
     run( widest_table(), s );
@@ -167,6 +169,7 @@ static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
 
 static void what_is_pinned_keeps_its_velocity( void** state )
 {
+    (void)state;
     air_scene* s = new_scene();
     make_strange( s );
     run( widest_table(), s );
@@ -179,6 +182,7 @@ static void what_is_pinned_keeps_its_velocity( void** state )
 
 static void a_corner_that_is_not_finite_spoils_no_neighbour( void** state )
 {
+    (void)state;
     air_scene* s = new_scene();
     make_strange( s );
     run( widest_table(), s );

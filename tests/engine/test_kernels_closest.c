@@ -246,6 +246,7 @@ static void assert_same_answers( const pairs* found, const pairs* expected )
 
 static void every_table_gives_the_same_bits_however_the_range_is_cut( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int kind = 0; kind <= WISP_COUNT( KINDS ); ++kind )
@@ -274,6 +275,7 @@ static void every_table_gives_the_same_bits_however_the_range_is_cut( void** sta
 
 static void distances_alone_are_the_same_and_nothing_else_is_written( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs *expected = new_pairs( SHAPES[n] ), *found = new_pairs( SHAPES[n] );
@@ -375,6 +377,7 @@ static void check_normal( const found_pair* f, int number )
 
 static void closest_points_are_those_of_the_oracle( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < WISP_COUNT( KINDS ); ++kind )
     {
         for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
@@ -407,6 +410,7 @@ static void put_four( pairs* s, int pair, const float xyz[4][3] )
 
 static void points_that_coincide_have_no_distance_and_no_normal( void** state )
 {
+    (void)state;
     static const float SAME[][4][3] = {
         { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } },
         { { 1, 0, 0 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
@@ -440,6 +444,7 @@ static void points_that_coincide_have_no_distance_and_no_normal( void** state )
 // Where the two sides meet but for rounding, the direction of what is left is rubbish; faces and edges know better.
 static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs* s = new_pairs( SHAPES[n] );
@@ -484,6 +489,7 @@ static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
 
 static void what_is_not_finite_has_no_finite_distance( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( SHAPES ); ++n )
     {
         pairs *s = new_pairs( SHAPES[n] ), *clean = new_pairs( SHAPES[n] );

@@ -85,6 +85,7 @@ static double spare_of( const walk* w, int i )
 
 static void a_way_leads_from_before_to_now_give_or_take_a_share_of_it( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SEEDS * count; ++i )
@@ -134,6 +135,7 @@ static void check_sum( const wisp_kernels* kernels, int seed, int count, bool ha
 
 static void ways_are_summed_and_who_is_fixed_is_seen( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SEEDS * count; ++i )
@@ -144,6 +146,7 @@ static void ways_are_summed_and_who_is_fixed_is_seen( void** state )
 
 static void what_is_too_long_or_no_number_adds_nothing( void** state )
 {
+    (void)state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 3e38f, 1.1e6f };
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -170,6 +173,7 @@ static bool leaves( const wisp_kernels* kernels, int seed, int point, float time
 
 static void who_goes_farther_from_its_way_than_it_may_leaves_it( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int t = 0; t < count; ++t )
@@ -254,6 +258,7 @@ static void check_pair( const standing* before, const standing* found, int pair,
 
 static void pairs_are_due_that_may_use_up_their_slack( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     int due = 0;
@@ -283,6 +288,7 @@ static void pairs_are_due_that_may_use_up_their_slack( void** state )
 
 static void who_has_a_slack_or_a_way_that_is_no_number_is_due( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 5 * count; ++i )

@@ -104,6 +104,7 @@ static bool push_one( float p[4], const float previous[4], float row[16] )
 
 static void every_table_pushes_and_rubs_as_one_by_one( void** state )
 {
+    (void)state;
     static half_spaces expected, found;
     int sticking = 0, sliding = 0, free = 0;
     make_rows( &expected );
@@ -135,6 +136,7 @@ static void every_table_pushes_and_rubs_as_one_by_one( void** state )
 
 static void a_group_that_is_filled_up_moves_each_particle_once( void** state )
 {
+    (void)state;
     static half_spaces expected, found;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );

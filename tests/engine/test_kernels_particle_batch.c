@@ -107,6 +107,7 @@ static void assert_same_floats( const float* found, const float* expected, int c
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int tables_count = usable_tables( tables );
     for ( int i = 0; i < SEEDS * tables_count; ++i )
@@ -147,6 +148,7 @@ static bool is_place( const float* p )
 
 static void who_moves_is_taken_in_order( void** state )
 {
+    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         block* b = new_block( seed );
@@ -179,6 +181,7 @@ static void who_moves_is_taken_in_order( void** state )
 
 static void a_block_without_anyone_who_moves_is_nowhere( void** state )
 {
+    (void)state;
     block* b = new_block( 0 );
     for ( int i = 0; i < COUNT; ++i )
     {
@@ -215,6 +218,7 @@ static float gap_of( const wisp_cull_args* s, wisp_vec3 p, float reach )
 
 static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
 {
+    (void)state;
     int queried_of[BOUNDS] = { 0 }, left_out[BOUNDS] = { 0 };
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
@@ -251,6 +255,7 @@ static void who_is_within_reach_is_queried_and_the_rest_is_clear( void** state )
 
 static void who_leaves_its_place_is_a_stray( void** state )
 {
+    (void)state;
     int all = 0;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {

@@ -94,6 +94,7 @@ static double3 column_of( float rows[3][8], int lane )
 
 static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
 {
+    (void)state;
     const wisp_vec3 centre = { 3000.0f, -2000.0f, 10000.0f };
     ball b = make_ball( 0.7f, centre );
     wisp_ring_args args = ring_args( &b, centre );
@@ -147,6 +148,7 @@ static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
 
 static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void** state )
 {
+    (void)state;
     ball b = make_ball( 1.0f, ( wisp_vec3 ){ 0.5f, 0.25f, -0.125f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     wisp_ring_sums whole, sum = { 0.0, 0.0 };
@@ -174,6 +176,7 @@ static void sums_are_those_of_ranges_of_sixty_four_slices_added_in_order( void**
 
 static void normals_are_unit_vectors_along_the_area_vectors( void** state )
 {
+    (void)state;
     ball b = make_ball( 0.7f, ( wisp_vec3 ){ 1.0f, 2.0f, 3.0f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
@@ -201,6 +204,7 @@ static void normals_are_unit_vectors_along_the_area_vectors( void** state )
 
 static void normals_of_what_is_too_small_to_square_are_zero( void** state )
 {
+    (void)state;
     ball b = make_ball( 1e-10f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     wisp_ring_args args = ring_args( &b, b.fabric->rest[0] );
     widest_table()->ring_normal( &args, 0, b.fabric->ring_slice_count );
@@ -316,6 +320,7 @@ static void run_all( const wisp_kernels* kernels, particle_batch* s )
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     particle_batch* reference = new_particle_batch();
@@ -353,6 +358,7 @@ static void every_table_gives_the_same_bits( void** state )
 
 static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     const float a[3] = { args.acceleration.x, args.acceleration.y, args.acceleration.z };
@@ -384,6 +390,7 @@ static void particles_fall_as_in_scalars_and_pinned_ones_stay( void** state )
 // Eq. 2 with both sides written about the prediction: the same number in exact arithmetic.
 static void velocities_are_differences_over_time( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     widest_table()->velocity( &args, 0, COUNT );
@@ -408,6 +415,7 @@ static void velocities_are_differences_over_time( void** state )
 
 static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_particle_args args = particle_args( s );
     for ( int i = 0; i < COUNT; ++i )
@@ -429,6 +437,7 @@ static void what_no_constraint_moved_keeps_its_velocity_to_the_last_bit( void** 
 
 static void a_push_moves_by_inverse_mass_and_gradient( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_push_args args = { s->position[0], s->gradient[0][0], -0.37f };
     widest_table()->push( &args, 0, COUNT / 8 );
@@ -447,6 +456,7 @@ static void a_push_moves_by_inverse_mass_and_gradient( void** state )
 
 static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_tether_args args = tether_args( s );
     widest_table()->tether( &args, 0, COUNT );
@@ -482,6 +492,7 @@ static void tethers_only_pull_and_only_towards_pinned_anchors( void** state )
 
 static void layers_of_tethers_pull_one_after_another( void** state )
 {
+    (void)state;
     particle_batch *together = new_particle_batch(), *in_turn = new_particle_batch();
     wisp_tether_args both = tether_args( together ), one = tether_args( in_turn );
     both.layer_count = 2;
@@ -501,6 +512,7 @@ static void layers_of_tethers_pull_one_after_another( void** state )
 
 static void a_parent_without_weight_is_not_looked_at( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *other = new_particle_batch();
     memset( s->weight[1][2], 0, sizeof( s->weight[1][2] ) );
     memset( other->weight[1][2], 0, sizeof( other->weight[1][2] ) );
@@ -516,6 +528,7 @@ static void a_parent_without_weight_is_not_looked_at( void** state )
 
 static void children_follow_their_parents_by_weight( void** state )
 {
+    (void)state;
     particle_batch *s = new_particle_batch(), *start = new_particle_batch();
     wisp_prolong_args args = prolong_args( s );
     widest_table()->prolong( &args, 0, COUNT / 64 );
@@ -552,6 +565,7 @@ static void children_follow_their_parents_by_weight( void** state )
 // Whatever is wrong with whichever number of whichever particle.
 static void the_first_particle_beyond_the_bound_is_found( void** state )
 {
+    (void)state;
     const float wrong[] = { NAN, INFINITY, -INFINITY, 10.5f, -10.5f };
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );

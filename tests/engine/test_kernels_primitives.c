@@ -29,6 +29,7 @@ static scene* run_new( const wisp_kernels* kernels, int number )
 
 static void every_table_finds_the_same_pairs_in_the_same_order( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < SCENES; ++i )
@@ -96,6 +97,7 @@ static void check_together( const wisp_kernels* kernels, int first, int count )
 
 static void jobs_at_once_find_what_each_finds_alone( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i + WISP_PRIMITIVE_BATCH <= SCENES; i += SEEDS )
@@ -181,6 +183,7 @@ static void check_place( scene* s, int side, int primitive )
 
 static void primitives_are_placed_where_their_points_are( void** state )
 {
+    (void)state;
     for ( int i = 0; i < SCENES; ++i )
     {
         scene* s = run_new( widest_table(), i );
@@ -265,6 +268,7 @@ static void check_near( scene* s, tally* t )
 
 static void what_is_near_is_found_and_the_rest_is_no_nearer_than_told( void** state )
 {
+    (void)state;
     for ( int begin = 0; begin < SCENES; begin += SEEDS )
     {
         tally t = { 0, 0 };
@@ -280,6 +284,7 @@ static void what_is_near_is_found_and_the_rest_is_no_nearer_than_told( void** st
 
 static void the_min_is_never_raised( void** state )
 {
+    (void)state;
     for ( int i = 0; i < SCENES; ++i )
     {
         scene* s = run_new( widest_table(), i );
@@ -334,6 +339,7 @@ static void check_over( primitive_shape shape, float away )
 
 static void primitives_over_each_other_are_as_far_as_the_plane_between_tells( void** state )
 {
+    (void)state;
     static const float AWAY[] = { 0.25f, 0.5f, 0.75f, 2.0f };
     for ( int i = 0; i < 2 * WISP_COUNT( AWAY ); ++i )
     {
@@ -346,6 +352,7 @@ static void primitives_over_each_other_are_as_far_as_the_plane_between_tells( vo
 // Across both there is no direction that has any digits left.
 static void edges_that_are_all_but_parallel_are_found( void** state )
 {
+    (void)state;
     for ( float skew = 1e-16f; skew > 0.0f; skew *= 0.1f )
     {
         float points[4][3] = { { -0.01f, 0, 0 }, { 0.01f, 0, 0 }, { -0.01f, 0, 0.001f }, { 0.01f, skew, 0.001f } };
@@ -357,6 +364,7 @@ static void edges_that_are_all_but_parallel_are_found( void** state )
 
 static void a_triangle_is_seen_as_far_as_any_of_its_corners_reaches( void** state )
 {
+    (void)state;
     static const float CORNER[3][3] = { { -1, -1, 0 }, { 1, -1, 0 }, { 0, 4, 0 } };
     for ( int turn = 0; turn < 3; ++turn )
     {
@@ -399,6 +407,7 @@ static double closing_of( const point_sets* s, int pair, int split )
 
 static void pairs_come_nearer_by_no_more_than_their_points( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 2 * SEEDS * count; ++i )
@@ -474,6 +483,7 @@ static double apart_of( const point_sets* s, float along[3][3], double* parted )
 
 static void sets_are_apart_as_the_best_direction_has_it( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     int apart = 0;
@@ -502,6 +512,7 @@ static void sets_are_apart_as_the_best_direction_has_it( void** state )
 
 static void directions_of_no_length_tell_nothing( void** state )
 {
+    (void)state;
     for ( int seed = 0; seed < SEEDS; ++seed )
     {
         float along[3][3];
@@ -522,6 +533,7 @@ static void directions_of_no_length_tell_nothing( void** state )
 
 static void ranges_are_those_of_all_numbers_that_are( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < 6 * SEEDS * count; ++i )

@@ -48,6 +48,7 @@ static wisp_rigid_args job_of( crowd* c )
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int i = 0; i < KINDS * count; ++i )
@@ -91,6 +92,7 @@ static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] 
 
 static void sums_are_those_of_all_that_move( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind );
@@ -115,6 +117,7 @@ static void sums_are_those_of_all_that_move( void** state )
 
 static void velocities_go_their_share_of_the_way( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < KINDS; ++kind )
     {
         crowd c = make_crowd( kind ), before = make_crowd( kind );

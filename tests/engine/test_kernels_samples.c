@@ -219,6 +219,7 @@ static void settle_nans( blends* b )
 
 static void every_table_gives_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int strange = 0; strange < 2; ++strange )
@@ -271,6 +272,7 @@ static double sum_of( float table[][4], const blends* b, float weights[][4], int
 
 static void blends_are_sums_over_parents( void** state )
 {
+    (void)state;
     for ( int r = 0; r < 2; ++r )
     {
         blends *b = new_blends(), *before = new_blends();
@@ -323,6 +325,7 @@ static bool add_face( const float* p, const float* a, const float* c, double sum
 
 static void vertex_normals_are_means_of_unit_normals( void** state )
 {
+    (void)state;
     blends* b = new_blends();
     run_ring( widest_table(), b );
     int known = 0;
@@ -374,6 +377,7 @@ static int count_held( const blends* b, int number )
 // Bounds as they are kept have room for rounding; here they have none, so a hair is allowed.
 static void who_is_held_is_within_its_bounds( void** state )
 {
+    (void)state;
     const double hair = 1e-5;
     blends* b = new_blends();
     run_hold( widest_table(), b );

@@ -6,6 +6,7 @@
 
 static void every_table_solves_to_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
     for ( int variant = 0; variant < VARIANTS; ++variant )
@@ -35,6 +36,7 @@ static void every_table_solves_to_the_same_bits( void** state )
 
 static void sums_are_those_of_blocks_in_order( void** state )
 {
+    (void)state;
     springs *whole = new_springs(), *cut = new_springs();
     assemble( widest_table(), whole, 0 );
     assemble( widest_table(), cut, 0 );
@@ -109,6 +111,7 @@ static void assert_arc( float y, double load, double slope )
 
 static void an_arc_has_the_load_and_slope_of_its_equation( void** state )
 {
+    (void)state;
     arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
     assert_non_null( a );
     for ( int n = 0; n < 8192; n += 8 )
@@ -133,6 +136,7 @@ static void an_arc_has_the_load_and_slope_of_its_equation( void** state )
 
 static void an_arc_as_long_as_at_rest_or_longer_pulls_nowhere( void** state )
 {
+    (void)state;
     arcs* a = aligned_alloc( 64, ( sizeof( arcs ) + 63 ) / 64 * 64 );
     assert_non_null( a );
     const float y[8] = { 1.0f, 1.0f + FLT_EPSILON, 1.5f, 2.0f, 10.0f, 1e3f, 1e6f, 1e9f };
@@ -281,6 +285,7 @@ static plain_rows* plain_formulas( const springs* s, int variant )
 // Neither may a link of the tangle stand at a corner of its law, where one precision takes the one side and one the other.
 static void forces_and_right_sides_are_those_of_plain_formulas( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     for ( int k = 2; k < s->link_count; ++k )
     {
@@ -315,6 +320,7 @@ static void assert_same_rows( const springs* s, const springs* expected )
 // Loads of links that bend are no stiffness.
 static void no_link_is_stiffer_than_the_stiffest( void** state )
 {
+    (void)state;
     const float stiffest = 20.0f;
     springs *s = new_springs(), *softer = new_springs(), *whole = new_springs();
     int lowered = 0;
@@ -346,6 +352,7 @@ static void no_link_is_stiffer_than_the_stiffest( void** state )
 // With velocities that are 0, places are the positions; those have no coordinate that is read.
 static void links_span_places_where_there_are_some( void** state )
 {
+    (void)state;
     springs *s = new_springs(), *expected = new_springs();
     static float place[ROWS][4];
     memcpy( place, s->position, sizeof( place ) );
@@ -367,6 +374,7 @@ static void links_span_places_where_there_are_some( void** state )
 // What a link lacks within its reach stiffens the matrix, and pulls nowhere.
 static void a_reach_stiffens_and_does_not_pull( void** state )
 {
+    (void)state;
     springs *s = new_springs(), *plain = new_springs();
     wisp_spring_args args = spring_args( s, REPEAT );
     args.compression_margin = 1.0f;
@@ -380,6 +388,7 @@ static void a_reach_stiffens_and_does_not_pull( void** state )
 
 static void rows_that_pad_have_nothing_to_say( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -451,6 +460,7 @@ static double condition_of( const springs* s, const plain_rows* p, int row )
 // number in roundings: a sum of traces is above 9 for the identity.
 static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     for ( int row = 0; row < VERTICES; ++row )
     {
@@ -483,6 +493,7 @@ static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
 // One link that is k h^2 / m = 1 to 1e12 times as heavy as the vertex at its end: conjugate gradients need r'Pr > 0 for any r.
 static void the_preconditioner_is_positive_however_light_a_vertex_is( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     s->link_count = 0;
     memset( s->rest, 0, sizeof( s->rest ) );
@@ -522,6 +533,7 @@ static void the_preconditioner_is_positive_however_light_a_vertex_is( void** sta
 
 static void a_product_is_that_of_the_matrix( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     for ( int variant = 0; variant < VARIANTS; ++variant )
     {
@@ -579,6 +591,7 @@ static double product_of( springs* s, const float p[ROWS][4], const float q[ROWS
 // Both ends of a link compute the same axis from differences of opposite signs.
 static void the_matrix_is_symmetric_and_positive( void** state )
 {
+    (void)state;
     springs* s = new_springs();
     static float p[ROWS][4], q[ROWS][4];
     for ( int variant = 0; variant < FULL; ++variant )
@@ -608,6 +621,7 @@ static void the_matrix_is_symmetric_and_positive( void** state )
 
 static void an_advance_and_a_turn_are_what_they_say( void** state )
 {
+    (void)state;
     springs *s = new_springs(), *before = new_springs();
     make_filters( s );
     assemble( widest_table(), s, 0 );

@@ -41,6 +41,7 @@ static void a_substep( const wisp_kernels* k, strands_state* s, int kind )
 
 static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
 {
+    (void)state;
     static strands_state first, other;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -65,6 +66,7 @@ static void every_instruction_set_moves_strands_to_the_same_bits( void** state )
 
 static void ranges_of_groups_may_be_cut_anywhere( void** state )
 {
+    (void)state;
     static strands_state whole, cut;
     const wisp_kernels* k = widest_table();
     make_strands( &whole );
@@ -130,6 +132,7 @@ static double largest_error( const strands_state* s )
 
 static void segments_have_their_rest_length_after_the_direct_solve( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     assert_true( largest_error( &s ) > 0.05 );
@@ -141,6 +144,7 @@ static void segments_have_their_rest_length_after_the_direct_solve( void** state
 
 static void follow_the_leader_is_exact_and_leaves_leaders_alone( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     const wisp_strand_follow_args args = { s.group_row, s.position[0][0], s.previous[0][0],
@@ -151,6 +155,7 @@ static void follow_the_leader_is_exact_and_leaves_leaders_alone( void** state )
 
 static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( void** state )
 {
+    (void)state;
     static strands_state s, before;
     make_strands( &s );
     before = s;
@@ -174,6 +179,7 @@ static void what_is_no_vertex_stays_with_the_tip_and_pins_stay_where_they_are( v
 
 static void strands_without_a_direction_are_laid_out_from_the_root( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
@@ -205,6 +211,7 @@ static double squared_of( float ( *p )[16], float ( *q )[16], int lane )
 
 static void what_is_laid_out_is_no_faster_than_it_was_predicted_to_be( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     memset( s.position, 0, sizeof( s.position ) );
@@ -227,6 +234,7 @@ static void what_is_laid_out_is_no_faster_than_it_was_predicted_to_be( void** st
 
 static void what_is_not_finite_is_laid_out_too( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     s.position[5][1][3] = NAN;
@@ -240,6 +248,7 @@ static void what_is_not_finite_is_laid_out_too( void** state )
 
 static void air_leaves_motion_along_the_strand_alone( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     for ( int row = 0; row < STRAND_ROWS; ++row )
@@ -265,6 +274,7 @@ static void air_leaves_motion_along_the_strand_alone( void** state )
 
 static void damping_leaves_the_rigid_motion_alone( void** state )
 {
+    (void)state;
     static strands_state s, before;
     make_strands( &s );
     const float linear[3] = { 1.0f, 2.0f, 3.0f };
@@ -291,6 +301,7 @@ static void damping_leaves_the_rigid_motion_alone( void** state )
 
 static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** state )
 {
+    (void)state;
     static strands_state s;
     make_strands( &s );
     const float before = s.position[s.group_row[1]][0][2];
@@ -306,6 +317,7 @@ static void roots_go_where_they_are_carried_and_their_velocity_says_so( void** s
 
 static void advancing_is_taking_velocities_and_predicting( void** state )
 {
+    (void)state;
     static strands_state one, two;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -335,6 +347,7 @@ static void advancing_is_taking_velocities_and_predicting( void** state )
 
 static void the_first_row_beyond_the_bound_is_found( void** state )
 {
+    (void)state;
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 10.1f, -10.1f };
     static strands_state s;
     make_strands( &s );

@@ -133,6 +133,7 @@ static run_fn* const PROJECTIONS[] = {
 
 static void every_table_projects_to_the_same_bits( void** state )
 {
+    (void)state;
     const wisp_kernels* tables[MAX_TABLES];
     int table_count = usable_tables( tables );
     for ( int variant = 0; variant < 4; ++variant )
@@ -170,6 +171,7 @@ static void every_table_projects_to_the_same_bits( void** state )
 
 static void a_range_may_be_cut_between_groups( void** state )
 {
+    (void)state;
     constraints *whole = new_constraints( true ), *primitives = new_constraints( true );
     tangle( whole );
     tangle( primitives );
@@ -250,6 +252,7 @@ static void compare_with_oracle( run_fn* run, project_fn* oracle, bool with_lamb
 
 static void links_move_as_the_oracle_says( void** state )
 {
+    (void)state;
     compare_with_oracle( run_link_pbd, pbd_of_oracle, false );
     compare_with_oracle( run_link_xpbd, xpbd_of_oracle, true );
     compare_with_oracle( run_link_xpbd_once, xpbd_once_of_oracle, true );
@@ -259,6 +262,7 @@ static void links_move_as_the_oracle_says( void** state )
 
 static void two_ends_share_a_step_as_their_inverse_masses( void** state )
 {
+    (void)state;
     constraints* s = new_constraints( false );
     const float weights[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
     const float rest[2] = { 1.0f, 0x1p-20f }; // a metre and a micrometre
@@ -285,6 +289,7 @@ static void two_ends_share_a_step_as_their_inverse_masses( void** state )
 // particles are in balance.
 static void iterations_settle_where_compliance_balances( void** state )
 {
+    (void)state;
     constraints* s = new_constraints( false );
     const float predicted[3][4] = { { 0.0f, 0.0f, 0.0f, 0.0f },
                                     { 1.2f, 0.0f, 0.0f, 1.0f },
@@ -375,6 +380,7 @@ static double isometric_xpbd_of_oracle( const constraints* s, int c, particles* 
 
 static void hinges_move_as_the_oracle_says( void** state )
 {
+    (void)state;
     compare_with_oracle( run_dihedral_pbd, dihedral_pbd_of_oracle, false );
     compare_with_oracle( run_dihedral_xpbd, dihedral_xpbd_of_oracle, true );
     compare_with_oracle( run_isometric_pbd, isometric_pbd_of_oracle, false );
@@ -385,6 +391,7 @@ static void hinges_move_as_the_oracle_says( void** state )
 // because the angle is nearly at rest, and the oracle's angle by central differences says what g is.
 static void dihedral_gradients_are_central_differences_of_the_angle( void** state )
 {
+    (void)state;
     const double small = 1e-6, error = 0.01;
     for ( int corner = 0; corner < 4; ++corner )
     {
@@ -431,6 +438,7 @@ static void dihedral_gradients_are_central_differences_of_the_angle( void** stat
 
 static void an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_the_normals( void** state )
 {
+    (void)state;
     constraints* s = new_constraints( false );
 
     // counter-clockwise seen from +z, so normals point up, and both wings are up by 0.1 of 0.5
@@ -471,6 +479,7 @@ static void set_isometric( constraints* s, int c, const double3 rest[4], double 
 // A flat hinge that is carried away and turned has no energy; a bent one has the oracle's.
 static void an_isometric_hinge_knows_bending_from_moving( void** state )
 {
+    (void)state;
     for ( int bent = 0; bent < 2; ++bent )
     {
         constraints* s = new_constraints( false );
@@ -542,6 +551,7 @@ static void sum_momentum( constraints* before, constraints* after, int c, int co
 
 static void projections_keep_linear_and_angular_momentum( void** state )
 {
+    (void)state;
     constraints* before = new_constraints( false );
     for ( int k = 0; k < WISP_COUNT( PROJECTIONS ); ++k )
     {
@@ -561,6 +571,7 @@ static void projections_keep_linear_and_angular_momentum( void** state )
 // or of lambda.
 static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void** state )
 {
+    (void)state;
     constraints* before = new_constraints( false );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {
@@ -596,6 +607,7 @@ static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void*
 // Lengths and heights of all magnitudes, far from rest, and masses from a milligram to a mountain's.
 static void no_projection_throws_a_particle_to_infinity( void** state )
 {
+    (void)state;
     constraints* before = new_constraints( false );
     for ( int c = 0; c < CONSTRAINTS; ++c )
     {

@@ -43,6 +43,7 @@ static float scalar_cosine( float x )
 
 static void quads_are_loaded_by_index_and_transposed( void** state )
 {
+    (void)state;
     _Alignas( 16 ) float xyzw[4 * 40];
     memcpy( xyzw, ordinary, sizeof xyzw );
     for ( int round = 0; round < 40; ++round )
@@ -75,6 +76,7 @@ static void quads_are_loaded_by_index_and_transposed( void** state )
 
 static void rows_and_lanes_change_places( void** state )
 {
+    (void)state;
     lane8i rows[8];
     for ( int l = 0; l < 8; ++l )
     {
@@ -94,6 +96,7 @@ static void rows_and_lanes_change_places( void** state )
 
 static void quads_are_stored_in_lane_order( void** state )
 {
+    (void)state;
     _Alignas( 16 ) float xyzw[4 * 10];
     for ( int k = 0; k < 40; ++k )
     {
@@ -110,6 +113,7 @@ static void quads_are_stored_in_lane_order( void** state )
 
 static void contiguous_quads_are_loaded_in_lane_order( void** state )
 {
+    (void)state;
     _Alignas( 16 ) float xyzw[4 * 8];
     memcpy( xyzw, ordinary, sizeof xyzw );
     lane8 q[4];
@@ -128,6 +132,7 @@ static void contiguous_quads_are_loaded_in_lane_order( void** state )
 // Where quads of lane l are in rows: row l % 4, from number 4 (l / 4).
 static void rows_of_quads_are_loaded_and_stored_by_index( void** state )
 {
+    (void)state;
     _Alignas( 16 ) float from[4 * 40], to[4 * 40];
     memcpy( from, ordinary, sizeof from );
     for ( int round = 0; round < 40; ++round )
@@ -178,6 +183,7 @@ static void rows_of_quads_are_loaded_and_stored_by_index( void** state )
 
 static void rows_of_quads_become_lanes_and_back( void** state )
 {
+    (void)state;
     lane8 q[4], spread[4];
     float rows[4][8], got[8];
     memcpy( rows, ordinary, sizeof rows );
@@ -226,6 +232,7 @@ static void rows_of_quads_become_lanes_and_back( void** state )
 
 static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
 {
+    (void)state;
     const int32_t values[8] = { 100, -101, 102, 103, INT32_MIN, 105, INT32_MAX, 107 };
     for ( uint32_t bits = 0; bits < 256; ++bits )
     {
@@ -248,6 +255,7 @@ static void compressing_keeps_the_order_of_the_chosen_lanes( void** state )
 
 static void floats_are_compressed_as_integers_are( void** state )
 {
+    (void)state;
     const float values[8] = { -0.0f, 1.5f, INFINITY, -3.0f, 1e-40f, 5.0f, -INFINITY, 7.0f };
     for ( uint32_t bits = 0; bits < 256; ++bits )
     {
@@ -268,6 +276,7 @@ static void floats_are_compressed_as_integers_are( void** state )
 
 static void lanes_are_summed_as_doubles( void** state )
 {
+    (void)state;
     const float values[8] = { 1e8f, 1.0f, -1e8f, 0.25f, 3.0f, 1e-3f, -2.0f, 7.0f };
     double sum = 0.0;
     for ( int l = 0; l < 8; ++l )
@@ -279,6 +288,7 @@ static void lanes_are_summed_as_doubles( void** state )
 
 static void sixteen_lanes_are_two_eights( void** state )
 {
+    (void)state;
     float numbers[16], got[16];
     int32_t integers[16], got_integers[16];
     for ( int l = 0; l < 16; ++l )

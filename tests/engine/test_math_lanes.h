@@ -29,6 +29,7 @@
 
 static void P( _arithmetic_is_the_scalar_arithmetic )( void** state )
 {
+    (void)state;
     EACH_FLOAT( P( _add )( A, B ), a + b, assert_same_value )
     EACH_FLOAT( P( _sub )( A, B ), a - b, assert_same_value )
     EACH_FLOAT( P( _mul )( A, B ), a * b, assert_same_value )
@@ -44,12 +45,14 @@ static void P( _arithmetic_is_the_scalar_arithmetic )( void** state )
 
 static void P( _minimum_and_maximum_answer_the_second_operand_unless_the_first_wins )( void** state )
 {
+    (void)state;
     EACH_FLOAT( P( _min )( A, B ), a < b ? a : b, assert_same_bits )
     EACH_FLOAT( P( _max )( A, B ), a > b ? a : b, assert_same_bits )
 }
 
 static void P( _comparisons_are_the_scalar_comparisons )( void** state )
 {
+    (void)state;
     EACH_MASK( P( _lt )( A, B ), a < b )
     EACH_MASK( P( _le )( A, B ), a <= b )
     EACH_MASK( P( _gt )( A, B ), a > b )
@@ -61,6 +64,7 @@ static void P( _comparisons_are_the_scalar_comparisons )( void** state )
 
 static void P( _conversions_are_the_scalar_conversions )( void** state )
 {
+    (void)state;
     EACH_INT( P( _truncate )( A ), truncated( a ) )
     EACH_INT( P( _cast_int )( A ), (int32_t)bits_of( a ) )
     EACH_FLOAT( P( _from_int )( P( _cast_int )( A ) ), (float)(int32_t)bits_of( a ), assert_same_bits )
@@ -72,6 +76,7 @@ static void P( _conversions_are_the_scalar_conversions )( void** state )
 
 static void P( _integers_wrap_as_unsigned_scalars_do )( void** state )
 {
+    (void)state;
     EACH_INT( P( i_add )( I( A ), I( B ) ), (int32_t)( bits_of( a ) + bits_of( b ) ) )
     EACH_INT( P( i_sub )( I( A ), I( B ) ), (int32_t)( bits_of( a ) - bits_of( b ) ) )
     EACH_INT( P( i_mul )( I( A ), I( B ) ), (int32_t)( bits_of( a ) * bits_of( b ) ) )
@@ -92,6 +97,7 @@ static void P( _integers_wrap_as_unsigned_scalars_do )( void** state )
 
 static void P( _shifts_fill_with_zeros )( void** state )
 {
+    (void)state;
     SHIFTED( 0 )
     SHIFTED( 1 )
     SHIFTED( 8 )
@@ -105,6 +111,7 @@ static void P( _shifts_fill_with_zeros )( void** state )
 
 static void P( _loads_and_stores_touch_their_own_lanes_only )( void** state )
 {
+    (void)state;
     _Alignas( 64 ) float from[3 * LANE_COUNT], to[3 * LANE_COUNT];
     _Alignas( 64 ) int32_t from_int[3 * LANE_COUNT], to_int[3 * LANE_COUNT];
     for ( int k = 0; k < 3 * LANE_COUNT; ++k )
@@ -141,6 +148,7 @@ static P( m ) P( _mask_of )( uint32_t bits )
 
 static void P( _masks_are_sets_of_lanes )( void** state )
 {
+    (void)state;
     const uint32_t full = ( 1u << LANE_COUNT ) - 1u;
     for ( uint32_t a = 0; a <= full; a += LANE_COUNT == 8 ? 1 : 61 )
     {
@@ -168,6 +176,7 @@ static void P( _masks_are_sets_of_lanes )( void** state )
 
 static void P( _sum_folds_the_upper_half_onto_the_lower )( void** state )
 {
+    (void)state;
     for ( int k = 0; k < ORDINARY_COUNT; k += LANE_COUNT )
     {
         float part[LANE_COUNT];
@@ -186,6 +195,7 @@ static void P( _sum_folds_the_upper_half_onto_the_lower )( void** state )
 
 static void P( _random_numbers_are_the_scalar_ones )( void** state )
 {
+    (void)state;
     wisp_random_key key = wisp_random_make_key( 7, 8, 9 );
 #define DRAWN wisp_random_unit_float( key, bits_of( a ), bits_of( b ), bits_of( c ) )
     EACH_FLOAT( P( _random_unit )( key, P( _cast_int )( A ), P( _cast_int )( B ), P( _cast_int )( C ) ), DRAWN,
@@ -198,6 +208,7 @@ static void P( _random_numbers_are_the_scalar_ones )( void** state )
 // Over the operands, which include every kind of strange number, and over angles that occur.
 static void P( _trigonometry_is_the_scalar_one )( void** state )
 {
+    (void)state;
     LANE_P sine, cosine;
     for ( int k = 0; k < ORDINARY_COUNT; k += LANE_COUNT )
     {
@@ -257,6 +268,7 @@ static void P( v_check )( P( v ) actual, const wisp_vec3* expected, int k, int l
 
 static void P( v_vectors_are_the_scalar_ones )( void** state )
 {
+    (void)state;
     for ( int k = 0; k < DIRECTION_COUNT; k += LANE_COUNT )
     {
         wisp_vec3 rows[LANE_COUNT];

@@ -70,6 +70,7 @@ static void assert_closest( const test_mesh* m, const float* xyzw, wisp_collisio
 
 static void the_closest_point_is_that_of_brute_force_bit_for_bit( void** state )
 {
+    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -92,6 +93,7 @@ static void the_closest_point_is_that_of_brute_force_bit_for_bit( void** state )
 
 static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     int outer = 0;
@@ -119,6 +121,7 @@ static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** 
 
 static void a_range_of_queries_is_answered_like_each_alone( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_mesh_query queries[100];
@@ -149,6 +152,7 @@ static void a_range_of_queries_is_answered_like_each_alone( void** state )
 
 static void the_sign_tells_inside_from_outside( void** state )
 {
+    (void)state;
     const int closed[] = { 0, 1, 3 };
     for ( int c = 0; c < WISP_COUNT( closed ); ++c )
     {
@@ -180,6 +184,7 @@ static void the_sign_tells_inside_from_outside( void** state )
 // A slender spike: next to its edges and its tip the nearest face alone would tell inside for outside.
 static void signs_hold_next_to_sharp_edges_and_tips( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_reserve( 4, 4 );
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 0.05f, 0, 0 }, { 0.02f, 0, 0.03f }, { 0.3f, 2.0f, 0.1f } };
     memcpy( m.points, points, sizeof( points ) );
@@ -218,6 +223,7 @@ static void signs_hold_next_to_sharp_edges_and_tips( void** state )
 
 static void an_open_sheet_is_signed_by_the_side_it_faces( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 8, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_int_equal( wisp_collision_mesh_get_stats( tree ).open_edge_count, 4 * 8 );
@@ -236,6 +242,7 @@ static void an_open_sheet_is_signed_by_the_side_it_faces( void** state )
 
 static void the_normal_is_the_gradient_of_the_distance( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_bumpy( 10 );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     const float step = 1e-3f;
@@ -284,6 +291,7 @@ static void assert_hit_is_naive( const test_mesh* m, const float* xyzw, wisp_col
 
 static void the_first_intersection_is_that_of_brute_force( void** state )
 {
+    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -311,6 +319,7 @@ static void the_first_intersection_is_that_of_brute_force( void** state )
 // just the other.
 static void nothing_tunnels_through_a_thin_sheet( void** state )
 {
+    (void)state;
     for ( int waves = 0; waves < 2; ++waves )
     {
         test_mesh m = test_mesh_sheet( 40, waves == 0 ? 0.0f : 0.2f );
@@ -343,6 +352,7 @@ static void nothing_tunnels_through_a_thin_sheet( void** state )
 
 static void steps_of_single_roundings_cross_just_once( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 8, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     for ( int i = 0; i < 200; ++i )
@@ -365,6 +375,7 @@ static void steps_of_single_roundings_cross_just_once( void** state )
 
 static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 30, 0.1f );
     wisp_vec3* rest = checked_malloc( (size_t)m.point_count * sizeof( wisp_vec3 ) );
     memcpy( rest, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
@@ -394,6 +405,7 @@ static void refitted_and_rebuilt_trees_answer_like_new_ones( void** state )
 
 static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 12, 0.1f );
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
@@ -421,6 +433,7 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
 
 static void a_rigid_mesh_cannot_be_updated( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     wisp_error error = { 0 };
@@ -434,6 +447,7 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
 
 static void triangles_without_area_are_found_and_never_crossed( void** state )
 {
+    (void)state;
     static wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 }, { 1, 0, 0 }, { 5, 5, 5 } };
     static int32_t triangles[] = { 0, 2, 1, 3, 3, 3, 0, 0, 1 };
     test_mesh m = { 4, 3, points, triangles };
@@ -481,6 +495,7 @@ static void* ask( void* context )
 
 static void two_threads_get_the_answers_of_one( void** state )
 {
+    (void)state;
     enum
     {
         COUNT = 4000

@@ -6,6 +6,7 @@
 
 static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -18,6 +19,7 @@ static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** 
 
 static void the_ends_of_the_reach_are_answered( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, false );
     assert_answers_the_ends_of_the_reach( tree );
@@ -27,6 +29,7 @@ static void the_ends_of_the_reach_are_answered( void** state )
 
 static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
 {
+    (void)state;
     static const wisp_vec3 good[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     static const wisp_vec3 bad[] = { { 0, 0, 0 }, { 1, NAN, 0 }, { 0, 1, 0 } };
     static const int32_t triangle[] = { 0, 1, 2 }, lower[] = { 0, -1, 2 }, upper[] = { 0, 1, 3 };
@@ -61,6 +64,7 @@ static void a_wrong_mesh_is_refused_with_its_first_fault( void** state )
 
 static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -74,6 +78,7 @@ static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
 
 static void a_limit_of_memory_is_kept_by_embree( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_bumpy( 40 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     wisp_collision_mesh* tree;
@@ -90,6 +95,7 @@ static void a_limit_of_memory_is_kept_by_embree( void** state )
 
 static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* tree = test_collision_mesh( &m, true );
     assert_int_equal( wisp_collision_mesh_update( tree, m.points, NULL ), WISP_OK );

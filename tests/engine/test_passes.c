@@ -56,6 +56,7 @@ static wisp_entity add_link( hosted* h, float length, wisp_component component, 
 
 static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state )
 {
+    (void)state;
     for ( int iterations = 1; iterations <= 4; ++iterations )
     {
         hosted h;
@@ -71,6 +72,7 @@ static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state
 // A lone constraint is solved by its first iteration; those behind find C + a lambda = 0 only if lambda was kept.
 static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** state )
 {
+    (void)state;
     const double alpha = 1e-3 / ( (double)DT * (double)DT ), w = 2.0;
     const double expected = 1.5 - 0.5 * w / ( w + alpha );
     for ( int iterations = 1; iterations <= 8; iterations *= 2 )
@@ -95,6 +97,7 @@ static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** sta
 // Carried over, lambda would remember a stretch already paid for: the second step would differ.
 static void lambda_starts_at_nothing_in_every_substep( void** state )
 {
+    (void)state;
     double x[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -110,6 +113,7 @@ static void lambda_starts_at_nothing_in_every_substep( void** state )
 
 static void a_strain_limit_brings_a_length_back_from_both_sides( void** state )
 {
+    (void)state;
     const struct
     {
         float start;
@@ -167,6 +171,7 @@ static wisp_entity add_far( hosted* h, int n, float scale )
 
 static void a_tether_holds_at_its_distance_and_lets_go_within( void** state )
 {
+    (void)state;
     const float slacks[] = { 1.0f, 1.25f };
     for ( int i = 0; i < WISP_COUNT( slacks ); ++i )
     {
@@ -194,6 +199,7 @@ static void a_tether_holds_at_its_distance_and_lets_go_within( void** state )
 
 static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
 {
+    (void)state;
     hosted h;
     open_world( &h, 1, 1 );
     wisp_entity stretched = add_far( &h, 17, 1.3f ), slack = add_far( &h, 17, 0.75f );
@@ -261,6 +267,7 @@ static const wisp_module probe_module = { .name = "probe", .declare = declare_pr
 
 static void a_carried_pin_goes_its_way_in_equal_parts( void** state )
 {
+    (void)state;
     static const wisp_module* const MODULES[] = { &probe_module };
     hosted h = { 0 };
     h.def = hosted_def( &h );

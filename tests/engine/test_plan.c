@@ -12,6 +12,7 @@ static const fake_pass LONE[] = { { "a", SHAPE, GROUP, .required = "N", .writes 
 
 static void an_empty_world_has_no_pass( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     assert_int_equal( wisp_world_plan_passes( world ), 0 );
     step( world );
@@ -22,11 +23,13 @@ static void an_empty_world_has_no_pass( void** state )
 
 static void a_pass_that_has_what_it_needs_and_is_requested_exists( void** state )
 {
+    (void)state;
     ASSERT_PLAN( LONE, "N", "A", "[after] a" );
 }
 
 static void a_pass_whose_writes_nobody_requests_is_absent( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     add_with( world, "NA" );
     assert_string_equal( plan_text( world ), "" );
@@ -35,6 +38,7 @@ static void a_pass_whose_writes_nobody_requests_is_absent( void** state )
 
 static void a_pass_without_what_it_needs_is_absent( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "A" ), "A" ); // the user's own rows answer the request
     assert_string_equal( plan_text( world ), "" );
@@ -43,6 +47,7 @@ static void a_pass_without_what_it_needs_is_absent( void** state )
 
 static void a_request_is_no_component_that_a_pass_could_need( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .required = "A", .writes = "B" },
@@ -63,16 +68,19 @@ static const fake_pass CHAIN[] = {
 
 static void demand_reaches_back_through_a_chain( void** state )
 {
+    (void)state;
     ASSERT_PLAN( CHAIN, "", "D", "[after] a+b+c+d" );
 }
 
 static void demand_ends_where_nobody_requests_more( void** state )
 {
+    (void)state;
     ASSERT_PLAN( CHAIN, "", "B", "[after] a+b" );
 }
 
 static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** state )
 {
+    (void)state;
     for ( int first = 0; first < WISP_COUNT( CHAIN ); ++first )
     {
         fake_pass turned[WISP_COUNT( CHAIN )];
@@ -86,6 +94,7 @@ static void demand_grows_to_a_fixed_point_in_any_order_of_declaration( void** st
 
 static void each_entity_gets_only_what_it_requests( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     add_with( world, "" );
     request( world, add_with( world, "" ), "A" );
@@ -97,6 +106,7 @@ static void each_entity_gets_only_what_it_requests( void** state )
 
 static void a_removed_entity_takes_its_requests_along( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -126,6 +136,7 @@ static void assert_refused( wisp_world* world, const char* const* words, int cou
 
 static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = { { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" } };
     static const char* const words[] = { "'reader'", "'fake.M'", "entity 2" };
     wisp_world* world = OPEN_WORLD( passes );
@@ -137,6 +148,7 @@ static void a_read_that_nobody_supplies_names_pass_component_and_entity( void** 
 
 static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "maker", SHAPE, GROUP, .required = "N", .writes = "M" },
         { "reader", SHAPE, GROUP, .reads = "M", .writes = "B" },
@@ -151,6 +163,7 @@ static void a_pass_that_another_entity_keeps_alive_supplies_nothing_here( void**
 
 static void a_requested_component_that_no_pass_writes_is_refused( void** state )
 {
+    (void)state;
     static const char* const words[] = { "'fake.C'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "N" ), "C" );
@@ -160,6 +173,7 @@ static void a_requested_component_that_no_pass_writes_is_refused( void** state )
 
 static void a_requested_component_whose_writer_lacks_its_needs_is_refused( void** state )
 {
+    (void)state;
     static const char* const words[] = { "'fake.A'", "entity 1" };
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
@@ -169,6 +183,7 @@ static void a_requested_component_whose_writer_lacks_its_needs_is_refused( void*
 
 static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .reads = "C", .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -183,6 +198,7 @@ static void passes_of_a_stage_that_wait_for_each_other_are_refused( void** state
 
 static void a_circle_through_two_stages_is_last_steps_data( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "b", WISP_STAGE_OBSERVE, GROUP, .reads = "A", .writes = "B" },
         { "a", WISP_STAGE_INPUT, GROUP, .reads = "B", .writes = "A" },
@@ -192,6 +208,7 @@ static void a_circle_through_two_stages_is_last_steps_data( void** state )
 
 static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "AC" );
@@ -206,6 +223,7 @@ static void a_refused_world_steps_again_once_the_request_is_gone( void** state )
 
 static void stages_come_in_their_order_whatever_the_order_of_declaration( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "observe", WISP_STAGE_OBSERVE, GROUP, .writes = "A" },
         { "shape", WISP_STAGE_SHAPE, GROUP, .writes = "B" },
@@ -224,6 +242,7 @@ static void stages_come_in_their_order_whatever_the_order_of_declaration( void**
 
 static void what_writes_goes_before_what_reads( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "reader", SHAPE, ENTITY, .reads = "A", .writes = "B" },
         { "writer", SHAPE, ENTITY, .writes = "A" },
@@ -233,6 +252,7 @@ static void what_writes_goes_before_what_reads( void** state )
 
 static void what_makes_goes_before_what_changes_in_place_and_that_before_what_reads( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "second", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -244,6 +264,7 @@ static void what_makes_goes_before_what_changes_in_place_and_that_before_what_re
 
 static void equals_keep_the_order_of_declaration( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "z", SHAPE, ENTITY, .reads = "A", .writes = "A" },
         { "m", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -263,6 +284,7 @@ static uint64_t plans_of_a_step( wisp_world* world )
 
 static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -291,6 +313,7 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
 
 static void taking_back_a_request_that_nobody_had_compiles_nothing( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -303,6 +326,7 @@ static void taking_back_a_request_that_nobody_had_compiles_nothing( void** state
 
 static void giving_a_component_that_was_only_requested_wakes_who_needs_it( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .required = "A", .reads = "A", .writes = "B" },
@@ -333,6 +357,7 @@ static uint64_t hash_of_plan( wisp_world* world, int entities, const char* reque
 
 static void equal_plans_hash_equal_and_others_differ( void** state )
 {
+    (void)state;
     uint64_t two = hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" );
     assert_int_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "D" ), two );
     assert_int_not_equal( hash_of_plan( OPEN_WORLD( CHAIN ), 2, "C" ), two );
@@ -341,6 +366,7 @@ static void equal_plans_hash_equal_and_others_differ( void** state )
 
 static void a_plan_hashes_as_before_when_a_request_came_and_went( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     wisp_entity e = add_with( world, "" );
     request( world, e, "B" );
@@ -386,6 +412,7 @@ static void assert_printed( const printed* p, const char* word, const char* pass
 
 static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "make", WISP_STAGE_INPUT, GROUP, .required = "N", .writes = "A" },
         { "bend", WISP_STAGE_PROJECT, ENTITY, .reads = "A", .writes = "A" },
@@ -415,6 +442,7 @@ static void a_printed_plan_says_why_a_pass_is_there_and_what_another_lacks( void
 
 static void a_plan_without_a_loop_says_so( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     printed p = { 0 };
     assert_int_equal( wisp_world_plan( world, keep_line, &p ), WISP_OK );
@@ -425,6 +453,7 @@ static void a_plan_without_a_loop_says_so( void** state )
 
 static void a_refused_plan_prints_nothing( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
     request( world, add_with( world, "" ), "A" );
     printed p = { 0 };

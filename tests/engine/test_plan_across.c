@@ -15,6 +15,7 @@ static const fake_pass ACROSS[] = {
 
 static void it_runs_between_those_before_and_those_behind_it( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
     request( world, add_with( world, "N" ), "C" );
     request( world, add_with( world, "M" ), "B" );
@@ -26,6 +27,7 @@ static void it_runs_between_those_before_and_those_behind_it( void** state )
 
 static void without_it_the_same_passes_share_waves( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "first", SHAPE, GROUP, .required = "N", .writes = "A" },
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B" },
@@ -40,6 +42,7 @@ static void without_it_the_same_passes_share_waves( void** state )
 
 static void it_makes_no_pass_of_another_entity_exist( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
     add_with( world, "N" ); // nobody wants anything of it
     request( world, add_with( world, "M" ), "B" );
@@ -49,6 +52,7 @@ static void it_makes_no_pass_of_another_entity_exist( void** state )
 
 static void it_supplies_nothing( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "meet", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "last", SHAPE, GROUP, .required = "N", .reads = "A", .writes = "C" },
@@ -62,6 +66,7 @@ static void it_supplies_nothing( void** state )
 
 static void two_of_them_never_share_a_wave( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "one", SHAPE, ENTITY, .required = "M", .writes = "B", .foreign = "A" },
         { "two", SHAPE, ENTITY, .required = "M", .writes = "C", .foreign = "A" },
@@ -71,6 +76,7 @@ static void two_of_them_never_share_a_wave( void** state )
 
 static void groups_that_it_touches_stay_in_the_substep_loop( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "move", FORCE, GROUP, .required = "N", .reads = "A", .writes = "A" },
         { "meet", WISP_STAGE_CONTACT, ENTITY, .required = "M", .writes = "B", .foreign = "A" },

@@ -74,6 +74,7 @@ static bool is_ever_together( const tally* t )
 
 static void every_substep_of_every_group_runs_once_and_most_of_them_together( void** state )
 {
+    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "APH" );
     request( world, e, "C" );
@@ -101,6 +102,7 @@ static void every_substep_of_every_group_runs_once_and_most_of_them_together( vo
 
 static void substeps_of_a_block_stay_in_order( void** state )
 {
+    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = add_with( world, "AP" );
     request( world, e, "C" );
@@ -124,6 +126,7 @@ static void substeps_of_a_block_stay_in_order( void** state )
 
 static void one_block_in_eight_is_timed( void** state )
 {
+    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity e = test_add_strands( world, 16 * 4 * 32, 2 ); // 32 blocks
     assert_int_equal( wisp_world_attach( world, e, letter( 'A' ) ), WISP_OK );
@@ -154,6 +157,7 @@ static void one_block_in_eight_is_timed( void** state )
 
 static void an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its_neighbour_does_not( void** state )
 {
+    (void)state;
     wisp_world* world = open_joined( 1 );
     const wisp_entity spoilt = add_with( world, "APK" ), sound = add_with( world, "AP" );
     request( world, spoilt, "C" );
@@ -168,6 +172,7 @@ static void an_entity_with_a_pass_that_the_join_does_not_know_runs_apart_and_its
 
 static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_run_apart( void** state )
 {
+    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         wisp_world* world = open_joined( iterations );
@@ -183,6 +188,7 @@ static void without_a_pass_that_the_join_needs_and_with_more_iterations_passes_r
 
 static void the_plan_tells_what_runs_together( void** state )
 {
+    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         wisp_world* world = open_joined( iterations );
@@ -211,6 +217,7 @@ static void the_plan_tells_what_runs_together( void** state )
 
 static void a_join_of_nothing_or_of_unknown_passes_is_refused( void** state )
 {
+    (void)state;
     static const wisp_fusion BAD[] = {
         { .name = "fake.nothing", .run = fake_trace_joined },
         { .name = "fake.unknown", .required = { "move", "nowhere" }, .run = fake_trace_joined },

@@ -14,11 +14,13 @@ static const fake_pass SHY[] = { { "shy", SHAPE, GROUP, .required = "N", .exclud
 
 static void a_pass_exists_for_what_lacks_the_component( void** state )
 {
+    (void)state;
     ASSERT_PLAN( SHY, "N", "A", "[after] shy" );
 }
 
 static void a_pass_is_absent_for_what_has_the_component( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NLA" );
     request( world, e, "A" );
@@ -30,6 +32,7 @@ static void a_pass_is_absent_for_what_has_the_component( void** state )
 
 static void each_entity_of_a_mixed_world_is_queried_for_itself( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
         { "b", SHAPE, GROUP, .required = "NL", .writes = "A" },
@@ -49,6 +52,7 @@ static void each_entity_of_a_mixed_world_is_queried_for_itself( void** state )
 
 static void a_pass_comes_and_goes_with_the_component( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_with( world, "NA" );
     request( world, e, "A" );
@@ -62,6 +66,7 @@ static void a_pass_comes_and_goes_with_the_component( void** state )
 
 static void a_request_for_the_component_keeps_nobody_out( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .required = "N", .writes = "L" },
         { "shy", SHAPE, GROUP, .required = "N", .excluded = "L", .writes = "A" },
@@ -71,6 +76,7 @@ static void a_request_for_the_component_keeps_nobody_out( void** state )
 
 static void what_a_pass_kept_out_would_have_written_is_missed_by_its_reader( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "shy", SHAPE, GROUP, .excluded = "L", .writes = "A" },
         { "reader", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -116,6 +122,7 @@ static void assert_line( wisp_world* world, const char* pass, const char* word, 
 
 static void a_printed_plan_says_what_keeps_a_pass_away( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     assert_line( world, "shy", "absent", "needs component fake.N, which no entity has" );
     wisp_entity kept_out = add_with( world, "NL" );
@@ -166,6 +173,7 @@ static const char* const MOVERS[] = { "particles.gravity", "particles.targets", 
 
 static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     for ( int i = 0; i < WISP_COUNT( MOVERS ); ++i )
@@ -187,6 +195,7 @@ static void a_solved_surface_is_moved_by_no_pass_of_the_engine( void** state )
 
 static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity solved = add_surface( world ), other = add_surface( world );
     assert_int_equal( wisp_world_attach( world, solved, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
@@ -202,6 +211,7 @@ static void a_surface_beside_a_solved_one_goes_on_falling( void** state )
 
 static void strain_limits_of_a_solved_surface_are_refused( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( SHY );
     wisp_entity e = add_surface( world );
     assert_int_equal( wisp_world_attach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );

@@ -9,6 +9,7 @@
 
 static void a_fused_node_runs_its_passes_item_by_item( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "A", .writes = "B" },
@@ -22,6 +23,7 @@ static void a_fused_node_runs_its_passes_item_by_item( void** state )
 
 static void a_lone_pass_runs_over_blocks_of_its_grain( void** state )
 {
+    (void)state;
     static const struct
     {
         int grain;
@@ -40,6 +42,7 @@ static void a_lone_pass_runs_over_blocks_of_its_grain( void** state )
 
 static void an_entity_pass_runs_once_an_entity( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = { { "a", SHAPE, ENTITY, .writes = "A" } };
     wisp_world* world = OPEN_WORLD( passes );
     for ( int i = 0; i < 3; ++i )
@@ -53,6 +56,7 @@ static void an_entity_pass_runs_once_an_entity( void** state )
 
 static void an_entity_without_strands_has_no_group_to_run_over( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -87,6 +91,7 @@ static wisp_world* open_looping( const fake_pass* passes, int count, int substep
 
 static void loops_run_substeps_times_iterations( void** state )
 {
+    (void)state;
     wisp_world* world = open_looping( LOOPS, WISP_COUNT( LOOPS ), 2, 3 );
     request( world, add_with( world, "FP" ), "B" );
     step( world );
@@ -97,6 +102,7 @@ static void loops_run_substeps_times_iterations( void** state )
 
 static void a_loop_without_a_pass_vanishes( void** state )
 {
+    (void)state;
     static const fake_pass still[] = {
         { "input", WISP_STAGE_INPUT, ENTITY, .writes = "A" },
         { "observe", WISP_STAGE_OBSERVE, ENTITY, .reads = "A", .writes = "B" },
@@ -113,6 +119,7 @@ static void a_loop_without_a_pass_vanishes( void** state )
 
 static void each_loop_runs_also_where_the_others_are_empty( void** state )
 {
+    (void)state;
     static const struct
     {
         wisp_stage stage;
@@ -141,6 +148,7 @@ static const fake_pass WATCHING[] = {
 
 static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "NM" );
     request( world, e, "A" );
@@ -160,6 +168,7 @@ static void a_pass_on_change_runs_first_and_then_only_when_rows_were_written( vo
 
 static void a_change_of_one_entity_wakes_no_other( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity first = add_with( world, "N" ), second = add_with( world, "N" );
     request( world, first, "A" );
@@ -174,6 +183,7 @@ static void a_change_of_one_entity_wakes_no_other( void** state )
 
 static void a_new_entity_in_a_reused_slot_is_a_change( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -189,6 +199,7 @@ static void a_new_entity_in_a_reused_slot_is_a_change( void** state )
 
 static void a_pass_that_writes_what_it_watches_does_not_wake_itself( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = { { "self", SHAPE, ENTITY, .reads = "A", .writes = "A", .on_change = 'A' } };
     wisp_world* world = OPEN_WORLD( passes );
     wisp_entity e = add_with( world, "A" );
@@ -206,6 +217,7 @@ static void a_pass_that_writes_what_it_watches_does_not_wake_itself( void** stat
 
 static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "make", SHAPE, GROUP, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .grain = 9 },
         { "fused", SHAPE, GROUP, .reads = "A", .writes = "B", .on_change = 'A' },
@@ -227,6 +239,7 @@ static void what_a_pass_writes_wakes_the_passes_behind_it_in_the_same_step( void
 
 static void a_request_taken_back_and_made_again_is_answered_again( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     wisp_entity e = add_with( world, "N" );
     request( world, e, "A" );
@@ -249,6 +262,7 @@ static const fake_pass ASKING[] = {
 
 static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     step( world );
@@ -264,6 +278,7 @@ static void a_pass_that_is_not_due_neither_runs_nor_wakes_others( void** state )
 
 static void a_pass_is_queried_once_a_step_and_entity( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( ASKING );
     request( world, add_with( world, "N" ), "B" );
     request( world, add_with( world, "N" ), "B" );
@@ -275,6 +290,7 @@ static void a_pass_is_queried_once_a_step_and_entity( void** state )
 
 static void a_pass_is_queried_when_the_passes_before_it_have_run( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "ask", SHAPE, GROUP, .reads = "A", .writes = "B", .asks = true },
@@ -289,6 +305,7 @@ static void a_pass_is_queried_when_the_passes_before_it_have_run( void** state )
 
 static void a_change_waits_for_a_pass_that_is_not_due( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "both", SHAPE, ENTITY, .required = "N", .reads = "N", .writes = "A", .on_change = 'N', .asks = true },
     };
@@ -311,6 +328,7 @@ static void a_change_waits_for_a_pass_that_is_not_due( void** state )
 
 static void passes_that_were_not_due_took_no_time( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( WATCHING );
     request( world, add_with( world, "N" ), "A" );
     step( world );

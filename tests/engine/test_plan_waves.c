@@ -14,6 +14,7 @@ static const fake_pass CHAIN[] = {
 
 static void passes_without_a_conflict_share_a_wave( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .reads = "N", .writes = "A" },
         { "b", SHAPE, GROUP, .reads = "N", .writes = "B" },
@@ -24,6 +25,7 @@ static void passes_without_a_conflict_share_a_wave( void** state )
 
 static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state )
 {
+    (void)state;
     static const struct
     {
         const char *first_reads, *first_writes, *second_reads, *second_writes, *requests, *plan;
@@ -45,6 +47,7 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
 
 static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, ENTITY, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -57,6 +60,7 @@ static void a_pass_moves_into_the_first_wave_behind_its_conflicts( void** state 
 
 static void local_passes_over_the_same_groups_are_fused( void** state )
 {
+    (void)state;
     wisp_world* world = OPEN_WORLD( CHAIN );
     request( world, add_with( world, "" ), "C" );
     assert_string_equal( plan_text( world ), "[after] a+b+c" );
@@ -67,6 +71,7 @@ static void local_passes_over_the_same_groups_are_fused( void** state )
 
 static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "whole", SHAPE, ENTITY, .reads = "A", .writes = "A" },
@@ -77,6 +82,7 @@ static void an_entity_pass_in_between_keeps_local_passes_apart( void** state )
 
 static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "beside", SHAPE, ENTITY, .writes = "C" },
@@ -87,6 +93,7 @@ static void an_entity_pass_beside_does_not_keep_local_passes_apart( void** state
 
 static void entity_passes_are_never_fused( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, ENTITY, .writes = "A" },
         { "b", SHAPE, ENTITY, .reads = "A", .writes = "B" },
@@ -97,6 +104,7 @@ static void entity_passes_are_never_fused( void** state )
 
 static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "a", SHAPE, GROUP, .writes = "A" },
         { "b", SHAPE, GROUP, .writes = "B" },
@@ -107,6 +115,7 @@ static void a_pass_behind_two_nodes_of_a_wave_is_not_fused_with_one_of_them( voi
 
 static void passes_of_another_loop_are_not_fused( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, ENTITY, .writes = "A" },
         { "contact", WISP_STAGE_CONTACT, GROUP, .reads = "A", .writes = "A" },
@@ -118,6 +127,7 @@ static void passes_of_another_loop_are_not_fused( void** state )
 
 static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "particles", WISP_STAGE_PREDICT, ENTITY, .reads = "C", .writes = "C" },
         { "velocity", WISP_STAGE_VELOCITY, GROUP, .reads = "A", .writes = "A" },
@@ -134,6 +144,7 @@ static void groups_run_their_substeps_item_by_item_behind_the_other_loops( void*
 
 static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_they_write( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A" },
         { "sum", WISP_STAGE_CONTACT, ENTITY, .reads = "A", .writes = "B" },
@@ -143,6 +154,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_reads_what_the
 
 static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_they_read( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "wind", WISP_STAGE_FORCE, ENTITY, .writes = "B" },
         { "predict", WISP_STAGE_PREDICT, GROUP, .reads = "B", .writes = "A" },
@@ -152,6 +164,7 @@ static void groups_stay_in_the_substep_loop_if_another_pass_there_writes_what_th
 
 static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loop( void** state )
 {
+    (void)state;
     static const fake_pass passes[] = {
         { "predict", WISP_STAGE_PREDICT, GROUP, .writes = "A", .asks = true },
         { "project", WISP_STAGE_PROJECT, GROUP, .reads = "A", .writes = "A" },
@@ -161,6 +174,7 @@ static void groups_whose_passes_ask_whether_they_are_due_stay_in_the_substep_loo
 
 static void a_node_takes_only_so_many_passes( void** state )
 {
+    (void)state;
     static char names[PLAN_MAX_FUSED + 1][4];
     fake_pass passes[PLAN_MAX_FUSED + 1];
     char expected[sizeof( names ) + 16] = "[after] ";

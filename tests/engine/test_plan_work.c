@@ -176,6 +176,7 @@ static int64_t expected_sum( int groups, int steps )
 
 static void results_do_not_depend_on_the_workers( void** state )
 {
+    (void)state;
     static const int workers[] = { 1, 2, 3, 5, 8 };
     uint64_t first = 0;
     for ( int i = 0; i < WISP_COUNT( workers ); ++i )
@@ -202,6 +203,7 @@ static void results_do_not_depend_on_the_workers( void** state )
 
 static void rows_between_two_passes_exist_because_the_plan_needs_them( void** state )
 {
+    (void)state;
     wisp_world* world = open_work( 1, NULL, NULL );
     wisp_entity e = test_add_strands( world, 16, 2 );
     assert_int_equal( wisp_world_attach( world, e, work.a ), WISP_OK );
@@ -216,6 +218,7 @@ static void rows_between_two_passes_exist_because_the_plan_needs_them( void** st
 
 static void a_failing_pass_fails_the_step_and_the_others_finish( void** state )
 {
+    (void)state;
     wisp_world* world = open_work( 2, NULL, NULL );
     add_work( world, 2, 2 );
     add_work( world, 2, 2 );
@@ -231,6 +234,7 @@ static void a_failing_pass_fails_the_step_and_the_others_finish( void** state )
 
 static void counters_add_up_over_blocks_and_steps( void** state )
 {
+    (void)state;
     wisp_world* world = open_work( 3, NULL, NULL );
     add_work( world, WORK_GROUPS, 4 );
     for ( int i = 0; i < 3; ++i )
@@ -244,6 +248,7 @@ static void counters_add_up_over_blocks_and_steps( void** state )
 
 static void a_pass_knows_how_many_steps_came_before( void** state )
 {
+    (void)state;
     wisp_world* world = open_work( 1, NULL, NULL );
     add_work( world, 1, 2 );
     for ( int i = 0; i < 3; ++i )
@@ -257,6 +262,7 @@ static void a_pass_knows_how_many_steps_came_before( void** state )
 
 static void a_workspace_is_one_zeroed_block_a_worker_kept_from_step_to_step( void** state )
 {
+    (void)state;
     wisp_world* world = open_work( 3, NULL, NULL );
     add_work( world, WORK_GROUPS, 4 );
     step( world );
@@ -305,24 +311,28 @@ static int calls_of_a_step( int entities, int groups, int length )
 
 static void a_host_is_called_once_a_wave_of_the_plan_and_once_a_loop_of_a_lone_entity( void** state )
 {
+    (void)state;
     // one wave of fused groups; the sum runs alone, and its own loop is the second call
     assert_int_equal( calls_of_a_step( 1, 20, 4 ), 2 );
 }
 
 static void many_small_entities_share_a_wave_and_loop_alone( void** state )
 {
+    (void)state;
     // one wave of fused groups, one wave of nine sums that keep to their workers
     assert_int_equal( calls_of_a_step( 9, 4, 4 ), 2 );
 }
 
 static void large_entities_get_all_workers_one_after_the_other( void** state )
 {
+    (void)state;
     // one wave of fused groups; two entities of more than 256 rows, a loop each
     assert_int_equal( calls_of_a_step( 2, 20, 20 ), 3 );
 }
 
 static void a_tiny_wave_wakes_nobody( void** state )
 {
+    (void)state;
     assert_int_equal( calls_of_a_step( 1, 3, 2 ), 0 );
 }
 
@@ -401,6 +411,7 @@ static wisp_world* open_spinning( int workers )
 
 static void a_profile_has_one_line_a_kept_pass_in_plan_order( void** state )
 {
+    (void)state;
     wisp_world* world = open_spinning( 2 );
     wisp_profile p = wisp_world_profile( world );
     assert_int_equal( p.count, 3 );
@@ -415,6 +426,7 @@ static void a_profile_has_one_line_a_kept_pass_in_plan_order( void** state )
 
 static void a_profile_sums_to_no_more_than_its_step( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 3; ++workers )
     {
         wisp_world* world = open_spinning( workers );
@@ -437,6 +449,7 @@ static void a_profile_sums_to_no_more_than_its_step( void** state )
 
 static void a_profile_tells_fused_passes_apart( void** state )
 {
+    (void)state;
     wisp_world* world = open_spinning( 1 );
     assert_non_null( strstr( plan_text( world ), "spin.short+spin.long" ) );
     int told_apart = 0;

@@ -8,6 +8,7 @@ static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
 
 static void edges_have_the_counts_of_their_lengths( void** state )
 {
+    (void)state;
     // of half a metre: 0.3, 1, 1.5, 2 and 3.7 spacings (section 2.1), all of them floats
     const float lengths[] = { 0.15f, 0.5f, 0.75f, 1.0f, 1.85f };
     const int even[] = { 0, 0, 0, 1, 2 }, exact[] = { 0, 0, 1, 1, 3 }, up[] = { 0, 0, 1, 1, 3 },
@@ -33,6 +34,7 @@ static void edges_have_the_counts_of_their_lengths( void** state )
 
 static void the_reference_sphere_has_the_counts_of_the_table( void** state )
 {
+    (void)state;
     // the boundary particle paper's trade-off of density against cost
     const float spacings[] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int expected[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
@@ -71,6 +73,7 @@ static double distance_of( const float* a, const float* b )
 
 static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     for ( int policy = 0; policy < WISP_SPACING_COUNT; ++policy )
     {
@@ -111,6 +114,7 @@ static void points_are_their_parents_by_weights_that_sum_to_one( void** state )
 
 static void gaps_along_edges_are_those_of_the_policy( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     const double d = 0.07, slack = 2.0 * PLACE_ROUNDING;
     const struct
@@ -182,6 +186,7 @@ static float* copy_of_positions( const samples_mesh* m )
 
 static void refreshing_in_place_equals_sampling_from_scratch( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     float* rest = copy_of_positions( &m );
     int in_place = 0, some = 0;
@@ -215,6 +220,7 @@ static void refreshing_in_place_equals_sampling_from_scratch( void** state )
 
 static void workers_do_not_change_a_bit( void** state )
 {
+    (void)state;
     const int workers[] = { 2, 3, 5, 8 };
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     float* rest = copy_of_positions( &m );
@@ -247,6 +253,7 @@ static void workers_do_not_change_a_bit( void** state )
 
 static void only_what_changes_is_sampled_anew( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
@@ -263,6 +270,7 @@ static void only_what_changes_is_sampled_anew( void** state )
 
 static void an_element_with_its_own_spacing_has_its_own_count( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer *all = layer_open( &m, 0.03f, 1 ), *each = layer_open( &m, 1.0f, 2 );
     float* spacing = samples_array( (size_t)( m.edge_count + m.triangle_count ), sizeof( float ) );
@@ -298,6 +306,7 @@ static samples_mesh one_triangle( float length )
 
 static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state )
 {
+    (void)state;
     samples_mesh m = one_triangle( 2.1f );
     layer* l = layer_open( &m, 1.0f, 1 );
     l->args.hysteresis = 0.2f;
@@ -316,6 +325,7 @@ static void hysteresis_keeps_counts_until_lengths_are_well_beyond( void** state 
 
 static void a_state_put_back_brings_its_points_back( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     float* rest = copy_of_positions( &m );
     layer *through = layer_open( &m, 0.05f, 1 ), *back = layer_open( &m, 0.05f, 1 );
@@ -354,6 +364,7 @@ static void a_state_put_back_brings_its_points_back( void** state )
 
 static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer* l = layer_open( &m, 0.05f, 1 );
     layer_update( l );
@@ -383,6 +394,7 @@ static void a_layer_beyond_its_limit_stays_as_it_was_and_follows( void** state )
 
 static void without_memory_points_are_those_of_the_last_call( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer* l = layer_open( &m, 0.05f, 1 );
     test_host_refuse( &l->host, 1, true );
@@ -407,6 +419,7 @@ static void without_memory_points_are_those_of_the_last_call( void** state )
 
 static void a_warm_layer_asks_for_no_memory( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
     float* rest = copy_of_positions( &m );
     layer* l = layer_open( &m, 0.06f, 3 );
@@ -431,6 +444,7 @@ static void a_warm_layer_asks_for_no_memory( void** state )
 
 static void triangles_without_area_and_edges_without_length_have_no_points( void** state )
 {
+    (void)state;
     const wisp_vec3 flat[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 3.0f, 0.0f, 0.0f } };
     const wisp_vec3 folded[3] = { { 1.0f, 1.0f, 0.0f }, { 1.0f, 1.0f, 0.0f }, { 4.0f, 1.0f, 0.0f } };
     const wisp_vec3* shapes[] = { flat, folded };
@@ -461,6 +475,7 @@ static void triangles_without_area_and_edges_without_length_have_no_points( void
 
 static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
 {
+    (void)state;
     // legs of a right triangle, rotated through its corners
     const wisp_vec3 points[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } };
     const int32_t corners[3][3] = { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 } };
@@ -480,6 +495,7 @@ static void the_lowest_of_equally_short_sides_is_the_axis( void** state )
 
 static void what_is_not_finite_is_skipped_and_comes_back( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     const float good = m.position[4 * 50 + 1];
     layer *l = layer_open( &m, 0.05f, 1 ), *other = layer_open( &m, 0.05f, 1 );
@@ -509,6 +525,7 @@ static void what_is_not_finite_is_skipped_and_comes_back( void** state )
 
 static void normals_that_cancel_give_way_to_those_of_faces( void** state )
 {
+    (void)state;
     const wisp_vec3 points[4] = {
         { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 1.5f, 0.0f }, { 0.0f, -2.0f, 0.0f }
     };
@@ -545,6 +562,7 @@ static void normals_that_cancel_give_way_to_those_of_faces( void** state )
 
 static void normals_along_lines_are_between_those_of_their_ends( void** state )
 {
+    (void)state;
     samples_mesh m = one_triangle( 2.0f );
     const float normals[3][4] = { { 1.0f, 0.0f, 0.0f, 0.0f },
                                   { 0.0f, 1.0f, 0.0f, 0.0f },
@@ -588,6 +606,7 @@ static void normals_along_lines_are_between_those_of_their_ends( void** state )
 
 static void a_layer_without_normals_has_places_alone( void** state )
 {
+    (void)state;
     samples_mesh m = samples_sphere( 14, 13, 1.0 );
     layer *with = layer_open( &m, 0.05f, 1 ), *without = layer_open( &m, 0.05f, 1 );
     without->args.normal = NULL;

@@ -71,6 +71,7 @@ static double plain_distance( const wisp_shape* s, wisp_vec3 p )
 
 static void a_distance_is_the_definition_rounded_once( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < POINTS; ++i )
@@ -86,6 +87,7 @@ static void a_distance_is_the_definition_rounded_once( void** state )
 
 static void the_closest_point_lies_on_the_surface_at_that_distance( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < POINTS; ++i )
@@ -117,6 +119,7 @@ static bool is_near_kink( const wisp_shape* s, wisp_vec3 p, float reach )
 
 static void the_normal_is_the_gradient_of_the_distance( void** state )
 {
+    (void)state;
     const float step = 1e-3f;
     int compared = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
@@ -150,6 +153,7 @@ static void the_normal_is_the_gradient_of_the_distance( void** state )
 
 static void points_without_a_single_closest_one_have_a_fixed_normal( void** state )
 {
+    (void)state;
     const wisp_vec3 zero = { 0.0f, 0.0f, 0.0f }, x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f };
     const wisp_shape cube = { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, 1.0f, 1.0f } };
     wisp_surface_point sphere = closest( SHAPES + 1, zero ), capsule = closest( SHAPES + 2, zero );
@@ -167,6 +171,7 @@ static void points_without_a_single_closest_one_have_a_fixed_normal( void** stat
 
 static void sizes_of_zero_have_a_surface_and_unit_normals( void** state )
 {
+    (void)state;
     const wisp_shape flat[] = { { .kind = WISP_SHAPE_SPHERE },
                                 { .kind = WISP_SHAPE_CAPSULE },
                                 { .kind = WISP_SHAPE_CAPSULE, .half_length = 1.0f },
@@ -187,6 +192,7 @@ static void sizes_of_zero_have_a_surface_and_unit_normals( void** state )
 
 static void numbers_of_any_size_are_answered( void** state )
 {
+    (void)state;
     const float sizes[] = { FLT_MIN, 1e-44f, 1e-20f, 1e20f, 1e38f };
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -232,6 +238,7 @@ static double min_distance( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
 
 static void a_path_meets_the_surface_where_sampling_does( void** state )
 {
+    (void)state;
     int met = 0, missed = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -270,6 +277,7 @@ static void a_path_meets_the_surface_where_sampling_does( void** state )
 
 static void a_hit_faces_the_path( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         for ( int i = 0; i < PATHS; ++i )
@@ -289,6 +297,7 @@ static void a_hit_faces_the_path( void** state )
 
 static void nothing_gets_inside_without_a_hit( void** state )
 {
+    (void)state;
     int entered = 0;
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
@@ -313,6 +322,7 @@ static void nothing_gets_inside_without_a_hit( void** state )
 
 static void a_path_through_a_flat_plate_meets_it( void** state )
 {
+    (void)state;
     const wisp_shape plate = { .kind = WISP_SHAPE_BOX, .half_extent = { 1.0f, 0.0f, 1.0f } };
     for ( int i = 0; i < 1000; ++i )
     {
@@ -329,6 +339,7 @@ static void a_path_through_a_flat_plate_meets_it( void** state )
 
 static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
 {
+    (void)state;
     const wisp_vec3 on[] = { { 0.3f, 0.0f, 0.2f }, { 0.7f, 0.0f, 0.0f }, { 0.4f, 0.1f, 0.0f }, { 0.5f, 0.1f, 0.1f } };
     const wisp_vec3 outward[] = {
         { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }
@@ -356,6 +367,7 @@ static wisp_transform random_pose( int i, int k )
 
 static void into_the_body_and_back_is_where_one_was( void** state )
 {
+    (void)state;
     for ( int i = 0; i < POINTS; ++i )
     {
         wisp_transform pose = random_pose( i, 0 );
@@ -369,6 +381,7 @@ static void into_the_body_and_back_is_where_one_was( void** state )
 
 static void a_quarter_turn_goes_the_right_way( void** state )
 {
+    (void)state;
     const float s = sqrtf( 0.5f );
     wisp_transform pose =
         wisp_transform_make( ( wisp_quat ){ 0.0f, 0.0f, 3.0f * s, 3.0f * s }, ( wisp_vec3 ){ 1, 2, 3 } );
@@ -381,6 +394,7 @@ static void a_quarter_turn_goes_the_right_way( void** state )
 
 static void a_rotation_without_a_direction_is_none( void** state )
 {
+    (void)state;
     const wisp_quat bad[] = { { 0, 0, 0, 0 }, { NAN, 0, 0, 1 }, { INFINITY, 0, 0, 0 }, { 0, -INFINITY, NAN, 0 } };
     for ( int i = 0; i < WISP_COUNT( bad ); ++i )
     {
@@ -419,6 +433,7 @@ static float turn_error( float degrees, float sign )
 
 static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** state )
 {
+    (void)state;
     // the bounds that the header states; q and -q are the same rotation
     assert_true( turn_error( 20.0f, 1.0f ) <= 0.02f );
     assert_true( turn_error( 90.0f, 1.0f ) <= 2.0f );
@@ -433,6 +448,7 @@ static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** 
 
 static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
 {
+    (void)state;
     for ( int i = 0; i < 200; ++i )
     {
         wisp_transform a = random_pose( i, 0 ), b = random_pose( i, 10 );
@@ -448,6 +464,7 @@ static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
 
 static void numbers_that_are_none_are_answered_with_nothing( void** state )
 {
+    (void)state;
     const float bad[] = { NAN, INFINITY, -INFINITY };
     const wisp_vec3 good = { 0.0f, 3.0f, 0.0f };
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
@@ -470,6 +487,7 @@ static void numbers_that_are_none_are_answered_with_nothing( void** state )
 
 static void a_wrong_size_is_named( void** state )
 {
+    (void)state;
     const struct
     {
         wisp_shape shape;

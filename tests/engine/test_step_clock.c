@@ -30,6 +30,7 @@ static double random_dt( int number )
 
 static void constant_steps_have_the_same_substeps_exactly( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     for ( int i = 0; i < 1500; ++i )
@@ -46,6 +47,7 @@ static void constant_steps_have_the_same_substeps_exactly( void** state )
 // Substeps never shrink by more than 0.2 % from step to step, and their sum follows that of the steps within one substep.
 static void steps_of_any_length_have_substeps_that_barely_change( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     double asked = 0.0, simulated = 0.0, last = 0.0;
@@ -68,6 +70,7 @@ static void steps_of_any_length_have_substeps_that_barely_change( void** state )
 // A pin that is told where to be at the end of each step moves at constant speed over all substeps.
 static void a_steady_target_is_followed_at_a_steady_speed( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     double place = 0.0, from = 0.0, to = 0.0, time = 0.0;
@@ -97,6 +100,7 @@ static void a_steady_target_is_followed_at_a_steady_speed( void** state )
 
 static void a_new_usual_length_is_followed( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     const double lengths[] = { 1.0 / 60.0, 1.0 / 120.0, 1.0 / 30.0 };
@@ -114,6 +118,7 @@ static void a_new_usual_length_is_followed( void** state )
 
 static void one_long_step_costs_at_most_eight( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     for ( int i = 0; i < 50; ++i )
@@ -133,6 +138,7 @@ static void one_long_step_costs_at_most_eight( void** state )
 
 static void a_trial_step_at_the_start_does_not_set_the_usual_length( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     advance( &clock, frame, 1e-6 );
@@ -143,6 +149,7 @@ static void a_trial_step_at_the_start_does_not_set_the_usual_length( void** stat
 
 static void a_step_that_must_run_has_one_substep( void** state )
 {
+    (void)state;
     step_clock clock = { 0 };
     wisp_frame* frame = new_frame();
     advance( &clock, frame, 1.0 / 60.0 );
@@ -155,6 +162,7 @@ static void a_step_that_must_run_has_one_substep( void** state )
 
 static void clocks_that_no_step_leaves_are_refused( void** state )
 {
+    (void)state;
     const float nan = nanf( "" );
     assert_true( step_clock_check( &( step_clock ){ 0 } ) );
     assert_false( step_clock_check( &( step_clock ){ .usual_dt = nan } ) );

@@ -35,6 +35,7 @@ static int best_by_budget( const surface* s, double budget )
 
 static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all( void** state )
 {
+    (void)state;
     int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
@@ -58,6 +59,7 @@ static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all
 
 static void the_most_accurate_choice_within_a_budget_is_found_without_running_all( void** state )
 {
+    (void)state;
     int runs = 0, configurations = 0;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
@@ -76,6 +78,7 @@ static void the_most_accurate_choice_within_a_budget_is_found_without_running_al
 
 static void values_out_of_order_cost_a_tenth_at_most( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 3 );
@@ -91,6 +94,7 @@ static void values_out_of_order_cost_a_tenth_at_most( void** state )
 
 static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state )
 {
+    (void)state;
     surface s = { .counts = { 5, 1, 1 }, .ms = { 1.0, 2.0, 3.0, 2.9, 2.8 }, .error = { 0.5, 0.4, 0.3, 0.2, 0.1 } };
     searched by_error = search_of( &s, 0.3, 0.0 );
     wisp_tune_result cheap = find( &by_error );
@@ -100,6 +104,7 @@ static void a_finer_value_that_is_cheaper_is_found_beside_the_best( void** state
 
 static void nothing_is_concluded_across_values_without_order( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 1, 4 );
@@ -120,6 +125,7 @@ static void nothing_is_concluded_across_values_without_order( void** state )
 
 static void noise_of_times_never_lets_an_error_pass( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 6, 5, 3 );
@@ -139,6 +145,7 @@ static void noise_of_times_never_lets_an_error_pass( void** state )
 
 static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
 {
+    (void)state;
     for ( uint64_t seed = 1; seed <= SEEDS; ++seed )
     {
         surface s = make_surface( seed, 5, 4, 3 );
@@ -169,6 +176,7 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
 
 static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( void** state )
 {
+    (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 1e-30, 0.0 );
     wisp_tune_result found = find( &args );
@@ -180,6 +188,7 @@ static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( vo
 
 static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** state )
 {
+    (void)state;
     surface s = make_surface( 3, 6, 5, 4 );
     searched args = search_of( &s, 0.0, 1e-30 );
     wisp_tune_result found = find( &args );
@@ -190,6 +199,7 @@ static void a_budget_out_of_reach_gives_the_fastest_choice_and_says_so( void** s
 
 static void where_every_choice_halts_nothing_is_met( void** state )
 {
+    (void)state;
     surface s = make_surface( 3, 3, 2, 2 );
     for ( int i = 0; i < size_of( &s ); ++i )
     {
@@ -211,6 +221,7 @@ static void where_every_choice_halts_nothing_is_met( void** state )
 
 static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
 {
+    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     s.noise = 0.05;
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
@@ -234,6 +245,7 @@ static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
 
 static void a_limit_of_runs_is_kept_and_told( void** state )
 {
+    (void)state;
     for ( int limit = 1; limit <= 12; ++limit )
     {
         surface s = make_surface( 5, 6, 5, 4 );
@@ -310,6 +322,7 @@ static double best_of_many( const many_surface* s, double target )
 // Ruling out takes more than sixty runs here, so the limit falls into it: how much dearer the choice is than the best.
 static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state )
 {
+    (void)state;
     double sum = 0.0;
     for ( int seed = 1; seed <= 10; ++seed )
     {
@@ -339,6 +352,7 @@ static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state 
 
 static void time_that_is_up_leaves_one_run( void** state )
 {
+    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, 0.01, 0.0 );
     args.args.max_seconds = 1e-300;
@@ -356,6 +370,7 @@ static bool stop_after_five( void* user, int run_count, int max_runs )
 
 static void the_host_may_stop_a_search( void** state )
 {
+    (void)state;
     surface s = make_surface( 5, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     int told = 0;
@@ -370,6 +385,7 @@ static void the_host_may_stop_a_search( void** state )
 
 static void a_parameter_of_one_value_is_left_alone( void** state )
 {
+    (void)state;
     surface s = make_surface( 5, 1, 1, 1 );
     searched args = search_of( &s, 1.0, 0.0 );
     wisp_tune_result found = find( &args );
@@ -381,6 +397,7 @@ static void a_parameter_of_one_value_is_left_alone( void** state )
 
 static void the_same_samples_lead_to_the_same_result( void** state )
 {
+    (void)state;
     surface first = make_surface( 8, 6, 5, 4 ), second = first;
     first.noise = second.noise = 0.2;
     const double target = between( first.error, size_of( &first ), 0.5 );
@@ -396,6 +413,7 @@ static void the_same_samples_lead_to_the_same_result( void** state )
 
 static void the_front_is_what_nothing_beats( void** state )
 {
+    (void)state;
     surface s = make_surface( 9, 6, 5, 4 );
     searched args = search_of( &s, between( s.error, size_of( &s ), 0.4 ), 0.0 );
     wisp_tune_result found = find( &args );

@@ -14,6 +14,7 @@ static void assert_no_search( searched* args, wisp_status expected, const char* 
 
 static void bad_targets_are_refused( void** state )
 {
+    (void)state;
     static const double targets[][2] = { { 0, 0 }, { 1, 1 }, { -1, 0 }, { 0, -1 }, { 1, -1 } };
     surface s = make_surface( 1, 2, 2, 2 );
     for ( int i = 0; i < WISP_COUNT( targets ); ++i )
@@ -29,6 +30,7 @@ static void bad_targets_are_refused( void** state )
 
 static void bad_parameters_are_refused( void** state )
 {
+    (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched none = search_of( &s, 1, 0 ), nine = none, nameless = none, empty = none, many = none, absent = none;
     none.args.parameter_count = 0;
@@ -52,6 +54,7 @@ static void bad_parameters_are_refused( void** state )
 
 static void bad_limits_are_refused( void** state )
 {
+    (void)state;
     surface s = make_surface( 1, 2, 2, 2 );
     searched runs = search_of( &s, 1, 0 ), seconds = runs, repeats = runs, callback = runs, allocator = runs;
     runs.args.max_runs = 0;
@@ -70,6 +73,7 @@ static void bad_limits_are_refused( void** state )
 
 static void a_run_that_fails_ends_the_search_with_its_message( void** state )
 {
+    (void)state;
     for ( int run = 1; run <= 6; ++run )
     {
         surface s = make_surface( 5, 6, 5, 4 );
@@ -82,6 +86,7 @@ static void a_run_that_fails_ends_the_search_with_its_message( void** state )
 
 static void a_sample_that_is_no_number_is_refused( void** state )
 {
+    (void)state;
     static const double wrong[] = { NAN, INFINITY, -1.0 };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -96,6 +101,7 @@ static void a_sample_that_is_no_number_is_refused( void** state )
 
 static void memory_that_runs_out_is_told_and_all_comes_back( void** state )
 {
+    (void)state;
     for ( int refuse = 0; refuse <= 2; ++refuse )
     {
         test_host host = { .refuse = refuse };

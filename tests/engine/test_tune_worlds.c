@@ -157,6 +157,7 @@ static wisp_tune_result find( cloth_host* host, const wisp_tune_def* args )
 
 static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void** state )
 {
+    (void)state;
     // The error of a choice in the middle is a target that some meet and some miss.
     static const int middle[2] = { 2, 0 };
     double target, largest;
@@ -186,6 +187,7 @@ static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void*
 
 static void a_generous_budget_gives_the_most_accurate_of_what_was_run( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = 9.81f };
     const wisp_tune_def args = job_of( &host, 0.0, 1e6 );
     wisp_tune_result found = find( &host, &args );
@@ -208,6 +210,7 @@ static wisp_status own_step( void* user, wisp_tune_world* world, int step, wisp_
 
 static void a_host_may_step_worlds_itself( void** state )
 {
+    (void)state;
     cloth_host ours = { .gravity = 9.81f }, theirs = ours;
     wisp_tune_def args = job_of( &ours, 1e-9, 0.0 );
     wisp_tune_result plain = find( &ours, &args ), stepped;
@@ -239,6 +242,7 @@ static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const
 
 static void a_reference_that_halts_is_no_reference( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = TOO_MUCH };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -248,6 +252,7 @@ static void a_reference_that_halts_is_no_reference( void** state )
 
 static void worlds_of_different_points_are_not_compared( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = 9.81f, .more_at = 8 };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -256,6 +261,7 @@ static void worlds_of_different_points_are_not_compared( void** state )
 
 static void a_world_that_cannot_be_built_ends_the_search( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = 9.81f, .fail_at_substeps = 8 };
     const wisp_tune_def args = job_of( &host, 1e-9, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -265,6 +271,7 @@ static void a_world_that_cannot_be_built_ends_the_search( void** state )
 
 static void wrong_definitions_are_refused_before_anything_is_built( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = 9.81f };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 ), neither = job_of( &host, 0.0, 0.0 );
     const wisp_tune_worlds_def good = worlds_def( &host );
@@ -285,6 +292,7 @@ static void wrong_definitions_are_refused_before_anything_is_built( void** state
 
 static void what_is_no_point_is_refused( void** state )
 {
+    (void)state;
     cloth_host host = { .gravity = 9.81f, .points = { .component = WISP_SURFACE_NORMALS } };
     const wisp_tune_def args = job_of( &host, 1e-3, 0.0 );
     const wisp_tune_worlds_def def = worlds_def( &host );
@@ -295,6 +303,7 @@ static void what_is_no_point_is_refused( void** state )
 
 static void memory_that_runs_out_is_told( void** state )
 {
+    (void)state;
     for ( int refuse = 1; refuse <= 4; ++refuse )
     {
         cloth_host host = { .gravity = 9.81f, .memory = { .refuse = refuse } };

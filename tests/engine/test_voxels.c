@@ -262,6 +262,7 @@ static void ask_all( const test_mesh* m, wisp_collision_mesh* voxels, wisp_colli
 
 static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void** state )
 {
+    (void)state;
     for ( int which = 0; which < MESHES; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -289,6 +290,7 @@ static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void**
 
 static void meshes_of_any_scale_are_answered_alike( void** state )
 {
+    (void)state;
     const float scales[] = { 1e-6f, 1e-3f, 1e5f, 3e8f };
     for ( int k = 0; k < WISP_COUNT( scales ); ++k )
     {
@@ -313,6 +315,7 @@ static void meshes_of_any_scale_are_answered_alike( void** state )
 
 static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 16, false );
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
@@ -332,6 +335,7 @@ static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void**
 
 static void few_triangles_are_looked_at_near_the_surface( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 40, false ); // 19 200 triangles
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_collision_mesh_query_stats work = { 0 };
@@ -355,6 +359,7 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
 
 static void numbers_that_are_none_are_refused( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* voxels = make_voxels( &m, true, 0.0f );
     assert_refuses_bad_numbers( voxels );
@@ -364,6 +369,7 @@ static void numbers_that_are_none_are_refused( void** state )
 
 static void the_ends_of_the_reach_are_answered( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 1e-6f );
     assert_answers_the_ends_of_the_reach( voxels );
@@ -382,6 +388,7 @@ static wisp_vec3* copy_points( const test_mesh* m )
 
 static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 24, 0.1f );
     wisp_vec3* rest = copy_points( &m );
     wisp_collision_mesh *voxels = make_voxels( &m, true, 0.0f ), *tree = make_tree_if_any( &m, true );
@@ -405,6 +412,7 @@ static void voxels_of_a_mesh_that_deforms_are_built_again( void** state )
 
 static void an_update_that_fails_leaves_everything_as_it_was( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 12, 0.1f );
     test_host host = { 0 };
     wisp_allocator allocator = test_host_allocator( &host );
@@ -449,6 +457,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
 
 static void a_rigid_mesh_cannot_be_updated( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_sheet( 2, 0.0f );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
     wisp_error error = { 0 };
@@ -462,6 +471,7 @@ static void a_rigid_mesh_cannot_be_updated( void** state )
 
 static void voxels_are_no_more_than_there_may_be( void** state )
 {
+    (void)state;
     for ( int which = 0; which < POINT_LIKE; ++which )
     {
         test_mesh m = make_mesh( which );
@@ -484,6 +494,7 @@ static void voxels_are_no_more_than_there_may_be( void** state )
 
 static void voxels_are_as_large_as_queried_for( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 20, false );
     wisp_collision_mesh* queried = make_voxels( &m, false, 0.125f );
     wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( queried );
@@ -500,6 +511,7 @@ static void voxels_are_as_large_as_queried_for( void** state )
 
 static void a_limit_of_memory_makes_voxels_larger( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_bumpy( 20 );
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     def.search = WISP_MESH_SEARCH_VOXELS;
@@ -528,6 +540,7 @@ static void a_limit_of_memory_makes_voxels_larger( void** state )
 
 static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 4, false );
     for ( int deforms = 0; deforms < 2; ++deforms )
     {
@@ -542,6 +555,7 @@ static void every_refused_block_is_a_message_and_leaves_nothing( void** state )
 
 static void a_wrong_search_is_refused( void** state )
 {
+    (void)state;
     test_mesh m = test_mesh_ball( 2, false );
     const struct
     {

@@ -280,6 +280,7 @@ static wisp_world* open_frozen_world( const wisp_module* const* modules, int cou
 
 static void a_snapshot_of_a_world_with_other_modules_goes_on_alike_or_is_refused( void** state )
 {
+    (void)state;
     static const wisp_module* const more[] = { &wisp_environment_module, &wisp_strand_appearance_module,
                                                &wisp_frozen_hair_module };
     wisp_entity e, other_e;

@@ -80,6 +80,28 @@ static void a_step_of_its_own_shows_its_own_points( void** state )
     assert_true( fabs( x_of( h->world, e ) - 3.0 * (double)DT ) < 1e-5 );
 }
 
+// Interpolation is for the eye: a hash is that of the step, and what is restored is shown as it was.
+static void hashes_and_restored_points_are_those_of_the_step( void** state )
+{
+    hosted* h = *state;
+    const wisp_entity e = add_flying( h->world );
+    const size_t capacity = wisp_world_snapshot_size( h->world ) + 100000;
+    char* bytes = malloc( capacity );
+    assert_non_null( bytes );
+    advance( h->world, 2.0 * (double)DT );
+    const uint64_t hash = hash_of( h->world, e, WISP_SURFACE_POINTS );
+    advance( h->world, 0.5 * (double)DT );
+    assert_true( hash_of( h->world, e, WISP_SURFACE_POINTS ) == hash );
+    assert_true( fabs( x_of( h->world, e ) - 1.5 * (double)DT ) < 1e-5 );
+    const size_t size = wisp_world_snapshot_size( h->world );
+    assert_true( size <= capacity );
+    assert_status( h->world, wisp_world_snapshot( h->world, bytes, size ), WISP_OK );
+    advance( h->world, 3.0 * (double)DT );
+    assert_status( h->world, wisp_world_restore( h->world, bytes, size ), WISP_OK );
+    assert_true( fabs( x_of( h->world, e ) - 2.0 * (double)DT ) < 1e-5 );
+    free( bytes );
+}
+
 static void entities_may_come_and_go( void** state )
 {
     hosted* h = *state;
@@ -131,6 +153,7 @@ int main( void )
         WORLD_TEST( each_step_is_announced_and_eight_are_the_most ),
         WORLD_TEST( a_step_of_its_own_shows_its_own_points ),
         WORLD_TEST( entities_may_come_and_go ),
+        WORLD_TEST( hashes_and_restored_points_are_those_of_the_step ),
         WORLD_TEST( a_repeated_call_allocates_nothing ),
         WORLD_TEST( wrong_times_are_refused ),
     };

@@ -18,6 +18,7 @@ static void assert_no_world( const wisp_world_def* def, const char* words )
 
 static void a_world_of_impossible_workers_is_refused( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.workers = -1;
@@ -28,6 +29,7 @@ static void a_world_of_impossible_workers_is_refused( void** state )
 
 static void a_world_of_no_loops_is_refused( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 0;
     assert_no_world( &def, "substeps, iterations: got 0 and" );
@@ -38,6 +40,7 @@ static void a_world_of_no_loops_is_refused( void** state )
 
 static void half_an_allocator_is_refused( void** state )
 {
+    (void)state;
     test_host host = { 0 };
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
@@ -51,6 +54,7 @@ static void half_an_allocator_is_refused( void** state )
 
 static void modules_that_are_not_there_are_refused( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.module_count = -1;
@@ -61,6 +65,7 @@ static void modules_that_are_not_there_are_refused( void** state )
 
 static void an_unknown_instruction_set_is_refused( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.isa = "sse9";
@@ -69,6 +74,7 @@ static void an_unknown_instruction_set_is_refused( void** state )
 
 static void a_known_instruction_set_is_a_cap( void** state )
 {
+    (void)state;
     static const char* const isas[] = { "baseline", "avx2", "avx512" };
     for ( int i = 0; i < WISP_COUNT( isas ); ++i )
     {
@@ -89,6 +95,7 @@ static void a_known_instruction_set_is_a_cap( void** state )
 
 static void a_default_world_has_a_worker_and_an_instruction_set( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     wisp_world* world = NULL;
@@ -112,6 +119,7 @@ static bool count_assert( const char* condition, const char* file, int line )
 
 static void a_definition_that_was_not_filled_by_default_is_wrong_code( void** state )
 {
+    (void)state;
     wisp_world_def def = wisp_default_world_def();
     def.substeps = 1;
     def.cookie = 0;
@@ -193,6 +201,7 @@ static wisp_status declare_nothing_and_fail( wisp_registry* r )
 
 static void a_module_that_declares_wrongly_is_refused_by_name( void** state )
 {
+    (void)state;
     static const struct
     {
         wisp_module module;

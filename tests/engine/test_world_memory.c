@@ -62,6 +62,7 @@ static void coming_and_going_again_and_again_holds_no_more_memory( void** state 
 
 static void a_world_with_many_workers_gives_everything_back( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 8; ++workers )
     {
         hosted h = { 0 };
@@ -103,6 +104,7 @@ static int64_t requests_of_warm_steps( int workers )
 
 static void a_warm_step_asks_for_no_memory( void** state )
 {
+    (void)state;
     assert_int_equal( requests_of_warm_steps( 1 ), 0 );
     assert_int_equal( requests_of_warm_steps( 2 ), 0 );
     assert_int_equal( requests_of_warm_steps( 5 ), 0 );
@@ -287,16 +289,19 @@ static void refuse_every_request( int workers, bool rest )
 
 static void any_one_request_may_be_refused( void** state )
 {
+    (void)state;
     refuse_every_request( 1, false );
 }
 
 static void any_one_request_may_be_refused_where_workers_ask( void** state )
 {
+    (void)state;
     refuse_every_request( 3, false );
 }
 
 static void memory_may_end_at_any_request( void** state )
 {
+    (void)state;
     refuse_every_request( 1, true );
     refuse_every_request( 3, true );
 }

@@ -27,6 +27,7 @@ static const double ROUNDING = 1e-6;
 
 static void one_substep_is_the_oracles_in_every_mode( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     double worst = 0.0;
     int modes = 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * 2;
@@ -63,6 +64,7 @@ static void one_substep_is_the_oracles_in_every_mode( void** state )
 
 static void the_stats_of_a_substep_are_the_oracles( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = busy_scene( &mesh );
     scene.dt = 1.0f / 600.0f;
@@ -171,6 +173,7 @@ static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int 
 // links, as the paper has it, both are only as close as the solver is converged.
 static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     // by three vertices, because two let it swing
     const int32_t pins[3] = { balloon_mesh_farthest( &mesh, double3_make( 0.0, -1.0, 0.0 ) ),
@@ -216,6 +219,7 @@ static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles(
 // Fig. 1: eight pairs at once, each alone with its two particles
 static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_their_inverse_masses( void** state )
 {
+    (void)state;
     static const float WEIGHTS[3][2] = { { 1.0f, 1.0f }, { 1.0f, 3.0f }, { 0.0f, 1.0f } };
     const wisp_kernels* kernels = kernels_select( NULL, NULL );
     for ( int n = 0; n < 6; ++n )
@@ -259,6 +263,7 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
 // Fig. 2
 static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_link_over_each( void** state )
 {
+    (void)state;
     balloon_mesh meshes[4];
     assert_true( balloon_mesh_tetrahedron( meshes, 1.0 ) && balloon_mesh_bipyramid( meshes + 1, 1.0 ) &&
                  balloon_mesh_icosphere( meshes + 2, 3, 1.0 ) && balloon_mesh_torus( meshes + 3, 7, 5, 1.0, 0.3 ) );
@@ -303,6 +308,7 @@ static double figure_volume( const balloon_mesh* mesh, wisp_vec3 place )
 // Eq. 7: whole numbers, so that not even floats round
 static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     assert_true( figure_volume( &mesh, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ) == 1.0 );
@@ -313,6 +319,7 @@ static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state 
 // Eq. 8: the area vectors that drag, outlet and volume share
 static void area_vectors_are_the_gradient_of_the_volume( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1e-6f;
@@ -358,6 +365,7 @@ static void area_vectors_are_the_gradient_of_the_volume( void** state )
 // Fig. 3
 static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 {
+    (void)state;
     const float target[] = { 0.5f, 1.0f, 1.5f, 2.0f };
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int n = 0; n < 8; ++n )
@@ -385,6 +393,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 // Section III.2
 static void the_volume_follows_a_ramp_of_its_gas( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 30.0f;
@@ -417,6 +426,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
 // Eq. 9
 static void the_gas_obeys_its_law_and_has_the_densities_of_the_source( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.3f;
@@ -463,6 +473,7 @@ static double settled_pressure( const balloon_mesh* mesh, int substeps, int iter
 // exact but whose links round to 1e-7 of lengths that strain by 6 %.
 static void the_pressure_readings_agree_where_substeps_make_them( void** state )
 {
+    (void)state;
     const struct
     {
         int substeps, iterations;
@@ -498,6 +509,7 @@ static void the_pressure_readings_agree_where_substeps_make_them( void** state )
 // References, section 1: exact for a mesh whose every length is scaled by s, with a peak at s = 2
 static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
     double peak = 0.0;
     for ( int n = 0; n < 5; ++n )
@@ -538,6 +550,7 @@ static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
 // A slack skin holds no pressure, however much smaller than its rest shape.
 static void a_slack_skin_reads_no_pressure( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.scale = 0.9;
@@ -552,6 +565,7 @@ static void a_slack_skin_reads_no_pressure( void** state )
 // lambda / dt^2 belongs to the substep that made it
 static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.substeps = 1;

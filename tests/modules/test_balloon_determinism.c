@@ -113,6 +113,7 @@ static determinism_case describe( int number )
 // Figures are read, not felt.
 static void asking_for_stats_does_not_change_a_bit( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         uint64_t hashes[2];

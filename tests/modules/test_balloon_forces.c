@@ -10,6 +10,7 @@ static const double AIR = 1.20410, HELIUM = 0.16639; // kg/m^3, printed digits
 // Eq. 1-2, gravity
 static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int substeps = 1; substeps <= 10; substeps += 9 )
     {
@@ -41,6 +42,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 // Eq. 1: w = 0
 static void a_pinned_vertex_stays_whatever_pulls( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 0;
     balloon_scene scene = balloon_scene_in_air( &mesh );
@@ -80,6 +82,7 @@ static double height_of_three_grams( double radius )
 // Eq. 10
 static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
 {
+    (void)state;
     // 0.0884 m; the mesh of 5120 faces has 0.3 % less volume than its sphere, so 0.1 % more radius
     double reference = balloon_oracle_true_lift_off_radius_of_mass( 0.003, AIR - HELIUM );
     balloon_assert_close( reference, 0.0884, 5e-5 );
@@ -90,6 +93,7 @@ static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
 // Shared by mass it turns nothing
 static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 3 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.drag_coefficient = 0.0f;
@@ -112,6 +116,7 @@ static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( v
 // Eq. 11: 5120 faces; the measured factors depend in the fourth digit on the direction of flight
 static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 {
+    (void)state;
     const double factor[WISP_BALLOON_DRAG_COUNT] = { 0.9987, 1.9975, 0.0, 4.0 / 3.0 };
     const double allowed[WISP_BALLOON_DRAG_COUNT] = { 1e-3, 2e-3, 1e-5, 3e-3 };
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
@@ -154,6 +159,7 @@ static void keep_rigid( const balloon_flight* flight )
 // 1/6000 s; here each of 480 substeps is 1/1200 s.
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
+    (void)state;
     double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, AIR, HELIUM, 0.5 );
     balloon_assert_close( reference, 2.32, 5e-3 );
     balloon_mesh mesh = balloon_sphere( 4, 0.15 );
@@ -177,6 +183,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 
 static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int mode = 0; mode < WISP_BALLOON_DRAG_COUNT; ++mode )
     {
@@ -225,6 +232,7 @@ static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
 // Eq. 12
 static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void** state )
 {
+    (void)state;
     const double gauge[] = { 1000.0, 2500.0, 7500.0 }, speed[] = { 109.6, 173.3, 300.0 };
     const double flow[] = { 1.82e-3, 2.88e-3, 4.996e-3 }, force[] = { 0.2, 0.5, 1.5 };
     balloon_mesh mesh = balloon_pear( 2 );
@@ -250,6 +258,7 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
 // Reaction (section III.3) at constant pressure: the shape is put back in every step
 static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 2500.0 );
     balloon_scene_give_outlet( &scene, 0, true );
@@ -280,6 +289,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
 // Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the gas that is missing is the gas that left
 static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.dt = 1.0f / 600.0f;
@@ -312,6 +322,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 // Section III.2: 10 Pa and 50 Pa. The skin is put at its pressure by its scale, and read in the step that follows.
 static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
 {
+    (void)state;
     const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
     const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
@@ -352,6 +363,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
 
 static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -375,6 +387,7 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
 // Several vertices: the outlet is where their mean is and points where their area vectors do.
 static void an_outlet_of_several_vertices_points_along_their_common_normal( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = pressed_scene( &mesh, 1000.0 );
     double3 mean = { 0.0, 0.0, 0.0 };
@@ -401,6 +414,7 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
 // Fig. 4
 static void the_four_external_forces_point_where_they_should( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.substeps = 1;
@@ -431,6 +445,7 @@ static void the_four_external_forces_point_where_they_should( void** state )
 // The drag shown is the one that acted: of the velocity before the other forces.
 static void the_forces_shown_are_the_momentum_gained( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.dt = 1.0f / 240.0f;

@@ -37,6 +37,7 @@ static balloon_scene loose_pear( const balloon_mesh* mesh )
 // Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
 static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = loose_body( &mesh, 0 );
     balloon_flight flight = balloon_start( &scene );
@@ -56,6 +57,7 @@ static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
 // Eq. 13-14. L = sum m x x v does not notice that x has moved along v.
 static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = loose_pear( &mesh );
     scene.dt = 1.0f / 600.0f;
@@ -84,6 +86,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
 // Section III.4: a kick and the way that it goes are both proportional to dt, so lengths change by dt^4
 static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     double strain[2];
     for ( int n = 0; n < 2; ++n )
@@ -115,6 +118,7 @@ static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
 // Eq. 16-17
 static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 2; ++n )
     {
         balloon_mesh mesh = n == 0 ? balloon_sphere( 4, 0.15 ) : balloon_pear( 4 ); // several blocks of particles
@@ -153,6 +157,7 @@ static void the_inertia_is_the_brute_sum_and_that_of_a_shell( void** state )
 // "rebuilt every step": a balloon of twice the size is four times as hard to turn
 static void the_inertia_follows_the_shape( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     double inverse[2];
     for ( int n = 0; n < 2; ++n )
@@ -215,6 +220,7 @@ static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
 // Eq. 15: a step turns by 2 atan( omega dt / 2 ) = omega dt (1 - (omega dt)^2 / 12)
 static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squared( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int steps = 50; steps <= 200; steps *= 2 )
     {
@@ -235,6 +241,7 @@ static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squa
 // Positions turn, velocities stay. In a skin that holds together both are mixed, as in the oracle; here nothing does.
 static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int n = 0; n < 2; ++n )
     {
@@ -262,6 +269,7 @@ static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void
 
 static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = loose_pear( &mesh );
     scene.def.spin = WISP_BALLOON_SPIN_NONE;
@@ -281,6 +289,7 @@ static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
 // Eq. 4, momentum: sum m Dp = 0
 static void internal_constraints_keep_the_momentum_in_every_step( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int n = 0; n < 4; ++n )
     {
@@ -311,6 +320,7 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
 // PBD does not keep L exactly, its drift is of the order of the step
 static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_substeps( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     double drift[3];
     for ( int n = 0; n < 3; ++n )
@@ -339,6 +349,7 @@ static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_sub
 // at rest. It is the method's: the oracle has the same in the same order of links. Damped by 30/s it is read off as a spin.
 static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int substeps = 1; substeps <= 100; substeps *= 10 )
     {
@@ -370,6 +381,7 @@ static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void
 // and whatever the order of the sweep. What is left is float rounding of positions, divided by a substep.
 static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_kept( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int substeps = 1; substeps <= 100; substeps *= 10 )
     {
@@ -391,6 +403,7 @@ static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_ke
 // The pass takes away what projections add and nothing else: a spin that a body has, it keeps.
 static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 3, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.def.keep_angular_momentum = true;
@@ -408,6 +421,7 @@ static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept(
 
 static void stats_turn_with_a_body_that_spins( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     balloon_flight flight = balloon_start( &scene );

@@ -80,6 +80,7 @@ static wisp_balloon_stats first_stats( const balloon_scene* scene )
 
 static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_oracle_caps caps = caps_of( &mesh );
     assert_int_equal( caps.hub_count, 2 );
@@ -196,6 +197,7 @@ static const double ROUNDING = 1e-6;
 
 static void a_step_of_an_open_skin_is_the_oracles( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -229,6 +231,7 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
 
 static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     scene.dt = 1.0f / 600.0f;
@@ -256,6 +259,7 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
 
 static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene closed = balloon_scene_of( &mesh ), scene = open_scene( &mesh );
     const wisp_balloon_stats whole = first_stats( &closed );
@@ -280,6 +284,7 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
 // has steps of 2.4e-7, before a third of it is taken.
 static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     mesh.triangle_count -= 2;
@@ -298,6 +303,7 @@ static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
 // size would drive this pear along its axis.
 static void gas_behind_fans_moves_no_centre_of_mass( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 3 );
     balloon_scene scene = open_scene( &mesh );
     scene.def.gas_ratio = 1.3f;
@@ -329,6 +335,7 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
 
 static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
@@ -361,6 +368,7 @@ static uint64_t hash_of( const balloon_scene* scene, int steps )
 
 static void a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -372,6 +380,7 @@ static void a_closed_skin_is_the_same_to_a_bit_whether_it_may_be_open_or_not( vo
 
 static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 5 );
     assert_true( mesh.triangle_count > 10000 ); // enough for several workers
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
@@ -390,6 +399,7 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 
 static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     balloon_flight flight = balloon_start( &scene );
@@ -407,6 +417,7 @@ static void a_restored_snapshot_flies_on_bit_by_bit( void** state )
 
 static void a_lost_border_vertex_halts_its_balloon_and_what_is_kept_stays_a_number( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 2 );
     balloon_scene scene = busy_scene( &mesh, WISP_SOLVER_XPBD );
     balloon_flight flight = balloon_start( &scene );
@@ -449,6 +460,7 @@ static void refuse_mesh( const balloon_mesh* mesh, bool allow_open, const char* 
 
 static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     // the last triangle is gone: its first edge in the user's order is whichever of its neighbours comes first
@@ -478,6 +490,7 @@ static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void
 
 static void holes_that_meet_at_a_vertex_are_refused( void** state )
 {
+    (void)state;
     balloon_mesh sphere = balloon_sphere( 1, 0.15 ), mesh = { sphere.vertex_count, 0, sphere.positions, NULL };
     mesh.triangles = checked_calloc( 3 * (size_t)sphere.triangle_count, sizeof( int ) );
     // of the triangles around vertex 0 every other one: five or six leave at least two holes that meet there
@@ -506,6 +519,7 @@ static void holes_that_meet_at_a_vertex_are_refused( void** state )
 
 static void a_sheet_encloses_nothing( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_two_triangles( &mesh, 1.0 ) );
     refuse_mesh(
@@ -516,6 +530,7 @@ static void a_sheet_encloses_nothing( void** state )
 
 static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 1 );
     balloon_scene scene = open_scene( &mesh );
     balloon_flight flight = balloon_start( &scene );
@@ -535,6 +550,7 @@ static void an_open_balloon_cannot_become_one_that_must_be_closed( void** state 
 
 static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
 {
+    (void)state;
     balloon_mesh mesh = pear_with_two_holes( 1 );
     int refused = 0;
     for ( int64_t n = 1; n < 100; ++n )

@@ -39,6 +39,7 @@ static double helium_density( void )
 // Eq. 1; gravity
 static void a_constant_force_gives_n_dt_f_over_m_and_a_pinned_vertex_stays( void** state )
 {
+    (void)state;
     double dt = 1.0 / 60.0, m = 0.25;
     double3 v = { 0.0, 0.0, 0.0 }, x = { 1.0, 2.0, 3.0 }, still = { 0.0, 0.0, 0.0 },
             weight = double3_scale( m, gravity );
@@ -56,6 +57,7 @@ static void a_constant_force_gives_n_dt_f_over_m_and_a_pinned_vertex_stays( void
 // Eq. 2
 static void the_velocity_carries_the_old_position_to_the_new_one( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         double3 x = random_vector( n, 0 ), p = random_vector( n, 1 );
@@ -68,6 +70,7 @@ static void the_velocity_carries_the_old_position_to_the_new_one( void** state )
 // Fig. 2
 static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_each( void** state )
 {
+    (void)state;
     balloon_mesh meshes[5];
     assert_true( balloon_mesh_tetrahedron( &meshes[0], 1.0 ) && balloon_mesh_cube( &meshes[1], 1.0 ) &&
                  balloon_mesh_bipyramid( &meshes[2], 1.0 ) && balloon_mesh_icosphere( &meshes[3], 3, 1.0 ) &&
@@ -107,6 +110,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_pair_across_e
 // Fig. 2b: the ring of a bipyramid is a cycle of three edges and no face, its edges have three common neighbours
 static void a_bend_pair_comes_from_the_faces_and_not_from_common_neighbours( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     balloon_mesh_topology t;
     int pairs[18];
@@ -127,6 +131,7 @@ static void a_bend_pair_comes_from_the_faces_and_not_from_common_neighbours( voi
 // Eq. 9
 static void the_gas_law_gives_the_densities_and_pressures_of_the_source( void** state )
 {
+    (void)state;
     assert_close( helium_density(), 0.16639, 5e-6 );
     assert_close( air_density(), 1.20410, 5e-6 );
     assert_close( air_density() - helium_density(), 1.03770, 1e-5 );
@@ -141,6 +146,7 @@ static void the_gas_law_gives_the_densities_and_pressures_of_the_source( void** 
 // Section III.2
 static void the_gas_amount_comes_from_its_volume_at_atmospheric_pressure( void** state )
 {
+    (void)state;
     double amount = balloon_oracle_gas_amount( 101325.0, 1.0, 293.15 );
     assert_close( amount, 41.57, 5e-3 );
     assert_close( balloon_oracle_gas_pressure( amount, 0.5, 293.15 ), 2.0 * 101325.0, 1e-9 );
@@ -151,6 +157,7 @@ static void the_gas_amount_comes_from_its_volume_at_atmospheric_pressure( void**
 // Eq. 10
 static void buoyancy_points_up_and_floats_three_grams_at_the_radius_of_the_source( void** state )
 {
+    (void)state;
     double difference = air_density() - helium_density();
     double3 f = balloon_oracle_buoyancy( gravity, 0.0141372, air_density(), helium_density() );
     assert_true( f.x == 0.0 && f.z == 0.0 );
@@ -191,6 +198,7 @@ static double3 sphere_drag( const balloon_mesh* mesh, balloon_oracle_drag drag, 
 // Eq. 11
 static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_sphere( 4, 0.15 );
     assert_int_equal( mesh.triangle_count, 5120 );
     double3 v = { 1.2, -0.9, 2.0 };
@@ -212,6 +220,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
 // Explicit drag may reverse v, limited drag may not; |v| = 0 and a cancelled normal give nothing.
 static void limited_drag_never_reverses_a_velocity( void** state )
 {
+    (void)state;
     double3 v = { 0.0, 300.0, 0.0 }, zero = { 0.0, 0.0, 0.0 };
     double w = 1.0 / 1e-5, dt = 1.0 / 60.0, c = 1e-4;
     double3 plain = balloon_oracle_drag_force( BALLOON_ORACLE_DRAG_MAX, c, v, up, 0.0 );
@@ -226,6 +235,7 @@ static void limited_drag_never_reverses_a_velocity( void** state )
 // Eq. 12
 static void the_outlet_speed_flow_and_thrust_have_the_magnitudes_of_the_specification( void** state )
 {
+    (void)state;
     const double gauge[] = { 1000.0, 2500.0, 7500.0 }, speed[] = { 109.6, 173.3, 300.0 };
     const double flow[] = { 1.82e-3, 2.88e-3, 4.996e-3 }, force[] = { 0.2, 0.5, 1.5 };
     for ( int n = 0; n < 3; ++n )
@@ -248,6 +258,7 @@ static void the_outlet_speed_flow_and_thrust_have_the_magnitudes_of_the_specific
 // Section III.2: 10 Pa and 50 Pa
 static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
 {
+    (void)state;
     const double gauge[] = { 40.0, 50.0, 51.0, 30.0, 11.0, 10.0, 30.0, 50.0, 60.0, 0.0 };
     const bool expected[] = { false, false, true, true, true, false, false, false, true, false };
     bool running = false;
@@ -261,6 +272,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
 // Eq. 13: vertex 0 of an icosphere has five equal neighbours, so its normal is radial
 static void a_radial_jet_has_no_torque_and_an_offset_one_has_r_cross_f( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_sphere( 2, 0.15 );
     double3 normal[162];
     double area[162];
@@ -317,6 +329,7 @@ static void kick_pear( double dt, double3* gained, double3* momentum_change, dou
 // Eq. 14, and section III.4
 static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_momentum( void** state )
 {
+    (void)state;
     double3 gained, change, expected;
     double strain[2];
     for ( int n = 0; n < 2; ++n )
@@ -334,6 +347,7 @@ static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_moment
 // Eq. 15
 static void a_quaternion_stays_of_unit_length_and_its_angle_error_falls_with_dt_squared( void** state )
 {
+    (void)state;
     double3 omega = { 0.6, -1.0, 0.3 };
     double error[2];
     for ( int n = 0; n < 2; ++n )
@@ -360,6 +374,7 @@ static void a_quaternion_stays_of_unit_length_and_its_angle_error_falls_with_dt_
 // Eq. 16-17
 static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_sphere( 3, 0.15 );
     double* mass = new_masses( &mesh, 0.02 );
     double total = 0.0;
@@ -394,6 +409,7 @@ static void the_inertia_of_a_shell_is_two_thirds_m_r_squared( void** state )
 // All vertices on a line have no spin about it
 static void a_singular_inertia_is_inverted_where_it_can_be( void** state )
 {
+    (void)state;
     double3 x[5], direction = { 0.48, 0.6, 0.64 };
     const double mass[5] = { 1.0, 2.0, 1.0, 0.5, 1.0 };
     for ( int i = 0; i < 5; ++i )
@@ -426,6 +442,7 @@ static void a_singular_inertia_is_inverted_where_it_can_be( void** state )
 
 static void a_triangle_without_area_and_a_cancelled_normal_are_counted_and_harmless( void** state )
 {
+    (void)state;
     // two faces back to back: every normal cancels; and a needle that adds nothing
     const double3 x[5] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 }, { 4, 0, 0 } };
     const int back_to_back[6] = { 0, 1, 2, 0, 2, 1 }, needle[6] = { 0, 1, 2, 1, 3, 4 };
@@ -461,6 +478,7 @@ static void assert_refused( const balloon_mesh* mesh, const char* words )
 
 static void a_mesh_without_one_inside_is_refused_with_the_edge_that_is_wrong( void** state )
 {
+    (void)state;
     balloon_mesh mesh, twice;
     assert_true( balloon_mesh_cube( &mesh, 0.2 ) );
     assert_int_equal( create_from( &mesh, NULL ), WISP_OK );
@@ -498,6 +516,7 @@ static void a_mesh_without_one_inside_is_refused_with_the_edge_that_is_wrong( vo
 
 static void parameters_out_of_range_are_refused_by_name( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 0.2 ) );
     balloon_oracle_options bad[4];
@@ -529,6 +548,7 @@ static void parameters_out_of_range_are_refused_by_name( void** state )
 // V < 0 turns all, flood fill repairs some
 static void winding_is_repaired_and_an_inside_out_mesh_is_turned( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_sphere( 1, 0.15 );
     double volume = constraint_oracle_volume( mesh.positions, mesh.triangles, 80 );
     for ( int round = 0; round < 3; ++round )
@@ -566,6 +586,7 @@ static void winding_is_repaired_and_an_inside_out_mesh_is_turned( void** state )
 // allow_open: a flat hole is closed by its fan exactly
 static void a_fan_over_a_hole_restores_the_volume_of_a_cube( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     double volume = 0.0;
     assert_true( balloon_mesh_cube( &mesh, 0.5 ) );
@@ -581,6 +602,7 @@ static void a_fan_over_a_hole_restores_the_volume_of_a_cube( void** state )
 // Closed forms
 static void the_virial_of_a_scaled_mesh_is_its_closed_form( void** state )
 {
+    (void)state;
     for ( int level = 1; level <= 3; ++level )
     {
         balloon_mesh mesh = new_sphere( level, 0.15 );

@@ -76,6 +76,7 @@ static double body_volume_ratio( const balloon_oracle* body )
 // (9 Pa).
 static void the_three_pressure_readings_follow_the_table_of_the_specification( void** state )
 {
+    (void)state;
     const struct
     {
         int substeps, iterations;
@@ -113,6 +114,7 @@ static void the_three_pressure_readings_follow_the_table_of_the_specification( v
 // Fig. 3
 static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 {
+    (void)state;
     const double target[] = { 0.5, 1.0, 1.5, 2.0 };
     for ( int n = 0; n < 8; ++n )
     {
@@ -137,6 +139,7 @@ static void a_soft_skin_takes_half_to_twice_its_rest_volume( void** state )
 // Section III.2
 static void the_volume_follows_a_ramp_of_its_gas( void** state )
 {
+    (void)state;
     balloon_oracle_options options = without_surroundings();
     options.structural_stiffness = 200.0;
     options.bend_stiffness = 2.0;
@@ -163,6 +166,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
 // Gravity
 static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 {
+    (void)state;
     balloon_oracle_options options = without_surroundings();
     options.use_gravity = true;
     balloon_oracle body = new_sphere( 1, 0.02, &options );
@@ -179,6 +183,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
 // Eq. 10
 static void a_balloon_rises_only_when_its_lift_exceeds_its_skin( void** state )
 {
+    (void)state;
     balloon_oracle_options options = balloon_oracle_default_options();
     balloon_oracle probe = new_sphere( 2, 1.0, &options );
     double difference = balloon_oracle_density( 101325.0, BALLOON_ORACLE_AIR, 293.15 ) -
@@ -198,6 +203,7 @@ static void a_balloon_rises_only_when_its_lift_exceeds_its_skin( void** state )
 // Eq. 11: a sphere of 3 g that keeps its shape
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
+    (void)state;
     double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, 1.20410, 0.16639, 0.5 );
     assert_close( reference, 2.32, 5e-3 );
     balloon_oracle_options options = balloon_oracle_default_options();
@@ -223,6 +229,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 // A light skin thrown at 300 m/s with frames as steps
 static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
 {
+    (void)state;
     for ( int limited = 0; limited < 2; ++limited )
     {
         balloon_oracle_options options = balloon_oracle_default_options();
@@ -244,6 +251,7 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
 // Sections III.2 and III.3
 static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 {
+    (void)state;
     balloon_oracle_options options = without_surroundings();
     options.outlet_open = true;
     options.substeps = 1;
@@ -274,6 +282,7 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 // Reaction (section III.3) at constant pressure
 static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
 {
+    (void)state;
     double rho = balloon_oracle_density( 101325.0, BALLOON_ORACLE_HELIUM, 293.15 ), mass = 0.006, dt = 1e-3;
     double3 v = { 0.0, 0.0, 0.0 }, x = v;
     for ( int n = 0; n < 500; ++n )
@@ -289,6 +298,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
 // Fig. 4
 static void the_four_external_forces_point_where_they_should( void** state )
 {
+    (void)state;
     balloon_oracle_options options = balloon_oracle_default_options();
     options.outlet_open = true;
     options.substeps = 1;
@@ -318,6 +328,7 @@ static void the_four_external_forces_point_where_they_should( void** state )
 // Momentum (section II)
 static void internal_constraints_keep_the_momentum_in_every_step( void** state )
 {
+    (void)state;
     for ( int mode = 0; mode < 2; ++mode )
     {
         balloon_oracle_options options = without_surroundings();
@@ -367,6 +378,7 @@ static double pair_drift( double speed, double dt )
 // is 2 rad/s; at 1 rad/s the drift is a quarter. Both follow L = L0 / sqrt( 1 + 2 omega^2 dt t ) to first order.
 static void the_angular_momentum_of_a_spinning_pair_drifts_in_proportion_to_dt( void** state )
 {
+    (void)state;
     const double dt[] = { 0.02, 0.01, 0.005 }, printed[] = { -0.071, -0.038, -0.019 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -378,6 +390,7 @@ static void the_angular_momentum_of_a_spinning_pair_drifts_in_proportion_to_dt( 
 // Spin: a body whose jet has ended
 static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_substeps( void** state )
 {
+    (void)state;
     double drift[3];
     for ( int n = 0; n < 3; ++n )
     {
@@ -401,6 +414,7 @@ static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_sub
 // Fig. 5; section III.2: one start of the jet, no chatter
 static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
 {
+    (void)state;
     balloon_oracle_options options = balloon_oracle_default_options();
     options.velocity_decay = 0.5;
     balloon_oracle body = new_pear( double3_make( 1.0, 0.3, 0.2 ), &options );
@@ -433,6 +447,7 @@ static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
 // Fig. 6
 static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow( void** state )
 {
+    (void)state;
     double last_peak = 0.0;
     for ( int n = 0; n < 4; ++n )
     {
@@ -475,6 +490,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
 // Fig. 7: an outlet at the top drives a released balloon down again
 static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
 {
+    (void)state;
     double last_speed = 0.0, last_spin = 0.0;
     for ( int n = 2; n <= 5; ++n )
     {
@@ -510,6 +526,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
 // The printed recipe turns positions and leaves velocities, so the particles do not get the spin
 static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_momentum( void** state )
 {
+    (void)state;
     double momentum[2];
     for ( int mode = 0; mode < 2; ++mode )
     {
@@ -531,6 +548,7 @@ static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_moment
 // V <= 0 after a collapse, and a pinned vertex through everything
 static void a_collapsed_balloon_stays_finite_and_says_so( void** state )
 {
+    (void)state;
     const balloon_oracle_reading readings[] = { BALLOON_ORACLE_PRESSURE_GAS, BALLOON_ORACLE_PRESSURE_MULTIPLIER,
                                                 BALLOON_ORACLE_PRESSURE_VIRIAL };
     for ( int n = 0; n < 6; ++n )
@@ -561,6 +579,7 @@ static void a_collapsed_balloon_stays_finite_and_says_so( void** state )
 
 static void the_same_run_gives_the_same_bits( void** state )
 {
+    (void)state;
     balloon_oracle_options options = balloon_oracle_default_options();
     options.outlet_open = true;
     balloon_oracle body[2];

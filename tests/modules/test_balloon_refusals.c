@@ -42,6 +42,7 @@
 
 static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     assert_int_equal( mesh.vertex_count, 42 );
     // a surface that is no balloon yet, and one that is
@@ -68,6 +69,7 @@ static void a_value_out_of_range_is_named_and_changes_nothing( void** state )
 
 static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int upper = 0; upper <= 1; ++upper )
     {
@@ -115,6 +117,7 @@ static void refuse_mesh( const balloon_mesh* mesh, const char* named )
 
 static void an_open_mesh_has_no_volume( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.triangle_count -= 1;
     refuse_mesh( &mesh, "got 3 open edges" );
@@ -125,6 +128,7 @@ static void an_open_mesh_has_no_volume( void** state )
 // twice in one direction somewhere.
 static void a_one_sided_mesh_encloses_nothing( void** state )
 {
+    (void)state;
     double3 strip[5] = {
         { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.2 }, { 0.5, 1.0, 0.0 }, { 1.5, 1.0, 0.5 }, { 1.0, 0.5, 1.0 }
     };
@@ -145,6 +149,7 @@ static void a_one_sided_mesh_encloses_nothing( void** state )
 
 static void an_edge_of_four_triangles_is_no_skin( void** state )
 {
+    (void)state;
     // two tetrahedra that share an edge and nothing else
     double3 points[6] = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 1.0 },  { 1.0, 0.0, 0.5 },
                           { 1.0, 1.0, 0.5 }, { -1.0, 0.0, 0.5 }, { -1.0, -1.0, 0.5 } };
@@ -155,6 +160,7 @@ static void an_edge_of_four_triangles_is_no_skin( void** state )
 
 static void two_shells_are_two_balloons( void** state )
 {
+    (void)state;
     balloon_mesh one = balloon_sphere( 1, 0.15 ), both;
     assert_true( balloon_mesh_join( &both, &one, &one, double3_make( 1.0, 0.0, 0.0 ) ) );
     refuse_mesh( &both, "got 2 components" );
@@ -164,6 +170,7 @@ static void two_shells_are_two_balloons( void** state )
 
 static void an_inside_out_mesh_is_told_which_way_to_run( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int t = 0; t < mesh.triangle_count; ++t )
     {
@@ -177,6 +184,7 @@ static void an_inside_out_mesh_is_told_which_way_to_run( void** state )
 
 static void a_flattened_mesh_encloses_nothing( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
@@ -190,6 +198,7 @@ static void a_flattened_mesh_encloses_nothing( void** state )
 
 static void calls_on_what_is_no_balloon_are_refused( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     wisp_world* world = balloon_world_create( &scene );
@@ -218,6 +227,7 @@ static void calls_on_what_is_no_balloon_are_refused( void** state )
 
 static void a_world_without_the_module_says_so( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     test_log log = { 0 };
@@ -238,6 +248,7 @@ static void a_world_without_the_module_says_so( void** state )
 // Each request in turn is refused: the surface stays what it was, and the same call then succeeds.
 static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     int refused = 0;
     for ( int again = 0; again <= 1; ++again )

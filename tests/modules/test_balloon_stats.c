@@ -56,6 +56,7 @@ static int max_offset_vertex( const balloon_mesh* mesh )
 // Fig. 5; section III.2: one start of the jet, no chatter
 static void an_asymmetric_balloon_swells_empties_and_has_turned( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.damping = 0.5f;
@@ -111,6 +112,7 @@ static double3 tagged_vertex( const balloon_flight* flight, int vertex )
 // Fig. 6
 static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflow( void** state )
 {
+    (void)state;
     const int tagged[4] = { 0, 40, 80, 120 };
     balloon_mesh mesh = balloon_pear( 2 );
     double last_peak = 0.0;
@@ -156,6 +158,7 @@ static void four_tagged_vertices_leave_tracks_and_the_spin_grows_with_the_outflo
 // Fig. 7: an outlet at the top drives a released balloon down again
 static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_fuller( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     double last_speed = 0.0, last_spin = 0.0;
     for ( int n = 2; n <= 5; ++n )
@@ -198,6 +201,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
 // V_min below V_rest lets the end shape be limp
 static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     balloon_scene scene = balloon_scene_of( &mesh );
     scene.damping = 5.0f;
@@ -217,6 +221,7 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 // Memory, at sizes of 642 to 40962 vertices
 static void memory_is_proportional_to_the_vertices( void** state )
 {
+    (void)state;
     double first = 0.0;
     for ( int level = 3; level <= 6; ++level )
     {

@@ -6,6 +6,7 @@
 
 static void every_combination_of_switches_flies_for_half_a_second( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     int count = 0;
     for ( int n = 0; n < 2 * 2 * WISP_BALLOON_PRESSURE_COUNT * WISP_BALLOON_DRAG_COUNT * WISP_BALLOON_SPIN_COUNT;
@@ -67,6 +68,7 @@ static balloon_scene lettered_scene( const balloon_mesh* mesh, char letter )
 
 static void a_pass_exists_only_where_something_asks_for_it( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     for ( const char* letter = "baopnrd"; *letter != 0; ++letter )
     {
@@ -91,6 +93,7 @@ static void a_pass_exists_only_where_something_asks_for_it( void** state )
 
 static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 1 );
     balloon_scene scene = balloon_scene_in_air( &mesh ), still = balloon_scene_of( &mesh );
     scene.def.gas_ratio = 1.2f;
@@ -127,6 +130,7 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
 
 static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     const int32_t pin = 7;
     for ( int n = 0; n < 2 * WISP_BALLOON_PRESSURE_COUNT; ++n )
@@ -158,6 +162,7 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
 // One that is only flat rises again.
 static void a_flattened_or_everted_balloon_stays_finite( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     for ( int n = 0; n < 2; ++n )
     {
@@ -186,6 +191,7 @@ static void a_flattened_or_everted_balloon_stays_finite( void** state )
 // Two vertices on one place: an edge without length, two triangles without area.
 static void edges_without_length_and_triangles_without_area_do_no_harm( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 2, 0.15 );
     mesh.positions[mesh.triangles[1]] = mesh.positions[mesh.triangles[0]];
     for ( int drag = 0; drag < WISP_BALLOON_DRAG_COUNT; ++drag )
@@ -206,6 +212,7 @@ static void edges_without_length_and_triangles_without_area_do_no_harm( void** s
 
 static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_sphere( 1, 0.15 );
     int32_t pins[42];
     for ( int i = 0; i < 42; ++i )
@@ -235,6 +242,7 @@ static void a_balloon_pinned_all_over_stays_where_it_is( void** state )
 
 static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
 {
+    (void)state;
     balloon_mesh meshes[3] = { balloon_pear( 2 ), balloon_sphere( 1, 0.15 ), balloon_pear( 4 ) };
     balloon_scene scenes[3];
     wisp_entity together[3];
@@ -279,6 +287,7 @@ static void balloons_in_one_world_fly_as_if_they_were_alone( void** state )
 
 static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number( void** state )
 {
+    (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
     for ( int spin = 0; spin < WISP_BALLOON_SPIN_COUNT; ++spin )
     {

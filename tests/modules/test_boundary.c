@@ -11,6 +11,7 @@ static uint64_t points_hash( ball_world* b, wisp_entity e )
 
 static void a_surface_moves_the_same_with_and_without_a_layer( void** state )
 {
+    (void)state;
     ball_world *with = ball_open( 3, 2, NULL ), *without = ball_open( 3, 2, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.strain_gain = 5.0f;
@@ -27,6 +28,7 @@ static void a_surface_moves_the_same_with_and_without_a_layer( void** state )
 
 static void without_a_layer_there_is_no_pass( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
     const size_t memory = wisp_world_memory( b->world );
@@ -51,6 +53,7 @@ static void without_a_layer_there_is_no_pass( void** state )
 
 static void elements_are_in_the_users_numbers( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
@@ -94,6 +97,7 @@ static void elements_are_in_the_users_numbers( void** state )
 
 static void normals_of_a_ball_point_away_from_its_centre( void** state )
 {
+    (void)state;
     // vertex normals of this mesh are off by the unevenness of its triangles, which falls with the length of edges: 0.030 and
     // 0.016 as measured
     double largest[2] = { 0.0, 0.0 };
@@ -124,6 +128,7 @@ static void normals_of_a_ball_point_away_from_its_centre( void** state )
 
 static void the_default_spacing_is_half_of_the_mean_edge( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = wisp_default_boundary_def();
     set_layer( b, b->ball, &def );
@@ -149,6 +154,7 @@ static void count_halves( ball_world* b, int counts[2] )
 
 static void a_curved_surface_has_more_points_than_a_flat_one( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     assert_int_equal( wisp_set_gravity( b->world, b->ball, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ), WISP_OK );
@@ -166,6 +172,7 @@ static void a_curved_surface_has_more_points_than_a_flat_one( void** state )
 
 static void strain_makes_spacing_finer_or_coarser( void** state )
 {
+    (void)state;
     const float gains[3] = { 0.0f, 40.0f, -40.0f };
     int points[3];
     for ( int i = 0; i < 3; ++i )
@@ -184,6 +191,7 @@ static void strain_makes_spacing_finer_or_coarser( void** state )
 
 static void a_near_eye_sees_more_points( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.by_screen = true;
@@ -207,6 +215,7 @@ static void a_near_eye_sees_more_points( void** state )
 // An edge has its points once, so both sides see the same ones; limits hold for it whatever is asked.
 static void limits_of_the_spacing_hold( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 3, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.05f );
     def.curvature_gain = 1e5f;
@@ -229,6 +238,7 @@ static void limits_of_the_spacing_hold( void** state )
 
 static void instances_have_layers_of_their_own( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 2, NULL );
     wisp_entity twin, bare;
     assert_int_equal( wisp_add_instance( b->world, b->ball, &twin ), WISP_OK );
@@ -259,6 +269,7 @@ static void instances_have_layers_of_their_own( void** state )
 
 static void a_restored_snapshot_has_the_points_of_its_time( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 3, 2, NULL );
     wisp_boundary_def def = ball_layer( 0.03f );
     def.hysteresis = 0.4f;
@@ -291,6 +302,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
 
 static void a_layer_beyond_its_limit_stays( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     wisp_boundary_def def = ball_layer( 0.1f );
     set_layer( b, b->ball, &def );
@@ -309,6 +321,7 @@ static void a_layer_beyond_its_limit_stays( void** state )
 
 static void a_warm_step_asks_for_no_memory( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 3; workers += 2 )
     {
         ball_world* b = ball_open( 3, workers, NULL );
@@ -325,6 +338,7 @@ static void a_warm_step_asks_for_no_memory( void** state )
 
 static void without_memory_nothing_has_changed( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const wisp_boundary_def def = ball_layer( 0.1f );
     const int passes = wisp_world_plan_passes( b->world );
@@ -375,6 +389,7 @@ static void without_memory_nothing_has_changed( void** state )
 
 static void what_a_layer_cannot_be_is_refused_by_name( void** state )
 {
+    (void)state;
     ball_world* b = ball_open( 2, 1, NULL );
     const int passes = wisp_world_plan_passes( b->world );
 #define REFUSE_ONE( message, statement )                                                                             \

@@ -257,6 +257,7 @@ static void pulsate( double3* x, const balloon_mesh* mesh, int frame )
 
 static void every_point_of_every_mesh_is_where_the_oracle_has_it( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
@@ -284,6 +285,7 @@ static void every_point_of_every_mesh_is_where_the_oracle_has_it( void** state )
 
 static void table_b5_holds_for_the_engine( void** state )
 {
+    (void)state;
     const float spacing[4] = { 0.2f, 0.1f, 0.05f, 0.025f };
     const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
                                      { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
@@ -302,6 +304,7 @@ static void table_b5_holds_for_the_engine( void** state )
 
 static void points_follow_a_pulsation_as_those_of_the_oracle( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( MESHES ); ++n )
     {
         balloon_mesh mesh = MESHES[n].make();
@@ -349,6 +352,7 @@ static void assert_same_bits( const wisp_samples* a, const wisp_samples* b )
 
 static void what_followed_in_place_has_the_bits_of_what_is_sampled_anew( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 12; ++c )
@@ -382,6 +386,7 @@ static void what_followed_in_place_has_the_bits_of_what_is_sampled_anew( void** 
 // The number of lines changes and no number of points on them does: they all stand elsewhere.
 static void a_line_more_without_points_moves_the_lines_below_it( void** state )
 {
+    (void)state;
     balloon_mesh mesh =
         one_triangle( double3_make( 0, 0, 0 ), double3_make( 3.25, 0, 0 ), double3_make( 1.5, 3.875, 0 ) );
     for ( int c = 0; c < 2; ++c )
@@ -405,6 +410,7 @@ static void a_line_more_without_points_moves_the_lines_below_it( void** state )
 
 static void each_element_may_have_its_own_spacing( void** state )
 {
+    (void)state;
     balloon_mesh mesh = torus();
     static double edge[936], triangle[624];
     for ( int e = 0; e < 936; ++e )
@@ -435,6 +441,7 @@ static void each_element_may_have_its_own_spacing( void** state )
 
 static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     for ( int c = 0; c < 4; ++c )
     {
@@ -467,6 +474,7 @@ static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_b
 // 1e-6 rad here.
 static void a_refused_layer_follows_with_the_weights_it_had( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int c = 0; c < 2; ++c )
@@ -499,6 +507,7 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
 
 static void normals_that_cancel_are_those_of_the_faces_or_of_the_last_step( void** state )
 {
+    (void)state;
     // both sides of one sheet: vertices and edges have no normal, faces have; then a triangle that loses its area
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1.25, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };

@@ -53,6 +53,7 @@ static uint64_t hash_case( const golden_case* c, int workers, const char* isa )
 
 static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 {
+    (void)state;
     static const int WORKERS[] = { 1, 2, 3, 5, 8 };
     static const char* const ISAS[] = { "baseline", "avx2", "avx512" }; // a cap: the widest that there is below it
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
@@ -80,12 +81,14 @@ static golden_hash run_numbered( int number, const void* context )
 
 static void layers_are_those_of_the_golden_file( void** state )
 {
+    (void)state;
     golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, NULL );
 }
 
 // A hash that forgot something would let everything pass.
 static void a_hash_tells_cases_apart( void** state )
 {
+    (void)state;
     uint64_t hashes[WISP_COUNT( CASES )];
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {

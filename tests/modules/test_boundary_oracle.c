@@ -12,6 +12,7 @@ static int compare_lengths( const void* a, const void* b )
 
 static void the_reference_sphere_is_that_of_the_program( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     balloon_mesh_topology topology;
     assert_true( balloon_mesh_build_topology( &mesh, &topology ) );
@@ -36,6 +37,7 @@ static void the_reference_sphere_is_that_of_the_program( void** state )
 
 static void each_edge_stands_once_lower_vertex_first_rising( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     const boundary_oracle_options options = boundary_oracle_default_options();
     boundary_oracle_layer layer = layer_on( &mesh, &options );
@@ -53,6 +55,7 @@ static void each_edge_stands_once_lower_vertex_first_rising( void** state )
 
 static void an_edge_has_the_counts_of_the_table( void** state )
 {
+    (void)state;
     const double ratio[] = { 0.3, 1.0, 1.5, 2.0, 3.7 };
     const int even[] = { 0, 0, 0, 1, 2 }, exact[] = { 0, 0, 1, 1, 3 };
     for ( int n = 0; n < 5; ++n )
@@ -68,6 +71,7 @@ static void an_edge_has_the_counts_of_the_table( void** state )
 
 static void each_rounding_counts_by_its_own_rule( void** state )
 {
+    (void)state;
     const double ratio[] = { 0.0, 0.4, 0.5, 1.0, 1.49, 1.5, 2.0, 2.01 };
     const int count[3][8] = { { 0, 0, 0, 1, 1, 1, 2, 2 }, { 0, 0, 1, 1, 1, 2, 2, 2 }, { 0, 1, 1, 1, 2, 2, 2, 3 } };
     for ( int r = 0; r < BOUNDARY_ORACLE_ROUNDING_COUNT; ++r )
@@ -81,6 +85,7 @@ static void each_rounding_counts_by_its_own_rule( void** state )
 
 static void exact_points_do_not_depend_on_the_rounding( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 500; ++n )
     {
         const double length = random_between( n, 0, 0.0, 9.0 );
@@ -116,6 +121,7 @@ static void gaps_of( double length, boundary_oracle_policy policy, boundary_orac
 
 static void gaps_keep_their_bounds_and_no_point_stands_on_a_vertex( void** state )
 {
+    (void)state;
     const double rounding_error = 1e-12; // a few roundings of lengths below 20
     for ( int n = 0; n < 2000; ++n )
     {
@@ -138,6 +144,7 @@ static void gaps_keep_their_bounds_and_no_point_stands_on_a_vertex( void** state
 
 static void even_points_are_the_same_from_either_end_and_exact_ones_are_not( void** state )
 {
+    (void)state;
     const double length = 3.7;
     const int n = boundary_oracle_count( length, 1.0, BOUNDARY_ORACLE_DOWN );
     for ( int i = 1; i < n; ++i )
@@ -154,6 +161,7 @@ static void even_points_are_the_same_from_either_end_and_exact_ones_are_not( voi
 
 static void the_axis_is_the_shortest_edge_and_the_lowest_of_equals( void** state )
 {
+    (void)state;
     const struct
     {
         double3 corner[3];
@@ -181,6 +189,7 @@ static void the_axis_is_the_shortest_edge_and_the_lowest_of_equals( void** state
 
 static void height_times_base_is_twice_the_area( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
@@ -193,6 +202,7 @@ static void height_times_base_is_twice_the_area( void** state )
 
 static void the_height_ignores_a_translation_and_the_printed_one_does_not( void** state )
 {
+    (void)state;
     const double3 far = { 1e3, -1e3, 1e3 };
     int wrong = 0;
     for ( int n = 0; n < 200; ++n )
@@ -214,6 +224,7 @@ static void the_height_ignores_a_translation_and_the_printed_one_does_not( void*
 
 static void a_triangle_has_the_lines_and_points_of_a_count_by_hand( void** state )
 {
+    (void)state;
     // base 3, height 4.5. Even: 4 parts, lines at shares 1/4, 2/4, 3/4 of lengths 2.25, 1.5, 0.75: 1, 0, 0 points.
     // Exact: lines at 1, 2, 3, 4 of lengths 2.333, 1.667, 1, 0.333: 2, 1, 0, 0 points.
     balloon_mesh mesh = one_triangle( double3_make( 0, 0, 0 ), double3_make( 3, 0, 0 ), double3_make( 1, 4.5, 0 ) );
@@ -239,6 +250,7 @@ static void a_triangle_has_the_lines_and_points_of_a_count_by_hand( void** state
 
 static void a_triangle_lower_than_the_spacing_has_no_inner_points( void** state )
 {
+    (void)state;
     balloon_mesh mesh =
         one_triangle( double3_make( 0, 0, 0 ), double3_make( 9, 0.45, 0 ), double3_make( 9, -0.45, 0 ) );
     for ( int n = 0; n < 6; ++n )
@@ -257,6 +269,7 @@ static void a_triangle_lower_than_the_spacing_has_no_inner_points( void** state 
 
 static void table_b5_holds_for_both_policies( void** state )
 {
+    (void)state;
     const double d[4] = { 0.2, 0.1, 0.05, 0.025 };
     const int requested[2][4][2] = { { { 930, 0 }, { 5160, 300 }, { 14730, 11640 }, { 32670, 79320 } },
                                      { { 3360, 0 }, { 7710, 3480 }, { 17340, 21360 }, { 35280, 103560 } } };
@@ -278,6 +291,7 @@ static void table_b5_holds_for_both_policies( void** state )
 
 static void inner_points_fill_the_area_from_below_as_the_spacing_falls( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     double area = 0.0, density[4];
     for ( int t = 0; t < mesh.triangle_count; ++t )
@@ -315,6 +329,7 @@ static void assert_order( const boundary_oracle_point* a, const boundary_oracle_
 
 static void every_point_is_on_its_one_parent_with_weights_and_a_unit_normal( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_pear( &mesh, 3, 1.0 ) );
     for ( int n = 0; n < 12; ++n )
@@ -344,6 +359,7 @@ static void every_point_is_on_its_one_parent_with_weights_and_a_unit_normal( voi
 
 static void edge_points_are_the_sum_of_the_count_law( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_pear( &mesh, 3, 1.0 ) );
     for ( int policy = 0; policy < BOUNDARY_ORACLE_POLICY_COUNT; ++policy )
@@ -368,6 +384,7 @@ static void edge_points_are_the_sum_of_the_count_law( void** state )
 
 static void no_two_points_of_different_elements_coincide( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_icosphere( &mesh, 1, 1.0 ) );
     const boundary_oracle_options options = { .spacing = 0.06, .cap = 1e6 };
@@ -393,6 +410,7 @@ static void no_two_points_of_different_elements_coincide( void** state )
 
 static void rows_are_parallel_to_the_axis_and_inside_before_and_after_a_translation( void** state )
 {
+    (void)state;
     const double3 far = { 1e3, 1e3, -1e3 };
     for ( int n = 0; n < 80; ++n )
     {

@@ -9,6 +9,7 @@ static const boundary_oracle_criteria OFF = { .least = 1e-3, .most = 1e3 };
 
 static void without_a_criterion_the_spacing_is_the_one_that_was_queried_for( void** state )
 {
+    (void)state;
     assert_true( boundary_oracle_local_spacing( &OFF, 0.1, zero, zero, zero, zero, 0.0 ) == 0.1 );
     const boundary_oracle_criteria narrow = { .least = 0.2, .most = 0.4 }, lower = { .least = 0.01, .most = 0.05 };
     assert_true( boundary_oracle_local_spacing( &narrow, 0.1, zero, zero, zero, zero, 0.0 ) == 0.2 );
@@ -17,6 +18,7 @@ static void without_a_criterion_the_spacing_is_the_one_that_was_queried_for( voi
 
 static void curvature_strain_and_screen_have_their_closed_forms( void** state )
 {
+    (void)state;
     const double3 x = { 1, 0, 0 }, y = { 0, 1, 0 };
     assert_close( boundary_oracle_spacing_by_curvature( 0.1, 2.0, x, y ), 0.1 / ( 1.0 + acos( -1.0 ) ), 1e-15 );
     assert_true( boundary_oracle_spacing_by_curvature( 0.1, 2.0, x, x ) == 0.1 );
@@ -29,6 +31,7 @@ static void curvature_strain_and_screen_have_their_closed_forms( void** state )
 
 static void the_least_that_a_criterion_asks_for_counts_within_the_limits( void** state )
 {
+    (void)state;
     boundary_oracle_criteria all = { .least = 0.01,
                                      .most = 0.3,
                                      .curvature_gain = 1.0,
@@ -78,6 +81,7 @@ static boundary_oracle_layer adapted( const balloon_mesh* mesh, const double3* r
 
 static void there_are_more_points_where_curvature_is_high( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_icosphere( &mesh, 3, 1.0 ) );
     // drawn out along x: sharp at its tips, flat at its waist
@@ -107,6 +111,7 @@ static void there_are_more_points_where_curvature_is_high( void** state )
 
 static void strain_makes_spacing_finer_or_coarser_as_the_gain_says( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_icosphere( &mesh, 2, 1.0 ) );
     double3 rest[162];
@@ -129,6 +134,7 @@ static void strain_makes_spacing_finer_or_coarser_as_the_gain_says( void** state
 
 static void points_grow_fewer_with_distance_and_both_sides_of_an_edge_agree( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_icosphere( &mesh, 2, 1.0 ) );
     static double edge[480], triangle[320];
@@ -195,6 +201,7 @@ static touching touching_of( int n )
 
 static void a_point_below_a_plane_comes_to_stand_on_it_by_its_parents( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         touching t = touching_of( n );
@@ -217,6 +224,7 @@ static void a_point_below_a_plane_comes_to_stand_on_it_by_its_parents( void** st
 
 static void contact_keeps_momentum_and_its_moment( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         touching t = touching_of( n );
@@ -242,6 +250,7 @@ static void contact_keeps_momentum_and_its_moment( void** state )
 // The plane as a side of its own: a fourth vertex that carries it.
 static void it_is_the_law_of_two_weighted_points_with_a_plane_for_the_second( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         touching t = touching_of( n );
@@ -265,6 +274,7 @@ static void it_is_the_law_of_two_weighted_points_with_a_plane_for_the_second( vo
 
 static void a_pinned_parent_stays_and_the_others_do_its_part( void** state )
 {
+    (void)state;
     touching t = touching_of( 3 );
     t.w[1] = 0.0;
     assert_true( boundary_oracle_contact( 3, t.x, t.w, t.b, t.normal, t.offset, 0.0, NULL ) );

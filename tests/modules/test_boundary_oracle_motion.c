@@ -50,6 +50,7 @@ static void wobble( double3* x, const double3* rest, int count, double phase )
 
 static void what_followed_in_place_is_what_is_sampled_anew( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
     for ( int n = 0; n < 4; ++n )
@@ -78,6 +79,7 @@ static void what_followed_in_place_is_what_is_sampled_anew( void** state )
 
 static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     const boundary_oracle_options options = { .spacing = 0.07, .cap = 1e6 };
     boundary_oracle_layer layer = layer_on( &mesh, &options );
@@ -103,6 +105,7 @@ static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
 // Cost of resampling: pulsation, the share of elements in case B, of edges and of all
 static void more_pulsation_puts_more_elements_into_case_b( void** state )
 {
+    (void)state;
     const double amplitude[3] = { 0.001, 0.01, 0.1 };
     double fraction[3] = { 0.0, 0.0, 0.0 };
     balloon_mesh mesh = reference_sphere();
@@ -142,6 +145,7 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
 
 static void hysteresis_stills_a_count_that_flickers( void** state )
 {
+    (void)state;
     // an edge of about three spacings, and a triangle too far away to matter
     balloon_mesh mesh = one_triangle( double3_make( 0, 0, 0 ), double3_make( 3, 0, 0 ), double3_make( 0, 50, 0 ) );
     int changes[2] = { 0, 0 };
@@ -174,6 +178,7 @@ static void hysteresis_stills_a_count_that_flickers( void** state )
 
 static void hysteresis_lowers_the_share_of_case_b_in_a_small_pulsation( void** state )
 {
+    (void)state;
     int changed[2] = { 0, 0 };
     balloon_mesh mesh = reference_sphere();
     double3 x[872];
@@ -205,6 +210,7 @@ static void hysteresis_lowers_the_share_of_case_b_in_a_small_pulsation( void** s
 
 static void a_soft_skin_takes_half_to_three_times_its_rest_volume( void** state )
 {
+    (void)state;
     const double multiplier[] = { 0.5, 1.0, 2.0, 3.0 };
     for ( int stale = 0; stale < 2; ++stale )
     {
@@ -234,6 +240,7 @@ static void a_soft_skin_takes_half_to_three_times_its_rest_volume( void** state 
 // The body of the other oracle, with the options that make it this one.
 static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     balloon_mesh_topology topology;
     assert_true( balloon_mesh_build_topology( &mesh, &topology ) );
@@ -282,6 +289,7 @@ static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( v
 
 static void damping_is_a_rate_and_not_a_factor_a_step( void** state )
 {
+    (void)state;
     // 0.59 every 1/60 s, and the two decimals that it is printed with
     assert_close( exp( -31.7 / 60.0 ), 0.59, 0.001 );
     double speed[2];
@@ -303,6 +311,7 @@ static void damping_is_a_rate_and_not_a_factor_a_step( void** state )
 
 static void a_gust_hits_a_vertex_once_or_as_printed_once_a_face( void** state )
 {
+    (void)state;
     const double3 gust = { 0.5, 0.25, 0.5 };
     for ( int printed = 0; printed < 2; ++printed )
     {
@@ -331,6 +340,7 @@ static void a_gust_hits_a_vertex_once_or_as_printed_once_a_face( void** state )
 // Stability against steps and forces
 static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void** state )
 {
+    (void)state;
     const double rate[] = { 240.0, 60.0, 20.0 }, gravity[] = { 0.98, 9.8, 98.0 };
     for ( int n = 0; n < 18; ++n )
     {
@@ -351,6 +361,7 @@ static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void**
 
 static void a_pinned_balloon_stays_finite_too( void** state )
 {
+    (void)state;
     const double rate[] = { 240.0, 60.0, 20.0 }, gravity[] = { 0.98, 9.8, 98.0 };
     for ( int n = 0; n < 9; ++n )
     {
@@ -374,6 +385,7 @@ static void a_pinned_balloon_stays_finite_too( void** state )
 
 static void the_layer_leaves_every_bit_of_the_balloon_alone( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     const boundary_oracle_options options = boundary_oracle_default_options();
     boundary_oracle_layer layer;
@@ -410,6 +422,7 @@ static int lines_of( FILE* file, int* unit_normals )
 // Sample run: inflate 1 -> 2 -> 1 with a gust, frames saved
 static void a_sample_run_swells_and_shrinks_with_its_points_on_the_surface( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     const boundary_oracle_options options = boundary_oracle_default_options();
     boundary_oracle_layer layer = layer_on( &mesh, &options );

@@ -5,6 +5,7 @@
 
 static void vertex_normals_are_means_of_unit_face_normals( void** state )
 {
+    (void)state;
     // a floor and a wall, the wall a hundred times as large: both count alike
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, -1 }, { 0, 100, 0 }, { 5, 5, 5 } };
     const int triangles[] = { 0, 1, 2, 0, 3, 1 };
@@ -22,6 +23,7 @@ static void vertex_normals_are_means_of_unit_face_normals( void** state )
 
 static void an_edge_normal_is_unit_begins_and_ends_at_the_vertices( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         const double3 a = boundary_oracle_unit( random_vector( n, 0 ) ),
@@ -37,6 +39,7 @@ static void an_edge_normal_is_unit_begins_and_ends_at_the_vertices( void** state
 
 static void barycentric_normals_are_exact_for_a_linear_field( void** state )
 {
+    (void)state;
     // N = x / R at corners on a sphere is a linear function that has the same length at each of them, which is what
     // its direction inside asks for: unit normals of a function whose length varies have lost that length
     double worst = 0.0;
@@ -65,6 +68,7 @@ static void barycentric_normals_are_exact_for_a_linear_field( void** state )
 
 static void normals_are_continuous_across_an_edge_in_both_modes( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
@@ -92,6 +96,7 @@ static void normals_are_continuous_across_an_edge_in_both_modes( void** state )
 
 static void the_angle_to_a_sphere_falls_with_the_size_of_its_triangles( void** state )
 {
+    (void)state;
     double angle[3];
     for ( int level = 2; level <= 4; ++level )
     {
@@ -117,6 +122,7 @@ static void the_angle_to_a_sphere_falls_with_the_size_of_its_triangles( void** s
 
 static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_message( void** state )
 {
+    (void)state;
     const struct
     {
         boundary_oracle_options options;
@@ -141,6 +147,7 @@ static void a_spacing_or_hysteresis_out_of_range_is_refused_in_a_message( void**
 
 static void what_has_no_length_or_area_has_no_points_there( void** state )
 {
+    (void)state;
     // a sound triangle, one without area on a line, one that is a point
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 3, 0, 0 }, { 5, 0, 0 },
                                { 9, 0, 0 }, { 7, 7, 7 }, { 7, 7, 7 }, { 7, 7, 7 } };
@@ -169,6 +176,7 @@ static void what_has_no_length_or_area_has_no_points_there( void** state )
 
 static void normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step( void** state )
 {
+    (void)state;
     // two triangles, one the back of the other: every vertex normal cancels, edges too, faces do not
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };
@@ -198,6 +206,7 @@ static void normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step( 
 
 static void an_element_with_a_corner_that_is_not_finite_is_skipped_and_comes_back( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     const boundary_oracle_options options = boundary_oracle_default_options();
     boundary_oracle_layer layer = layer_on( &mesh, &options ), whole = layer_on( &mesh, &options );
@@ -223,6 +232,7 @@ static void an_element_with_a_corner_that_is_not_finite_is_skipped_and_comes_bac
 
 static void an_edge_of_three_triangles_is_sampled_once_and_an_open_mesh_is_sampled( void** state )
 {
+    (void)state;
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0.5, 1, 0 }, { 0.5, 0, 1 }, { 0.5, -1, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 1, 3, 0, 1, 4 };
     balloon_mesh mesh = mesh_of( points, 5, triangles, 3 );
@@ -241,6 +251,7 @@ static void an_edge_of_three_triangles_is_sampled_once_and_an_open_mesh_is_sampl
 
 static void too_many_points_are_refused_and_the_ones_there_are_still_follow( void** state )
 {
+    (void)state;
     balloon_mesh mesh = reference_sphere();
     boundary_oracle_options options = boundary_oracle_default_options();
     options.policy = BOUNDARY_ORACLE_EXACT; // whose weights would move with the lengths

@@ -89,6 +89,7 @@ static double hung_extension( const test_mesh* mesh, const wisp_cloth_def* cloth
 
 static void strips_along_warp_weft_and_between_stretch_by_their_compliances( void** state )
 {
+    (void)state;
     test_mesh mesh = hanging_mesh( 2, ROWS, 0.05f, 0.05f );
     const wisp_vec3 warps[] = { { 0.0f, 1.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } };
     const char* const names[] = { "warp", "weft", "45 degrees" };
@@ -192,6 +193,7 @@ static stretch hang( const hanging* c, double time )
 // carry n - 1 columns of mass, so the sheet of 17 is 3 % stiffer than that of 33.
 static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
 {
+    (void)state;
     for ( int cross = 0; cross < 2; ++cross )
     {
         hanging c = { .n = 17,
@@ -213,6 +215,7 @@ static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
 
 static void static_stretch_does_not_depend_on_iterations_or_frame_rate( void** state )
 {
+    (void)state;
     const struct
     {
         int substeps, iterations;
@@ -252,6 +255,7 @@ static hanging big_cloth( void )
 
 static void tethers_bound_the_stretch_of_a_hanging_cloth( void** state )
 {
+    (void)state;
     hanging c = big_cloth();
     c.tethers = true;
     stretch with = hang( &c, 2.6 );
@@ -265,6 +269,7 @@ static void tethers_bound_the_stretch_of_a_hanging_cloth( void** state )
 
 static void levels_do_in_one_substep_what_ten_cannot( void** state )
 {
+    (void)state;
     hanging c = big_cloth();
     c.tethers = c.levels = true;
     c.substeps = 1;
@@ -338,6 +343,7 @@ static void assert_survives( float scale, start how, float heavy, float seconds,
 
 static void hard_starts_scales_and_mass_ratios_stay_finite( void** state )
 {
+    (void)state;
     const float scales[] = { 1e-3f, 1.0f, 1e3f }, steps[] = { 0.2f, 1.0f / 60.0f };
     for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT * WISP_SOLVER_COUNT; ++b )
     {

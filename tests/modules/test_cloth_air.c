@@ -62,6 +62,7 @@ static void force_on_a_triangle_is_that_of_the_formula( void** state )
 // A plate of 0.15 kg/m^2 with a coefficient of 1.28: v_t = sqrt( 2 m g / (rho C A) ), v = v_t tanh( g t / v_t ).
 static void a_plate_falls_broadside_at_its_terminal_velocity( void** state )
 {
+    (void)state;
     const double terminal = sqrt( 2.0 * 0.15 * 9.81 / ( (double)DENSITY * 1.28 ) );
     double error[2];
     for ( int i = 0; i < 2; ++i )

@@ -103,6 +103,7 @@ static const shape AT_1 = { 0.12347140, 0.99124640 }, AT_10 = { 0.70019972, 0.65
 // A beam of ten hinges is off by 1/12 of the squared spacing where it is bent most: 1 to 2 % of the drop.
 static void a_clamped_strip_bends_as_the_heavy_elastica( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         shape stiff = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 1.0, 8, 0.1 } );
@@ -118,6 +119,7 @@ static void a_clamped_strip_bends_as_the_heavy_elastica( void** state )
 
 static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         for ( int cells = 5; cells <= 15; cells += 5 )
@@ -137,6 +139,7 @@ static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state
 // float loses up to half of 7e-9 m of g dt^2 = 2.7e-6 m at 0.1 m.
 static void rigidity_is_in_units_so_size_does_not_matter( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_COUNT( KINDS ); ++k )
     {
         shape small = hang_out( &( beam ){ EQUILATERAL, KINDS[k], 10.0, 6, 0.1 } );
@@ -182,6 +185,7 @@ static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
 
 static void a_crease_of_the_rest_shape_stays_and_another_opens( void** state )
 {
+    (void)state;
     const double crease = sqrt( 0.05 + 0.04 * cos( 0.5 ) ),
                  flat = 0.3; // two sides of 0.2 and 0.1 m, and stretched out
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -260,6 +264,7 @@ static double strain_of_solid( float size, float flatness, wisp_cloth_bending be
 // not add to it.
 static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( void** state )
 {
+    (void)state;
     const float sizes[] = { 0.1f, 0.03f, 0.01f, 1e-3f, 1e-4f }, flatness[] = { 1.0f, 2e-3f };
     for ( int k = 0; k < WISP_COUNT( sizes ) * WISP_COUNT( flatness ); ++k )
     {

@@ -40,6 +40,7 @@ static double spring_extension( int substeps, int iterations, float seconds )
 
 static void a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count( void** state )
 {
+    (void)state;
     const int iterations[] = { 1, 2, 10 };
     const float seconds[] = { 1.0f / 30.0f, 1.0f / 60.0f, 1.0f / 480.0f };
     for ( int i = 0; i < WISP_COUNT( iterations ); ++i )
@@ -88,6 +89,7 @@ static double chain_error( int substeps, int iterations )
 // 1/480 s, 7e-4 of the weight, is lost.
 static void a_bar_stretches_by_its_compliance_whatever_iterations_and_step( void** state )
 {
+    (void)state;
     const int converged[][2] = { { 1, 64 }, { 2, 64 }, { 4, 16 }, { 4, 64 }, { 8, 16 } };
     for ( int i = 0; i < WISP_COUNT( converged ); ++i )
     {
@@ -140,6 +142,7 @@ static double sag_of_strip( int columns, int substeps )
 // doubling the substeps should quarter the error, and does so by 3.3 to 3.9 here.
 static void a_pinned_strip_hangs_in_a_catenary( void** state )
 {
+    (void)state;
     double error[4];
     for ( int i = 0; i < WISP_COUNT( error ); ++i )
     {
@@ -196,6 +199,7 @@ static double pendulum_period( double degrees, int substeps )
 // times finer.
 static void a_triangle_on_its_edge_swings_with_a_pendulums_period( void** state )
 {
+    (void)state;
     const struct
     {
         double degrees, ratio, tolerance; // ratio: 2/pi K(sin(a/2))
@@ -271,6 +275,7 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
 // taken about places that moved in the substep, so it is lost at first order: half the step loses half.
 static void constraints_keep_momentum_and_lose_turning_with_the_step_alone( void** state )
 {
+    (void)state;
     for ( int b = 0; b < WISP_CLOTH_BENDING_COUNT; ++b )
     {
         drift two = drift_of( (wisp_cloth_bending)b, 2 ), four = drift_of( (wisp_cloth_bending)b, 4 );
@@ -319,6 +324,7 @@ static energy_stats energy_of_hanging( int substeps )
 // leaves stretched gives that back as a rise: it falls with the stretch, at second order in the step.
 static void a_hanging_cloth_never_has_more_energy_than_it_began_with( void** state )
 {
+    (void)state;
     energy_stats ten = energy_of_hanging( 10 ), forty = energy_of_hanging( 40 );
     print_message( "           rises by %.4f of the fall with 10 substeps, %.4f with 40\n", ten.rise, forty.rise );
     assert_true( ten.above_start <= 0.0 && forty.above_start <= 0.0 );

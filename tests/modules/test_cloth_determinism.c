@@ -125,6 +125,7 @@ static determinism_case describe( int number )
 // Twenty small cloths of all kinds share waves; each is what it is in a world of its own.
 static void many_small_cloths_are_what_each_is_alone( void** state )
 {
+    (void)state;
     enum
     {
         CLOTHS = 20,

@@ -138,6 +138,7 @@ static void what_is_no_living_surface_is_refused( void** state )
 
 static void a_world_without_the_module_says_so( void** state )
 {
+    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     h.def.modules = NULL;
@@ -153,6 +154,7 @@ static void a_world_without_the_module_says_so( void** state )
 // From one kind of cloth to one that needs all else, with each request for memory refused in turn.
 static void a_change_without_memory_leaves_the_old_cloth( void** state )
 {
+    (void)state;
     int refusals = 0;
     for ( int64_t n = 1; n < 100; ++n )
     {

@@ -76,6 +76,7 @@ static void contact_never_adds_energy( void** state )
 
 static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_colliding( 4, 4, 1 );
@@ -98,6 +99,7 @@ static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void**
 
 static void results_scale_with_the_scene( void** state )
 {
+    (void)state;
     const float scales[] = { 1.0f, 0.01f, 100.0f };
     wisp_vec3 at[3];
     for ( int k = 0; k < 3; ++k )
@@ -127,6 +129,7 @@ static void results_scale_with_the_scene( void** state )
 
 static void what_starts_inside_leaves_without_flying_off( void** state )
 {
+    (void)state;
     for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_colliding( 1, 8, 1 );
@@ -345,6 +348,7 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
 
 static void any_number_of_workers_gives_the_same_bits( void** state )
 {
+    (void)state;
     const int workers[] = { 1, 2, 3, 8 };
     uint64_t expected = 0;
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )

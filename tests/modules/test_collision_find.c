@@ -229,6 +229,7 @@ static void assert_same( const particles* a, const particles* b, int trial )
 
 static void a_block_finds_what_is_found_one_by_one( void** state )
 {
+    (void)state;
     meeting* m = new_meeting();
     int at_limit = 0, spared = 0, met = 0, crowded = 0;
     for ( int trial = 0; trial < TRIALS; ++trial )
@@ -252,6 +253,7 @@ static void a_block_finds_what_is_found_one_by_one( void** state )
 // Alone, so that at a limit nothing else is met; on both sides of it, or it would not be one.
 static void each_kind_of_body_is_exact_at_its_limit( void** state )
 {
+    (void)state;
     meeting* m = new_meeting();
     for ( int b = 0; b + 1 < BODIES; ++b )
     {
@@ -279,6 +281,7 @@ static void each_kind_of_body_is_exact_at_its_limit( void** state )
 // A body that turns is asked for particle by particle, wherever the block is, so that no border can show.
 static void contacts_do_not_depend_on_where_blocks_begin( void** state )
 {
+    (void)state;
     static const int SIZES[] = { 8, 24, 64, 248 };
     meeting* m = new_meeting();
     place_bodies( m, 1 );
@@ -323,6 +326,7 @@ static void assert_clear( const meeting* m, const particles* before, const parti
 
 static void who_has_no_contact_is_as_clear_as_it_says( void** state )
 {
+    (void)state;
     meeting* m = new_meeting();
     int clear = 0;
     for ( int trial = 0; trial < TRIALS; ++trial )

@@ -57,6 +57,7 @@ static const struct
 
 static void a_block_sticks_below_the_angle_of_friction( void** state )
 {
+    (void)state;
     const double angles[] = { 11.0, 26.0 }, mus[] = { 0.2, 0.5 }; // the limits are 11.30993 and 26.56505 degrees
     for ( int k = 0; k < 2 * WISP_COUNT( SOLVERS ); ++k )
     {
@@ -71,6 +72,7 @@ static void a_block_sticks_below_the_angle_of_friction( void** state )
 
 static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** state )
 {
+    (void)state;
     const double angles[] = { 12.0, 27.0, 45.0 }, mus[] = { 0.2, 0.5, 0.5 };
     for ( int k = 0; k < 3 * WISP_COUNT( SOLVERS ); ++k )
     {
@@ -90,6 +92,7 @@ static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** sta
 
 static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** state )
 {
+    (void)state;
     incline i = new_incline( 20.0 * DEGREE, 0.5f, 0.5f, 10, 1 );
     const wisp_vec3 push = { (float)( -2.0 * cos( i.angle ) ), (float)( -2.0 * sin( i.angle ) ), 0.0f };
     assert_int_equal( wisp_set_velocity( i.h->world, i.surface, push, ( wisp_vec3 ){ 0 } ), WISP_OK );
@@ -103,6 +106,7 @@ static void what_slides_below_the_kinetic_angle_comes_to_rest_and_stays( void** 
 
 static void static_friction_holds_what_kinetic_friction_would_not( void** state )
 {
+    (void)state;
     incline held = new_incline( 30.0 * DEGREE, 0.7f, 0.3f, 1, 1 );
     run_for( held.h->world, 1.0f / 60.0f, 120 );
     assert_near( along( &held ), held.start, 2e-5 );
@@ -118,6 +122,7 @@ static void static_friction_holds_what_kinetic_friction_would_not( void** state 
 
 static void friction_scales_with_the_surfaces_own_factor( void** state )
 {
+    (void)state;
     incline i = new_incline( 26.0 * DEGREE, 0.5f, 0.5f, 1, 1 );
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = THICKNESS;
@@ -130,6 +135,7 @@ static void friction_scales_with_the_surfaces_own_factor( void** state )
 
 static void a_belt_carries_what_lies_on_it_and_lets_it_slip_when_it_starts_too_fast( void** state )
 {
+    (void)state;
     const float dt = 1.0f / 60.0f;
     const double accelerations[] = { 3.0, 8.0 }; // mu g is 4.9
     for ( int k = 0; k < 2; ++k )
@@ -292,6 +298,7 @@ static double tension_ratio( float mu, double ratio )
 
 static void a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan( void** state )
 {
+    (void)state;
     // exp( mu phi ), phi = pi; the second also is mu 0.3 on a quarter
     const double expected[] = { 2.566332, 1.601978 };
     const float mus[] = { 0.3f, 0.15f };
@@ -337,6 +344,7 @@ static float sideways_after_12_steps( bool has_floor )
 
 static void a_push_that_later_iterations_undo_gives_no_friction( void** state )
 {
+    (void)state;
     // The first iteration finds the strip in the floor, then its links lift it. They are not quite there after 64
     // iterations, so it rubs a little; were the first push to count in full, it would be held to a twentieth.
     assert_true( sideways_after_12_steps( true ) > 0.5f * sideways_after_12_steps( false ) );

@@ -94,6 +94,7 @@ static double gap_to( wisp_vec3 centre, wisp_vec3 p )
 
 static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** state )
 {
+    (void)state;
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -139,6 +140,7 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
 
 static void roots_stay_in_the_body_that_they_grow_from( void** state )
 {
+    (void)state;
     const wisp_vec3 head = { 0.05f, 1.0f, 0.0f };
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     add_body( f.world, sphere_at( head ) );
@@ -172,6 +174,7 @@ static void roots_stay_in_the_body_that_they_grow_from( void** state )
 // The substeps of the world are four, of which only the last one's end counts.
 static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** state )
 {
+    (void)state;
     flock f = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -194,6 +197,7 @@ static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** st
 
 static void nothing_is_left_of_a_body_that_is_gone( void** state )
 {
+    (void)state;
     flock f = new_flock( 1 ), plain = new_flock( 1 );
     const wisp_entity body = add_body( f.world, sphere_at( CENTRE ) );
     collide( f.world, f.ghosts );
@@ -215,6 +219,7 @@ static void nothing_is_left_of_a_body_that_is_gone( void** state )
 
 static void bits_do_not_depend_on_workers( void** state )
 {
+    (void)state;
     uint64_t hashes[6];
     for ( int workers = 1; workers < 6; ++workers )
     {
@@ -235,6 +240,7 @@ static void bits_do_not_depend_on_workers( void** state )
 // Ghosts that are pushed and turn to a cursor each frame, against hair that stands still where they were pushed to.
 static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
 {
+    (void)state;
     flock f = new_flock( 2 ), bare = new_flock( 1 );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.freeze = look.clump = false;
@@ -290,6 +296,7 @@ static wisp_entity add_uneven( wisp_world* world )
 
 static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
 {
+    (void)state;
     for ( int kind = WISP_COLLIDER_PLANE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         wisp_world* world = new_world( 1 );
@@ -326,6 +333,7 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
 // Four ghosts' worth of strands over a floor, with dynamics that come later: asked again, they fall on it.
 static void strands_that_move_later_collide_as_such_when_queried_again( void** state )
 {
+    (void)state;
     wisp_world* world = new_world( 1 );
     const wisp_entity hair = add_uneven( world );
     wisp_collider_def floor = wisp_default_collider_def();
@@ -346,6 +354,7 @@ static void strands_that_move_later_collide_as_such_when_queried_again( void** s
 
 static void strands_that_move_in_a_way_without_weights_are_refused( void** state )
 {
+    (void)state;
     flock f = new_flock( 1 );
     const wisp_collision_def def = wisp_default_collision_def();
     const uint64_t before = wisp_world_hash( f.world );

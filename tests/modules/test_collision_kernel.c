@@ -172,6 +172,7 @@ static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v
 
 static void lanes_answer_as_a_scalar_does( void** state )
 {
+    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     for ( int k = 0; k < 2 * WISP_COUNT( SHAPES ); ++k )
@@ -197,6 +198,7 @@ static void lanes_answer_as_a_scalar_does( void** state )
 
 static void every_table_gives_the_same_bits_on_a_body( void** state )
 {
+    (void)state;
     static contact_rows first, rows;
     const wisp_kernels* tables[MAX_TABLES];
     const int count = usable_tables( tables );
@@ -219,6 +221,7 @@ static void every_table_gives_the_same_bits_on_a_body( void** state )
 
 static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
 {
+    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     made.position[2] = NAN;
@@ -245,6 +248,7 @@ static void what_is_pinned_away_or_no_number_is_left_alone( void** state )
 
 static void a_group_tells_how_far_it_reaches_and_what_it_remembers( void** state )
 {
+    (void)state;
     static contact_rows made, rows;
     make_rows( &made );
     made.position[3] = NAN;

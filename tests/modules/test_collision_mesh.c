@@ -42,6 +42,7 @@ static wisp_entity add_sheet( wisp_world* world, wisp_collider_def* def )
 
 static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     wisp_motion_stats result[2];
     for ( int k = 0; k < 2; ++k )
@@ -69,6 +70,7 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
 
 static void results_on_a_mesh_scale_with_the_scene( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     const float scales[] = { 1.0f, 0.01f, 100.0f };
     double height[3];
@@ -140,6 +142,7 @@ static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
 // Constraints move particles after contacts were looked for; what they drag through a sheet is caught.
 static void cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 20, 1 );
     wisp_collider_def def;
@@ -166,6 +169,7 @@ static void cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side( vo
 
 static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     hosted* h = new_colliding( 1, 8, 1 );
     add_ball( h->world, true, 1.0f );
@@ -182,6 +186,7 @@ static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
 
 static void a_mesh_that_moves_is_answered_in_its_own_frame( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     double height[2];
     for ( int k = 0; k < 2; ++k )
@@ -205,6 +210,7 @@ static void a_mesh_that_moves_is_answered_in_its_own_frame( void** state )
 
 static void any_number_of_workers_gives_the_same_bits_on_a_mesh( void** state )
 {
+    (void)state;
     NEEDS_EMBREE();
     const int workers[] = { 1, 2, 3, 8 };
     uint64_t expected = 0;

@@ -5,6 +5,7 @@
 
 static void each_closed_form_is_sensed_where_it_stands( void** state )
 {
+    (void)state;
     // in the body's frame, a centimetre off the surface, and the normal there
     const struct
     {
@@ -116,6 +117,7 @@ static void gravity_counts_in_the_path( void** state )
 
 static void what_starts_inside_is_told_how_deep_it_is( void** state )
 {
+    (void)state;
     // the depth of a place well inside each, and the way out
     const struct
     {
@@ -149,6 +151,7 @@ static void what_starts_inside_is_told_how_deep_it_is( void** state )
 
 static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
 {
+    (void)state;
     const int substeps = 4;
     const double v[3] = { 0.3, -0.2, 0.1 }, omega = 0.6; // about z
     hosted* h = new_world( substeps, 1 );
@@ -234,6 +237,7 @@ static void a_flat_path_is_not_held_before_it_arrives( void** state )
 // The solver lands what would pass the plane; what goes by must not.
 static void a_path_that_passes_by_is_not_stopped( void** state )
 {
+    (void)state;
     // beside a ball, round its top, and across the edge of a box
     const struct
     {
@@ -309,6 +313,7 @@ static wisp_entity add_wall( wisp_world* world, double angle, float gap )
 
 static void the_two_nearest_bodies_are_kept_in_whatever_order_they_came( void** state )
 {
+    (void)state;
     const float gaps[3] = { 0.004f, 0.008f, 0.012f };
     const int orders[6][3] = { { 0, 1, 2 }, { 0, 2, 1 }, { 1, 0, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 2, 1, 0 } };
     for ( int k = 0; k < 6; ++k )

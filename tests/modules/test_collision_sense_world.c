@@ -155,6 +155,7 @@ static wisp_entity busy_scene( wisp_world* world, wisp_entity* ball )
 
 static void any_number_of_workers_gives_the_same_bits( void** state )
 {
+    (void)state;
     const int workers[] = { 1, 2, 3, 5 };
     uint64_t expected[20];
     for ( int k = 0; k < WISP_COUNT( workers ); ++k )

@@ -169,6 +169,7 @@ static double fastest( wisp_world* world, wisp_entity e )
 
 static void strands_that_fall_on_a_body_rest_outside( void** state )
 {
+    (void)state;
     for ( int kind = 0; kind < WISP_COLLIDER_MESH; ++kind )
     {
         hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
@@ -191,6 +192,7 @@ static void strands_that_fall_on_a_body_rest_outside( void** state )
 
 static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
 {
+    (void)state;
     double height[2];
     bool has_embree = true;
     for ( int k = 0; k < 2 && has_embree; ++k )
@@ -243,6 +245,7 @@ static double downhill( double angle, float mu )
 
 static void friction_holds_a_strand_below_its_angle_alone( void** state )
 {
+    (void)state;
     // mu 0.5 holds up to 26.6 degrees; static friction cancels each substep's slip but for rounding
     assert_near( downhill( 25.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
     assert_near( downhill( 5.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
@@ -284,6 +287,7 @@ static float deepest_on_a_shaken_head( hair_world w, wisp_strand_stretch stretch
 
 static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
 {
+    (void)state;
     float direct = deepest_on_a_shaken_head( ( hair_world ){ 10, 1, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
     float twice = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, false );
     float links = deepest_on_a_shaken_head( ( hair_world ){ 10, 2, 1, NULL }, WISP_STRAND_STRETCH_LINKS, false );
@@ -366,6 +370,7 @@ static bool leaves_calmly( wisp_collider_kind kind )
 
 static void what_starts_inside_leaves_without_being_thrown( void** state )
 {
+    (void)state;
     for ( int kind = WISP_COLLIDER_SPHERE; kind < WISP_COLLIDER_MESH; ++kind )
     {
         leaves_calmly( (wisp_collider_kind)kind );
@@ -374,6 +379,7 @@ static void what_starts_inside_leaves_without_being_thrown( void** state )
 
 static void what_starts_inside_a_mesh_leaves_without_being_thrown( void** state )
 {
+    (void)state;
     if ( leaves_calmly( WISP_COLLIDER_MESH ) == false )
     {
         skip();
@@ -413,6 +419,7 @@ static uint64_t hash_of_a_busy_scene( hair_world w, wisp_collision_stats* stats 
 
 static void workers_and_instruction_sets_give_the_same_bits( void** state )
 {
+    (void)state;
     const hair_world worlds[] = {
         { 4, 2, 1, NULL }, { 4, 2, 2, NULL }, { 4, 2, 3, NULL }, { 4, 2, 5, NULL }, { 4, 2, 2, "baseline" }
     };

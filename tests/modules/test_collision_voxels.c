@@ -99,6 +99,7 @@ static void assert_same( const trace* expected, trace* found )
 
 static void cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force( void** state )
 {
+    (void)state;
     for ( int double_sided = 0; double_sided < 2; ++double_sided )
     {
         trace* expected = run( BRUTE_FORCE, double_sided == 1, 1 );
@@ -110,6 +111,7 @@ static void cloth_on_voxels_has_the_contacts_and_the_bits_of_brute_force( void**
 
 static void cloth_on_voxels_has_the_contacts_and_the_bits_of_the_tree_with_any_workers( void** state )
 {
+    (void)state;
     if ( !has_meshes() )
     {
         skip();

@@ -94,6 +94,7 @@ static constraint_oracle_term root_form( const double3 p[4], void* user )
 // Every gradient of at most four vertices; the volume's is below (Eq. 8).
 static void gradients_agree_with_central_differences( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 200; ++n )
     {
         double3 rest[4], p[4];
@@ -112,6 +113,7 @@ static void gradients_agree_with_central_differences( void** state )
 // Eq. 3
 static void a_linear_constraint_is_solved_by_one_projection( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         constraint_oracle_term term = { .count = 4, .value = random_between( n, 70, -1.0, 1.0 ) };
@@ -137,6 +139,7 @@ static void a_linear_constraint_is_solved_by_one_projection( void** state )
 // Eq. 4 against Eq. 6
 static void the_general_projection_of_a_distance_is_the_printed_one( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 200; ++n )
     {
         double3 p[2] = { random_vector( n, 0 ), random_vector( n, 1 ) }, before[2] = { p[0], p[1] }, step[2];
@@ -173,6 +176,7 @@ static void assert_momentum_kept( const double3* before, const double3* after, c
 
 static void every_projection_keeps_linear_and_angular_momentum( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         double3 rest[4], start[4];
@@ -216,6 +220,7 @@ static void every_projection_keeps_linear_and_angular_momentum( void** state )
 // Eq. 5-6, Fig. 1
 static void a_stretched_pair_returns_to_its_length_and_moves_in_ratio_of_inverse_masses( void** state )
 {
+    (void)state;
     const double ratio[3][2] = { { 1.0, 1.0 }, { 1.0, 3.0 }, { 0.0, 1.0 } };
     for ( int n = 0; n < 3; ++n )
     {
@@ -232,6 +237,7 @@ static void a_stretched_pair_returns_to_its_length_and_moves_in_ratio_of_inverse
 
 static void a_stiffness_below_one_leaves_its_share_of_the_error( void** state )
 {
+    (void)state;
     for ( int iterations = 1; iterations <= 8; iterations *= 2 )
     {
         const double w[2] = { 1.0, 2.0 };
@@ -250,6 +256,7 @@ static void a_stiffness_below_one_leaves_its_share_of_the_error( void** state )
 
 static void a_compliant_edge_carries_the_tension_of_its_spring( void** state )
 {
+    (void)state;
     const double w[2] = { 3.0, 5.0 };
     double dt = 0.01, k_edge = 2000.0, alpha = 1.0 / ( k_edge * dt * dt ), lambda = 0.0, length = 0.0;
     double3 p[2] = { { 0.0, 0.0, 0.0 }, { 1.5, 0.0, 0.0 } };
@@ -268,6 +275,7 @@ static void a_compliant_edge_carries_the_tension_of_its_spring( void** state )
 
 static void a_tether_resists_stretch_and_never_pushes( void** state )
 {
+    (void)state;
     const double w[2] = { 0.0, 1.0 };
     constraint_oracle_skips skips = { { 0 } };
     double3 slack[2] = { { 0.0, 0.0, 0.0 }, { 0.8, 0.0, 0.0 } }, taut[2] = { { 0.0, 0.0, 0.0 }, { 1.2, 0.0, 0.0 } };
@@ -300,6 +308,7 @@ static void a_tether_resists_stretch_and_never_pushes( void** state )
 
 static void a_strain_limit_clamps_the_length_and_ignores_what_is_within( void** state )
 {
+    (void)state;
     const double w[2] = { 1.0, 1.0 }, start[] = { 0.5, 0.96, 1.0, 1.04, 1.7 };
     const double expected[] = { 0.95, 0.96, 1.0, 1.04, 1.05 };
     for ( int n = 0; n < 5; ++n )
@@ -315,6 +324,7 @@ static void a_strain_limit_clamps_the_length_and_ignores_what_is_within( void** 
 // The two normals of a convex edge enclose pi minus the inner angle.
 static void a_dihedral_angle_is_signed_and_known_on_solids( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_tetrahedron( &mesh, 2.0 ) );
     balloon_mesh_topology topology;
@@ -344,6 +354,7 @@ static void a_dihedral_angle_is_signed_and_known_on_solids( void** state )
 
 static void a_bend_finds_its_rest_angle_from_flat_and_the_short_way_through_pi( void** state )
 {
+    (void)state;
     const double starts[] = { 0.0, 0.5, 3.0 }, rests[] = { 0.8, 0.0, -3.0 }, first[] = { -0.8, 0.5, 6.0 - 2.0 * pi };
     for ( int n = 0; n < 3; ++n )
     {
@@ -363,6 +374,7 @@ static void a_bend_finds_its_rest_angle_from_flat_and_the_short_way_through_pi( 
 
 static void the_isometric_matrix_is_symmetric_and_blind_to_flat_shapes( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 100; ++n )
     {
         double3 rest[4];
@@ -391,6 +403,7 @@ static void the_isometric_matrix_is_symmetric_and_blind_to_flat_shapes( void** s
 // A1).
 static void the_isometric_energy_of_a_fold_has_its_closed_form( void** state )
 {
+    (void)state;
     for ( int n = 1; n < 30; ++n )
     {
         double a = 0.1 * n, q[4][4];
@@ -405,6 +418,7 @@ static void the_isometric_energy_of_a_fold_has_its_closed_form( void** state )
 
 static void the_energy_form_halves_a_fold_and_the_root_form_solves_it( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 rest[4], start[4], p[4];
@@ -439,6 +453,7 @@ static void the_energy_form_halves_a_fold_and_the_root_form_solves_it( void** st
 // Eq. 7
 static void a_cube_has_volume_one_wherever_it_is( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     assert_true( mesh_volume( &mesh ) == 1.0 );
@@ -454,6 +469,7 @@ static void a_cube_has_volume_one_wherever_it_is( void** state )
 
 static void volumes_of_solids_have_their_closed_forms( void** state )
 {
+    (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_tetrahedron( &mesh, 2.0 ) );
     assert_close( mesh_volume( &mesh ), 8.0 / ( 6.0 * sqrt( 2.0 ) ), 1e-15 );
@@ -478,6 +494,7 @@ static void volumes_of_solids_have_their_closed_forms( void** state )
 
 static void volume_does_not_change_with_translation_and_rotation( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_perturbed_sphere();
     double volume = mesh_volume( &mesh ), c = cos( 1.1 ), s = sin( 1.1 );
     for ( int i = 0; i < mesh.vertex_count; ++i )
@@ -492,6 +509,7 @@ static void volume_does_not_change_with_translation_and_rotation( void** state )
 // Eq. 8
 static void the_volume_gradient_agrees_with_differences_and_with_its_identities( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_perturbed_sphere();
     double3 g[42], printed[42], sum = { 0.0, 0.0, 0.0 };
     double virial = 0.0, largest = 0.0, worst = 0.0, h = 1e-5;
@@ -525,6 +543,7 @@ static void the_volume_gradient_agrees_with_differences_and_with_its_identities(
 
 static void only_the_origin_free_gradient_keeps_its_digits_far_away( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_perturbed_sphere();
     double3 near[42], far[42], printed[42];
     double error = 0.0, printed_error = 0.0;
@@ -548,6 +567,7 @@ static void only_the_origin_free_gradient_keeps_its_digits_far_away( void** stat
 
 static void volume_projections_reach_their_target_and_their_pressure( void** state )
 {
+    (void)state;
     balloon_mesh mesh = new_perturbed_sphere();
     double3 scratch[42], p[42];
     double w[42], target = 1.3 * mesh_volume( &mesh );
@@ -580,6 +600,7 @@ static void volume_projections_reach_their_target_and_their_pressure( void** sta
 
 static void degenerate_constraints_move_nothing_and_are_counted( void** state )
 {
+    (void)state;
     const double pinned[4] = { 0.0, 0.0, 0.0, 0.0 }, loose[4] = { 1.0, 1.0, 1.0, 1.0 };
     constraint_oracle_skips skips = { { 0 } };
     double lambda = 0.0, q[4][4];

@@ -104,6 +104,7 @@ static contact_oracle_contact expect_places( const meeting* m, int n, int iterat
 
 static void a_pair_moves_as_the_oracle_has_it( void** state )
 {
+    (void)state;
     int pushed = 0, free = 0;
     for ( int n = 0; n < 120; ++n )
     {
@@ -138,6 +139,7 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
 
 static void momentum_is_kept_and_forces_are_opposite( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 60; n += 3 ) // those without pins
     {
         meeting m;
@@ -188,6 +190,7 @@ static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const w
 // Gravity leans by an angle whose tangent is a share of mu. Below one it holds; above, m a = g (sin - mu cos).
 static void friction_is_that_of_coulomb( void** state )
 {
+    (void)state;
     static const float SHARES[] = { 0.5f, 0.9f, 1.2f, 2.0f };
     const double mu = 0.4, g = 9.81, seconds = 0.5;
     for ( int i = 0; i < WISP_COUNT( SHARES ); ++i )
@@ -214,6 +217,7 @@ static void friction_is_that_of_coulomb( void** state )
 
 static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[2];
     wisp_contact_def def = contact_of( THICK );
@@ -231,6 +235,7 @@ static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state
 
 static void resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_still( void** state )
 {
+    (void)state;
     static const float PAIRS[][2] = { { 1.0f, 1.0f }, { 0.5f, 1.5f }, { 2.0f, 1.0f } };
     for ( int i = 0; i < WISP_COUNT( PAIRS ); ++i )
     {
@@ -272,6 +277,7 @@ static bool falls_through( const wisp_contact_def* lower, const wisp_contact_def
 
 static void layers_and_masks_say_who_meets( void** state )
 {
+    (void)state;
     const struct
     {
         uint32_t layers[2], masks[2];
@@ -334,12 +340,14 @@ static bool passes_itself( bool self )
 
 static void a_surface_meets_itself_unless_told_not_to( void** state )
 {
+    (void)state;
     assert_false( passes_itself( true ) );
     assert_true( passes_itself( false ) );
 }
 
 static void pins_push_and_are_not_pushed( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[2];
     const wisp_contact_def def = contact_of( THICK );
@@ -389,6 +397,7 @@ static void assert_free_fall( hosted* h, wisp_entity e )
 
 static void what_lay_on_a_participant_falls_when_that_is_removed_or_leaves( void** state )
 {
+    (void)state;
     for ( int way = 0; way < 3; ++way )
     {
         hosted h;
@@ -413,6 +422,7 @@ static void what_lay_on_a_participant_falls_when_that_is_removed_or_leaves( void
 
 static void a_participant_that_comes_later_is_met( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -430,6 +440,7 @@ static void a_participant_that_comes_later_is_met( void** state )
 
 static void instances_meet_like_all_others( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[3];
     open_resting( &h, sheets );
@@ -453,6 +464,7 @@ static void instances_meet_like_all_others( void** state )
 // The middle one of three that fall is halted; what falls on it lies there, and when it takes part again it falls itself.
 static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -482,6 +494,7 @@ static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( voi
 // A number that goes wrong in the middle of a step stays with its participant, also where another lies on it.
 static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
 {
+    (void)state;
     hosted h;
     wisp_entity sheets[2];
     open_resting( &h, sheets );
@@ -503,6 +516,7 @@ static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
 // Thicker than its edges are long, a sheet is pushed apart nowhere: it keeps what it has at rest. Bent round, it does not.
 static void a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
 {
+    (void)state;
     for ( int bent = 0; bent < 2; ++bent )
     {
         hosted h;

@@ -109,6 +109,7 @@ static patch patch_of( wisp_world* world, const wisp_entity b[2] )
 
 static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
 {
+    (void)state;
     for ( int start = 0; start <= STARTS; ++start )
     {
         pressed p;
@@ -136,6 +137,7 @@ static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
 
 static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 3; ++n )
     {
         pressed p;
@@ -170,6 +172,7 @@ static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** sta
 // What presses for a long time presses with the same force, and nothing trembles.
 static void a_balloon_that_rests_on_a_sheet_does_not_tremble( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh ball = ball_of( 2, RADIUS, ( wisp_vec3 ){ 0.01f, 1.06f * RADIUS, 0.02f } ),
@@ -261,6 +264,7 @@ static void assert_nothing_overlaps( box_of* x )
 
 static void a_balloon_on_a_floor_carries_another( void** state )
 {
+    (void)state;
     box_of x;
     open_box( &x, 2, 2, 0, true, SUBSTEPS );
     wisp_collision_def smooth = wisp_default_collision_def();
@@ -334,6 +338,7 @@ static void settle_stack( int count, int level, int start, int steps )
 
 static void a_stack_of_ten_comes_to_rest( void** state )
 {
+    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         settle_stack( 10, 2, start, 270 ); // one of them falls into its last place after four seconds
@@ -344,6 +349,7 @@ static void a_stack_of_ten_comes_to_rest( void** state )
 
 static void cloth_that_falls_on_a_balloon_lies_around_it( void** state )
 {
+    (void)state;
     for ( int start = 0; start < 2; ++start )
     {
         box_of x;

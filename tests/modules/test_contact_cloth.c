@@ -58,6 +58,7 @@ static void fold( folding* f, int steps )
 
 static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** state )
 {
+    (void)state;
     folding f;
     open_folding( &f, 33, 0, true, true );
     int pressed = 0;
@@ -80,6 +81,7 @@ static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** sta
 // The scene is one in which something would cross.
 static void without_contact_the_same_cloth_crosses_itself( void** state )
 {
+    (void)state;
     folding f;
     open_folding( &f, 33, 0, true, false );
     int most = 0;
@@ -95,6 +97,7 @@ static void without_contact_the_same_cloth_crosses_itself( void** state )
 
 static void no_jittered_start_crosses( void** state )
 {
+    (void)state;
     for ( int start = 1; start <= STARTS; ++start )
     {
         folding f;
@@ -165,6 +168,7 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
 
 static void cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross( void** state )
 {
+    (void)state;
     for ( int start = 0; start < 3; ++start )
     {
         assert_int_equal( crumple( 21, start, true, SUBSTEPS, 90 ), 0 );
@@ -220,6 +224,7 @@ static void shoot( float speed )
 
 static void what_is_fast_does_not_pass_through( void** state )
 {
+    (void)state;
     static const float SPEEDS[] = { 5.0f, 30.0f, 100.0f };
     for ( int i = 0; i < WISP_COUNT( SPEEDS ); ++i )
     {
@@ -284,6 +289,7 @@ static double start_energy( closed_system* c )
 
 static void loose_sheets_never_gain_energy( void** state )
 {
+    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         closed_system c;
@@ -309,6 +315,7 @@ static void loose_sheets_never_gain_energy( void** state )
 // Links hold energy that they give back; it came from the start, and a thousandth of that is what they may be off.
 static void woven_sheets_never_have_more_energy_than_at_the_start( void** state )
 {
+    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         closed_system c;

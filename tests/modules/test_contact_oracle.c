@@ -81,6 +81,7 @@ static int region_of( const double weights[3] )
 
 static void a_point_finds_the_closest_of_a_triangle_in_all_seven_regions( void** state )
 {
+    (void)state;
     int seen[8] = { 0 };
     for ( int n = 0; n < 4000; ++n )
     {
@@ -97,6 +98,7 @@ static void a_point_finds_the_closest_of_a_triangle_in_all_seven_regions( void**
 
 static void segments_find_their_closest_points_in_all_nine_regions( void** state )
 {
+    (void)state;
     int seen[4][4] = { { 0 } };
     for ( int n = 0; n < 4000; ++n )
     {
@@ -115,6 +117,7 @@ static void segments_find_their_closest_points_in_all_nine_regions( void** state
 // any point of a hull.
 static void no_sample_is_nearer( void** state )
 {
+    (void)state;
     enum
     {
         STEPS = 100,
@@ -182,6 +185,7 @@ static couple degenerate_couple( int n )
 
 static void what_is_flat_parallel_or_a_point_has_closest_points_too( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 6000; ++n )
     {
         const couple c = degenerate_couple( n );
@@ -192,6 +196,7 @@ static void what_is_flat_parallel_or_a_point_has_closest_points_too( void** stat
 
 static void closest_points_of_known_places( void** state )
 {
+    (void)state;
     const double3 t[3] = { { 0.0, 0.0, 0.0 }, { 4.0, 0.0, 0.0 }, { 0.0, 4.0, 0.0 } };
     const contact_oracle_closest above = contact_oracle_point_triangle( double3_make( 1.0, 1.0, 3.0 ), t );
     assert_close( above.distance, 3.0, tolerance );
@@ -289,6 +294,7 @@ static double energy_of( const scene* s )
 
 static void momentum_is_kept_by_pushing_and_rubbing( void** state )
 {
+    (void)state;
     int pushed = 0, rubbed = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -305,6 +311,7 @@ static void momentum_is_kept_by_pushing_and_rubbing( void** state )
 // The moment of what is pushed is (yA - yB) x n lambda.
 static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** state )
 {
+    (void)state;
     int pushed = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -330,6 +337,7 @@ static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** s
 // began; rubbing shortens what was slid. Neither can make the way longer.
 static void energy_never_grows( void** state )
 {
+    (void)state;
     int lost = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -353,6 +361,7 @@ static void energy_never_grows( void** state )
 
 static void one_push_leaves_the_gap_and_a_second_changes_nothing( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         scene s = random_scene( n );
@@ -366,6 +375,7 @@ static void one_push_leaves_the_gap_and_a_second_changes_nothing( void** state )
 // Others may part the two after they were pushed: then they give back, and never pull.
 static void what_was_pushed_too_far_is_given_back_and_no_more( void** state )
 {
+    (void)state;
     int given = 0;
     for ( int n = 0; n < 1000; ++n )
     {
@@ -388,6 +398,7 @@ static void what_was_pushed_too_far_is_given_back_and_no_more( void** state )
 // Two equal bodies meet head on at the distance that they keep.
 static void equal_bodies_do_not_bounce( void** state )
 {
+    (void)state;
     scene s = { .w = { 0.5, 0.0, 0.0, 0.5, 0.0, 0.0 } };
     s.contact.a = ( contact_oracle_side ){ 1, { 0 }, { 1.0 } };
     s.contact.b = ( contact_oracle_side ){ 1, { 3 }, { 1.0 } };
@@ -405,6 +416,7 @@ static void equal_bodies_do_not_bounce( void** state )
 
 static void what_is_pinned_pushes_and_is_not_pushed( void** state )
 {
+    (void)state;
     int pushed = 0;
     for ( int n = 0; n < 600; ++n )
     {
@@ -440,6 +452,7 @@ static double3 slid( const scene* s )
 // Within the cone nothing slides; on its border what is left slides on the way it went.
 static void friction_holds_within_the_cone_and_slides_on_its_border( void** state )
 {
+    (void)state;
     int sticks = 0, slides = 0, free = 0;
     for ( int n = 0; n < 3000; ++n )
     {
@@ -462,6 +475,7 @@ static void friction_holds_within_the_cone_and_slides_on_its_border( void** stat
 // What was rubbed while they were pressed together is given back when they are parted again.
 static void friction_goes_when_the_push_is_given_back( void** state )
 {
+    (void)state;
     int gone = 0;
     for ( int n = 0; n < 1000; ++n )
     {

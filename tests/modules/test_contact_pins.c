@@ -85,6 +85,7 @@ static void assert_above( push* p )
 
 static void a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep( void** state )
 {
+    (void)state;
     const double speeds[] = { 1.0, 2.0, 3.5, 5.0, 7.0, 10.0 }; // 10 m/s: 21 mm per substep
     for ( int k = 0; k < WISP_COUNT( speeds ); ++k )
     {
@@ -98,6 +99,7 @@ static void a_plate_pushes_a_sheet_up_to_two_thicknesses_a_substep( void** state
 
 static void a_push_goes_on_through_layers( void** state )
 {
+    (void)state;
     push p;
     open_push( &p, LAYERS );
     raise_plate( &p, 1.5, 60 ); // 3 mm per substep

@@ -147,6 +147,7 @@ static void stats_that_were_not_requested_are_not_there( void** state )
 
 static void a_world_without_the_module_says_so( void** state )
 {
+    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
@@ -167,6 +168,7 @@ static void a_world_without_the_module_says_so( void** state )
 // Each request for memory is refused in turn, in the call and in the first step behind it.
 static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
 {
+    (void)state;
     int in_call = 0, in_step = 0;
     bool refused = true;
     for ( int64_t n = 1; n < 400 && refused; ++n )
@@ -209,6 +211,7 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
 // others stay finite in every step.
 static void a_participant_that_goes_wrong_takes_nobody_along( void** state )
 {
+    (void)state;
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f };
     for ( int n = 0; n < 2 * WISP_COUNT( WRONG ); ++n )
     {

@@ -58,6 +58,7 @@ static uint64_t run_scene( wisp_pair_search search, wisp_contact_primitives prim
 
 static void what_searches_does_not_change_a_bit( void** state )
 {
+    (void)state;
     for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
     {
         scene_counts first_counts, counts;
@@ -75,6 +76,7 @@ static void what_searches_does_not_change_a_bit( void** state )
 
 static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
 {
+    (void)state;
     static const float MARGINS[] = { 0.05f, 0.3f, 1.0f, 6.0f, 30.0f };
     for ( int primitives = 0; primitives < WISP_CONTACT_PRIMITIVES_COUNT; ++primitives )
     {
@@ -178,6 +180,7 @@ static void check_remembered( bool folds, int steps, float seconds )
 
 static void what_is_remembered_does_not_change_a_bit( void** state )
 {
+    (void)state;
     check_remembered( false, 120, FRAME / 8.0f );
     check_remembered( true, 500, FRAME / 10.0f );
 }
@@ -186,6 +189,7 @@ static void what_is_remembered_does_not_change_a_bit( void** state )
 // slowly: its pair with the floor is new in a list, before the other.
 static void a_pair_that_is_new_in_a_list_has_nothing_of_the_next( void** state )
 {
+    (void)state;
     static const float TURN = 20.0f, FALL = 0.4f, SUBSTEP = 0.01f, GAP = 0.01f; // rad/s, m/s, s, m
     hosted h;
     open_contact( &h, 1, 1, 1 );
@@ -317,6 +321,7 @@ static bool check_six( const six* s )
 
 static void a_boundary_particle_moves_its_parents_by_their_weights( void** state )
 {
+    (void)state;
     int checked = 0, inner = 0;
     for ( int n = 0; n < 250; ++n )
     {
@@ -368,6 +373,7 @@ static bool needle_passes( wisp_contact_primitives primitives, float spacing )
 
 static void what_is_finer_than_the_spacing_passes( void** state )
 {
+    (void)state;
     assert_true( needle_passes( WISP_CONTACT_PARTICLES, 0.5f ) );
     assert_false( needle_passes( WISP_CONTACT_PARTICLES, 0.01f ) );
     assert_false( needle_passes( WISP_CONTACT_TRIANGLES, 0.5f ) );
@@ -375,6 +381,7 @@ static void what_is_finer_than_the_spacing_passes( void** state )
 
 static void more_particles_stand_on_a_finer_spacing( void** state )
 {
+    (void)state;
     int points[3];
     for ( int i = 0; i < 3; ++i )
     {
@@ -399,6 +406,7 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
 // What goes fast is looked for far around. When it has stopped it is looked for anew, once, and nearer.
 static void what_has_stopped_is_not_looked_for_far_around( void** state )
 {
+    (void)state;
     static const float SPEED = 0.8f, GAP = 0.02f; // m/s, m
     hosted h;
     open_contact( &h, 1, 1, 1 );

@@ -85,6 +85,7 @@ static int count_segments_through( wisp_world* world, wisp_entity strands, wisp_
 // Strands fall on a ball whose lower half is held.
 static void strands_lie_on_a_balloon_and_not_in_it( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = ball_of( 3, 0.15f, ( wisp_vec3 ){ 0.02f, 0.0f, 0.01f } );
@@ -131,6 +132,7 @@ static void strands_lie_on_a_balloon_and_not_in_it( void** state )
 // A free balloon that strands fall on: what it gets is what contact says it gave.
 static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = ball_of( 2, 0.15f, ( wisp_vec3 ){ 0.02f, 0.0f, 0.01f } );
@@ -172,6 +174,7 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
 
 static void strands_lie_on_cloth_and_do_not_pass( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 1, 1 );
     test_mesh mesh = level_sheet( 11, 0.6f, ( wisp_vec3 ){ 0 } );
@@ -203,6 +206,7 @@ static void strands_lie_on_cloth_and_do_not_pass( void** state )
 // Passes of strands are there while strands take part, and only then.
 static void without_strands_there_are_no_passes_of_strands( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, 1, 1, 1 );
     test_mesh mesh = level_sheet( 4, 0.3f, ( wisp_vec3 ){ 0 } );

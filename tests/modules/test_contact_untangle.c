@@ -39,6 +39,7 @@ static void open_tangle( tangle* t, float dip, int start )
 
 static void what_starts_crossed_is_drawn_apart( void** state )
 {
+    (void)state;
     for ( int start = 0; start < STARTS; ++start )
     {
         tangle t;
@@ -71,6 +72,7 @@ static void what_starts_crossed_is_drawn_apart( void** state )
 // Apart at first; then the user puts it through, vertex by vertex, as a cut in a film does.
 static void what_the_user_puts_through_is_drawn_apart( void** state )
 {
+    (void)state;
     tangle t;
     open_tangle( &t, -0.1f, 0 );
     run_steps( t.h.world, 3, FRAME );
@@ -90,6 +92,7 @@ static void what_the_user_puts_through_is_drawn_apart( void** state )
 // Two pinned vertices are carried through a sheet that cannot give way; nothing can stop them.
 static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return( void** state )
 {
+    (void)state;
     tangle t;
     open_tangle( &t, -0.1f, 0 );
     const int last = SIDE * SIDE - 1;
@@ -129,6 +132,7 @@ static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return(
 // Nothing is given to what is drawn apart: two free sheets that start crossed, at rest, stay slow, and their centre stays.
 static void untangling_gives_neither_momentum_nor_speed( void** state )
 {
+    (void)state;
     hosted h;
     open_contact( &h, SUBSTEPS, 2, 1 );
     wisp_entity e[2];

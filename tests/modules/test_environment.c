@@ -36,6 +36,7 @@ static double ice_of( const wisp_environment_def* d, float temperature, float we
 // An interpolation of data that rise must not overshoot. Rounding may: by a few u of the largest stiffness nearby.
 static void stiffness_is_monotone_in_temperature_and_in_wetness( void** state )
 {
+    (void)state;
     wisp_environment_def curves[6];
     const int count = make_curves( curves );
     for ( int n = 0; n < count; ++n )
@@ -61,6 +62,7 @@ static void stiffness_is_monotone_in_temperature_and_in_wetness( void** state )
 
 static void the_curve_passes_through_its_points_and_stays_between_them( void** state )
 {
+    (void)state;
     wisp_environment_def curves[6];
     const int count = make_curves( curves );
     for ( int n = 0; n < count; ++n )
@@ -99,6 +101,7 @@ static void the_curve_passes_through_its_points_and_stays_between_them( void** s
 
 static void above_freezing_and_when_dry_there_is_no_ice( void** state )
 {
+    (void)state;
     const wisp_environment_def d = wisp_default_environment_def();
     assert_true( wisp_environment_stiffness( &d, 0.0f, 1.0f ) == d.stiffness[0] );
     assert_true( wisp_environment_stiffness( &d, 35.0f, 1.0f ) == d.stiffness[0] );
@@ -127,6 +130,7 @@ static void expect_stiffness( wisp_world* world, wisp_entity entity, const hair_
 
 static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 37, 20, 0.005f );
     for ( int n = 0; n <= 10; ++n )
     {
@@ -147,6 +151,7 @@ static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** stat
 // The weather alone moves no hair.
 static void weather_changes_a_look_only_with_the_next_command( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 37, 20, 0.005f );
     wisp_environment_def mild = wisp_default_environment_def(), cold = mild;
     mild.temperature_celsius = -2.0f;
@@ -195,6 +200,7 @@ static bool ran( wisp_world* world, const char* pass )
 
 static void without_a_environment_there_is_no_pass_and_with_one_it_runs_once( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = hair_freeze_only();
     wisp_world* world = hair_world_create( NULL );
@@ -221,6 +227,7 @@ static void without_a_environment_there_is_no_pass_and_with_one_it_runs_once( vo
 
 static void a_environment_belongs_to_one_groom( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_environment_def environment = wisp_default_environment_def();
     wisp_frozen_hair_def def = hair_freeze_only();
@@ -237,6 +244,7 @@ static void a_environment_belongs_to_one_groom( void** state )
 
 static void an_environment_that_cannot_be_is_refused( void** state )
 {
+    (void)state;
     const float ice[] = { 0.0f, 0.5f, 1.0f }, rising[] = { 1.0f, 2.0f, 3.0f };
     const struct
     {

@@ -64,27 +64,32 @@ static void follow_gap( wisp_gap gap )
 
 static void prose_gaps_follow_the_oracle( void** state )
 {
+    (void)state;
     follow_gap( WISP_GAP_ABSOLUTE );
 }
 
 static void printed_gaps_follow_the_oracle( void** state )
 {
+    (void)state;
     follow_gap( WISP_GAP_SIGNED );
 }
 
 static void closing_gaps_follow_the_oracle( void** state )
 {
+    (void)state;
     follow_gap( WISP_GAP_REVERSED );
 }
 
 static void wet_hair_follows_the_oracle( void** state )
 {
+    (void)state;
     follow_gap( WISP_GAP_NONE );
 }
 
 // The switches are not ignored: each gives another shape.
 static void every_switch_of_the_stage_changes_the_result( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_CURLY, 3 );
     wisp_frozen_hair_def plain = hair_clump_only(), other[10];
     plain.clump_step_length = 0.01f;
@@ -117,6 +122,7 @@ static void every_switch_of_the_stage_changes_the_result( void** state )
 
 static void up_to_twelve_iterations_follow_the_oracle( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = dense( n < 2 ? HAIR_WAVY : HAIR_STRAIGHT, 2 + n % 2 );
@@ -135,6 +141,7 @@ static void up_to_twelve_iterations_follow_the_oracle( void** state )
 // Without the guard and with a step of the size of the radius vertices leave their lists' skin again and again.
 static void large_steps_search_again_and_still_follow_the_oracle( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 16; ++n )
     {
         hair_groom groom = dense( HAIR_CURLY, 2 + n % 2 );
@@ -156,6 +163,7 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
 // Between the two a few vertices stray from their leash, and the pairs that the lists lack are found one by one.
 static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( HAIR_CURLY, 2, 60, 12, 0.004f );
@@ -172,6 +180,7 @@ static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( voi
 
 static void lists_of_slow_hair_outlive_an_iteration( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 1e-6f;
@@ -185,6 +194,7 @@ static void lists_of_slow_hair_outlive_an_iteration( void** state )
 
 static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void** state )
 {
+    (void)state;
     const float radius[] = { 0.001f, 0.0039f, 0.025f, 0.08f, 3.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( radius ); ++n )
     {
@@ -203,6 +213,7 @@ static void radii_from_nothing_near_to_everything_near_follow_the_oracle( void**
 // For every number of vertices modulo the eight that are searched at once, and from few neighbours to all.
 static void the_report_counts_exactly_the_pairs_within_the_radius( void** state )
 {
+    (void)state;
     const float radius[] = { 0.004f, 0.01f, 0.08f, 3.0f };
     for ( int n = 0; n < 2 * 8 * WISP_COUNT( radius ); ++n )
     {
@@ -228,6 +239,7 @@ static void the_report_counts_exactly_the_pairs_within_the_radius( void** state 
 // Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance knows.
 static void hair_far_from_the_origin_follows_the_oracle( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_CURLY, 3 );
     for ( int v = 0; v < groom.vertex_count; ++v )
     {
@@ -242,6 +254,7 @@ static void hair_far_from_the_origin_follows_the_oracle( void** state )
 
 static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 64, 10, 5.0f );
     wisp_frozen_hair_def def = hair_clump_only();
     wisp_world* world = hair_world_create( NULL );
@@ -260,6 +273,7 @@ static void hair_too_sparse_for_its_radius_is_reported_and_stays( void** state )
 
 static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.max_neighbours = 5;
@@ -289,6 +303,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
 
 static void strands_in_one_place_have_no_direction_and_stay( void** state )
 {
+    (void)state;
     enum
     {
         copies = 9,
@@ -323,6 +338,7 @@ static void strands_in_one_place_have_no_direction_and_stay( void** state )
 
 static void a_strand_does_not_attract_itself( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 1, 40, 0.0f );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_radius = 0.5f;
@@ -334,6 +350,7 @@ static void a_strand_does_not_attract_itself( void** state )
 
 static void a_step_of_zero_leaves_every_vertex( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.clump_step_length = 0.0f;
@@ -346,6 +363,7 @@ static void a_step_of_zero_leaves_every_vertex( void** state )
 // A guard distance above every distance leaves no room at all.
 static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
 {
+    (void)state;
     hair_groom groom = dense( HAIR_WAVY, 3 );
     wisp_frozen_hair_def def = hair_clump_only();
     def.min_distance = 0.02f;

@@ -16,6 +16,7 @@ static double3 arm_of( const wisp_vec3* points, int a, int b )
 // Eq. 1
 static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
 {
+    (void)state;
     const int lengths[] = { 3, 0, 17, 1, 40, 2 };
     int counts[50];
     for ( int s = 0; s < 50; ++s )
@@ -42,6 +43,7 @@ static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
 // Eq. 2: where nothing is drawn a segment is its length times its tangent, so what comes back tells both.
 static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** state )
 {
+    (void)state;
     enum
     {
         strands = 1000
@@ -77,6 +79,7 @@ static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** st
 // Eq. 3 and 7: the length drawn for a segment is the length it has
 static void segments_have_the_length_that_was_drawn_for_them( void** state )
 {
+    (void)state;
     const float stiffness[] = { 7.0f, 3.0f, 0.3f };
     for ( int n = 0; n < 3 * WISP_COUNT( stiffness ); ++n )
     {
@@ -112,6 +115,7 @@ static void segments_have_the_length_that_was_drawn_for_them( void** state )
 // |l*/l0 - 1| of uniform numbers has the mean alpha/2, l*/l0 - 1 the deviation alpha/sqrt 3
 static void relative_lengths_spread_as_the_printed_percentages_say( void** state )
 {
+    (void)state;
     const double stiffness[] = { 7.0, 3.0 }, printed_mean[] = { 0.071, 0.167 };
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 500, 20, 0.008f );
     for ( int n = 0; n < 2; ++n )
@@ -141,6 +145,7 @@ static void relative_lengths_spread_as_the_printed_percentages_say( void** state
 // Eq. 4: an axis that were not a unit vector perpendicular to the segment would turn it by less
 static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 100, 20, 0.008f );
@@ -169,6 +174,7 @@ static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
 // Eq. 4: the axis of straight hair is random, but it belongs to the hair and not to the command
 static void straight_hair_bends_about_the_same_axis_at_every_command( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 60, 20, 0.008f );
     wisp_frozen_hair_def def = hair_freeze_only();
     def.bend_stiffness = 1.0f;
@@ -206,6 +212,7 @@ static void straight_hair_bends_about_the_same_axis_at_every_command( void** sta
 // Eq. 6-7: the stiff limit
 static void infinitely_stiff_hair_returns_to_rest( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 6; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n / 2 ), 2 + n % 2, 50, 20, 0.008f );
@@ -228,6 +235,7 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
 // Eq. 5: a rotation keeps all distances and the handedness of a curl
 static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ 0.11f, 0.03f, -0.05f } );
     def.intensity = 1.0f;
@@ -258,6 +266,7 @@ static void a_whole_turn_is_rigid_and_keeps_a_curls_handedness( void** state )
 // Eq. 8-9
 static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 3, 20, 20, 0.008f );
     wisp_frozen_hair_def def = hair_align_only( ( wisp_vec3 ){ -0.1f, -0.02f, 0.09f } );
     wisp_vec3* mean = hair_run( NULL, &groom, &def );
@@ -293,6 +302,7 @@ static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( v
 // Eq. 10
 static void strands_out_of_reach_keep_their_bits( void** state )
 {
+    (void)state;
     for ( int nearest = 0; nearest <= 1; ++nearest )
     {
         hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 60, 20, 0.008f );
@@ -321,6 +331,7 @@ static void strands_out_of_reach_keep_their_bits( void** state )
 // Eq. 11: after a whole turn the direction is that of the cursor, even from the opposite
 static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 24; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 12, 20, 0.01f );
@@ -358,6 +369,7 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
 // Eq. 12
 static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
 {
+    (void)state;
     const float intensity[] = { 0.0f, 0.2f, 0.8f, 1.0f };
     for ( int n = 0; n < 2 * WISP_COUNT( intensity ); ++n )
     {
@@ -391,6 +403,7 @@ static void the_turn_grows_linearly_from_the_intensity_to_one( void** state )
 // Eq. 13: the printed blend shortens, the arc does not
 static void a_chord_shortens_by_the_known_ratio_and_an_arc_keeps_distances( void** state )
 {
+    (void)state;
     const float angles[] = { 0.4f, 1.5707964f, 2.9f };
     for ( int n = 0; n < 2 * WISP_COUNT( angles ); ++n )
     {

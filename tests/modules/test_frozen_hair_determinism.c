@@ -226,6 +226,7 @@ static void assert_hash( const golden_case* c, const hair_host* host, uint64_t e
 
 static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 {
+    (void)state;
     const int workers[] = { 1, 2, 3, 5, 8, 64 };
     const char* isas[3];
     const int isa_count = list_isas( isas );
@@ -248,6 +249,7 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 
 static void a_hosts_own_loop_does_not_change_a_bit( void** state )
 {
+    (void)state;
     const char* isas[3];
     const int isa_count = list_isas( isas );
     for ( int n = 0; n < WISP_COUNT( cases ); ++n )
@@ -274,12 +276,14 @@ static golden_hash run_numbered( int number, const void* context )
 
 static void looks_are_those_of_the_golden_file( void** state )
 {
+    (void)state;
     golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
 }
 
 // A hash that forgot a vertex would let everything pass.
 static void a_hash_tells_cases_and_single_bits_apart( void** state )
 {
+    (void)state;
     uint64_t hashes[WISP_COUNT( cases )];
     for ( int n = 0; n < WISP_COUNT( cases ); ++n )
     {

@@ -6,6 +6,7 @@
 // Eq. 1
 static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( void** state )
 {
+    (void)state;
     const int counts[] = { 1, 0, 3, 2 };
     double3 points[6];
     for ( int n = 0; n < 6; ++n )
@@ -37,6 +38,7 @@ static void a_strand_set_keeps_its_points_and_each_strand_begins_with_its_root( 
 // Eq. 2
 static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_one( void** state )
 {
+    (void)state;
     double3 previous = { 0.6, 0.8, 0.0 };
     for ( int n = 0; n < 1000; ++n )
     {
@@ -50,6 +52,7 @@ static void a_tangent_is_a_unit_vector_and_a_zero_segment_copies_the_previous_on
 // Eq. 3: bounds; the statistics are in test_frozen_hair_oracle_stats.c
 static void a_target_length_stays_within_one_over_the_stiffness( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double alpha = frozen_oracle_softness( 7.0, 0.0 );
@@ -65,6 +68,7 @@ static void a_target_length_stays_within_one_over_the_stiffness( void** state )
 // Eq. 4
 static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** state )
 {
+    (void)state;
     for ( int shape = FROZEN_SCENE_STRAIGHT; shape <= FROZEN_SCENE_CURLY; ++shape )
     {
         frozen_scene scene = new_scene( (frozen_scene_shape)shape, 3, 20, 20, 0.008 );
@@ -89,6 +93,7 @@ static void a_bend_turns_about_a_unit_axis_perpendicular_to_its_segment( void** 
 // Eq. 4
 static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void** state )
 {
+    (void)state;
     double3 down = { 0.0, -1.0, 0.0 }, aside = { 1.0, 0.0, 0.0 };
     double3 flat = frozen_oracle_bend_axis( down, down, 5, 2, 1.0 );
     assert_true( flat.x == 0.0 && flat.y == 0.0 && flat.z == 1.0 );
@@ -118,6 +123,7 @@ static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void*
 // Eq. 5
 static void a_rodrigues_matrix_is_a_rotation( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double m[3][3];
@@ -145,6 +151,7 @@ static void a_rodrigues_matrix_is_a_rotation( void** state )
 // Eq. 6-7
 static void a_deformed_segment_has_its_target_length( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 20, 20, 0.008 );
     double3* out = new_points( &scene );
     for ( int printed = 0; printed <= 1; ++printed )
@@ -174,6 +181,7 @@ static void a_deformed_segment_has_its_target_length( void** state )
 // The stiff limit
 static void infinitely_stiff_hair_returns_to_rest( void** state )
 {
+    (void)state;
     for ( int shape = FROZEN_SCENE_STRAIGHT; shape <= FROZEN_SCENE_CURLY; ++shape )
     {
         frozen_scene scene = new_scene( (frozen_scene_shape)shape, 3, 20, 20, 0.008 );
@@ -199,6 +207,7 @@ static void infinitely_stiff_hair_returns_to_rest( void** state )
 // Eq. 8-9
 static void the_direction_of_a_straight_strand_is_the_same_from_mean_and_root( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_STRAIGHT, 3, 1, 20, 0.0 );
     double3 mean = frozen_oracle_representative( scene.rest, 20, FROZEN_ORACLE_DIRECTION_MEAN );
     double3 root = frozen_oracle_representative( scene.rest, 20, FROZEN_ORACLE_DIRECTION_ROOT );
@@ -216,6 +225,7 @@ static void the_direction_of_a_straight_strand_is_the_same_from_mean_and_root( v
 // Eq. 10
 static void strands_outside_the_cursor_radius_keep_their_bits( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 2, 40, 20, 0.008 );
     frozen_oracle_options options = frozen_oracle_default_options();
     options.cursor = double3_make( 0.0, -0.15, 0.0 );
@@ -237,6 +247,7 @@ static void strands_outside_the_cursor_radius_keep_their_bits( void** state )
 // The cursor's radius is 0
 static void a_zero_radius_reaches_only_a_tip_at_the_cursor_and_nearest_reaches_any_vertex( void** state )
 {
+    (void)state;
     const double3 p[3] = { { 0, 0, 0 }, { 0, -1, 0 }, { 0, -2, 0 } };
     assert_true( frozen_oracle_in_reach( p, 3, p[2], 0.0, FROZEN_ORACLE_REACH_TIP ) );
     assert_false( frozen_oracle_in_reach( p, 3, double3_make( 0, -2, 1e-9 ), 0.0, FROZEN_ORACLE_REACH_TIP ) );
@@ -247,6 +258,7 @@ static void a_zero_radius_reaches_only_a_tip_at_the_cursor_and_nearest_reaches_a
 // Eq. 11
 static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double3 v = random_vector( 2 * n, 0 ), u = random_vector( 2 * n + 1, 0 ), axis;
@@ -281,6 +293,7 @@ static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( v
 // Eq. 12
 static void the_weight_rises_linearly_from_the_intensity_at_the_root_to_one_at_the_tip( void** state )
 {
+    (void)state;
     for ( int i = 0; i < 20; ++i )
     {
         assert_close( frozen_oracle_weight( i, 20, 0.2 ), 0.2 + 0.8 * i / 19.0, 1e-15 );
@@ -293,6 +306,7 @@ static void the_weight_rises_linearly_from_the_intensity_at_the_root_to_one_at_t
 // Eq. 13
 static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengths( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 1000; ++n )
     {
         double3 root = random_vector( n + 5000, 0 ), axis = double3_unit( random_vector( n, 0 ) ), b1, b2;
@@ -317,6 +331,7 @@ static void the_chord_blend_shortens_as_its_formula_says_and_the_arc_keeps_lengt
 // A straight strand is aligned
 static void a_straight_strand_turns_fully_with_x_one_and_linearly_with_x_zero( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_STRAIGHT, 3, 9, 20, 0.008 );
     frozen_oracle_options options = frozen_oracle_default_options();
     options.cursor = double3_make( 0.1, -0.05, 0.15 );
@@ -348,6 +363,7 @@ static void a_straight_strand_turns_fully_with_x_one_and_linearly_with_x_zero( v
 // Eq. 14
 static void the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h( void** state )
 {
+    (void)state;
     double h = 0.01;
     assert_true( frozen_oracle_kernel( 0.0, h ) == 1.0 );
     assert_true( frozen_oracle_kernel( h, h ) == 0.0 && frozen_oracle_kernel( 1.00001 * h, h ) == 0.0 );
@@ -372,6 +388,7 @@ static frozen_scene two_tips( double r )
 // Eq. 15
 static void two_vertices_pull_each_other_with_opposite_forces( void** state )
 {
+    (void)state;
     frozen_scene scene = two_tips( 0.004 );
     frozen_oracle_options options = frozen_oracle_default_options();
     frozen_oracle_adhesion a = frozen_oracle_adhere( &scene.hair, &options, scene.rest, 0, 1, NULL );
@@ -391,6 +408,7 @@ static void two_vertices_pull_each_other_with_opposite_forces( void** state )
 // Eq. 15: the neighbour set does not depend on the order of the sum
 static void another_order_of_the_sum_changes_rounding_only( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 25, 20, 0.006 );
     frozen_oracle_options options = frozen_oracle_default_options();
     int* identity = malloc( sizeof( int ) * (size_t)scene.vertex_count );
@@ -425,6 +443,7 @@ static void another_order_of_the_sum_changes_rounding_only( void** state )
 // Eq. 16
 static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
 {
+    (void)state;
     const double distances[] = { 0.001, 0.004, 0.0099, 0.02 };
     for ( int n = 0; n < 4; ++n )
     {
@@ -450,6 +469,7 @@ static void a_wet_pair_closes_by_twice_the_step_of_its_kernel( void** state )
 // Eq. 16: K iterations are K steps
 static void a_clump_of_three_iterations_is_three_clump_steps( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 16, 20, 0.006 );
     frozen_oracle_options options = frozen_oracle_default_options();
     options.clump_iterations = 3;
@@ -468,6 +488,7 @@ static void a_clump_of_three_iterations_is_three_clump_steps( void** state )
 // Eq. 17-19
 static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( void** state )
 {
+    (void)state;
     frozen_oracle_options options = frozen_oracle_default_options();
     frozen_oracle_adhesion adhesion = { { 3.0, -4.0, 0.0 }, 0.0012, 9 };
     double3 cut = frozen_oracle_tentative_step( &options, adhesion );
@@ -491,6 +512,7 @@ static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( vo
 // Eq. 17-18
 static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
 {
+    (void)state;
     double h = 0.01;
     assert_close( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.004, 0.006, h ), 0.2, 1e-12 );
     assert_true( frozen_oracle_pair_delta( FROZEN_ORACLE_GAP_SIGNED, 0.006, 0.004, h ) == 0.0 );
@@ -509,6 +531,7 @@ static void each_gap_rule_reads_a_change_of_distance_as_it_says( void** state )
 // Eq. 17-19
 static void a_vertex_takes_the_kernel_weighted_mean_of_its_pairs( void** state )
 {
+    (void)state;
     const int counts[] = { 2, 1, 1, 1, 1 };
     const double3 before[] = { { 0.003, 0, 0 }, { 0, 0, 0 }, { 0.005, 0, 0 },
                                { 0, 0.002, 0 }, { 0, 0, 0 }, { 1, 0, 0 } };
@@ -528,6 +551,7 @@ static void a_vertex_takes_the_kernel_weighted_mean_of_its_pairs( void** state )
 // Eq. 17-19: with gap_ref = stage the brake accumulates, with gap_ref = iteration it starts afresh
 static void the_stage_reference_brakes_harder_than_the_iteration_reference( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 25, 20, 0.006 );
     frozen_oracle_options options = frozen_oracle_default_options();
     double3 *p = new_points( &scene ), *out = new_points( &scene );

@@ -28,6 +28,7 @@ static double distance_from_uniform( double* samples, int n )
 // Lengths: |l*/l0 - 1| <= alpha, its mean is alpha / 2, the deviation of l*/l0 is alpha / sqrt 3
 static void lengths_are_spread_evenly_over_plus_and_minus_alpha( void** state )
 {
+    (void)state;
     const double stiffness[] = { 7.0, 3.0 }, printed_mean[] = { 0.071, 0.167 };
     for ( int n = 0; n < 2; ++n )
     {
@@ -63,6 +64,7 @@ static void lengths_are_spread_evenly_over_plus_and_minus_alpha( void** state )
 // Eq. 3-4, random numbers: eta, xi and zeta are uniform, and neighbouring elements know nothing of each other
 static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
 {
+    (void)state;
     enum
     {
         n = 20000
@@ -98,6 +100,7 @@ static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
 // The law of lambda: without growing distances the printed and the closing rule leave lambda uniform
 static void lambda_is_uniform_where_no_distance_counts( void** state )
 {
+    (void)state;
     enum
     {
         n = 20000
@@ -123,6 +126,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
 // The law of lambda: E[lambda] is (1 - delta) / 2 with the prose, (1 + delta) / 2 with the closing rule
 static void lambda_follows_its_law_in_hair( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 64, 20, 0.004 );
     double3 *p = new_points( &scene ), *out = new_points( &scene );
     double *delta = new_doubles( &scene ), *lambda = new_doubles( &scene );
@@ -167,6 +171,7 @@ static double turn_of( const frozen_scene* scene, const double3* out, int i )
 
 static void intensity_spreads_the_turn_linearly_with_arc_and_late_with_chord( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_STRAIGHT, 2, 1, 20, 0.0 );
     const double intensities[] = { 0.8, 0.2 };
     double rise[2][2];
@@ -238,6 +243,7 @@ static double waviness( const frozen_scene* scene, const double3* out, double* s
 // Fig. 2: the mean change of turning angle is (2/3) theta_max alpha_b in the plane: 4.29 and 10.0 degrees
 static void stiffness_seven_is_less_wavy_than_three_by_the_printed_angles( void** state )
 {
+    (void)state;
     const double stiffness[] = { 1e9, 7.0, 3.0 }, printed_degrees[] = { 0.0, 4.29, 10.0 };
     for ( int shape = FROZEN_SCENE_STRAIGHT; shape <= FROZEN_SCENE_CURLY; ++shape )
     {
@@ -300,6 +306,7 @@ static void clump_aligned_hair( const frozen_scene* scene, int dimension, int ev
 // tested here.
 static void clumping_gathers_aligned_hair_into_fewer_clusters_and_leaves_gaps( void** state )
 {
+    (void)state;
     const struct
     {
         int dimension, strands;
@@ -329,6 +336,7 @@ static void clumping_gathers_aligned_hair_into_fewer_clusters_and_leaves_gaps( v
 // any clumping, which can only break them up into more and smaller locks; the order of the gaps still holds
 static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         frozen_scene scene = new_scene( n % 2 == 0 ? FROZEN_SCENE_STRAIGHT : FROZEN_SCENE_WAVY, 2, 40, 20,
@@ -346,6 +354,7 @@ static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void*
 // most
 static void dense_hair_without_the_guard_reverses_the_order_of_the_gaps( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 49, 20, 0.002 );
     clumping c[4];
     clump_aligned_hair( &scene, 3, 0, false, c );

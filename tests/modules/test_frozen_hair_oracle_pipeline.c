@@ -17,6 +17,7 @@ static frozen_oracle_options busy_options( int dimension )
 // Algorithm 1: FreezeDeform, UserAlign, ClumpWithGaps, each of which may be off
 static void the_pipeline_is_its_stages_in_their_order( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 25, 20, 0.006 );
     double3 *p = new_points( &scene ), *q = new_points( &scene );
     for ( int stages = 0; stages < 8; ++stages )
@@ -56,6 +57,7 @@ static void the_pipeline_is_its_stages_in_their_order( void** state )
 // Algorithm 1: aligning before deforming is another picture, so the order is not a matter of taste
 static void aligning_before_deforming_is_not_the_method( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 25, 20, 0.006 );
     frozen_oracle_options options = busy_options( 3 );
     options.clump = false;
@@ -75,6 +77,7 @@ static void aligning_before_deforming_is_not_the_method( void** state )
 // Nothing changes without a command, and a command always starts from rest
 static void the_same_command_gives_the_same_bits_and_another_command_does_not( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 25, 20, 0.006 );
     frozen_oracle_options options = busy_options( 3 );
     double3* first = run( &scene, &options );
@@ -103,6 +106,7 @@ static void the_same_command_gives_the_same_bits_and_another_command_does_not( v
 // Random numbers depend on the strand, not on the order of work
 static void strands_may_be_worked_off_in_any_order( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_CURLY, 3, 25, 20, 0.006 );
     frozen_oracle_options options = busy_options( 3 );
     options.clump = false;
@@ -131,6 +135,7 @@ static void strands_may_be_worked_off_in_any_order( void** state )
 // The four streams and the three element numbers are independent of each other
 static void every_random_number_has_its_own_key( void** state )
 {
+    (void)state;
     frozen_oracle_options options = busy_options( 3 ), next = options;
     next.event += 1;
     double eta = frozen_oracle_eta( &options, 3, 4 ), xi = frozen_oracle_xi( &options, 3, 4 );
@@ -146,6 +151,7 @@ static void every_random_number_has_its_own_key( void** state )
 // Section III.3: k_s, k_b and x are the strand's own
 static void each_strand_obeys_its_own_stiffness_and_intensity( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_STRAIGHT, 2, 20, 20, 0.008 );
     frozen_oracle_options options = busy_options( 2 );
     options.cursor_radius = 1.0;
@@ -183,6 +189,7 @@ static void each_strand_obeys_its_own_stiffness_and_intensity( void** state )
 // Base = previous lets bends accumulate, while lengths stay bound to the rest lengths
 static void starting_from_the_previous_output_drifts_in_angle_but_not_in_length( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_STRAIGHT, 2, 20, 20, 0.008 );
     frozen_oracle_options options = busy_options( 2 );
     options.align = options.clump = false;
@@ -220,6 +227,7 @@ static void starting_from_the_previous_output_drifts_in_angle_but_not_in_length(
 // Discussion, 2D and 3D
 static void flat_hair_stays_flat_and_hair_in_space_does_not( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 3 * 2 * 4 * 2; ++n )
     {
         frozen_scene scene = new_scene( (frozen_scene_shape)( n % 3 ), 2, 20, 20, 0.004 );
@@ -296,6 +304,7 @@ static void count_violations( const frozen_scene* scene, const frozen_oracle_opt
 // Eq. 17-19: the guard
 static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void** state )
 {
+    (void)state;
     frozen_scene scene = crowded_scene();
     for ( int gap = FROZEN_ORACLE_GAP_ABSOLUTE; gap <= FROZEN_ORACLE_GAP_NONE; ++gap )
     {
@@ -317,6 +326,7 @@ static void the_guard_keeps_pairs_apart_and_in_order_and_nothing_else_does( void
 // A single vertex, none, a single segment, a segment without length, coincident and collinear vertices
 static void degenerate_strands_come_out_finite_and_as_agreed( void** state )
 {
+    (void)state;
     const int counts[] = { 0, 1, 2, 4, 3, 0, 3 };
     const double3 points[] = {
         { 0.001, 0, 0 },                                                                // 0: one vertex
@@ -359,6 +369,7 @@ static void degenerate_strands_come_out_finite_and_as_agreed( void** state )
 // Empty hair, no neighbours, cursor on the root, K = 0
 static void stages_without_anything_to_do_change_nothing( void** state )
 {
+    (void)state;
     frozen_oracle_options options = busy_options( 3 );
     frozen_oracle_hair nothing = { 0 };
     assert_int_equal( frozen_oracle_run( &nothing, &options, NULL, NULL, NULL ), WISP_OK );
@@ -395,6 +406,7 @@ static void assert_refused( const frozen_scene* scene, const frozen_oracle_optio
 // What cannot be meant is refused with a message that names it
 static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state )
 {
+    (void)state;
     frozen_scene scene = new_scene( FROZEN_SCENE_WAVY, 3, 4, 20, 0.006 );
     const frozen_oracle_options good = busy_options( 3 );
     const struct

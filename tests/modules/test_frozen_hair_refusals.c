@@ -43,6 +43,7 @@ static const float with_a_zero[] = { 5.0f, 5.0f, 5.0f, 0.0f, 5.0f };
 
 static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def good = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -64,6 +65,7 @@ static void a_parameter_out_of_range_is_named_and_changes_nothing( void** state 
 
 static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 20, 10, 0.004f );
     for ( int upper = 0; upper <= 1; ++upper )
     {
@@ -92,6 +94,7 @@ static void the_ends_of_every_range_are_accepted_and_give_numbers( void** state 
 
 static void a_cursor_that_is_no_place_is_refused_and_no_command_waits( void** state )
 {
+    (void)state;
     const wisp_vec3 nowhere[] = { { NAN, 0, 0 }, { 0, INFINITY, 0 }, { 0, 0, -1.5e6f } };
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -120,6 +123,7 @@ static void forget( void* user, wisp_log_level level, const char* message )
 
 static void commands_to_nobody_are_refused( void** state )
 {
+    (void)state;
     const wisp_vec3 cursor = { 0, 0, 0 };
     wisp_frozen_hair_stats report;
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
@@ -165,6 +169,7 @@ static void commands_to_nobody_are_refused( void** state )
 
 static void strands_that_are_none_are_refused_by_strand_and_vertex( void** state )
 {
+    (void)state;
     const float coordinates[] = { NAN, INFINITY, -1.5e6f };
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 5, 10, 0.004f );
     wisp_world* world = hair_world_create( NULL );

@@ -35,6 +35,7 @@ static double fit_motion_stats( const double* x, const double* y, int count )
 // too is measured where machines are quiet, by the benchmark "paper", which prints R^2 up to a million vertices.
 static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state )
 {
+    (void)state;
     enum
     {
         sizes = 5
@@ -63,6 +64,7 @@ static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state 
 // Table 1: sizes of the paper with all stages, profiled pass by pass; the benchmark "paper" has the times
 static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( void** state )
 {
+    (void)state;
     const int strands[] = { 100, 300, 500 };
     for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
     {
@@ -110,6 +112,7 @@ static void turn_profile( const hair_groom* groom, const wisp_frozen_hair_def* d
 
 static void a_high_intensity_turns_whole_strands_and_a_low_one_their_tips( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         hair_groom groom = hair_groom_create( n < 2 ? HAIR_STRAIGHT : HAIR_WAVY, 2 + n % 2, 30, 20, 0.006f );
@@ -178,6 +181,7 @@ static waviness measure_waviness( const hair_groom* groom, const wisp_vec3* out 
 
 static void stiffness_seven_stays_closer_to_the_original_than_three( void** state )
 {
+    (void)state;
     const double stiffness[] = { 1e9, 7.0, 3.0 }, printed_degrees[] = { 0.0, 4.29, 10.0 };
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 1000, 20, 0.004f );
     waviness w[3];
@@ -207,6 +211,7 @@ static void stiffness_seven_stays_closer_to_the_original_than_three( void** stat
 // up.
 static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet( void** state )
 {
+    (void)state;
     const struct
     {
         int dimension, strands;
@@ -247,6 +252,7 @@ static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_ove
 
 static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state )
 {
+    (void)state;
     enum
     {
         strands = 40
@@ -285,6 +291,7 @@ static void each_strand_answers_to_its_own_stiffness_and_intensity( void** state
 
 static void nothing_changes_without_a_command( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -315,6 +322,7 @@ static void nothing_changes_without_a_command( void** state )
 
 static void an_event_a_frame_changes_every_step_like_a_command_each( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world *commanded = hair_world_create( NULL ), *framed = hair_world_create( NULL );
@@ -341,6 +349,7 @@ static void an_event_a_frame_changes_every_step_like_a_command_each( void** stat
 
 static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     const int workers[] = { 1, 2, 8, 64 };
     for ( int stage = 0; stage < 2; ++stage )
@@ -366,6 +375,7 @@ static void a_seed_repeats_and_another_seed_or_event_differs( void** state )
 // Discussion, 2D and 3D
 static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 24; ++n )
     {
         hair_groom groom = hair_groom_create( (hair_shape)( n % 3 ), 2, 40, 20, 0.004f );

@@ -57,6 +57,7 @@ static void assert_alike_in_company( int first, int count, const hair_host* host
 
 static void two_grooms_in_a_world_are_what_each_is_alone( void** state )
 {
+    (void)state;
     for ( int first = 0; first < 24; first += 2 )
     {
         assert_alike_in_company( first, 2, &( hair_host ){ .workers = 1 + first % 3 } );
@@ -81,6 +82,7 @@ static void two_grooms_in_a_world_are_what_each_is_alone( void** state )
 
 static void fifty_small_grooms_are_what_each_is_alone_for_any_workers( void** state )
 {
+    (void)state;
     const int workers[] = { 1, 2, 5 };
     for ( int n = 0; n < WISP_COUNT( workers ); ++n )
     {
@@ -90,6 +92,7 @@ static void fifty_small_grooms_are_what_each_is_alone_for_any_workers( void** st
 
 static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 40, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def(), other = def;
     other.seed = 77;
@@ -125,6 +128,7 @@ static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** sta
 
 static void empty_hair_is_no_work_and_no_failure( void** state )
 {
+    (void)state;
     const int none[] = { 0, 0, 0 };
     for ( int strands = 0; strands <= 3; strands += 3 )
     {
@@ -179,6 +183,7 @@ static bool keeps( wisp_world* world, const char* pass )
 
 static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     for ( int n = 0; n < 16; ++n )
     {
@@ -222,6 +227,7 @@ static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
 
 static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 20, 10, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_world* world = hair_world_create( NULL );
@@ -289,6 +295,7 @@ static void replay( wisp_world* world, wisp_entity entity, int event )
 
 static void a_warm_step_allocates_nothing( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4; ++n )
     {
         counting_memory memory;
@@ -320,6 +327,7 @@ static void a_warm_step_allocates_nothing( void** state )
 
 static void memory_is_counted_and_a_vertex_costs_little( void** state )
 {
+    (void)state;
     const int strands[] = { 100, 1000, 5000 };
     for ( int n = 0; n < 2 * WISP_COUNT( strands ); ++n )
     {
@@ -349,6 +357,7 @@ static void memory_is_counted_and_a_vertex_costs_little( void** state )
 // Every allocation fails in its turn: the call that needed it says so, and nothing is broken afterwards.
 static void short_memory_is_a_status_and_the_world_goes_on( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 60, 12, 0.004f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     wisp_vec3* expected = hair_run( NULL, &groom, &def );
@@ -386,6 +395,7 @@ static void short_memory_is_a_status_and_the_world_goes_on( void** state )
 
 static void a_restored_snapshot_repeats_what_followed( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
     def.base = WISP_FROZEN_BASE_PREVIOUS;
@@ -415,6 +425,7 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
 // Going back in time is no command: the step after a restore leaves the look that was restored.
 static void a_step_after_a_restore_changes_nothing( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 3, 30, 20, 0.005f );
     for ( int base = WISP_FROZEN_BASE_REST; base <= WISP_FROZEN_BASE_PREVIOUS; ++base )
     {

@@ -146,6 +146,7 @@ static double run_variant( const variant* c )
 // Every switch of Eq. 2-5, other node counts, several targets, frames
 static void every_switch_follows_the_oracle( void** state )
 {
+    (void)state;
     for ( int n = 0; n < WISP_COUNT( variants ); ++n )
     {
         const double error = run_variant( variants + n );
@@ -161,6 +162,7 @@ static void every_switch_follows_the_oracle( void** state )
 
 static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( void** state )
 {
+    (void)state;
     double3 targets[24 * 3], ghosts[60 * 5];
     int32_t found[60];
     for ( int n = 0; n < WISP_COUNT( targets ); ++n )
@@ -203,6 +205,7 @@ static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( 
 
 static void permuting_the_ghosts_permutes_the_result( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 4, 5, NODES );
     double3 turned[MAX_GHOSTS * NODES];
     for ( int n = 0; n < 20 * NODES; ++n )
@@ -235,6 +238,7 @@ static void permuting_the_ghosts_permutes_the_result( void** state )
 
 static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_their_offset( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 5, NODES );
     wisp_ghosts_def def = guide_without_weights();
     def.frame = WISP_GHOST_FRAME_OFF;
@@ -264,6 +268,7 @@ static void the_mean_of_a_group_is_its_target_and_without_weights_ghosts_keep_th
 
 static void at_rest_the_weights_change_no_bit( void** state )
 {
+    (void)state;
     flock with = guide_flock( NULL, 3, 4, NODES ), without = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &with, wisp_default_ghosts_def() );
     guide_follow( &without, guide_without_weights() );
@@ -318,6 +323,7 @@ static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, i
 // the sway is 1e-2 m there, of which a float at a metre keeps 1e-7: a weight is within 2e-5
 static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 right = double3_make( 0.6, 0.0, 0.0 ), left = double3_make( -0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
@@ -343,6 +349,7 @@ static void the_elastic_weight_is_none_when_steady_and_one_when_reversed( void**
 
 static void the_tip_weight_is_linear_and_the_root_stays( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 1, 4, NODES );
     const double3 v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def def = guide_without_weights();
@@ -360,6 +367,7 @@ static void the_tip_weight_is_linear_and_the_root_stays( void** state )
 static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weight_far_ghosts_sway_more(
     void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 1, 5, NODES );
     const double3 left = double3_make( -0.6, 0.0, 0.0 ), v = double3_make( 0.6, 0.0, 0.0 );
     wisp_ghosts_def elastic = guide_without_weights(), centre = guide_without_weights();
@@ -397,6 +405,7 @@ static void with_elastic_alone_a_group_moves_as_a_block_and_with_the_centre_weig
 
 static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void** state )
 {
+    (void)state;
     const float ratios[] = { 0.25f, 1.0f, 2.5f };
     for ( int r = 0; r < 3; ++r )
     {
@@ -428,6 +437,7 @@ static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void
 // One world with strands of three lengths against three worlds of one length each: the same bits.
 static void strands_of_several_lengths_do_not_meet( void** state )
 {
+    (void)state;
     enum
     {
         KINDS = 3,

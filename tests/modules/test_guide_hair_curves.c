@@ -84,6 +84,7 @@ static void check( const drawn* d, const tuft* t, const double3* nodes )
 // Lengths from no vertex at all to thirteen; with Bezier groups lanes do not keep the order of their strands.
 static void curves_of_all_lengths_are_the_oracles( void** state )
 {
+    (void)state;
     const int samples[] = { 1, 2, 8, 16 };
     const tuft t = make_tuft( 0, LONGEST ), even = make_tuft( 10, 10 );
     for ( int kind = 0; kind < WISP_CURVE_KIND_COUNT; ++kind )
@@ -104,6 +105,7 @@ static void curves_of_all_lengths_are_the_oracles( void** state )
 
 static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_again( void** state )
 {
+    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     double3 moved[STRANDS * LONGEST];
@@ -133,6 +135,7 @@ static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_agai
 
 static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the_hull( void** state )
 {
+    (void)state;
     const tuft t = make_tuft( 10, 10 );
     drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     guide_step( d.world );
@@ -163,6 +166,7 @@ static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the
 
 static void straight_strands_stay_straight( void** state )
 {
+    (void)state;
     tuft t = make_tuft( 2, LONGEST );
     for ( int s = 0; s < STRANDS; ++s )
     {
@@ -190,6 +194,7 @@ static void straight_strands_stay_straight( void** state )
 // Fig. 3
 static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** state )
 {
+    (void)state;
     const int lengths[] = { 4, 7, 10 };
     for ( int n = 0; n < WISP_COUNT( lengths ); ++n )
     {
@@ -218,6 +223,7 @@ static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** stat
 // What is drawn is what appearance has made of the source, in the same step.
 static void curves_are_drawn_behind_the_appearance_of_their_source( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 2; ++workers )
     {
         const guide_host host = { .workers = workers };
@@ -244,6 +250,7 @@ static void curves_are_drawn_behind_the_appearance_of_their_source( void** state
 
 static void when_the_source_goes_its_curves_stay( void** state )
 {
+    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_CATMULL_ROM, 8, NULL );
     guide_step( d.world );
@@ -271,6 +278,7 @@ static void refuse( wisp_world* world, wisp_curves_def def, wisp_status status, 
 
 static void curves_that_cannot_be_are_refused_by_name( void** state )
 {
+    (void)state;
     const tuft t = make_tuft( 2, LONGEST );
     drawn d = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     wisp_curves_def def = d.def;

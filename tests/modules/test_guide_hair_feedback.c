@@ -61,6 +61,7 @@ static double farthest_from_oracle( wisp_ghosts_def def, int ghosts_a_target, in
 
 static void sixty_steps_of_feedback_follow_the_oracle( void** state )
 {
+    (void)state;
     wisp_ghosts_def plain = fed_back(), spread = plain, lone = plain, repaired = plain;
     spread.spread = 2.5f;
     lone.keep_offset = false;
@@ -93,6 +94,7 @@ static void sixty_steps_of_feedback_follow_the_oracle( void** state )
 
 static void what_differs_adds_up_and_the_mean_stays_on_the_target( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, fed_back() );
     for ( int frame = 0; frame < 60; ++frame )
@@ -136,6 +138,7 @@ static uint64_t hash_of( const guide_host* host )
 
 static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
 {
+    (void)state;
     const guide_host hosts[] = { { .workers = 1, .isa = "baseline" },
                                  { .workers = 2 },
                                  { .workers = 3, .isa = "avx2" },
@@ -150,6 +153,7 @@ static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
 
 static void a_restored_world_goes_on_with_the_same_bits( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.between = true;
@@ -177,6 +181,7 @@ static void a_restored_world_goes_on_with_the_same_bits( void** state )
 
 static void feedback_with_frames_or_several_targets_is_refused_and_changes_nothing( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     const uint64_t before = wisp_world_hash( f.world );
     for ( int n = 0; n < 3; ++n )
@@ -194,6 +199,7 @@ static void feedback_with_frames_or_several_targets_is_refused_and_changes_nothi
 
 static void feedback_switched_off_again_leaves_nothing_behind( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES ), plain = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.between = true;
@@ -217,6 +223,7 @@ static void feedback_switched_off_again_leaves_nothing_behind( void** state )
 // Gains that no hair has drive ghosts away in a few steps.
 static void ghosts_that_feedback_drives_away_are_halted( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = fed_back();
     def.capped = false;
@@ -247,6 +254,7 @@ static double3 velocity_of( const guide_oracle* hair, const double3* v, int ghos
 
 static void places_between_steps_follow_the_oracle_and_meet_both_steps( void** state )
 {
+    (void)state;
     for ( int nodes = 7; nodes <= NODES; nodes += NODES - 7 )
     {
         flock f = guide_flock( NULL, 3, 4, nodes );
@@ -293,6 +301,7 @@ static void places_between_steps_follow_the_oracle_and_meet_both_steps( void** s
 
 static void places_between_steps_are_refused_by_name_and_nothing_is_written( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_vec3 points[12 * NODES] = { { 0.0f, 0.0f, 0.0f } }, untouched[12 * NODES] = { { 0.0f, 0.0f, 0.0f } };
     assert_int_equal( wisp_ghosts_between( f.world, f.ghosts, 0.5f, points ), WISP_CONFLICT );

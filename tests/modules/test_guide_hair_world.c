@@ -16,6 +16,7 @@ static double3 group_mean( const flock* f, int target, int ghosts, int node )
 
 static void ghosts_stand_where_this_step_has_taken_their_targets( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 2; ++workers )
     {
         const guide_host host = { .workers = workers };
@@ -63,6 +64,7 @@ static uint64_t hash_of_swing( const guide_host* host, int links, int ghost_node
 
 static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
 {
+    (void)state;
     const struct
     {
         int links, nodes;
@@ -84,6 +86,7 @@ static void bits_do_not_depend_on_workers_or_the_instruction_set( void** state )
 
 static void a_snapshot_brings_the_velocities_before_back( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, wisp_default_ghosts_def() );
     for ( int frame = 0; frame < 7; ++frame )
@@ -110,6 +113,7 @@ static void a_snapshot_brings_the_velocities_before_back( void** state )
 
 static void a_warm_step_asks_for_no_memory( void** state )
 {
+    (void)state;
     for ( int workers = 1; workers <= 5; workers += 2 )
     {
         test_host memory = { 0 };
@@ -175,6 +179,7 @@ static bool refuse_request( int n )
 
 static void any_one_request_may_be_refused_and_the_call_made_again( void** state )
 {
+    (void)state;
     int refusals = 0;
     while ( refuse_request( refusals + 1 ) )
     {
@@ -187,6 +192,7 @@ static void any_one_request_may_be_refused_and_the_call_made_again( void** state
 
 static void when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_for_them( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     guide_follow( &f, wisp_default_ghosts_def() );
     guide_swing( &f );
@@ -210,6 +216,7 @@ static void when_targets_go_their_ghosts_stay_and_when_ghosts_go_nothing_runs_fo
 
 static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES ), alone = guide_flock( NULL, 3, 4, NODES );
     const wisp_entity other = guide_add( f.world, f.ghost, 12, NODES );
     guide_ok( f.world, wisp_request( f.world, other, WISP_STRAND_POINTS ) );
@@ -234,6 +241,7 @@ static void two_herds_may_follow_the_same_targets_each_in_its_way( void** state 
 
 static void the_report_counts_empty_targets_groups_and_nodes_that_coincide( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     double3 ghosts[5 * NODES];
     for ( int n = 0; n < 5 * NODES; ++n )
@@ -268,6 +276,7 @@ static void refuse( flock* f, wisp_ghosts_def def, wisp_status status, const cha
 // Unequal node counts (conclusion)
 static void unequal_node_counts_are_refused_by_name_unless_resampled( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, 7 );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     def.targets = f.targets;
@@ -279,6 +288,7 @@ static void unequal_node_counts_are_refused_by_name_unless_resampled( void** sta
 
 static void values_out_of_range_are_refused_by_name( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def good = wisp_default_ghosts_def(), def;
     good.targets = f.targets;
@@ -302,6 +312,7 @@ static void values_out_of_range_are_refused_by_name( void** state )
 
 static void who_cannot_follow_or_be_followed_is_refused( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 3, 4, NODES );
     wisp_ghosts_def def = wisp_default_ghosts_def();
     refuse( &f, def, WISP_CONFLICT, "does not exist" );
@@ -346,6 +357,7 @@ static wisp_frozen_hair_def align_each_frame( void )
 // Ghosts that turn to a cursor each frame, against hair that stands still where the ghosts are and is turned once.
 static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
 {
+    (void)state;
     for ( int order = 0; order < 3; ++order )
     {
         const guide_host host = { .workers = order + 1 };
@@ -393,6 +405,7 @@ static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
 
 static void frozen_lengths_stay_those_at_rest( void** state )
 {
+    (void)state;
     flock f = guide_flock( NULL, 6, 6, NODES );
     wisp_frozen_hair_def look = wisp_default_frozen_hair_def();
     look.align = look.clump = false;

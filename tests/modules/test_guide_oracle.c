@@ -6,6 +6,7 @@
 // Section II.1
 static void a_target_keeps_its_length_hanging_and_swinging( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 1 );
     for ( int n = 0; n < 300; ++n )
     {
@@ -38,6 +39,7 @@ static void a_target_keeps_its_length_hanging_and_swinging( void** state )
 // Section II.1
 static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 1 );
     guide_oracle_strand strand = { NODES, s.target, s.w, 1.0 / 60.0, 2, 10, 0.5, zero, s.target[0] };
     constraint_oracle_skips skips = { 0 };
@@ -81,6 +83,7 @@ static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum(
 // Section III.1
 static void one_four_or_seven_ghosts_a_target_keep_their_rest_offsets( void** state )
 {
+    (void)state;
     const int sizes[3] = { 1, 4, 7 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -107,6 +110,7 @@ static void one_four_or_seven_ghosts_a_target_keep_their_rest_offsets( void** st
 // Eq. 1
 static void correspondence_is_the_least_sum_of_squared_distances( void** state )
 {
+    (void)state;
     for ( int round = 0; round < 100; ++round )
     {
         double3 guides[5 * 7], detail[11];
@@ -138,6 +142,7 @@ static void correspondence_is_the_least_sum_of_squared_distances( void** state )
 // Eq. 1
 static void a_tie_goes_to_the_lowest_guide_and_a_permutation_of_ghosts_permutes_the_result( void** state )
 {
+    (void)state;
     const double3 detail[1] = { { 0, 0, 0 } };
     const double3 guides[4] = { { 3, 0, 0 }, { 0, 1, 0 }, { -1, 0, 0 }, { 0, 0, 1 } };
     assert_int_equal( guide_oracle_nearest_guide( detail, 1, guides, 4, 1 ), 1 );
@@ -173,6 +178,7 @@ static void a_tie_goes_to_the_lowest_guide_and_a_permutation_of_ghosts_permutes_
 // Fig. 1; section III.1
 static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block( void** state )
 {
+    (void)state;
     for ( int size = 3; size <= 5; ++size )
     {
         scene s = make_scene( 2, size );
@@ -204,6 +210,7 @@ static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block(
 // A ghost that only adds up its target's velocity loses it; projection of the mean brings it back
 static void a_tracked_centre_does_not_drift_where_an_open_loop_does( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 4 );
     double3 open[4], tracked[4];
     for ( int g = 0; g < 4; ++g )
@@ -233,6 +240,7 @@ static void a_tracked_centre_does_not_drift_where_an_open_loop_does( void** stat
 // Eq. 2-3
 static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void** state )
 {
+    (void)state;
     for ( int round = 0; round < 20; ++round )
     {
         double3 d[6], gradient[6], sum = zero;
@@ -266,6 +274,7 @@ static void the_spread_gradient_is_the_difference_quotient_of_the_energy( void**
 // Eq. 2-3
 static void spread_projections_reach_the_requested_spread_and_move_nothing_in_sum( void** state )
 {
+    (void)state;
     const double ratio[3] = { 0.25, 1.0, 2.5 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -304,6 +313,7 @@ static void spread_projections_reach_the_requested_spread_and_move_nothing_in_su
 // Eq. 2-3 in the step, on moving hair
 static void spread_on_moving_hair_holds_every_node_but_the_root( void** state )
 {
+    (void)state;
     const double ratio[3] = { 0.25, 1.0, 2.5 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -330,6 +340,7 @@ static void spread_on_moving_hair_holds_every_node_but_the_root( void** state )
 // Eq. 4
 static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( void** state )
 {
+    (void)state;
     const guide_oracle_elastic change = GUIDE_ORACLE_ELASTIC_CHANGE, cosine = GUIDE_ORACLE_ELASTIC_PRINTED_COS,
                                raw = GUIDE_ORACLE_ELASTIC_PRINTED_RAW;
     double3 v = { 0.3, -1.2, 0.4 }, back = double3_scale( -2.0, v ), side = { 1.2, 0.3, 0.0 };
@@ -365,6 +376,7 @@ static void the_elastic_weight_is_nothing_in_steady_motion_and_all_at_reversal( 
 // Eq. 5
 static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not( void** state )
 {
+    (void)state;
     scene s = make_scene( 2, 4 );
     guide_oracle_options options = guide_oracle_default_options();
     options.cap_offset = false;
@@ -394,6 +406,7 @@ static void a_ghost_is_displaced_by_tau_v_times_its_weights_and_its_root_is_not(
 // Eq. 5
 static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bit( void** state )
 {
+    (void)state;
     scene s = make_scene( 2, 4 );
     guide_oracle_options options = guide_oracle_default_options();
     guide_oracle hair = make_hair( &s, &options );
@@ -413,6 +426,7 @@ static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bi
 // A fast head
 static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_is_queried_for( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 4 );
     for ( int printed = 0; printed <= 1; ++printed )
     {
@@ -447,6 +461,7 @@ static void a_displacement_is_no_longer_than_a_segment_unless_the_printed_form_i
 // Section III.2
 static void the_tip_weight_is_linear_from_nothing_at_the_root( void** state )
 {
+    (void)state;
     assert_true( guide_oracle_tip_weight( 0.7, 0, NODES ) == 0.0 );
     assert_true( guide_oracle_tip_weight( 0.7, NODES - 1, NODES ) == 0.7 );
     assert_true( guide_oracle_tip_weight( 0.7, 0, 1 ) == 0.0 );
@@ -460,6 +475,7 @@ static void the_tip_weight_is_linear_from_nothing_at_the_root( void** state )
 // Section III.2
 static void the_centre_weight_is_nothing_at_the_centre_and_whole_at_the_farthest_ghost( void** state )
 {
+    (void)state;
     double3 c = { 0.4, 0.2, -1.0 };
     assert_true( guide_oracle_centre_weight( 0.5, c, c, 0.02 ) == 0.0 );
     assert_true( guide_oracle_centre_weight( 0.5, c, zero, 0.0 ) == 0.0 );

@@ -47,6 +47,7 @@ static double off_line( double3 p, double3 a, double3 b )
 // Eq. 6
 static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** state )
 {
+    (void)state;
     double most = 0.0, max_at = 0.0;
     for ( int n = 0; n <= 300; ++n )
     {
@@ -71,6 +72,7 @@ static void bezier_weights_sum_to_one_and_the_printed_ones_fall_short( void** st
 // Eq. 6
 static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_scene( void** state )
 {
+    (void)state;
     double3 shift = { 5.0, -3.0, 2.0 };
     for ( int n = 0; n < 100; ++n )
     {
@@ -105,6 +107,7 @@ static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_sce
 // Eq. 6
 static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** state )
 {
+    (void)state;
     const int groups[12] = { 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 4 };
     for ( int count = 0; count < 12; ++count )
     {
@@ -144,6 +147,7 @@ static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** 
 
 static void straight_and_repeated_nodes_are_valid_curves( void** state )
 {
+    (void)state;
     for ( int count = 2; count <= 11; ++count )
     {
         double3 nodes[11], points[MAX_POINTS];
@@ -176,6 +180,7 @@ static void straight_and_repeated_nodes_are_valid_curves( void** state )
 // Fig. 3
 static void drawn_curves_turn_less_sharply_than_their_strand_and_end_where_it_ends( void** state )
 {
+    (void)state;
     for ( int count = 4; count <= 10; count += 3 )
     {
         for ( int n = 1; n <= 10; ++n )
@@ -203,6 +208,7 @@ static double turn_between( double3 a, double3 b, double3 c )
 // What the shared ends of groups cost, and what smooth curves save
 static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 nodes[10], group[4 * 3], smooth[4 * 9];
@@ -240,6 +246,7 @@ static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none(
 // Section II.2.2
 static void the_spline_passes_through_its_nodes_with_one_derivative( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 nodes[8], controls[4 * 7];
@@ -274,6 +281,7 @@ static void the_spline_passes_through_its_nodes_with_one_derivative( void** stat
 // Section II.2.2
 static void between_frames_a_node_keeps_its_positions_and_velocities( void** state )
 {
+    (void)state;
     double dt = 1.0 / 30.0;
     for ( int n = 0; n < 50; ++n )
     {
@@ -307,6 +315,7 @@ static void between_frames_a_node_keeps_its_positions_and_velocities( void** sta
 // Other node counts (extension)
 static void a_stencil_is_the_spline_at_a_normalised_arc_length( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 rest[7], present[7], moved[7];
@@ -379,6 +388,7 @@ static double ghost_turn( const guide_oracle* hair )
 // farther the shorter that segment is, however the nodes are paired.
 static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** state )
 {
+    (void)state;
     for ( int tip = 0; tip <= 1; ++tip )
     {
         for ( int ghost_count = 1; ghost_count <= 4; ghost_count += 3 )
@@ -431,6 +441,7 @@ static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** st
 // The centre with other node counts
 static void the_centre_of_a_group_with_other_nodes_is_the_resampled_target( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 1 );
     double3 ghosts[4 * 17];
     straight_ghosts( 4, 17, ghosts );
@@ -457,6 +468,7 @@ static void the_centre_of_a_group_with_other_nodes_is_the_resampled_target( void
 // Degenerate strands with other node counts
 static void more_nodes_are_held_to_the_same_segment_of_the_target( void** state )
 {
+    (void)state;
     double3 target[4] = { { 0, 0, 0 }, { 0, -0.01, 0 }, { 0, -0.03, 0 }, { 0, -0.07, 0 } }, v[4], ghost[15];
     for ( int n = 0; n < 15; ++n )
     {
@@ -498,6 +510,7 @@ static void assert_rotation( const guide_oracle_rotation* r )
 
 static void the_smallest_rotation_turns_one_direction_into_another_and_nothing_more( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 200; ++n )
     {
         double3 a = random_vector( n, 0 ), b = random_vector( n, 1 ), axis = double3_cross( a, b );
@@ -522,6 +535,7 @@ static void the_smallest_rotation_turns_one_direction_into_another_and_nothing_m
 
 static void parallel_frames_are_the_head_where_all_turns_and_carry_rest_tangents_where_it_bends( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 50; ++n )
     {
         double3 rest[NODES], turned[NODES], bent[NODES];
@@ -584,6 +598,7 @@ static void parallel_frames_are_the_head_where_all_turns_and_carry_rest_tangents
 // X5, A16
 static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** state )
 {
+    (void)state;
     scene s = make_scene( 2, 4 );
     guide_oracle_rotation turn = guide_oracle_turn_about( double3_make( 0.0, 1.0, 0.0 ), pi );
     guide_oracle_rotation heads[2] = { turn, turn }, given[2 * NODES];

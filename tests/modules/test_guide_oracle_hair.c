@@ -5,6 +5,7 @@
 // Fig. 2a: 1:1
 static void difference_lines_grow_with_the_change_of_velocity_and_vanish_without_weights( void** state )
 {
+    (void)state;
     for ( int on = 0; on <= 1; ++on )
     {
         scene s = make_scene( 1, 1 );
@@ -41,6 +42,7 @@ static void difference_lines_grow_with_the_change_of_velocity_and_vanish_without
 // Fig. 2b and 2c: 1:4
 static void only_the_centre_weight_lets_four_ghosts_sway_apart( void** state )
 {
+    (void)state;
     double spread[3] = { 0.0, 0.0, 0.0 };
     for ( int n = 0; n < 3; ++n )
     {
@@ -77,6 +79,7 @@ static void only_the_centre_weight_lets_four_ghosts_sway_apart( void** state )
 // A4, section 4.5
 static void feedback_undoes_what_is_common_and_keeps_what_differs( void** state )
 {
+    (void)state;
     for ( int differs = 0; differs <= 1; ++differs )
     {
         scene s = make_scene( 1, 4 );
@@ -113,6 +116,7 @@ static void feedback_undoes_what_is_common_and_keeps_what_differs( void** state 
 // Several targets
 static void several_targets_a_ghost_are_weighted_by_inverse_squared_distance( void** state )
 {
+    (void)state;
     scene s = make_scene( 3, 1 );
     // ghost 0 in the middle of targets 0 and 1, ghost 1 on target 1, ghost 2 anywhere
     for ( int i = 0; i < NODES; ++i )
@@ -173,6 +177,7 @@ static void several_targets_a_ghost_are_weighted_by_inverse_squared_distance( vo
 // Section 4.6
 static void length_repair_restores_every_segment_from_the_root_on( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 4 );
     guide_oracle_options options = guide_oracle_default_options();
     options.repair_lengths = true;
@@ -204,6 +209,7 @@ static void length_repair_restores_every_segment_from_the_root_on( void** state 
 // Cost by counting: what the clock says is a benchmark's business
 static void ghosts_cost_one_update_a_node_however_hard_their_targets_iterate( void** state )
 {
+    (void)state;
     const int size[3] = { 1, 4, 16 };
     double ratio[3];
     for ( int n = 0; n < 3; ++n )
@@ -239,6 +245,7 @@ static void assert_refused( const guide_oracle_def* def, const guide_oracle_opti
 // Unequal node counts (conclusion)
 static void unequal_node_counts_are_refused_unless_resampled( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 2 );
     guide_oracle_def def = def_of( &s );
     guide_oracle_options options = guide_oracle_default_options();
@@ -254,6 +261,7 @@ static void unequal_node_counts_are_refused_unless_resampled( void** state )
 
 static void wrong_shapes_and_parameters_are_refused_by_name( void** state )
 {
+    (void)state;
     scene s = make_scene( 2, 2 );
     guide_oracle_def def = def_of( &s );
     const struct
@@ -302,6 +310,7 @@ static void wrong_shapes_and_parameters_are_refused_by_name( void** state )
 
 static void a_step_with_a_target_that_is_not_finite_changes_nothing( void** state )
 {
+    (void)state;
     scene s = make_scene( 2, 2 );
     guide_oracle_options options = guide_oracle_default_options();
     guide_oracle hair = make_hair( &s, &options );
@@ -323,6 +332,7 @@ static void a_step_with_a_target_that_is_not_finite_changes_nothing( void** stat
 // Group of one
 static void a_ghost_alone_keeps_its_offset_or_stands_on_its_target( void** state )
 {
+    (void)state;
     for ( int keep = 0; keep <= 1; ++keep )
     {
         scene s = make_scene( 2, 1 );
@@ -349,6 +359,7 @@ static void a_ghost_alone_keeps_its_offset_or_stands_on_its_target( void** state
 // V = 0, Vbar <= 0
 static void coincident_ghosts_cannot_spread_and_are_counted( void** state )
 {
+    (void)state;
     double3 points[3] = { { 1, 2, 3 }, { 1, 2, 3 }, { 1, 2, 3 } };
     assert_int_equal( guide_oracle_spread_project( points, 3, 1.0, true ), GUIDE_ORACLE_SPREAD_COINCIDENT );
     assert_int_equal( guide_oracle_spread_project( points, 3, 1.0, false ), GUIDE_ORACLE_SPREAD_COINCIDENT );
@@ -380,6 +391,7 @@ static void coincident_ghosts_cannot_spread_and_are_counted( void** state )
 // Empty group, no target
 static void a_target_without_ghosts_is_reported_and_no_target_leaves_ghosts_alone( void** state )
 {
+    (void)state;
     scene s = make_scene( 3, 2 );
     const int assignment[6] = { 0, 0, 2, 2, 2, 0 };
     guide_oracle_def def = def_of( &s );
@@ -407,6 +419,7 @@ static void a_target_without_ghosts_is_reported_and_no_target_leaves_ghosts_alon
 // The first step has v0 = v; a strand of one node has no tip
 static void the_first_step_sees_no_change_and_a_single_node_only_follows( void** state )
 {
+    (void)state;
     scene s = make_scene( 1, 2 );
     guide_oracle_options options = guide_oracle_default_options();
     guide_oracle hair = make_hair( &s, &options );

@@ -259,6 +259,7 @@ static void axial_damping_leaves_spin_alone( void** state )
 
 static void pins_stay_and_go_where_they_are_told_to_the_last_bit( void** state )
 {
+    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;
@@ -342,6 +343,7 @@ static void stats_hold_the_energy_of_bending( void** state )
 // eight of them, which is 200 N/m 1.2e-7 m dt / m = 0.016 m/s at most.
 static void repeats_come_to_the_nonlinear_step( void** state )
 {
+    (void)state;
     double left[2];
     for ( int n = 0; n < 2; ++n )
     {
@@ -365,6 +367,7 @@ static void repeats_come_to_the_nonlinear_step( void** state )
 // At 2e4 N/m in steps of 1/64 s k h^2 / m is far beyond 1024.
 static void stiff_substeps_are_solved_for_as_often_as_they_may_be( void** state )
 {
+    (void)state;
     const int newton[4] = { 1, 1, 1, 5 }, stiff[4] = { 1, 3, 16, 3 };
     int least[4], most[4];
     for ( int n = 0; n < 4; ++n )
@@ -417,6 +420,7 @@ static void a_solve_that_ends_at_its_limit_is_counted( void** state )
 // Diagonals half as long as at rest push with k_b/L^2 F, some 16, across a length: far more than masses and edges hold against.
 static void negative_curvature_is_counted_and_only_with_the_whole_derivative( void** state )
 {
+    (void)state;
     for ( int full = 0; full < 2; ++full )
     {
         hosted h;
@@ -499,6 +503,7 @@ static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
 
 static void cloth_stays_finite_whatever_it_is_made_of( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 48; ++n )
     {
         hosted h;

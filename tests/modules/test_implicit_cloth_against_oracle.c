@@ -184,6 +184,7 @@ static void run_duels( const duel* duels, int count )
 
 static void weights_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "effective", EFFECTIVE },
         { "effective, free", EFFECTIVE, .loose = true },
@@ -198,6 +199,7 @@ static void weights_go_with_the_oracle( void** state )
 
 static void sheets_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "sheet", NONE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
         { "sheet, effective", EFFECTIVE, .stiffness = WISP_IMPLICIT_STIFFNESS_MATERIAL },
@@ -207,6 +209,7 @@ static void sheets_go_with_the_oracle( void** state )
 
 static void damping_and_derivatives_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "axial", EFFECTIVE, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
         { "axial, strong", EFFECTIVE, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL, .damping = 0.2f },
@@ -219,6 +222,7 @@ static void damping_and_derivatives_go_with_the_oracle( void** state )
 
 static void integrators_and_repeats_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "bdf2", EFFECTIVE, .integrator = WISP_IMPLICIT_BDF2 },
         { "bdf2, axial", EFFECTIVE, .integrator = WISP_IMPLICIT_BDF2, .damping_form = WISP_IMPLICIT_DAMPING_AXIAL },
@@ -324,6 +328,7 @@ static void run_scenes( const scene* scenes, int count )
 
 static void contact_goes_with_the_oracle( void** state )
 {
+    (void)state;
     const scene scenes[] = {
         { { "plane", FREE }, .plane = true, .friction = 0.5f },
         { { "plane, without friction", FREE }, .plane = true },
@@ -340,6 +345,7 @@ static void contact_goes_with_the_oracle( void** state )
 
 static void landing_goes_with_the_oracle( void** state )
 {
+    (void)state;
     const scene scenes[] = {
         { { "landing", FREE }, .plane = true, .friction = 0.5f, .fall = 4.0f },
         { { "landing, bdf2", FREE, .integrator = WISP_IMPLICIT_BDF2 },
@@ -354,6 +360,7 @@ static void landing_goes_with_the_oracle( void** state )
 
 static void moving_bodies_go_with_the_oracle( void** state )
 {
+    (void)state;
     const scene scenes[] = {
         { { "moving plane", FREE }, .plane = true, .moves = true, .friction = 0.5f },
         { { "moving plane, without friction", FREE }, .plane = true, .moves = true },
@@ -367,6 +374,7 @@ static void moving_bodies_go_with_the_oracle( void** state )
 
 static void a_hundredth_of_a_parameter_shows( void** state )
 {
+    (void)state;
     const duel rules = { "changed", EFFECTIVE };
     for ( int k = 0; k < 5; ++k )
     {

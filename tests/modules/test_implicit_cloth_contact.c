@@ -93,6 +93,7 @@ static incline new_incline( double angle, float mu_static, float mu_kinetic, int
 
 static void a_patch_sticks_below_the_static_angle_and_slides_above_it( void** state )
 {
+    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         const double limit = atan( 0.3 ) / DEGREE; // 16.7 degrees
@@ -110,6 +111,7 @@ static void a_patch_sticks_below_the_static_angle_and_slides_above_it( void** st
 
 static void a_patch_slides_with_what_kinetic_friction_leaves_of_gravity( void** state )
 {
+    (void)state;
     const double angles[] = { 20.0, 30.0, 45.0 };
     for ( int k = 0; k < 6; ++k )
     {
@@ -126,6 +128,7 @@ static void a_patch_slides_with_what_kinetic_friction_leaves_of_gravity( void** 
 
 static void friction_stops_what_slides_and_never_turns_it_round( void** state )
 {
+    (void)state;
     incline i = new_incline( 5.0 * DEGREE, 0.3f, 0.2f, 1 );
     run_for( i.h->world, DT, 5 );
     const wisp_vec3 push = { (float)( -1.0 * cos( i.angle ) ), (float)( -1.0 * sin( i.angle ) ), 0.0f };
@@ -147,6 +150,7 @@ static void friction_stops_what_slides_and_never_turns_it_round( void** state )
 
 static void a_cloth_follows_a_floor_that_moves( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
@@ -176,6 +180,7 @@ static void a_cloth_follows_a_floor_that_moves( void** state )
 
 static void a_floor_does_not_pull( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     const wisp_entity body = add_collider( h->world, &floor );
@@ -199,6 +204,7 @@ static void a_floor_does_not_pull( void** state )
 
 static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
@@ -228,6 +234,7 @@ static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
 
 static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
@@ -248,6 +255,7 @@ static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** s
 
 static void a_capped_recovery_takes_its_time( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     wisp_collider_def floor = wisp_default_collider_def();
     add_collider( h->world, &floor );
@@ -275,6 +283,7 @@ static double lowest( wisp_world* world, wisp_entity e )
 
 static void what_falls_fast_lands_and_without_looking_ahead_falls_in_and_comes_out( void** state )
 {
+    (void)state;
     for ( int ahead = 0; ahead < 2; ++ahead )
     {
         hosted* h = new_solved( 1, 1 );
@@ -336,6 +345,7 @@ static drape drape_on( const wisp_collider_def* body, float height, float second
 
 static void cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millimetre( void** state )
 {
+    (void)state;
     const wisp_collider_kind kinds[] = { WISP_COLLIDER_SPHERE, WISP_COLLIDER_CAPSULE, WISP_COLLIDER_BOX,
                                          WISP_COLLIDER_PLANE };
     for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
@@ -358,6 +368,7 @@ static void cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millime
 // Voxels need no Embree, and a tree gives the same answers where there is one.
 static void cloth_on_a_mesh_comes_to_rest_like_on_other_bodies( void** state )
 {
+    (void)state;
     test_mesh ball = test_ball( 4 ); // radius 1
     move_mesh( &ball, 0.25f, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
     wisp_collider_def body = wisp_default_collider_def();
@@ -378,6 +389,7 @@ static void cloth_on_a_mesh_comes_to_rest_like_on_other_bodies( void** state )
 
 static void steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end( void** state )
 {
+    (void)state;
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
     ball.radius = 0.25f;
@@ -389,6 +401,7 @@ static void steps_of_a_thirtieth_of_a_second_settle_at_the_stiff_end( void** sta
 
 static void a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 2, 1 );
     wisp_collider_def ball = wisp_default_collider_def();
     ball.kind = WISP_COLLIDER_SPHERE;
@@ -419,6 +432,7 @@ static void a_ball_is_driven_through_a_hanging_cloth_without_passing_a_vertex( v
 
 static void a_groove_of_two_planes_holds_what_lies_in_it( void** state )
 {
+    (void)state;
     hosted* h = new_solved( 1, 1 );
     for ( int side = -1; side <= 1; side += 2 )
     {
@@ -441,6 +455,7 @@ static void a_groove_of_two_planes_holds_what_lies_in_it( void** state )
 
 static void collision_may_be_queried_for_before_or_after( void** state )
 {
+    (void)state;
     uint64_t hash[2];
     for ( int order = 0; order < 2; ++order )
     {

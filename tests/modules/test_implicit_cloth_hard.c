@@ -72,6 +72,7 @@ static double strain_of_a_cable( wisp_world* world, wisp_entity e, double stiffn
 
 static void stiff_links_hang_at_their_length( void** state )
 {
+    (void)state;
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < 2 * WISP_COUNT( STIFFNESSES ); ++n )
     {
@@ -93,6 +94,7 @@ static void stiff_links_hang_at_their_length( void** state )
 // A sheet that begins with all vertices within a centimetre of where they belong.
 static void stiff_links_give_no_more_than_they_had( void** state )
 {
+    (void)state;
     static const float STIFFNESSES[] = { 1e4f, 1e6f, 1e8f };
     for ( int n = 0; n < WISP_COUNT( STIFFNESSES ); ++n )
     {
@@ -119,6 +121,7 @@ static void stiff_links_give_no_more_than_they_had( void** state )
 
 static void what_floats_carry_is_left_as_it_is( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 2; ++n )
     {
         hosted h;
@@ -136,6 +139,7 @@ static void what_floats_carry_is_left_as_it_is( void** state )
 
 static void bdf2_hangs_in_long_steps( void** state )
 {
+    (void)state;
     static const float STEPS[] = { 1.0f / 15.0f, 0.2f };
     for ( int n = 0; n < WISP_COUNT( STEPS ); ++n )
     {
@@ -177,6 +181,7 @@ static double oscillator_error( int steps )
 
 static void bdf2_is_of_second_order_in_smooth_motion( void** state )
 {
+    (void)state;
     const double order = log2( oscillator_error( 64 ) / oscillator_error( 128 ) );
     assert_near( order, 2.0, 0.2 );
 }

@@ -257,6 +257,7 @@ static void stats_are_there_from_the_step_after_asking( void** state )
 
 static void a_world_without_the_module_says_so( void** state )
 {
+    (void)state;
     hosted h = { 0 };
     h.def = hosted_def( &h );
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );
@@ -315,6 +316,7 @@ static int change_without_memory( int64_t n, bool rest, bool from_cloth )
 
 static void without_memory_a_surface_stays_what_it_was( void** state )
 {
+    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         int refusals = 0;
@@ -329,6 +331,7 @@ static void without_memory_a_surface_stays_what_it_was( void** state )
 // A step that finds no room for its system says so and can be made again; one that finds another way comes to the same.
 static void a_step_without_memory_is_refused_and_made_later( void** state )
 {
+    (void)state;
     const wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
     const uint64_t reference = alone( &def, 9, 2 );
     int refusals = 0;
@@ -357,6 +360,7 @@ static void a_step_without_memory_is_refused_and_made_later( void** state )
 
 static void a_warm_step_asks_for_no_memory( void** state )
 {
+    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;
@@ -460,6 +464,7 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
 
 static void a_snapshot_goes_on_to_the_same_bits( void** state )
 {
+    (void)state;
     for ( int variant = 0; variant < 4; ++variant )
     {
         hosted h;

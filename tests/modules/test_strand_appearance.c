@@ -63,6 +63,7 @@ static void check_vertex( const wisp_strand_appearance_def* d, double t, float w
 
 static void width_and_colour_run_from_root_to_tip_of_every_strand( void** state )
 {
+    (void)state;
     const float biases[] = { 0.5f, 0.2f, 0.8f, 0.001f, 0.999f };
     hair_groom groom = mixed_groom();
     for ( int n = 0; n < WISP_COUNT( biases ); ++n )
@@ -91,6 +92,7 @@ static void width_and_colour_run_from_root_to_tip_of_every_strand( void** state 
 
 static void the_bias_moves_the_colour_and_one_half_leaves_it_linear( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_WAVY, 2, 1, 21, 0.005f );
     double middle[3];
     const float biases[] = { 0.25f, 0.5f, 0.75f };
@@ -134,6 +136,7 @@ static int passes_with( wisp_component first, wisp_component second )
 
 static void an_attribute_that_nobody_requests_is_not_written( void** state )
 {
+    (void)state;
     assert_int_equal( passes_with( 0, 0 ), 0 );
     assert_int_equal( passes_with( WISP_POINT_WIDTH, 0 ), 1 );
     assert_int_equal( passes_with( WISP_POINT_COLOUR, 0 ), 1 );
@@ -142,6 +145,7 @@ static void an_attribute_that_nobody_requests_is_not_written( void** state )
 
 static void a_request_without_a_look_is_a_conflict_that_names_it( void** state )
 {
+    (void)state;
     hair_groom groom = mixed_groom();
     wisp_world* world = hair_world_create( NULL );
     wisp_entity entity = hair_add( world, &groom );
@@ -157,6 +161,7 @@ static void a_request_without_a_look_is_a_conflict_that_names_it( void** state )
 
 static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( void** state )
 {
+    (void)state;
     hair_groom groom = mixed_groom();
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     wisp_entity entity;
@@ -189,6 +194,7 @@ static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( 
 
 static void a_look_that_cannot_be_is_refused( void** state )
 {
+    (void)state;
     hair_groom groom = mixed_groom();
     wisp_strand_appearance_def good = wisp_default_strand_appearance_def(), bad[8];
     const char* const messages[] = { "widths",      "widths",      "widths",     "colour_bias",
@@ -223,6 +229,7 @@ static void a_look_that_cannot_be_is_refused( void** state )
 
 static void any_number_of_workers_paints_the_same( void** state )
 {
+    (void)state;
     hair_groom groom = hair_groom_create( HAIR_CURLY, 3, 700, 20, 0.005f );
     wisp_strand_appearance_def appearance = wisp_default_strand_appearance_def();
     appearance.colour_bias = 0.3f;

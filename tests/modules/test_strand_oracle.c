@@ -39,6 +39,7 @@ static double pendulum_error( double degrees, double reference, double substeps_
 
 static void a_pendulum_has_its_period_at_every_amplitude( void** state )
 {
+    (void)state;
     static const struct
     {
         double degrees, reference, substeps;
@@ -59,6 +60,7 @@ static void a_pendulum_has_its_period_at_every_amplitude( void** state )
 
 static void the_error_of_the_period_falls_with_the_substep( void** state )
 {
+    (void)state;
     const double coarse = pendulum_error( 60.0, 1.07318201, 480.0 ), fine = pendulum_error( 60.0, 1.07318201, 960.0 );
     print_message( "pendulum 60 degrees: period %+.4f %% at 480, %+.4f %% at 960 substeps a second\n", 100.0 * coarse,
                    100.0 * fine );
@@ -91,6 +93,7 @@ static strand_oracle new_swinging_chain( int n, double relative_period )
 
 static void hanging_chains_have_the_periods_of_laguerre( void** state )
 {
+    (void)state;
     static const struct
     {
         int n;
@@ -112,6 +115,7 @@ static void hanging_chains_have_the_periods_of_laguerre( void** state )
 
 static void each_segment_of_a_chain_pulls_with_the_weight_below( void** state )
 {
+    (void)state;
     for ( int measure = 0; measure < 2; ++measure )
     {
         strand_oracle strand = new_chain( 33, 0.5, double3_make( 0.0, -1.0, 0.0 ), true );
@@ -127,6 +131,7 @@ static void each_segment_of_a_chain_pulls_with_the_weight_below( void** state )
 
 static void a_cable_between_two_pins_hangs_as_a_catenary( void** state )
 {
+    (void)state;
     enum
     {
         SEGMENTS = 64
@@ -161,6 +166,7 @@ static void a_cable_between_two_pins_hangs_as_a_catenary( void** state )
 
 static void a_free_strand_falls_without_strain_or_spin( void** state )
 {
+    (void)state;
     strand_oracle strand = new_crooked( 1, 20, false ), start = strand;
     const double dt = 1.0 / 600.0;
     const strand_oracle_settings settings = strand_oracle_default_settings( dt );
@@ -178,6 +184,7 @@ static void a_free_strand_falls_without_strain_or_spin( void** state )
 
 static void the_momentum_of_a_free_strand_is_constant( void** state )
 {
+    (void)state;
     static const char* const name[] = { "direct", "pbd", "xpbd", "follow" };
     for ( int k = 0; k < 4; ++k )
     {
@@ -221,6 +228,7 @@ static double energy( const strand_oracle* strand )
 
 static void energy_never_rises_without_damping( void** state )
 {
+    (void)state;
     static const int counts[] = { 2, 3, 11, 33 };
     for ( int k = 0; k < 4; ++k )
     {
@@ -244,6 +252,7 @@ static void energy_never_rises_without_damping( void** state )
 
 static void a_held_root_goes_where_it_is_carried( void** state )
 {
+    (void)state;
     strand_oracle strand = new_crooked( 4, 5, true );
     strand_oracle_pin( &strand, 3 );
     strand.velocity[3] = double3_make( 1.0, 0.0, 0.0 );
@@ -270,6 +279,7 @@ static void a_held_root_goes_where_it_is_carried( void** state )
 
 static void damping_leaves_the_rigid_motion_of_the_head_alone( void** state )
 {
+    (void)state;
     const double3 linear = { 0.3, -0.2, 0.5 }, angular = { 1.0, 2.0, -0.5 }, centre = { 0.1, 0.0, 0.2 };
     strand_oracle strand = new_crooked( 5, 20, true );
     for ( int i = 0; i < strand.count; ++i )
@@ -292,6 +302,7 @@ static void damping_leaves_the_rigid_motion_of_the_head_alone( void** state )
 
 static void air_leaves_motion_along_the_strand_alone( void** state )
 {
+    (void)state;
     const double3 along = double3_scale( 1.0 / 3.0, double3_make( 1.0, 2.0, -2.0 ) );
     strand_oracle strand = new_chain( 12, 0.3, along, false );
     for ( int i = 0; i < strand.count; ++i )
@@ -308,6 +319,7 @@ static void air_leaves_motion_along_the_strand_alone( void** state )
 
 static void air_across_a_strand_brakes_as_its_square_and_never_turns_it_round( void** state )
 {
+    (void)state;
     const double mass = 1e-3, dt = 1.0 / 60.0, link = 0.1;
     for ( int k = 0; k < 3; ++k )
     {

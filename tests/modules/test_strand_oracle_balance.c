@@ -5,6 +5,7 @@
 
 static void a_root_that_turns_about_a_straight_rod_turns_its_tip( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 60.0, angle = 2.5;
     strand_oracle strand = new_straight( 16, 0.1, true ), start;
     strand_oracle_stiffen( &strand, 8e-9, 6e-9, true, dt );
@@ -28,6 +29,7 @@ static void a_root_that_turns_about_a_straight_rod_turns_its_tip( void** state )
 
 static void the_sign_of_a_frame_means_nothing( void** state )
 {
+    (void)state;
     strand_oracle strand = new_curl( 12, 1.0, true );
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, true, 0.0 );
     strand_oracle_rest_shape( &strand );
@@ -50,6 +52,7 @@ static void the_sign_of_a_frame_means_nothing( void** state )
 
 static void a_segment_turns_by_a_radian_at_most( void** state )
 {
+    (void)state;
     strand_oracle strand = new_straight( 2, 0.01, true );
     strand_oracle_stiffen( &strand, 1e-8, 1e-8, true, 0.0 );
     strand_oracle_rest_shape( &strand );
@@ -93,6 +96,7 @@ static void move_turned( double turned, double3* by_rod, double3* by_gradient )
 
 static void what_was_measured_turns_with_the_segments( void** state )
 {
+    (void)state;
     double3 rod[2][12], gradient[2][12];
     move_turned( 0.0, rod[0], gradient[0] );
     move_turned( 0.1, rod[1], gradient[1] );
@@ -111,6 +115,7 @@ static void what_was_measured_turns_with_the_segments( void** state )
 
 static void twist_comes_to_balance( void** state )
 {
+    (void)state;
     double residual[MAX_STRAND_ORACLE];
     strand_oracle strand = new_curl( 24, 2.0, true );
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, true, 0.0 );
@@ -159,6 +164,7 @@ static double missing_to_balance( const strand_oracle* strand )
 
 static void a_balanced_curl_is_in_balance( void** state )
 {
+    (void)state;
     static const double rigidity[] = { 8e-9, 1e-7, 1e-6, 1e-5 };
     for ( int k = 0; k < 4; ++k )
     {
@@ -174,6 +180,7 @@ static void a_balanced_curl_is_in_balance( void** state )
 
 static void a_balanced_curl_stays_where_it_is( void** state )
 {
+    (void)state;
     for ( int k = 0; k < 2; ++k )
     {
         const double dt = 1.0 / 600.0;
@@ -198,6 +205,7 @@ static void a_balanced_curl_stays_where_it_is( void** state )
 
 static void a_curl_that_is_straight_at_rest_sags( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 600.0;
     strand_oracle strand = new_curl( 32, 1.5, true ), start = strand;
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, true, dt );
@@ -211,6 +219,7 @@ static void a_curl_that_is_straight_at_rest_sags( void** state )
 
 static void a_soft_curl_keeps_its_shape_under_no_gravity( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 600.0;
     strand_oracle strand = new_curl( 32, 3.0, true ), start = strand;
     strand_oracle_stiffen( &strand, 8e-9, 6e-9, true, dt );
@@ -235,6 +244,7 @@ static void a_soft_curl_keeps_its_shape_under_no_gravity( void** state )
 
 static void small_rods_and_any_stiffness_are_no_trouble( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 4 * 3 * 2 * 2; ++n )
     {
         const int count = 1 + n % 4;

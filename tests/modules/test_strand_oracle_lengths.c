@@ -7,6 +7,7 @@
 
 static void one_newton_pass_solves_the_linear_system( void** state )
 {
+    (void)state;
     // with C' = C + J dp the pass leaves C' = 0: the lengths' error is of second order in what was wrong before
     for ( int measure = 0; measure < 2; ++measure )
     {
@@ -29,6 +30,7 @@ static void one_newton_pass_solves_the_linear_system( void** state )
 
 static void both_measures_of_length_find_the_same_strand( void** state )
 {
+    (void)state;
     strand_oracle a = new_crooked( 8, 30, true );
     kick( &a, 9, 1.0 );
     strand_oracle b = a;
@@ -46,6 +48,7 @@ static void both_measures_of_length_find_the_same_strand( void** state )
 
 static void a_strand_out_of_tolerance_is_laid_out_from_its_root( void** state )
 {
+    (void)state;
     strand_oracle strand = new_chain( 5, 0.4, double3_make( 1.0, 0.0, 0.0 ), true );
     strand.position[1] = zero; // no direction: the first takes (0, -1, 0)
     strand.position[2] = double3_make( 0.0, 0.0, 7.0 );
@@ -84,6 +87,7 @@ static void a_strand_out_of_tolerance_is_laid_out_from_its_root( void** state )
 
 static void a_sweep_of_links_is_a_row_of_projections( void** state )
 {
+    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         const int stride = 1 + k % 2;
@@ -127,6 +131,7 @@ static void a_sweep_of_links_is_a_row_of_projections( void** state )
 
 static void followers_are_at_their_lengths_and_leaders_get_their_share( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 60.0, fraction = 0.7;
     strand_oracle strand = new_crooked( 12, 16, true );
     kick( &strand, 13, 2.0 );
@@ -189,6 +194,7 @@ static void weigh_badly( strand_oracle* strand, int masses )
 
 static void a_bad_start_is_over_within_thirty_substeps( void** state )
 {
+    (void)state;
     static const int counts[] = { 1, 2, 3, 16, 64 };
     static const double rates[] = { 5.0, 60.0, 600.0 };
     for ( int n = 0; n < 5 * 5 * 3 * 3 * 3; ++n )
@@ -214,6 +220,7 @@ static void a_bad_start_is_over_within_thirty_substeps( void** state )
 
 static void cheap_lengths_stay_finite_from_a_bad_start( void** state )
 {
+    (void)state;
     static const int counts[] = { 1, 2, 3, 16, 64 };
     for ( int n = 0; n < 5 * 5 * 3 * 3; ++n )
     {
@@ -232,6 +239,7 @@ static void cheap_lengths_stay_finite_from_a_bad_start( void** state )
 
 static void a_shape_without_length_gets_one( void** state )
 {
+    (void)state;
     double3 points[8] = { { 0.0, 0.0, 0.0 } };
     strand_oracle strand;
     assert_true( strand_oracle_shape( &strand, points, 8 ) );

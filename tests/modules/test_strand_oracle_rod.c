@@ -6,6 +6,7 @@
 
 static void a_heavy_rod_sags_as_the_elastica( void** state )
 {
+    (void)state;
     static const struct
     {
         double g, drop, reach;
@@ -70,6 +71,7 @@ static double cantilever_error( double substeps_a_second )
 
 static void a_cantilever_swings_with_its_first_frequency( void** state )
 {
+    (void)state;
     for ( double rate = 1200.0; rate < 5000.0; rate *= 2.0 )
     {
         const double error = cantilever_error( rate );
@@ -120,6 +122,7 @@ static void solve_dense( int n, double* a, double3* b )
 
 static void the_factor_solves_what_a_dense_elimination_solves( void** state )
 {
+    (void)state;
     static double matrix[32 * 32];
     for ( int k = 0; k < 8; ++k )
     {
@@ -161,6 +164,7 @@ static void the_factor_solves_what_a_dense_elimination_solves( void** state )
 
 static void stiffness_ends_where_single_precision_does( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 60.0;
     strand_oracle strand = new_straight( 16, 0.15, true );
     strand_oracle_stiffen( &strand, 1e12, 1e3, true, dt );
@@ -180,6 +184,7 @@ static void stiffness_ends_where_single_precision_does( void** state )
 
 static void damping_of_bending_brakes_it_and_leaves_what_does_not_bend_alone( void** state )
 {
+    (void)state;
     const double dt = 1.0 / 2400.0;
     double left[2], first = 0.0;
     for ( int k = 0; k < 2; ++k )
@@ -255,6 +260,7 @@ static double gradient_error( const strand_oracle* strand )
 
 static void twist_changes_by_half_the_curvature_binormal( void** state )
 {
+    (void)state;
     for ( int key = 0; key < 8; ++key )
     {
         strand_oracle strand = new_curl( 6, 0.6, false );
@@ -299,6 +305,7 @@ static void twist_changes_by_half_the_curvature_binormal( void** state )
 
 static void the_gradient_is_that_of_the_energy_where_no_bend_twists( void** state )
 {
+    (void)state;
     // a plane curve with a rest curvature in its plane: b_i = T_i = 0
     strand_oracle plane = new_straight( 12, 0.12, true );
     strand_oracle_stiffen( &plane, 1e-7, 7e-8, true, 0.0 );
@@ -337,6 +344,7 @@ static void the_gradient_is_that_of_the_energy_where_no_bend_twists( void** stat
 // how much.
 static void a_bend_out_of_its_plane_is_left_out_of_the_gradient( void** state )
 {
+    (void)state;
     strand_oracle strand = new_curl( 12, 1.5, true );
     strand_oracle_stiffen( &strand, 1e-6, 7.5e-7, true, 0.0 );
     strand_oracle_rest_shape( &strand );
@@ -349,6 +357,7 @@ static void a_bend_out_of_its_plane_is_left_out_of_the_gradient( void** state )
 
 static void a_rigid_turn_of_a_curl_costs_no_energy( void** state )
 {
+    (void)state;
     strand_oracle strand = new_curl( 24, 2.0, false );
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, false, 0.0 );
     strand_oracle_rest_shape( &strand );
@@ -374,6 +383,7 @@ static void a_rigid_turn_of_a_curl_costs_no_energy( void** state )
 
 static void a_straight_rod_never_gains_energy( void** state )
 {
+    (void)state;
     for ( int k = 0; k < 6; ++k )
     {
         const double dt = k % 2 == 0 ? 1.0 / 60.0 : 1.0 / 600.0, rigidity = k < 2 ? 8e-9 : ( k < 4 ? 1e-6 : 1e-3 );
@@ -402,6 +412,7 @@ static void a_straight_rod_never_gains_energy( void** state )
 
 static void the_momentum_of_a_free_rod_is_constant( void** state )
 {
+    (void)state;
     for ( int curled = 0; curled < 2; ++curled )
     {
         const double dt = 1.0 / 600.0;

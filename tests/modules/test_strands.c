@@ -15,6 +15,7 @@ static wisp_strand_dynamics_def default_def( void )
 
 static void a_strand_hangs_and_stays_at_rest_length( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -29,6 +30,7 @@ static void a_strand_hangs_and_stays_at_rest_length( void** state )
 
 static void falling_strands_of_different_lengths_keep_them( void** state )
 {
+    (void)state;
     const int counts[] = { 20, 3, 1, 0, 12, 2, 20 };
     hosted s;
     open_strands( &s, 4, 1, 1 );
@@ -50,6 +52,7 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
 
 static void balanced_curls_stay( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -62,6 +65,7 @@ static void balanced_curls_stay( void** state )
 
 static void curls_that_are_not_balanced_sag( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 8, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -74,6 +78,7 @@ static void curls_that_are_not_balanced_sag( void** state )
 
 static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
 {
+    (void)state;
     for ( int k = 0; k < WISP_STRAND_STRETCH_COUNT * WISP_STRAND_BEND_COUNT * 4; ++k )
     {
         hosted s;
@@ -96,6 +101,7 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
 
 static void tension_at_the_root_is_the_weight( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -115,6 +121,7 @@ static void tension_at_the_root_is_the_weight( void** state )
 // What falls has another tension in every substep: that of the last one is read, as if each had been a step.
 static void tension_is_that_of_the_last_substep( void** state )
 {
+    (void)state;
     for ( int iterations = 1; iterations <= 2; ++iterations )
     {
         float tension[2][18 * 8];
@@ -138,6 +145,7 @@ static void tension_is_that_of_the_last_substep( void** state )
 // Groups run all their substeps at once and one of these is timed, in each step another one.
 static void every_pass_of_strands_has_its_time_in_every_step( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 3, 2, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -166,6 +174,7 @@ static wisp_vec3 doubled_out( int strand, int i, int count, float length )
 
 static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trouble( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -189,6 +198,7 @@ static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trou
 
 static void changing_how_strands_move_leaves_them_where_they_are( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 4, 2, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -217,6 +227,7 @@ static void changing_how_strands_move_leaves_them_where_they_are( void** state )
 
 static void strands_of_no_and_of_one_vertex_step( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const int ones[] = { 1, 1, 0 }, none = 0;
@@ -243,6 +254,7 @@ static void strands_of_no_and_of_one_vertex_step( void** state )
 
 static void a_head_carries_its_roots_and_pins( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 4, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -267,6 +279,7 @@ static void a_head_carries_its_roots_and_pins( void** state )
 
 static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 16, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -288,6 +301,7 @@ static void a_head_that_jumps_takes_its_strands_along_without_a_velocity( void**
 
 static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     test_mesh mesh = test_plane( 5, 0.05f );
@@ -319,6 +333,7 @@ static void roots_stay_on_the_triangles_of_a_surface_and_remain_when_it_goes( vo
 
 static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
 {
+    (void)state;
     double worst[2] = { 0.0, 0.0 };
     for ( int k = 0; k < 2; ++k )
     {
@@ -341,6 +356,7 @@ static void a_finer_tolerance_has_more_passes_and_smaller_errors( void** state )
 
 static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     wisp_strand_dynamics_def def = default_def();
@@ -370,6 +386,7 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
 
 static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
 {
+    (void)state;
     static const char* const LOOP[] = {
         "strands.roots",   "strands.pins",       "strands.damping", "strands.air",
         "strands.predict", "strands.rod_curved", "strands.stretch", "strands.velocity"
@@ -397,6 +414,7 @@ static void points_alone_keep_the_whole_chain_in_the_item_loop( void** state )
 
 static void strands_without_dynamics_have_no_pass_that_moves_them( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const int count = 5;
@@ -433,6 +451,7 @@ static void move_busy( wisp_world* world, wisp_entity e, int step )
 
 static void two_workers_have_the_bits_of_one( void** state )
 {
+    (void)state;
     uint64_t hashes[2];
     for ( int k = 0; k < 2; ++k )
     {
@@ -451,6 +470,7 @@ static void two_workers_have_the_bits_of_one( void** state )
 
 static void a_restored_snapshot_goes_on_bitwise( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 3, 1, 1 );
     const wisp_entity e = add_busy( s.world );
@@ -478,6 +498,7 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
 
 static void a_nan_puts_the_strands_back_and_halts_them( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 2, 1, 1 );
     const wisp_strand_dynamics_def def = default_def();
@@ -499,6 +520,7 @@ static void a_nan_puts_the_strands_back_and_halts_them( void** state )
 
 static void wrong_definitions_are_refused_and_change_nothing( void** state )
 {
+    (void)state;
     hosted s;
     open_strands( &s, 1, 1, 1 );
     const wisp_strand_dynamics_def good = default_def();
@@ -539,6 +561,7 @@ static void wrong_definitions_are_refused_and_change_nothing( void** state )
 
 static void without_memory_the_strands_are_what_they_were( void** state )
 {
+    (void)state;
     bool succeeded = false;
     for ( int64_t n = 1; n < 200 && succeeded == false; ++n )
     {

@@ -53,6 +53,7 @@ static void run_duels( const duel* duels, int count )
 
 static void direct_lengths_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
         { "direct, two iterations", WISP_STRAND_STRETCH_DIRECT, CHAIN, .iterations = 2 },
@@ -68,6 +69,7 @@ static void direct_lengths_go_with_the_oracle( void** state )
 
 static void links_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "links, pbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_PBD },
         { "links, pbd, four iterations", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_PBD,
@@ -85,6 +87,7 @@ static void links_go_with_the_oracle( void** state )
 
 static void followers_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "follow", WISP_STRAND_STRETCH_FOLLOW, CHAIN },
         { "follow, carried, pinned, air", WISP_STRAND_STRETCH_FOLLOW, CHAIN, .carried = true, .pinned = true,
@@ -103,6 +106,7 @@ static void followers_go_with_the_oracle( void** state )
 
 static void straight_rods_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "straight", STRAIGHT },
         { "straight, carried", STRAIGHT, .carried = true },
@@ -120,6 +124,7 @@ static void straight_rods_go_with_the_oracle( void** state )
 
 static void curled_rods_go_with_the_oracle( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f },
         { "shape, carried", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f, .carried = true },
@@ -169,6 +174,7 @@ static drift drift_in_a_step( const duel* rules )
 
 static void a_step_from_balance_leaves_both_where_they_are( void** state )
 {
+    (void)state;
     const duel balanced = { "balanced", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 2e-9f };
     const duel hair = { "balanced hair", CURLED, .rest = WISP_STRAND_REST_SAG_FREE, .rigidity = 8e-10f };
     const duel shape = { "shape", CURLED, .rest = WISP_STRAND_REST_SHAPE, .rigidity = 2e-9f };
@@ -191,6 +197,7 @@ static void a_step_from_balance_leaves_both_where_they_are( void** state )
 // What is compared would not mean much if it did not tell a method from one that is nearly the same.
 static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
 {
+    (void)state;
     const duel duels[] = {
         { "direct", WISP_STRAND_STRETCH_DIRECT, CHAIN },
         { "links, xpbd", WISP_STRAND_STRETCH_LINKS, LINKS, .solver = WISP_SOLVER_XPBD, .bend_compliance = 200.0f },

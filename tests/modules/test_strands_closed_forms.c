@@ -151,6 +151,7 @@ static double pendulum_period( double amplitude )
 
 static void a_pendulum_has_the_period_of_the_amplitude_it_swings( void** state )
 {
+    (void)state;
     static const double DEGREES[] = { 10.0, 30.0, 60.0, 90.0 };
     for ( int i = 0; i < WISP_COUNT( DEGREES ); ++i )
     {
@@ -215,6 +216,7 @@ static void lay_mode( const double* sideways, double amplitude, double segment, 
 
 static void hanging_chains_swing_with_the_roots_of_laguerre_polynomials( void** state )
 {
+    (void)state;
     static const struct
     {
         int masses;
@@ -240,6 +242,7 @@ static void hanging_chains_swing_with_the_roots_of_laguerre_polynomials( void** 
 
 static void a_clamped_rod_swings_with_the_frequency_of_a_cantilever( void** state )
 {
+    (void)state;
     enum
     {
         COUNT = 64
@@ -270,6 +273,7 @@ static void a_clamped_rod_swings_with_the_frequency_of_a_cantilever( void** stat
 
 static void the_tension_of_a_chain_is_the_weight_below( void** state )
 {
+    (void)state;
     enum
     {
         COUNT = 20,
@@ -302,6 +306,7 @@ static void the_tension_of_a_chain_is_the_weight_below( void** state )
 
 static void a_chain_between_two_pins_hangs_as_a_catenary( void** state )
 {
+    (void)state;
     enum
     {
         SEGMENTS = 64
@@ -332,6 +337,7 @@ static void a_chain_between_two_pins_hangs_as_a_catenary( void** state )
 
 static void a_heavy_rod_bends_as_the_elastica( void** state )
 {
+    (void)state;
     enum
     {
         COUNT = 64
@@ -401,6 +407,7 @@ static double drift_after( const fall* f )
 
 static void strands_whose_head_falls_freely_keep_their_shape( void** state )
 {
+    (void)state;
     // the head's way is rounded to 6e-8 m at 1 m, and a velocity of that lasts; a curled rod is pulled with the
     // tension of a hanging one first and takes it back with the lengths, which costs an error of first order in the
     // step
@@ -426,6 +433,7 @@ static double drag_of( const wisp_strand_dynamics_def* def )
 
 static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
 {
+    (void)state;
     wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_NONE );
     def.drag_coefficient = 1.0f;
     wisp_vec3 points[20];
@@ -450,6 +458,7 @@ static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
 
 static void a_string_in_the_wind_leans_until_its_weight_across_is_the_drag( void** state )
 {
+    (void)state;
     static const float WINDS[] = { 0.5f, 1.0f, 3.0f };
     for ( int i = 0; i < WISP_COUNT( WINDS ); ++i )
     {
@@ -530,6 +539,7 @@ static void assert_rests( const resting* cases, int count, double bound )
 
 static void straight_rods_at_rest_are_fixed_points( void** state )
 {
+    (void)state;
     static const resting STRAIGHT[] = { { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 1 },
                                         { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 4 },
                                         { straight_down, WISP_STRAND_REST_STRAIGHT, 0.0f, 16 },
@@ -541,6 +551,7 @@ static void straight_rods_at_rest_are_fixed_points( void** state )
 
 static void rods_that_are_bent_at_rest_waver_by_less_than_a_sixteenth_of_their_thickness( void** state )
 {
+    (void)state;
     static const resting BENT[] = { { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 4 },
                                     { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 16 },
                                     { curl_down, WISP_STRAND_REST_SAG_FREE, 6.0f, 16 } };
@@ -567,6 +578,7 @@ static wisp_vec3 tip_at_rest( int rate, int count, int substeps )
 
 static void a_hair_hangs_the_same_at_every_frame_rate( void** state )
 {
+    (void)state;
     static const int RATES[] = { 30, 60, 120, 240 }, SUBSTEP_COUNTS[] = { 1, 4 };
     const wisp_vec3 converged = tip_at_rest( 240, 20, 16 );
     for ( int k = 0; k < WISP_COUNT( RATES ) * WISP_COUNT( SUBSTEP_COUNTS ); ++k )
@@ -583,6 +595,7 @@ static void a_hair_hangs_the_same_at_every_frame_rate( void** state )
 
 static void a_hair_hangs_the_same_with_any_number_of_vertices( void** state )
 {
+    (void)state;
     static const int COUNTS[] = { 10, 20, 40, 80 };
     wisp_vec3 tips[WISP_COUNT( COUNTS )];
     for ( int k = 0; k < WISP_COUNT( COUNTS ); ++k )

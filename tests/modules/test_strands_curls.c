@@ -103,6 +103,7 @@ static course run( int vertices, int substeps, const wisp_strand_dynamics_def* d
 
 static void balanced_curls_stay_at_any_number_of_substeps( void** state )
 {
+    (void)state;
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     for ( int k = 0; k < WISP_COUNT( SUBSTEPS ) * WISP_COUNT( COUNTS ); ++k )
     {
@@ -122,6 +123,7 @@ static void balanced_curls_stay_at_any_number_of_substeps( void** state )
 
 static void curls_that_a_nod_has_moved_stay_slower_than_a_fall( void** state )
 {
+    (void)state;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.damping = 1.0f;
     // what falls through the length of a strand is that fast; the head has moved it with 0.2 m/s
@@ -141,6 +143,7 @@ static void curls_that_a_nod_has_moved_stay_slower_than_a_fall( void** state )
 
 static void curls_that_feel_less_than_their_weight_are_counted( void** state )
 {
+    (void)state;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     // once for every length of a substep
     assert_int_equal( run( 32, 8, &def, 0 ).lightened, STRANDS );

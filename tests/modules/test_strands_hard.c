@@ -471,6 +471,7 @@ static int run_cases( const way* w, int substeps )
 
 static void whatever_the_head_does_strands_stay_finite_and_are_back_at_their_lengths( void** state )
 {
+    (void)state;
     int failures = 0;
     for ( int k = 0; k < WISP_COUNT( WAYS ) * WISP_COUNT( SUBSTEPS ); ++k )
     {
@@ -481,6 +482,7 @@ static void whatever_the_head_does_strands_stay_finite_and_are_back_at_their_len
 
 static void curls_in_substeps_that_do_not_soften_them_gain_no_energy_either( void** state )
 {
+    (void)state;
     const way* curl = WAYS + 1;
     cell nodding = { .hard = CASES, .way = curl, .substeps = 40, .size = 0.1, .seconds = (double)FRAME };
     nodding.def = def_of( &nodding );
@@ -492,6 +494,7 @@ static void curls_in_substeps_that_do_not_soften_them_gain_no_energy_either( voi
 
 static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void** state )
 {
+    (void)state;
     enum
     {
         POSES = 30,
@@ -534,6 +537,7 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
 
 static void a_nan_in_one_position_halts_that_entity_alone( void** state )
 {
+    (void)state;
     uint64_t hashes[2][4];
     for ( int k = 0; k < 2; ++k )
     {
@@ -576,6 +580,7 @@ static wisp_vec3 wave_out( int strand, int i, int count, float length )
 
 static void hair_of_any_length_comes_to_rest( void** state )
 {
+    (void)state;
     const float lengths[] = { 0.01f, 0.05f, 0.1f, 0.14f, 0.25f, 0.4f, 1.0f };
     const int counts[] = { 8, 16, 32, 96 };
     for ( int k = 0; k < WISP_COUNT( lengths ) * WISP_COUNT( counts ); ++k )

@@ -186,6 +186,7 @@ static void compare_rows( run* a, run* b, wisp_component component, const char* 
 
 static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
 {
+    (void)state;
     uint64_t laid = 0;
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
@@ -224,6 +225,7 @@ static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
 // What the guard is told was seen in the loop, it must have seen; where the last substep is timed nobody has.
 static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
 {
+    (void)state;
     const shape_case two_substeps = { "two substeps", .bend = WISP_STRAND_BEND_LINKS, .substeps = 2, .passes = 8 };
     for ( int k = 0; k < 2 * 8; ++k )
     {
@@ -255,6 +257,7 @@ static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
 
 static void rods_contacts_and_other_lengths_run_apart( void** state )
 {
+    (void)state;
     for ( int k = 0; k < 4; ++k )
     {
         hosted s;

@@ -20,6 +20,7 @@ static void assert_links( const triangle_oracle* cloth, const int* stretch, int 
 
 static void two_triangles_have_five_edges_and_a_diagonal( void** state )
 {
+    (void)state;
     const int triangles[] = { 0, 1, 2, 2, 1, 3 };
     const int edges[] = { 0, 1, 0, 2, 1, 2, 1, 3, 2, 3 }, diagonals[] = { 0, 3 };
     triangle_oracle cloth = make_mesh( 4, triangles, 2 );
@@ -29,6 +30,7 @@ static void two_triangles_have_five_edges_and_a_diagonal( void** state )
 
 static void an_edge_of_the_border_has_no_diagonal( void** state )
 {
+    (void)state;
     const int triangles[] = { 2, 0, 1 };
     const int edges[] = { 0, 1, 0, 2, 1, 2 };
     triangle_oracle cloth = make_mesh( 3, triangles, 1 );
@@ -38,6 +40,7 @@ static void an_edge_of_the_border_has_no_diagonal( void** state )
 
 static void a_fan_has_diagonals_across_its_spokes( void** state )
 {
+    (void)state;
     const int triangles[] = { 0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 5, 0, 5, 1 };
     const int edges[] = { 0, 1, 0, 2, 0, 3, 0, 4, 0, 5, 1, 2, 1, 5, 2, 3, 3, 4, 4, 5 };
     const int diagonals[] = { 1, 3, 1, 4, 2, 4, 2, 5, 3, 5 };
@@ -52,6 +55,7 @@ static void a_fan_has_diagonals_across_its_spokes( void** state )
 
 static void a_pair_that_is_edge_and_diagonal_is_two_links_and_one_neighbour( void** state )
 {
+    (void)state;
     // a closed tetrahedron: valence 3, every edge lies across from another
     const int triangles[] = { 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3 };
     const int pairs[] = { 0, 1, 0, 2, 0, 3, 1, 2, 1, 3, 2, 3 };
@@ -66,6 +70,7 @@ static void a_pair_that_is_edge_and_diagonal_is_two_links_and_one_neighbour( voi
 
 static void a_vertex_seen_across_two_edges_is_one_diagonal( void** state )
 {
+    (void)state;
     // Fig. 6: 0 and 3 see each other across the edges 1 2 and 4 5
     const int triangles[] = { 0, 1, 2, 3, 2, 1, 0, 4, 5, 3, 5, 4 };
     const int diagonals[] = { 0, 3 };
@@ -80,6 +85,7 @@ static void a_vertex_seen_across_two_edges_is_one_diagonal( void** state )
 
 static void three_triangles_at_an_edge_have_three_diagonals( void** state )
 {
+    (void)state;
     const int triangles[] = { 0, 1, 4, 1, 0, 2, 0, 1, 3 };
     const int edges[] = { 0, 1, 0, 2, 0, 3, 0, 4, 1, 2, 1, 3, 1, 4 }, diagonals[] = { 2, 3, 2, 4, 3, 4 };
     triangle_oracle cloth = make_mesh( 5, triangles, 3 );
@@ -89,6 +95,7 @@ static void three_triangles_at_an_edge_have_three_diagonals( void** state )
 
 static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
 {
+    (void)state;
     const double3 points[4] = { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 1.0, 1.0, 0.0 } };
     const double masses[4] = { 1.0, 1.0, 1.0, 1.0 };
     const int triangles[] = { 0, 1, 2, 2, 1, 3 }, stretch[] = { 3, 0 }, bend[] = { 1, 0, 2, 3 };
@@ -114,6 +121,7 @@ static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
 
 static void wrong_data_is_refused_in_a_message( void** state )
 {
+    (void)state;
     const double3 points[4] = { { 0.0, 0.0, 0.0 }, { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 1.0, 0.0, 0.0 } };
     const double3 nowhere[4] = { { NAN, 0.0, 0.0 } };
     const double masses[4] = { 1.0, 1.0, 1.0, 1.0 }, massless[4] = { 1.0, 0.0, 1.0, 1.0 };
@@ -169,6 +177,7 @@ static void wrong_data_is_refused_in_a_message( void** state )
 
 static void the_weights_of_a_vertex_sum_to_the_most_neighbours( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle cloth = make_sheet( &params );
     int least = cloth.max_neighbours;
@@ -195,6 +204,7 @@ static void the_weights_of_a_vertex_sum_to_the_most_neighbours( void** state )
 
 static void the_rewrite_is_equation_3_as_printed( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     params.damping_form = TRIANGLE_ORACLE_DAMPING_AXIAL;
     triangle_oracle cloth = make_sheet( &params );
@@ -215,6 +225,7 @@ static void the_rewrite_is_equation_3_as_printed( void** state )
 
 static void a_pair_weighs_as_its_ends_do_on_the_mean( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle plain = make_sheet( &params );
     params.weights = TRIANGLE_ORACLE_WEIGHTS_PAIR;
@@ -239,6 +250,7 @@ static void a_pair_weighs_as_its_ends_do_on_the_mean( void** state )
 
 static void a_vertex_without_neighbours_keeps_its_mass( void** state )
 {
+    (void)state;
     const int triangles[] = { 0, 1, 2 };
     triangle_oracle cloth = make_mesh( 4, triangles, 1 );
     assert_int_equal( cloth.neighbours[3], 0 );
@@ -278,6 +290,7 @@ static double worst_force( triangle_oracle* cloth, bool bends )
 
 static void stretch_is_the_gradient_of_its_energy( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_sheet( &params );
     crumple( &cloth, 10, 0.01, 0.0 );
@@ -287,6 +300,7 @@ static void stretch_is_the_gradient_of_its_energy( void** state )
 
 static void bending_is_the_gradient_of_its_energy( void** state )
 {
+    (void)state;
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 3e-4;
     params.compression_stiffness = 150.0; // both branches of (12) are there
@@ -307,6 +321,7 @@ static void bending_is_the_gradient_of_its_energy( void** state )
 
 static void a_stretched_link_pulls_its_ends_together( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
     double3 force[2];
@@ -319,6 +334,7 @@ static void a_stretched_link_pulls_its_ends_together( void** state )
 
 static void a_short_edge_has_no_force_and_the_force_begins_at_zero( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
     const double lengths[] = { 0.0, 0.5, 1.0 - 1e-12, 1.0 };
@@ -359,6 +375,7 @@ static double worst_jacobian( const triangle_oracle* cloth, const double3* x )
 
 static void the_jacobian_of_stretch_is_its_derivative( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = still_params();
     triangle_oracle cloth = make_pair_of( &params, false, 1.0, 1.0 );
     for ( int n = 0; n < 20; ++n )
@@ -376,6 +393,7 @@ static void the_jacobian_of_stretch_is_its_derivative( void** state )
 
 static void the_inverse_of_sinc_leaves_no_residual( void** state )
 {
+    (void)state;
     double worst = 0.0;
     for ( int n = 1; n <= 100000; ++n )
     {
@@ -396,6 +414,7 @@ static void the_inverse_of_sinc_leaves_no_residual( void** state )
 
 static void the_load_of_an_arc_has_its_known_values( void** state )
 {
+    (void)state;
     // section 3 gives two digits behind the point
     assert_close( triangle_oracle_arc_load( 0.9 ), -12.77, 0.005 );
     assert_close( triangle_oracle_arc_load( 0.5 ), -17.55, 0.005 );
@@ -415,6 +434,7 @@ static void the_load_of_an_arc_has_its_known_values( void** state )
 
 static void load_and_slope_of_an_arc_are_derivatives( void** state )
 {
+    (void)state;
     const double step = 1e-5;
     for ( int n = 1; n < 200; ++n )
     {
@@ -430,6 +450,7 @@ static void load_and_slope_of_an_arc_are_derivatives( void** state )
 
 static void a_bent_link_pushes_its_ends_apart( void** state )
 {
+    (void)state;
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 0.25;
     triangle_oracle cloth = make_pair_of( &params, true, 2.0, 1.0 );
@@ -456,6 +477,7 @@ enum
 
 static void the_ramped_load_is_continuous_and_never_below_the_arc( void** state )
 {
+    (void)state;
     for ( int k = 0; k < RAMPS; ++k )
     {
         double before = triangle_oracle_ramped_load( 1.0, ramps[k] );
@@ -474,6 +496,7 @@ static void the_ramped_load_is_continuous_and_never_below_the_arc( void** state 
 
 static void the_ramped_energy_is_the_integral_of_the_load( void** state )
 {
+    (void)state;
     for ( int k = 0; k < RAMPS; ++k )
     {
         // Simpson over pieces so small that the kinks cost below 1e-8 of the slopes there
@@ -496,6 +519,7 @@ static void the_ramped_energy_is_the_integral_of_the_load( void** state )
 
 static void the_jacobian_of_bending_is_its_derivative_and_drops_one_term( void** state )
 {
+    (void)state;
     triangle_oracle_params params = still_params();
     params.bend_stiffness = 1.0;
     triangle_oracle dropped = make_pair_of( &params, true, 1.0, 1.0 );
@@ -518,6 +542,7 @@ static void the_jacobian_of_bending_is_its_derivative_and_drops_one_term( void**
 
 static void coincident_ends_have_no_force( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle cloth = make_pair_of( &params, true, 1.0, 1.0 );
     double3 force[2];
@@ -581,6 +606,7 @@ static double density_in_the_middle( const triangle_oracle* cloth, const double3
 
 static void a_sheet_has_the_stiffness_it_was_given_whatever_its_mesh( void** state )
 {
+    (void)state;
     const double sides[] = { 0.02, 0.05 }, strain = 1e-3;
     for ( int n = 0; n < 2; ++n )
     {
@@ -601,6 +627,7 @@ static void a_sheet_has_the_stiffness_it_was_given_whatever_its_mesh( void** sta
 
 static void a_sheet_on_a_cylinder_has_the_energy_of_its_rigidity( void** state )
 {
+    (void)state;
     const double side = 0.02, radius = 2.0;
     triangle_oracle_params params = still_params();
     params.stiffness = TRIANGLE_ORACLE_STIFFNESS_MATERIAL;

@@ -34,6 +34,7 @@ static void step_on( triangle_oracle* cloth, const triangle_oracle_body* body, i
 
 static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 2; ++form )
     {
         triangle_oracle_params params = dust_params();
@@ -55,6 +56,7 @@ static void a_vertex_on_a_moving_floor_goes_with_it( void** state )
 
 static void a_vertex_at_rest_is_carried_by_its_weight( void** state )
 {
+    (void)state;
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.004, 0.0 ), zero );
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     step_on( &dust, &floor, 1 );
@@ -66,6 +68,7 @@ static void a_vertex_at_rest_is_carried_by_its_weight( void** state )
 
 static void beyond_the_margin_or_on_its_way_out_a_vertex_is_free( void** state )
 {
+    (void)state;
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle far = make_vertex( double3_make( 0.0, 0.0051, 0.0 ), zero );
     triangle_oracle out = make_vertex( double3_make( 0.0, 0.003, 0.0 ), double3_make( 0.0, 0.2, 0.0 ) );
@@ -80,6 +83,7 @@ static void beyond_the_margin_or_on_its_way_out_a_vertex_is_free( void** state )
 
 static void a_pinned_vertex_minds_no_body( void** state )
 {
+    (void)state;
     triangle_oracle dust = make_vertex( double3_make( 0.0, -0.5, 0.0 ), zero );
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle_pin( &dust, 0 );
@@ -93,6 +97,7 @@ static void a_pinned_vertex_minds_no_body( void** state )
 
 static void depth_is_undone_in_one_step( void** state )
 {
+    (void)state;
     triangle_oracle dust = make_vertex( double3_make( 0.2, -0.02, 0.0 ), double3_make( 0.0, -1.0, 0.0 ) );
     triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     floor.velocity = double3_make( 0.0, 0.3, 0.0 );
@@ -104,6 +109,7 @@ static void depth_is_undone_in_one_step( void** state )
 
 static void depth_is_undone_no_faster_than_its_speed( void** state )
 {
+    (void)state;
     triangle_oracle dust = make_vertex( double3_make( 0.0, -0.02, 0.0 ), zero );
     triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     floor.recovery = 0.5;
@@ -117,6 +123,7 @@ static void depth_is_undone_no_faster_than_its_speed( void** state )
 
 static void a_ball_pushes_along_its_radius( void** state )
 {
+    (void)state;
     const double3 place = { 0.1, 0.2, -0.05 }, centre = { 0.02, 0.03, 0.04 };
     triangle_oracle dust = make_vertex( place, zero );
     const triangle_oracle_body ball = triangle_oracle_sphere( centre, 0.25 );
@@ -142,6 +149,7 @@ static triangle_oracle make_lifted( double force )
 
 static void a_lifted_vertex_is_let_go_in_one_step( void** state )
 {
+    (void)state;
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle pair = make_lifted( 1.2 * 0.01 * fall );
     step_on( &pair, &floor, 1 );
@@ -156,6 +164,7 @@ static void a_lifted_vertex_is_let_go_in_one_step( void** state )
 
 static void what_is_let_go_does_not_land_in_the_same_substep( void** state )
 {
+    (void)state;
     // at half the margin, and with so long a substep that its weight alone would take it into the floor
     const double long_step = 1.0 / 60.0;
     const triangle_oracle_body floor = triangle_oracle_plane( double3_make( 0.0, 0.0005, 0.0 ), up );
@@ -172,6 +181,7 @@ static void what_is_let_go_does_not_land_in_the_same_substep( void** state )
 
 static void a_resting_vertex_is_kept( void** state )
 {
+    (void)state;
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle pair = make_lifted( 0.8 * 0.01 * fall );
     for ( int k = 0; k < 200; ++k )
@@ -185,6 +195,7 @@ static void a_resting_vertex_is_kept( void** state )
 
 static void a_pull_within_the_hysteresis_does_not_let_go( void** state )
 {
+    (void)state;
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     for ( int beyond = 0; beyond < 2; ++beyond )
     {
@@ -198,6 +209,7 @@ static void a_pull_within_the_hysteresis_does_not_let_go( void** state )
 
 static void what_was_let_go_comes_back_when_it_approaches( void** state )
 {
+    (void)state;
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle pair = make_lifted( 1.2 * 0.01 * fall );
     step_on( &pair, &floor, 1 );
@@ -220,6 +232,7 @@ static triangle_oracle_body slope_of( double angle, double still, double slip )
 
 static void a_vertex_slides_down_a_slope_only_if_that_is_steeper_than_static_friction( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 20; ++n )
     {
         const double still = random_between( 60, n, 0.1, 1.0 ), angle = atan( still );
@@ -240,6 +253,7 @@ static void a_vertex_slides_down_a_slope_only_if_that_is_steeper_than_static_fri
 
 static void sliding_has_the_acceleration_of_coulomb( void** state )
 {
+    (void)state;
     const double angle = 0.6;
     const int count = 200;
     const triangle_oracle_body slope = slope_of( angle, 0.3, 0.2 );
@@ -262,6 +276,7 @@ static void sliding_has_the_acceleration_of_coulomb( void** state )
 
 static void friction_stops_what_slides_and_never_turns_it_round( void** state )
 {
+    (void)state;
     triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.002, 0.0 ), zero );
     step_on( &dust, &floor, 1 );
@@ -289,6 +304,7 @@ static void friction_stops_what_slides_and_never_turns_it_round( void** state )
 
 static void a_belt_takes_along_what_slides_on_it( void** state )
 {
+    (void)state;
     triangle_oracle_body belt = triangle_oracle_plane( zero, up );
     belt.velocity = double3_make( 0.4, 0.0, 0.0 );
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.002, 0.0 ), zero );
@@ -309,6 +325,7 @@ static void a_belt_takes_along_what_slides_on_it( void** state )
 
 static void what_would_pass_into_a_body_lands_on_it( void** state )
 {
+    (void)state;
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.015, 0.0 ), double3_make( 0.7, -3.0, 0.0 ) );
     const triangle_oracle_body floor = triangle_oracle_plane( zero, up );
     step_on( &dust, &floor, 1 );
@@ -324,6 +341,7 @@ static void what_would_pass_into_a_body_lands_on_it( void** state )
 
 static void landing_never_goes_beneath_the_surface( void** state )
 {
+    (void)state;
     for ( int n = 0; n < 400; ++n )
     {
         triangle_oracle_params params = dust_params();
@@ -350,6 +368,7 @@ static void landing_never_goes_beneath_the_surface( void** state )
 
 static void without_looking_ahead_contact_begins_within_the_margin( void** state )
 {
+    (void)state;
     triangle_oracle_params params = dust_params();
     params.speculative = false;
     const double3 place = { 0.0, 0.015, 0.0 };
@@ -380,6 +399,7 @@ static void make_groove( triangle_oracle_body* planes, double still )
 
 static void a_groove_carries_with_both_of_its_sides( void** state )
 {
+    (void)state;
     triangle_oracle_body planes[2];
     make_groove( planes, 0.3 );
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.002, 0.0 ), zero );
@@ -396,6 +416,7 @@ static void a_groove_carries_with_both_of_its_sides( void** state )
 
 static void a_vertex_slides_along_a_groove_against_the_friction_of_both_sides( void** state )
 {
+    (void)state;
     triangle_oracle_body planes[2];
     make_groove( planes, 0.3 );
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.002, 0.0 ), zero );
@@ -414,6 +435,7 @@ static void a_vertex_slides_along_a_groove_against_the_friction_of_both_sides( v
 
 static void depth_in_two_bodies_is_undone_at_once( void** state )
 {
+    (void)state;
     triangle_oracle_body planes[2];
     make_groove( planes, 0.3 );
     triangle_oracle dust = make_vertex( double3_make( 0.004, -0.02, 0.0 ), zero );
@@ -427,6 +449,7 @@ static void depth_in_two_bodies_is_undone_at_once( void** state )
 
 static void each_side_of_a_corner_lets_go_by_itself( void** state )
 {
+    (void)state;
     // gravity presses on the floor and pulls from the wall
     const triangle_oracle_body bodies[2] = { triangle_oracle_plane( zero, up ),
                                              triangle_oracle_plane( zero, double3_make( 1.0, 0.0, 0.0 ) ) };
@@ -445,6 +468,7 @@ static void each_side_of_a_corner_lets_go_by_itself( void** state )
 
 static void of_parallel_bodies_the_deeper_counts( void** state )
 {
+    (void)state;
     triangle_oracle_body bodies[2] = { triangle_oracle_plane( zero, up ), triangle_oracle_plane( zero, up ) };
     bodies[1].place.y = 0.004;
     triangle_oracle dust = make_vertex( double3_make( 0.0, 0.001, 0.0 ), zero );
@@ -467,6 +491,7 @@ static bool touch_of_a_wall( void* user, int vertex, double3 x, triangle_oracle_
 
 static void a_body_may_be_given_by_a_function( void** state )
 {
+    (void)state;
     double at[2] = { 0.1, -0.1 };
     const double3 places[2] = { { 0.102, 0.0, 0.0 }, { 0.1, 0.0, 0.0 } };
     const triangle_oracle_params params = dust_params();
@@ -513,6 +538,7 @@ static void drape( triangle_oracle_integrator integrator, int repeats )
 
 static void a_sheet_comes_to_rest_on_a_ball_without_passing_into_it( void** state )
 {
+    (void)state;
     drape( TRIANGLE_ORACLE_EULER, 1 );
     // which damps so little that with one linear solve a substep this sheet goes on trembling
     drape( TRIANGLE_ORACLE_BDF2, 4 );

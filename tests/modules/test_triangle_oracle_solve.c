@@ -5,6 +5,7 @@
 
 static void the_matrix_is_symmetric_and_positive( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 6; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -97,6 +98,7 @@ static double3 filtered( const triangle_oracle_matrix* s, double3 v )
 
 static void locked_vertices_do_exactly_what_is_prescribed( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT] = { { 0.0, 0.0, 0.0 } };
     triangle_oracle cloth = make_constrained( &params, b, z );
@@ -117,6 +119,7 @@ static void locked_vertices_do_exactly_what_is_prescribed( void** state )
 
 static void what_is_free_has_no_residual_and_the_rest_is_the_impulse( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT] = { { 0.0, 0.0, 0.0 } }, a[SHEET_COUNT];
     triangle_oracle cloth = make_constrained( &params, b, z );
@@ -139,6 +142,7 @@ static void what_is_free_has_no_residual_and_the_rest_is_the_impulse( void** sta
 
 static void conjugate_gradients_equal_elimination( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 3; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -161,6 +165,7 @@ static void conjugate_gradients_equal_elimination( void** state )
 
 static void a_start_from_the_answer_needs_no_iteration( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     params.tolerance = 1e-9;
     double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT];
@@ -173,6 +178,7 @@ static void a_start_from_the_answer_needs_no_iteration( void** state )
 
 static void a_cloth_of_locked_vertices_returns_what_is_prescribed_at_once( void** state )
 {
+    (void)state;
     const triangle_oracle_params params = triangle_oracle_default_params();
     triangle_oracle cloth = make_sheet( &params );
     double3 b[SHEET_COUNT], z[SHEET_COUNT], dv[SHEET_COUNT] = { { 0.0, 0.0, 0.0 } };
@@ -191,6 +197,7 @@ static void a_cloth_of_locked_vertices_returns_what_is_prescribed_at_once( void*
 
 static void negative_curvature_and_the_limit_of_iterations_stop_a_solve( void** state )
 {
+    (void)state;
     triangle_oracle_params params = still_params();
     params.jacobian = TRIANGLE_ORACLE_JACOBIAN_FULL;
     params.bend_stiffness = 1.0;
@@ -216,6 +223,7 @@ static void negative_curvature_and_the_limit_of_iterations_stop_a_solve( void** 
 
 static void a_step_by_elimination_is_the_step( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     params.newton_iterations = 3;
     triangle_oracle a = make_sheet( &params );
@@ -239,6 +247,7 @@ static void a_step_by_elimination_is_the_step( void** state )
 
 static void the_rate_of_a_damped_pair_falls_as_it_should( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 2; ++form )
     {
         const double h = 0.01, mass = 0.5, rate = 3.0;
@@ -259,6 +268,7 @@ static void the_rate_of_a_damped_pair_falls_as_it_should( void** state )
 
 static void an_oscillator_that_is_always_stretched_loses_energy_as_euler_says( void** state )
 {
+    (void)state;
     const double h = 0.01, mass = 0.5, middle = 2.0;
     triangle_oracle_params params = still_params();
     triangle_oracle pair = make_pair_of( &params, false, 1.0, mass );
@@ -282,6 +292,7 @@ static void an_oscillator_that_is_always_stretched_loses_energy_as_euler_says( v
 
 static void a_hanging_pair_stretches_by_its_weight( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     params.damping = 1.0;
     triangle_oracle pair = make_pair_of( &params, false, 1.0, 0.3 );
@@ -294,6 +305,7 @@ static void a_hanging_pair_stretches_by_its_weight( void** state )
 
 static void everything_falls_alike( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 3; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -312,6 +324,7 @@ static void everything_falls_alike( void** state )
 
 static void drag_slows_before_gravity_acts( void** state )
 {
+    (void)state;
     triangle_oracle_params params = triangle_oracle_default_params();
     params.drag = 5.0;
     const double3 points[1] = { { 0.0, 0.0, 0.0 } };
@@ -325,6 +338,7 @@ static void drag_slows_before_gravity_acts( void** state )
 
 static void pinned_vertices_go_to_their_targets( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 2; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -348,6 +362,7 @@ static void pinned_vertices_go_to_their_targets( void** state )
 
 static void momentum_of_the_rows_is_kept( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 6; ++form )
     {
         triangle_oracle_params params = triangle_oracle_default_params();
@@ -399,6 +414,7 @@ static double energy_after( double damping, double h, int count, double* most )
 
 static void free_cloth_gains_no_energy_and_loses_it_by_damping( void** state )
 {
+    (void)state;
     double most[2];
     const double without = energy_after( 0.0, 0.002, 1000, most );
     const double with = energy_after( 0.002, 0.002, 1000, most + 1 );
@@ -412,6 +428,7 @@ static void free_cloth_gains_no_energy_and_loses_it_by_damping( void** state )
 
 static void repeats_make_the_residual_quadratically_smaller( void** state )
 {
+    (void)state;
     double residual[6];
     for ( int repeats = 1; repeats <= 5; ++repeats )
     {
@@ -451,6 +468,7 @@ static double residual_after( triangle_oracle_integrator integrator, int repeats
 
 static void a_step_with_repeats_solves_the_nonlinear_equations( void** state )
 {
+    (void)state;
     for ( int form = 0; form < 2; ++form )
     {
         const double once = residual_after( (triangle_oracle_integrator)form, 1 );
@@ -486,6 +504,7 @@ static double3 swung( triangle_oracle_integrator integrator, int count, bool une
 
 static void halving_the_substep_halves_eulers_error_and_quarters_that_of_bdf2( void** state )
 {
+    (void)state;
     const double3 reference = swung( TRIANGLE_ORACLE_BDF2, 12800, false );
     double ratio[3];
     for ( int form = 0; form < 3; ++form )

@@ -210,6 +210,7 @@ static outcome run( const subject* s, sequence* dt_of, bool is_constant, int sub
 
 static void what_rests_at_constant_steps_rests_at_any( void** state )
 {
+    (void)state;
     const int substeps[] = { 8, 20 };
     for ( int n = 0; n < WISP_COUNT( SUBJECTS ); ++n )
     {
@@ -235,6 +236,7 @@ static void what_rests_at_constant_steps_rests_at_any( void** state )
 
 static void workers_do_not_change_a_bit_at_varying_steps( void** state )
 {
+    (void)state;
     const uint64_t one = run( SUBJECTS, from_20_to_1000_hz, false, 4, 1 ).hash;
     assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 2 ).hash == one );
     assert_true( run( SUBJECTS, from_20_to_1000_hz, false, 4, 5 ).hash == one );
@@ -243,6 +245,7 @@ static void workers_do_not_change_a_bit_at_varying_steps( void** state )
 // A snapshot between two uneven steps holds the time that no substep has covered yet.
 static void a_snapshot_goes_on_at_varying_steps( void** state )
 {
+    (void)state;
     hosted h;
     open_world( &h, 4, 1 );
     const wisp_entity e = cloth_of_links( h.world );
@@ -277,6 +280,7 @@ static void a_snapshot_goes_on_at_varying_steps( void** state )
 // Pins that are moved at 1 m/s are at most a substep behind their targets, and their cloth with them.
 static void pins_keep_up_at_varying_steps( void** state )
 {
+    (void)state;
     hosted h;
     open_world( &h, 8, 1 );
     const wisp_entity e = cloth_of_links( h.world );

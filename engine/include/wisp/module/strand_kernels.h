@@ -1,0 +1,296 @@
+/// Arguments of the kernels of strands (kernels.h).
+#pragma once
+
+#include "wisp/module/random.h"
+#include "wisp/shapes.h"
+#include "wisp/variants.h"
+
+WISP_BEGIN_C
+
+/// Strand data is lane-interleaved: a group holds sixteen strands, one strand per lane and one vertex index per
+/// row.
+#define WISP_LANES 16
+
+/// Arguments of the jitter of segment lengths and directions along strands (Kim 2026, eq. 2-7). Works in place,
+/// from root to tip.
+typedef struct wisp_strand_jitter_args
+{
+    const int32_t* group_row;   ///< [group_count + 1] first row of each group
+    const int32_t* lane_strand; ///< [group_count][16] index of the strand, seeds its random numbers
+    const float* rest;          ///< [row][3][16] m, rest shape, which gives the rest lengths
+    float* position;            ///< [row][3][16] m, base shape in, deformed shape out
+    const float* stretch;       ///< [group_count][16] stretching stiffness k_s > 0
+    const float* bend;          ///< [group_count][16] bending stiffness k_b > 0
+    wisp_random_key length_key, angle_key, axis_key;
+    float angle_max; ///< rad, maximum angle, reached at stiffness 1
+    float epsilon;   ///< added to denominators, as the paper prints it; 0: omitted
+    int dimension;   ///< 2: a straight strand bends about the z axis; 3: about a random perpendicular
+} wisp_strand_jitter_args;
+
+/// Arguments of the rotation of whole strands about their roots towards a target (Kim 2026, eq. 8-13). Works in
+/// place.
+typedef struct wisp_strand_align_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
+    float* position;           ///< [row][3][16] m
+    const float* intensity;    ///< [group_count][16] weight x at the root, in [0, 1]
+    wisp_vec3 target;          ///< m
+    float radius;              ///< m, strands outside keep their bits
+    bool chord;                ///< blend positions, as the paper prints it, instead of rotating by part of the angle
+    bool from_root;            ///< strand direction is tip - root instead of tip - mean
+    bool nearest;              ///< a strand is inside if any vertex is within radius, not only the tip
+    int dimension;             ///< 2: a strand that points away from the target turns about the z axis
+} wisp_strand_align_args;
+
+/// Arguments of the copy from lanes to strands one after the other, in the user's order.
+typedef struct wisp_strand_unpack_args
+{
+    const int32_t* group_row;   ///< [group_count + 1] first row of each group
+    const int32_t* lane_strand; ///< [group_count][16] index of the strand
+    const int32_t* lane_count;  ///< [group_count][16] vertices of the strand, 0 in an empty lane
+    const int32_t* offsets;     ///< [strand_count + 1] first vertex of each strand, in the user's order
+    const float* position;      ///< [row][3][16] m
+    float* points;              ///< [vertex_count][3] m
+} wisp_strand_unpack_args;
+
+/// Arguments of the check that positions and velocities of strand vertices are finite and bounded.
+typedef struct wisp_strand_bound_args
+{
+    const float* position; ///< [row][3][16] m
+    const float* velocity; ///< [row][3][16] m/s
+    float bound;           ///< maximum magnitude of each component, checked in empty lanes too
+} wisp_strand_bound_args;
+
+/// Arguments of time integration of strands. Pinned vertices (inverse mass 0) have the velocity of their prescribed
+/// motion.
+typedef struct wisp_strand_motion_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    float* previous;           ///< [row][3][16] m, at the start of the substep
+    float* velocity;           ///< [row][3][16] m/s
+    const float* inverse_mass; ///< [row][16] 1/kg; 0: pinned, beyond the tip, or empty lane
+    const float* root;         ///< [group][3][16] m, target position of pinned vertices in row 0; null: they stay
+    wisp_vec3 acceleration;    ///< m/s^2
+    const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
+    float dt;                        ///< s
+} wisp_strand_motion_args;
+
+/// Arguments of damping towards a rigid motion: v <- u + retained_fraction (v - u) with u = linear + angular x (p -
+/// centre).
+typedef struct wisp_strand_damp_args
+{
+    const int32_t* group_row;          ///< [group_count + 1] first row of each group
+    const float* position;             ///< [row][3][16] m
+    float* velocity;                   ///< [row][3][16] m/s
+    const float* inverse_mass;         ///< [row][16] 1/kg
+    float retained_fraction;           ///< in [0, 1]
+    wisp_vec3 linear, angular, centre; ///< m/s, rad/s, m
+} wisp_strand_damp_args;
+
+/// Arguments of air drag across a strand. Motion along the strand has no drag. Implicit in the velocity, so that
+/// drag never reverses it.
+typedef struct wisp_strand_air_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    const float* position;     ///< [row][3][16] m
+    float* velocity;           ///< [row][3][16] m/s
+    const float* inverse_mass; ///< [row][16] 1/kg
+    const float* length;       ///< [row][16] m, of the segment to the next row
+    wisp_vec3 wind;            ///< m/s
+    float drag;                ///< kg/m^2: 1/2 density C_d diameter
+    float dt;                  ///< s
+} wisp_strand_air_args;
+
+/// Arguments of inextensible segments by a direct solve of the chain, repeated in Newton iterations. With C_s =
+/// (|e_s|^2 - l_s^2) / 2 the system J W J^T dlambda = -C is tridiagonal and costs one division and no square root
+/// per segment. Iterations end early when all strands of a group are exact to single precision, or to `tolerance`
+/// where that is finer. A strand that is not within `tolerance` after the last iteration is reset to rest lengths
+/// from the root: each segment keeps its direction, or takes that of the previous segment if it has none. A vertex
+/// that the reset moves farther than the strand is long loses its velocity. Strands with pins beyond the root are
+/// not reset.
+typedef struct wisp_strand_stretch_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    const float* inverse_mass; ///< [row][16] 1/kg
+    const float* length;      ///< [row][16] m, > 0: length of the segment from this row to the next; 0 beyond the tip
+    float* tension;           ///< [row][16] N, of that segment, output; null: not computed
+    bool accumulates_tension; ///< add to `tension` instead of starting at 0
+    int iterations;           ///< maximum number of Newton iterations, >= 1
+    float tolerance;          ///< maximum of |l/l0 - 1|
+    float* previous;          ///< [row][3][16] m, moved with a vertex that loses its velocity
+    const float* velocity;    ///< [row][3][16] m/s, predicted; a reset gives no vertex a higher speed. Null: no limit
+    float dt;                 ///< s
+    float* scratch;           ///< WISP_STRAND_SCRATCH floats per row of the longest group
+} wisp_strand_stretch_args;
+
+/// Floats of scratch per row of a strand kernel.
+#define WISP_STRAND_SCRATCH ( 15 * WISP_LANES )
+
+/// Arguments of distance constraints along strands in one sweep from the root, between rows `stride` apart (pbd,
+/// xpbd: as wisp_link_args).
+typedef struct wisp_strand_link_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    const float* inverse_mass; ///< [row][16] 1/kg
+    const float* rest; ///< [row][16] m, rest length between this row and the row `stride` after it; 0 or less: no
+                       ///< link
+    float* lambda;   ///< xpbd: [row][16] N s^2, multiplier of this substep; null: starts at 0, for a single iteration
+    int stride;      ///< 1 or 2
+    float stiffness; ///< pbd: fraction of the error removed, in [0, 1]
+    float compliance;  ///< xpbd: m/N
+    float inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
+} wisp_strand_link_args;
+
+/// Arguments of follow the leader (Mueller, Kim and Chentanez 2012): each vertex is moved to rest length from the
+/// previous vertex, which stays. Moving `previous` of the leader returns its part of the momentum when velocities
+/// are computed.
+typedef struct wisp_strand_follow_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m
+    float* previous;           ///< [row][3][16] m, at the start of the substep
+    const float* inverse_mass; ///< [row][16] 1/kg
+    const float* length;       ///< [row][16] m, of the segment to the next row
+    float leader_correction;   ///< s of the paper, in [0, 1]
+} wisp_strand_follow_args;
+
+/// Arguments of bending and twist of elastic rods, implicit in the positions. The bending energy of vertex i is
+///   1/2 EI/L_i |C_i|^2,   C_i = (p_{i+1} - p_i)/l_i - (p_i - p_{i-1})/l_{i-1} - k_i.
+/// It is quadratic while the frames that hold the rest vectors k_i are fixed. Then (M + dt^2 K) x = -dt^2 dE/dp is
+/// one pentadiagonal system, the same for x, y and z, and its factors are kept. Frames are transported without
+/// twist to the predicted segments (p less dt^2 acceleration). Then twist is brought to equilibrium by a
+/// tridiagonal system. Segment -1 is the clamp at the root.
+typedef struct wisp_strand_rod_args
+{
+    const int32_t* group_row;    ///< [group_count + 1] first row of each group
+    float* position;             ///< [row][3][16] m, predicted positions; in and out
+    const float* previous;       ///< [row][3][16] m, at the start of the substep
+    const float* inverse_mass;   ///< [row][16] 1/kg
+    const float* inverse_length; ///< [row][16] 1/m, of the segment to the next row; 0 where there is none
+    const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
+    const float* factor; ///< [row][3][16] 1/pivot, L(i, i-1), L(i, i-2) of L D L^T = M + (dt^2 + damping dt) K
+    float* tension;      ///< [row][16] N, of the last substep; applied again, so that a strand at rest does not move
+    const float* max_tension; ///< [row][16] N, upper bound to which tension is clamped
+    const float* root;        ///< [group][4][16] quaternion x y z w, rotation of the root from rest
+    const float* clamp;       ///< [group][4][16] rest frame of the clamp; its z axis is the direction of growth
+    float* frame; ///< [row][4][16] frame of the segment to the next row, z axis along the segment; null: rest shape
+                  ///< is straight
+    const float* rest; ///< [row][3][16] k_i in the frame halfway between the segments of vertex i; with frames only
+    const float* rest_twist;         ///< [row][2][16] cosine and sine of half the rest twist; with frames only
+    const float* twist_stiffness;    ///< [row][16] N m, GJ / L_i; with frames only
+    float damping;                   ///< s, damping of bending: multiplies its rate of change
+    wisp_vec3 acceleration;          ///< m/s^2, of the prediction
+    const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
+    float dt;                        ///< s
+    float* scratch;                  ///< WISP_STRAND_SCRATCH floats per row of the longest group
+} wisp_strand_rod_args;
+
+/// Arguments of contact of strands with one body in closed form, with Coulomb friction; equations in
+/// strand_contact.c. Vertices closer to the body than the thickness, at the end of the substep, are pushed out
+/// along its normal there. Pinned vertices stay.
+typedef struct wisp_strand_contact_args
+{
+    const int32_t* group_row; ///< [group_count + 1] first row of each group
+    float* position;          ///< [row][3][16] m, in and out
+    float* previous; ///< [row][3][16] m, at the start of the substep; moved with the position when initial overlap is
+                     ///< resolved
+    const float* inverse_mass; ///< [row][16] 1/kg
+    float* allowed_depth; ///< [row][16] m, depth below the thickness that is tolerated; infinite: set to the depth at
+                          ///< the start
+    float* normal_correction; ///< [row][16] m, incremented by the push of the body; represents the normal impulse
+    float* remaining_depth;   ///< [row][16] m, raised to the depth below the thickness at which the vertex remains
+    wisp_shape shape;
+    wisp_transform before, after; ///< pose of the body at the start and at the end of the substep
+    float thickness;              ///< m
+    float static_friction, kinetic_friction;
+    float max_push_out; ///< m, maximum distance by which tolerated depth is reduced in this call
+} wisp_strand_contact_args;
+
+/// Bounds of the vertices of a group that are not pinned, at the start and at the end of the substep. Empty (lower
+/// above upper) if all are pinned.
+typedef struct wisp_strand_bounds
+{
+    wisp_vec3 lower, upper; ///< m
+    float max_path;         ///< m, maximum distance from start to end
+} wisp_strand_bounds;
+
+/// Weight of a change of velocity, from the velocity v now and v0 one step earlier.
+typedef enum wisp_elastic
+{
+    WISP_ELASTIC_CHANGE,  ///< 1/2 - 1/2 cos(v, v0); 0 if either speed is below 1e-6 m/s
+    WISP_ELASTIC_COSINE,  ///< 1/2 + 1/2 cos(v, v0); 1/2 if either speed is below 1e-6 m/s
+    WISP_ELASTIC_PRODUCT, ///< 1/2 v . v0 + 1/2
+    WISP_ELASTIC_NONE,    ///< 0
+} wisp_elastic;
+
+/// Arguments of the table of values that all ghosts of a target share, per node, in rows of four floats. A node has
+/// `stride` floats:
+///   x, y, z, weight     position; sum of the elastic weight and tip_gain i / (n - 1)
+///   x, y, z, limit      sway time times velocity, 0 at the root; maximum weight that keeps the sway within the cap
+///   x, y, z, w          stride 12 and 16: quaternion, rotation of the frame from rest
+///   x, y, z, 0          stride 16: velocity one step earlier
+/// For ghosts of several targets (is_blended), weight omits the elastic weight, the velocity is not multiplied by
+/// the sway time, and limit is the cap in m.
+typedef struct wisp_strand_target_args
+{
+    const int32_t* group_row;       ///< [group_count + 1] first row of each group
+    const int32_t* lane_count;      ///< [group][16] nodes, 0 in an empty lane
+    const int32_t* lane_node;       ///< [group][16] index in the table, in floats, of the first float of the root
+    const float* position;          ///< [row][3][16] m
+    const float* rest;              ///< [row][3][16] m
+    const float* velocity;          ///< [row][3][16] m/s; null: 0
+    const float* previous_velocity; ///< [row][3][16] m/s, one step earlier; null: equal to velocity
+    const float* max_sway;          ///< [row][16] m, maximum sway of a node
+    const float* root;              ///< [group][4][16] quaternion, rotation of the root from rest; null: none
+    float* table;                   ///< [node][stride] output
+    int stride;                     ///< floats per node: 8 without frames, 12 or 16 with frames
+    bool transports_frames; ///< frames are transported from the root by the smallest rotations; otherwise all nodes
+                            ///< have the frame of the root
+    bool is_capped, is_blended;
+    wisp_elastic elastic;
+    float sway_time; ///< s
+    float tip_gain;
+} wisp_strand_target_args;
+
+#define WISP_MAX_GHOST_TARGETS 4
+
+/// Arguments of ghost positions: y = x + R o + sway (weight + scale |o|), with the factor of sway clamped to the
+/// limit.
+typedef struct wisp_strand_ghost_args
+{
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    const int32_t* lane_count; ///< [group_count][16] vertices of the strand, 0 in an empty lane
+    const int32_t* lane_node; ///< [group][target][16] index in `table`, in floats, of the first float of the target's
+                              ///< root
+    const float* lane_fraction; ///< blend: [group][target][16] weight of the target; weights sum to 1
+    const float* centre_scale;  ///< [group][16] 1/m
+    const float* offset;        ///< [row][target][3][16] m, offset from the target at rest
+    const float* table;         ///< output of strand_target
+    int stride;                 ///< floats per node: 8 or 12; blend: 16
+    int target_count;           ///< blend: targets per ghost, 1 .. WISP_MAX_GHOST_TARGETS; otherwise 1
+    bool rotates_offsets;       ///< blend: offsets rotate with the frames
+    wisp_elastic elastic;       ///< blend
+    float sway_time;            ///< blend: s
+    float* points;              ///< [row][3][16] m, output
+} wisp_strand_ghost_args;
+
+/// Arguments of smooth curves through the vertices of strands: one row for the first vertex, then `samples` rows
+/// per segment.
+typedef struct wisp_strand_curve_args
+{
+    const int32_t* group_row;     ///< [group + 1] first row of each group of curves
+    const int32_t* lane_row;      ///< [group][16] index in `from`, in floats, of the first vertex of the strand
+    const int32_t* lane_vertices; ///< [group][16] vertices of the strand, 0 in an empty lane
+    const float* from;            ///< [row][3][16] m, vertices of the strands
+    float* to;                    ///< [row][3][16] m, output
+    const float* weight; ///< [samples][4] weights of the four points that a segment blends, at t = (k + 1) / samples
+    int samples;
+    bool shares_ends; ///< a segment spans the four vertices that it blends; otherwise it spans two and blends their
+                      ///< neighbours too
+} wisp_strand_curve_args;
+
+WISP_END_C

@@ -1,0 +1,167 @@
+/// Arguments of the kernels of surfaces: constraints, coarse levels, planes and boundary particles (kernels.h).
+#pragma once
+
+#include "wisp/base.h"
+
+WISP_BEGIN_C
+
+/// Arguments of distance constraints between two particles (pbd: Mueller et al. 2007; xpbd: Macklin, Mueller and
+/// Chentanez 2016, eq. 17-18). The links of a group of eight share no particle. Links of length 0 and links between
+/// two pinned particles have no effect.
+typedef struct wisp_link_args
+{
+    float* position;            ///< [slot][4] x, y, z in m, inverse mass in 1/kg
+    const int32_t *a_x4, *b_x4; ///< [link] slots of the ends times 4
+    const float* rest;          ///< [link] m, rest length
+    const float* stiffness;     ///< [link] pbd: fraction of the error removed, in [0, 1]
+    const float* compliance;    ///< [link] xpbd: m/N
+    float* lambda;     ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
+    float inverse_dt2; ///< xpbd: 1/s^2
+    float minimum, maximum; ///< strain limit: minimum and maximum length, as factors of the rest length
+} wisp_link_args;
+
+/// Arguments of bending constraints across an interior edge with ends i, j and opposite vertices k, l.
+typedef struct wisp_hinge_args
+{
+    float* position;        ///< [slot][4]
+    const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
+    const float* rest; ///< dihedral: [hinge] rad, rest angle between the normals, 0 is flat. Isometric: [group][4][8]
+                       ///< the vector c of Q = c c^T / A, so that Q x = c (c . x) / A (Bergou et al. 2006)
+    const float* scale;      ///< isometric: [hinge] 1 / A in 1/m^2 with A the area of both triangles
+    const float* stiffness;  ///< pbd: [hinge] in [0, 1]; null for xpbd
+    const float* compliance; ///< xpbd: [hinge] dihedral: rad^2/J; isometric: 1/J with the energy of curvature
+    float* lambda;           ///< [hinge] multiplier of this substep; null: starts at 0, for a single iteration
+    float inverse_dt2;       ///< xpbd: 1/s^2
+} wisp_hinge_args;
+
+/// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
+/// volume and its gradient).
+typedef struct wisp_ring_args
+{
+    const float* position;         ///< [slot][4] m; slice s holds slots 8 s to 8 s + 7
+    const int32_t* ring_begin;     ///< [slice + 1] first entry of each slice
+    const int32_t ( *ring_x4 )[8]; ///< [entry][8] neighbours in fan order, slots times 4
+    wisp_vec3 origin;              ///< m, reference point of the volume; a point near the body reduces rounding
+    float* gradient; ///< [slice - first_slice][3][8] m^2, dV/dp = 1/6 of the sum of (a - p) x (b - p); ring_normal:
+                     ///< unit normals
+    float* area;     ///< [slice - first_slice][8] m^2, a third of the areas of the incident triangles; may be null
+    int first_slice; ///< slice of the first element of gradient and area
+} wisp_ring_args;
+
+/// Arguments of drag and lift of air on the triangles around vertices. Drag is implicit in the velocity.
+typedef struct wisp_ring_air_args
+{
+    const float* position; ///< [slot][4] m, inverse mass in 1/kg; particles with inverse mass 0 keep their velocity
+    const float* old_velocity;     ///< [slot][4] m/s, velocity before the kernel, read for neighbours
+    float* velocity;               ///< [slot][4] m/s, output; the fourth component is copied from old_velocity
+    const int32_t* ring_begin;     ///< [slice + 1] first entry of each slice
+    const int32_t ( *ring_x4 )[8]; ///< [entry][8] neighbours in fan order, slots times 4
+    wisp_vec3 wind;                ///< m/s
+    float density;                 ///< kg/m^3
+    float drag, lift;              ///< C_d, C_l
+    float dt;                      ///< s
+} wisp_ring_air_args;
+
+/// Sums over a range of slices. Each is a double, summed from eight ordered float lanes.
+typedef struct wisp_ring_sums
+{
+    double volume;   ///< m^3, sum of (p - origin) . gradient / 3
+    double weighted; ///< m^4/kg, sum of w |gradient|^2 with w the inverse mass
+} wisp_ring_sums;
+
+/// Arguments of weighted points: y = sum of w x over two or three parents, and the unit normal along the sum of w
+/// n.
+typedef struct wisp_blend_args
+{
+    const float* position; ///< [slot][4] m
+    const float* normal;   ///< [slot][4] unit normal, the fourth component is 0; null: no normals are computed
+    const int32_t ( *parents )[4]; ///< [point] slots times 4; this and all arrays per point are padded to a multiple
+                                   ///< of 8
+    const float ( *weights )[4];   ///< [point] weights of positions
+    const float ( *normal_weights )[4]; ///< [point] weights of normals; null: same as `weights`
+    float* xyzw;                        ///< [point][4] m, output; the fourth component is kept
+    float* normals; ///< [point][4] output, the fourth component is 0. Where the sum is shorter than
+                    ///< WISP_MIN_BLEND_LENGTH, the normal is kept and its fourth component becomes 1
+} wisp_blend_args;
+
+/// Minimum length of a sum of normals. Components of unit normals are accurate to about 1e-7, so the direction of a
+/// shorter sum is rounding error.
+#define WISP_MIN_BLEND_LENGTH 1e-6f
+
+/// Arguments of the test whether edges and triangles still have the sampled number of points: their extents,
+/// divided by the spacing, are compared with bounds. The bounds allow for rounding, so an element is marked only if
+/// that is certain.
+typedef struct wisp_extent_args
+{
+    const float* position;              ///< [slot][4] m
+    const int32_t ( *pair_x4 )[2][8];   ///< edges: [slice] slots of the ends times 4
+    const int32_t ( *corner_x4 )[3][8]; ///< triangles: [slice] slots of a, b, c times 4; a to b is the shortest side
+    float spacing;                      ///< m
+    const float* element_spacing;       ///< [element] m; null: `spacing` for all elements
+    const float *lower, *upper; ///< [element] bounds of the length, or of a triangle's base, divided by the spacing
+    const float *lower_height, *upper_height; ///< [triangle] bounds of the height divided by the spacing
+    uint8_t* unchanged;                       ///< [slice] output, one bit per element
+} wisp_extent_args;
+
+/// Arguments of closest points of pairs: a point and a triangle, or two segments. Triangles may be degenerate and
+/// segments may have length 0. If a coordinate of a pair is not finite, or the pair is wider than 1e18 m, its
+/// distance is not finite and its weights and normal are undefined.
+typedef struct wisp_closest_args
+{
+    const float* xyzw; ///< [point][4] m; the fourth component is not read; 16-byte aligned
+    const int32_t*
+        point_x4[4]; ///< [pair] points times 4: p, a, b, c, or the ends a, b of one segment and c, d of the other
+    float* distance; ///< [pair] output, m; 0 below 1e-19 m
+    /// [group] output, barycentric weights, negative on the second side; null: not computed. The weights of a side
+    /// sum to exactly 1, so that they give the same point far from the origin.
+    float ( *weight )[4][8];
+    /// [group] output, unit normal from the second side to the first, 0 where the distance is 0; null if weight is
+    /// null. The plane perpendicular to the normal separates the sides by their distance.
+    float ( *normal )[3][8];
+} wisp_closest_args;
+
+/// Arguments of moving particles along a gradient: p += w factor gradient, with w the inverse mass.
+typedef struct wisp_push_args
+{
+    float* position;       ///< [slot][4] m, inverse mass in 1/kg
+    const float* gradient; ///< [slice][3][8]
+    float factor;
+} wisp_push_args;
+
+/// Arguments of tethers, which limit the distance of particles from their attachments. Only the particle moves, and
+/// only if the attachment is pinned, so that all layers of a particle can be processed before the next particle.
+typedef struct wisp_tether_args
+{
+    float* position;             ///< [slot][4]
+    const int32_t* anchor_x4;    ///< [layer][slot_count] slot of the attachment times 4
+    const float* rest;           ///< [layer][slot_count] m, rest length
+    int layer_count, slot_count; ///< tethers per particle, and slots per layer
+    float slack;                 ///< maximum distance as a factor of the rest length, >= 1
+} wisp_tether_args;
+
+/// Arguments of prolongation from a coarse level: p += sum of weights times the displacements of the parents.
+typedef struct wisp_prolong_args
+{
+    float* position;           ///< [slot][4] m, of the children
+    const float* displacement; ///< [slot][4] m, displacement of the level's vertices by all levels so far; the fourth
+                               ///< component is 0
+    const int32_t* child_x4;   ///< [slice][8] slots times 4
+    const int32_t* parent_x4;  ///< [slice][4][8] slots times 4
+    const float* weight;       ///< [slice][4][8]
+} wisp_prolong_args;
+
+/// Arguments of contact of particles with half spaces, with Coulomb friction; equations in half_space.c. A row of
+/// 16 floats is: a point of the surface; the unit normal away from the body; the motion of the surface in the
+/// substep; the gap to keep (m); the accumulated normal and tangential corrections (m), in and out; static and
+/// kinetic friction.
+typedef struct wisp_half_space_args
+{
+    float* position;            ///< [slot][4] m, in and out
+    const float* previous;      ///< [slot][4] m, at the start of the substep
+    float* rows;                ///< [row][16], 16-byte aligned
+    const int32_t* particle_x4; ///< slot of each particle times 4. A group of eight repeats a particle only with the
+                                ///< same row, as padding
+    const int32_t* row_x16;     ///< row of each particle times 16
+} wisp_half_space_args;
+
+WISP_END_C
