@@ -1,6 +1,6 @@
 // Hair on a head that is shaken: guides that move, ghosts that follow them, and what is read of both.
 //
-//     cc -std=c17 hair.c $(pkg-config --cflags --libs wisp) -lm -o hair && ./hair
+//     cc -std=c17 hair.c $(pkg-config --cflags --libs wisp) -o hair && ./hair
 //
 // Prints a line a second; exit status 0 if all is as it should be, 1 if not.
 #include <wisp/guide_hair.h>

@@ -1,42 +1,36 @@
 #!/usr/bin/env python3
-"""Check the pages: run their commands, compile their programs, follow their links.
+"""Check the pages: run their commands, compile and run their programs, run their scenes, follow their links.
 
-usage: check_docs.py SOURCE_TREE BUILD_FOLDER
+usage: check_docs.py SOURCE_TREE BUILD_FOLDER COMPILER...
 
-Every indented or fenced line of README.md, docs/*.md and examples/README.md that is a command of `wisp` or `./dev` runs with the programs that are
-built, in an empty folder with the data of the tree; `scene.yaml` is the first whole scene of the page. Commands that install, measure for minutes or build the whole tree are not run: NOT_RUN lists
-them, and a command that is neither run nor listed fails. Fenced C programs are compiled and run by the test `install and embed`.
+Every indented or fenced line of README.md, docs/*.md, data/README.md and examples/README.md that is a command runs, in an empty folder with the data of the tree,
+the programs of the build and a copy of Wisp installed from it. Files that commands name are those of the page: `scene.yaml` is its first whole scene, a C file its
+program, or the example of that name. docs/embedding.md shows pieces of a host: embedding_host.c.in puts them together. Three commands run
+in part, since the build exists: `meson setup build` and `./dev` programs are not built again, `./dev test` lists the tests, of which this is one.
 """
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
 
 source, build = (os.path.abspath(path) for path in sys.argv[1:3])
+compiler = " ".join(sys.argv[3:])
 PAGES = ["README.md", "examples/README.md", "data/README.md"] + ["docs/" + name for name in sorted(os.listdir(f"{source}/docs")) if name.endswith(".md")]
+PROGRAMS = r"(\./dev|wisp|meson|cc)\b"
+STRICT = "-std=c17 -Wall -Wextra -Wpedantic -Werror"
 
-# Beginnings of commands that are checked by name only, and why.
-NOT_RUN = {
-    "./dev setup": "installs packages",
-    "./dev test": "is this test suite",
-    "./dev bench": "measures for minutes; its case must exist",
-    "./dev stability": "measures for minutes",
-    "./dev reference": "computes for half an hour",
-    "./dev docs": "writes into the tree",
-    "./dev api": "needs doxygen",
-    "./dev lint": "compiles everything twice",
-    "./dev sanitize": "compiles everything",
-    "./dev tsan": "compiles everything",
-    "./dev fuzz": "runs for minutes",
-    "./dev build": "compiles everything",
-    "./dev help": "is read below",
-    "wisp bench": "measures for minutes; its case must exist",
-    "wisp tune": "needs an idle machine for minutes",
-    "meson setup": "runs in the test 'install and embed'",
-    "cc ": "runs in the test 'install and embed'",
-    "perf ": "needs a kernel that allows it",
-}
+# What a command on a page becomes here, and why it is the same command.
+REWRITTEN = [
+    (r"^\./dev wisp ", "wisp "),                        # builds the program, then runs it
+    (r"^\./dev (run|bench) ", r"wisp \1 "),             # likewise
+    (r"^\./dev (setup|test)$", rf"{source}/dev \1"),    # the script of the tree
+    (r"/dev test$", "/dev test --list"),                # a test cannot run all tests
+    (r"^meson setup build && meson install -C build$", "meson install --no-rebuild --quiet -C {build} --destdir $PWD/installed"),
+    (r"^cc ", "{compiler} "),                           # a sanitizer of the build is in its libraries
+    (r" \| dot .*$", ""),                               # draws a graph; not a package of Wisp's
+]
 failures = []
 
 
@@ -57,38 +51,111 @@ def blocks(text):
             yield number, line[4:], ""
 
 
+def fenced(text, language):
+    return re.findall(rf"(?ms)^```{language}\n(.*?)^```$", text)
+
+
+def shell(command, folder):
+    """Run a command as a user would who has installed Wisp. Return its status and what it said."""
+    root = f"{folder}/installed"
+    pc = [path for path, _, files in os.walk(root) if "wisp.pc" in files]
+    lib = [path for path, _, files in os.walk(root) if "libwisp.so" in files]
+    environment = {**os.environ, "PATH": f"{build}/app:" + os.environ["PATH"], "PKG_CONFIG_SYSROOT_DIR": root,
+                   "PKG_CONFIG_PATH": ":".join(pc), "LD_LIBRARY_PATH": ":".join(lib + [os.environ.get("LD_LIBRARY_PATH", "")])}
+    result = subprocess.run(["bash", "-c", command], cwd=folder, capture_output=True, text=True, env=environment, timeout=200)
+    return result.returncode, (result.stdout + result.stderr).strip()
+
+
+def run(page, number, command, folder):
+    line = command
+    for pattern, replacement in REWRITTEN:
+        line = re.sub(pattern, replacement.replace("{build}", build).replace("{compiler}", compiler), line)
+    status, said = shell(line, folder)
+    if status != 0:
+        fail(page, number, f"'{command}' ends with {status}: {said[-600:]}")
+
+
 def clean(command):
     command = re.sub(r"\s+#.*$", "", command)
     return re.split(r"\s{3,}", command.strip())[0].strip()
 
 
+# ---- programs and scenes ----
+
+
+def write_files(page, text, commands, folder):
+    """Write the files that the commands of a page name."""
+    for file in set(re.findall(r"\b\w+\.c\b", "\n".join(commands))):
+        programs = fenced(text, "c")
+        if os.path.exists(f"{source}/examples/{file}"):
+            shutil.copy(f"{source}/examples/{file}", folder)
+        elif file == "host.c":
+            open(f"{folder}/{file}", "w", encoding="utf-8").write(host_of_embedding())
+        elif programs:
+            open(f"{folder}/{file}", "w", encoding="utf-8").write(programs[0])
+        else:
+            fail(page, 1, f"no program {file} on the page or in examples/")
+    for scene in [scene for scene in fenced(text, "yaml") if scene.startswith("wisp:")][:1]:
+        open(f"{folder}/scene.yaml", "w", encoding="utf-8").write(scene)
+
+
+def host_of_embedding():
+    pieces, heading, last = {}, "", -1
+    text = open(f"{source}/docs/embedding.md", encoding="utf-8").read()
+    for number, line in enumerate(text.split("\n")):
+        if line.startswith("#"):
+            heading, count = line.lstrip("# "), 0
+        elif line.startswith("    "):
+            count += number != last + 1
+            last = number
+            pieces.setdefault(f"{heading} {count}", []).append(line)
+    host = open(f"{source}/tests/docs/embedding_host.c.in", encoding="utf-8").read()
+    used = re.findall(r"(?m)^\s*@(.+) (\d+)@$", host)
+    missing = set(pieces) - {f"{name} {count}" for name, count in used} - {"Build and link 1"}
+    if missing:
+        fail("docs/embedding.md", 1, f"code that embedding_host.c.in does not use: {sorted(missing)}")
+    return re.sub(r"(?m)^\s*@(.+ \d+)@$", lambda match: "\n".join(pieces[match.group(1)]), host)
+
+
+def check_programs(folder):
+    """Programs compile without a warning, and run."""
+    for file in ("hang.c", "host.c"):
+        if not os.path.exists(f"{folder}/{file}"):
+            fail("README.md" if file == "hang.c" else "docs/embedding.md", 1, f"no command names {file}")
+            continue
+        status, said = shell(f"{compiler} {STRICT} {file} $(pkg-config --cflags --libs wisp) -o program && ./program", folder)
+        if status != 0:
+            fail(file, 1, said[-2000:])
+
+
+def check_scenes(page, text, folder):
+    for number, scene in enumerate(fenced(text, "yaml"), 1):
+        if scene.startswith("wisp:"):
+            open(f"{folder}/piece.yaml", "w", encoding="utf-8").write(scene)
+            status, said = shell("wisp run piece.yaml --steps 2", folder)
+            if status != 0:
+                fail(page, 1, f"scene {number}: {said[-600:]}")
+
+
+# ---- names and links ----
+
+
 def known_words():
     help_text = subprocess.run([f"{source}/dev", "help"], capture_output=True, text=True).stdout
-    verbs = set(re.findall(r"(?m)^  (\w+)", help_text))
     cases = subprocess.run([f"{build}/app/wisp-bench", "--list"], capture_output=True, text=True).stdout
-    return verbs, set(re.findall(r"(?m)^\s*(\w+)", cases)) | {"instructions"}
+    verbs = subprocess.run([f"{build}/app/wisp", "--help"], capture_output=True, text=True).stdout
+    return {"./dev": set(re.findall(r"(?m)^  (\w+)", help_text)), "wisp": set(re.findall(r"(?m)^  (?:wisp )?(\w+)", verbs)),
+            "bench": set(re.findall(r"(?m)^\s*(\w+)", cases)) | {"instructions"}}
 
 
-def check_name(page, number, command, verbs, cases):
-    words = command.split()
-    if words[0] == "./dev" and len(words) > 1 and words[1] not in verbs:
-        fail(page, number, f"'{command}': ./dev has no command '{words[1]}'")
-    for program in (["./dev", "bench"], ["wisp", "bench"]):
-        if words[:2] == program:
-            for word in words[2:3]:
-                if re.fullmatch(r"\w+", word) and word not in cases and word not in ("CASE", "SUITE"):
-                    fail(page, number, f"'{command}': no case '{word}' of the benchmark")
-
-
-def run(page, number, command, folder):
-    line = re.sub(r"^\./dev wisp ", "wisp ", command)
-    line = re.sub(r"^\./dev run ", "wisp run ", line)
-    line = re.sub(r"^\./dev (plan|info|render) ", r"wisp \1 ", line)
-    line = line.split(" | ")[0]
-    result = subprocess.run(["bash", "-c", line], cwd=folder, capture_output=True, text=True,
-                            env={**os.environ, "PATH": f"{build}/app:" + os.environ["PATH"]}, timeout=120)
-    if result.returncode != 0:
-        fail(page, number, f"'{command}' ends with {result.returncode}: {result.stderr.strip()[:300]}")
+def check_names(page, text, known):
+    """Commands in a sentence name what exists."""
+    for number, line in enumerate(text.split("\n"), 1):
+        for program, verb, word in re.findall(r"`(\./dev|wisp) ([a-z]\w*)(?: ([a-z]\w*))?[^`]*`", line):
+            if verb not in known[program]:
+                fail(page, number, f"{program} has no command '{verb}'")
+            elif verb == "bench" and word and word not in known["bench"]:
+                fail(page, number, f"the benchmark has no case '{word}'")
 
 
 def anchors(text):
@@ -113,25 +180,22 @@ def check_links(page, text):
 
 
 def main():
-    verbs, cases = known_words()
+    known = known_words()
     count = 0
     with tempfile.TemporaryDirectory() as folder:
         os.symlink(f"{source}/data", f"{folder}/data")
         for page in PAGES:
             text = open(f"{source}/{page}", encoding="utf-8").read()
             check_links(page, text)
-            first_scene = re.search(r"```yaml\n(wisp: .*?)```", text, re.S)
-            if first_scene:
-                open(f"{folder}/scene.yaml", "w", encoding="utf-8").write(first_scene.group(1))
-            for number, line, language in blocks(text):
-                command = clean(line) if language in ("", "sh", "text") else ""
-                if not re.match(r"(\./dev|wisp|meson|cc|perf)\b", command):
-                    continue
-                check_name(page, number, command, verbs, cases)
-                if any(command.startswith(word) for word in NOT_RUN) or re.search(r"\b[A-Z]{4,}\b", command):
-                    continue
+            check_names(page, text, known)
+            commands = [(number, clean(line)) for number, line, language in blocks(text) if language in ("", "sh", "text")]
+            commands = [(number, command) for number, command in commands if re.match(PROGRAMS, command)]
+            write_files(page, text, [command for _, command in commands], folder)
+            for number, command in commands:
                 run(page, number, command, folder)
                 count += 1
+            check_scenes(page, text, folder)
+        check_programs(folder)
     print("\n".join(failures))
     print(f"{count} commands of {len(PAGES)} pages ran")
     print(f"{0 if failures else 1} passed, {len(failures)} failed")

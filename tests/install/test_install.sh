@@ -1,6 +1,6 @@
 #!/bin/bash
-# Installs into a folder of its own and uses Wisp from there, as somebody would who has never seen this tree: the examples
-# and the README's own program, against the shared and the static library, every header by itself, and the programs.
+# Installs into a folder of its own and uses Wisp from there: the examples against the shared and the static library, every header by
+# itself, and the programs.
 #
 #     test_install.sh SOURCE-TREE BUILD-FOLDER COMPILER...
 set -euo pipefail
@@ -81,10 +81,10 @@ echo "$headers headers compile by themselves"
 
 # ---- programs ----
 
-# build_and_run NAME SOURCE; a program may use the C library's mathematics, which the shared library does not hand on
+# build_and_run NAME SOURCE
 build_and_run()
 {
-    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${shared[@]}" -lm -o "$folder/$1.shared" ||
+    "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${shared[@]}" -o "$folder/$1.shared" ||
         fail "$1 does not build against the shared library"
     "${compiler[@]}" "${strict[@]}" "${cflags[@]}" "$2" "${static[@]}" -o "$folder/$1.static" ||
         fail "$1 does not build against the static library"
@@ -108,8 +108,3 @@ for example in "$source_tree"/examples/*.c; do
     name=${example##*/}
     build_and_run "${name%.c}" "$example"
 done
-
-# The first block of C in the README is a whole program.
-awk '/^```c$/ { inside = 1; next } /^```$/ && inside { exit } inside' "$source_tree/README.md" >"$folder/readme.c"
-[ -s "$folder/readme.c" ] || fail "the README shows no program in C"
-build_and_run readme "$folder/readme.c"
