@@ -71,6 +71,9 @@ wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module );
 void* plan_registry_state( const wisp_registry* r, const char* module );
 /// Notify the modules before an entity is removed.
 void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_entity entity );
+/// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
+wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
+                                      const wisp_teleport_motion* teleport, bool* is_moved );
 
 /// Where a node runs: loops are sections, and a section without nodes does not exist.
 typedef enum plan_section

@@ -191,6 +191,20 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
     }
 }
 
+wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
+                                      const wisp_teleport_motion* teleport, bool* is_moved )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < r->state_count && status == WISP_OK; ++i )
+    {
+        if ( r->states[i].hooks.teleported != NULL )
+        {
+            status = r->states[i].hooks.teleported( r->states[i].memory, world, entity, teleport, is_moved );
+        }
+    }
+    return status;
+}
+
 wisp_status plan_registry_add( wisp_registry* r, const wisp_module* module )
 {
     r->module = module->name;

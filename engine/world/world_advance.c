@@ -60,6 +60,19 @@ static bool is_kept( const wisp_world* world )
     return world->blend.points.data != NULL && world->blend.structure == world->store.structure;
 }
 
+void* world_kept_rows( wisp_world* world, const store_entity* e, wisp_component component )
+{
+    for ( int k = 0; k < WISP_COUNT( BLENDED ) && is_kept( world ); ++k )
+    {
+        if ( BLENDED[k] == component )
+        {
+            return (char*)world->blend.previous.data + (size_t)k * column_bytes( world ) +
+                   (size_t)e->rows[WISP_TABLE_POINT].begin * sizeof( wisp_vec3 );
+        }
+    }
+    return NULL;
+}
+
 const void* world_blended_rows( const wisp_world* world, const store_entity* e, wisp_component component )
 {
     for ( int k = 0; k < WISP_COUNT( BLENDED ); ++k )

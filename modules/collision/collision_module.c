@@ -59,6 +59,25 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     }
 }
 
+static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_entity entity,
+                                      const wisp_teleport_motion* teleport, bool* is_moved )
+{
+    const collision_state* state = memory;
+    collision_collider* collider = wisp_world_column( world, entity, state->collider, 0 );
+    wisp_transform* target = wisp_world_column( world, entity, state->motion, 0 );
+    if ( collider != NULL )
+    {
+        collider->from = wisp_teleport_pose( teleport, collider->from );
+        collider->to = wisp_teleport_pose( teleport, collider->to );
+        *is_moved = true;
+    }
+    if ( target != NULL )
+    {
+        *target = wisp_teleport_pose( teleport, *target );
+    }
+    return WISP_OK;
+}
+
 static wisp_status declare_components( wisp_registry* r, collision_state* state )
 {
     const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
@@ -192,7 +211,9 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .teleported = entity_teleported } );
     wisp_status status = declare_components( r, state );
     return status == WISP_OK ? declare_passes( r, state ) : status;
 }

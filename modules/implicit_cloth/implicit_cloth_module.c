@@ -62,6 +62,24 @@ static void entity_removed( void* memory, wisp_world* world, wisp_entity entity 
     }
 }
 
+static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_entity entity,
+                                      const wisp_teleport_motion* teleport, bool* is_moved )
+{
+    (void)is_moved;
+    const implicit_state* state = memory;
+    implicit_material* material = wisp_world_column( world, entity, state->material, 0 );
+    if ( material != NULL )
+    {
+        const int slots = wisp_world_fabric( world, entity )->slot_count;
+        wisp_teleport_rows( teleport, wisp_world_column( world, entity, state->history, 0 ),
+                            wisp_world_column( world, entity, state->history, 1 ), slots, 4 );
+        wisp_teleport_rows( teleport, NULL, wisp_world_column( world, entity, state->change, 0 ), slots, 3 );
+        // The two substeps before differ by a velocity that has become zero: BDF2 starts again.
+        material->before = teleport->keep_velocity ? material->before : 0.0f;
+    }
+    return WISP_OK;
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     implicit_state* state = wisp_declare_state( r, sizeof( implicit_state ) );
@@ -69,7 +87,9 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
-    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state,
+                                                  .removed = entity_removed,
+                                                  .teleported = entity_teleported } );
     const struct
     {
         wisp_component* component;

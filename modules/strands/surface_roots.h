@@ -21,3 +21,7 @@ void strands_put_corners( float* corner, int group, int lane, const strands_tria
 
 /// Handle removed entities: roots of a removed surface stay in place.
 void strands_entity_removed( void* state, wisp_world* world, wisp_entity entity );
+
+/// Handle teleports: strands go along with their head, or with the surface that they are rooted in.
+wisp_status strands_teleported( void* state, wisp_world* world, wisp_entity entity,
+                                const wisp_teleport_motion* teleport, bool* is_moved );

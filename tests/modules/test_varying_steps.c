@@ -1,13 +1,5 @@
 // Steps whose length varies: what rests at constant steps rests, and nothing gains energy.
-#include "cloth_fixture.h"
-
-#include "balloon.h"
-#include "collision.h"
-#include "implicit_cloth.h"
-#include "strands.h"
-
-static const wisp_module* const MODULES[] = { &wisp_cloth_module, &wisp_implicit_cloth_module, &wisp_balloon_module,
-                                              &wisp_strands_module, &wisp_collision_module };
+#include "effects_fixture.h"
 
 // ---- sequences of steps ----
 
@@ -51,110 +43,10 @@ static double sixty_hz_with_hitches( int number )
 static sequence* const SEQUENCES[] = { ten_percent_about_60_hz, from_30_to_120_hz,         from_24_to_240_hz,
                                        from_20_to_1000_hz,      in_turns_of_30_and_120_hz, sixty_hz_with_hitches };
 
-// ---- what moves ----
-
-typedef wisp_entity setup( wisp_world* world );
-
-static wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, bool is_implicit )
-{
-    test_mesh mesh = test_plane( 21, 0.05f );
-    wisp_fabric_def fabric = test_fabric_def( &mesh );
-    fabric.hinges = bending != WISP_CLOTH_BENDING_LINKS;
-    wisp_surface_def surface = wisp_default_surface_def();
-    const int32_t pins[2] = { 0, 20 };
-    surface.pins = pins;
-    surface.pin_count = 2;
-    const wisp_entity e = test_surface_of( world, &fabric, surface );
-    wisp_cloth_def cloth = wisp_default_cloth_def();
-    cloth.bending = bending;
-    const wisp_implicit_cloth_def implicit = wisp_default_implicit_cloth_def();
-    assert_status( world,
-                   is_implicit ? wisp_set_implicit_cloth( world, e, &implicit ) : wisp_set_cloth( world, e, &cloth ),
-                   WISP_OK );
-    assert_status( world, wisp_set_gravity( world, e, EARTH ), WISP_OK );
-    assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
-    test_mesh_free( &mesh );
-    return e;
-}
-
-static wisp_entity cloth_of_links( wisp_world* world )
-{
-    return hang( world, WISP_CLOTH_BENDING_LINKS, false );
-}
-
-static wisp_entity dihedral_cloth( wisp_world* world )
-{
-    return hang( world, WISP_CLOTH_BENDING_DIHEDRAL, false );
-}
-
-static wisp_entity isometric_cloth( wisp_world* world )
-{
-    return hang( world, WISP_CLOTH_BENDING_ISOMETRIC, false );
-}
-
-static wisp_entity implicit_cloth( wisp_world* world )
-{
-    return hang( world, WISP_CLOTH_BENDING_LINKS, true );
-}
-
-// Without gravity, which would carry it away: it swells and comes to rest.
-static wisp_entity balloon( wisp_world* world )
-{
-    test_mesh mesh = test_ball( 3 );
-    for ( int v = 0; v < mesh.vertex_count; ++v )
-    {
-        mesh.points[v] = ( wisp_vec3 ){ 0.2f * mesh.points[v].x, 0.2f * mesh.points[v].y, 0.2f * mesh.points[v].z };
-    }
-    const wisp_fabric_def fabric = test_fabric_def( &mesh );
-    const wisp_entity e = test_surface_of( world, &fabric, wisp_default_surface_def() );
-    wisp_balloon_def def = wisp_default_balloon_def();
-    def.gas_ratio = 1.5f;
-    assert_status( world, wisp_set_balloon( world, e, &def ), WISP_OK );
-    assert_status( world, wisp_set_damping( world, e, 3.0f ), WISP_OK );
-    test_mesh_free( &mesh );
-    return e;
-}
-
-static wisp_entity hair( wisp_world* world, wisp_strand_stretch stretch )
-{
-    wisp_vec3 points[4 * 12];
-    int32_t offsets[5];
-    for ( int v = 0; v < 48; ++v )
-    {
-        points[v] = ( wisp_vec3 ){ 0.01f * (float)( v % 12 ), 0.0f, 0.01f * (float)( v / 12 ) };
-    }
-    for ( int s = 0; s < 5; ++s )
-    {
-        offsets[s] = 12 * s;
-    }
-    wisp_strands_def def = wisp_default_strands_def();
-    def.points = points;
-    def.offsets = offsets;
-    def.strand_count = 4;
-    wisp_entity e;
-    assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
-    wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
-    dynamics.stretch = stretch;
-    dynamics.bending = stretch == WISP_STRAND_STRETCH_LINKS ? WISP_STRAND_BEND_LINKS : WISP_STRAND_BEND_ROD;
-    dynamics.damping = 3.0f;
-    assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
-    return e;
-}
-
-static wisp_entity hair_of_links( wisp_world* world )
-{
-    return hair( world, WISP_STRAND_STRETCH_LINKS );
-}
-
-static wisp_entity hair_of_rods( wisp_world* world )
-{
-    return hair( world, WISP_STRAND_STRETCH_DIRECT );
-}
-
 typedef struct subject
 {
     const char* name;
-    setup* add;
+    effect_setup* add;
     double rest; // m/s, beyond which it does not rest
 } subject;
 
@@ -182,8 +74,8 @@ static outcome run( const subject* s, sequence* dt_of, bool is_constant, int sub
 {
     hosted h = { 0 };
     h.def = hosted_def( &h );
-    h.def.modules = MODULES;
-    h.def.module_count = WISP_COUNT( MODULES );
+    h.def.modules = EFFECTS;
+    h.def.module_count = WISP_COUNT( EFFECTS );
     h.def.substeps = substeps;
     h.def.workers = workers;
     assert_int_equal( wisp_world_create( &h.def, &h.world, NULL ), WISP_OK );

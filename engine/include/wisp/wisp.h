@@ -24,6 +24,7 @@
 
 #include "wisp/base.h"
 #include "wisp/jobs.h"
+#include "wisp/shapes.h"
 
 WISP_BEGIN_C
 
@@ -153,6 +154,15 @@ WISP_API wisp_status wisp_add_strands( wisp_world* world, const wisp_strands_def
 WISP_API wisp_status wisp_add_instance( wisp_world* world, wisp_entity source, wisp_entity* out );
 /// Remove an entity and its components.
 WISP_API wisp_status wisp_remove( wisp_world* world, wisp_entity entity );
+/// Move an entity at once, as a rigid body: it meets nothing on the way, and no velocity comes of it. For surfaces with their
+/// pins, strands with their head, and colliders; strands that are rooted in a surface go along with it, ghosts and curves with
+/// what they follow.
+/// @param motion takes points from where they are to their new places: rotation about the origin, then translation
+/// @param keep_velocity velocities turn with the rotation; false: they become zero. Colliders have none
+/// @return WISP_BAD_INPUT a place would be beyond 1e6 m, or the rotation is zero or not finite; WISP_CONFLICT strands that are
+///         rooted in a surface, that follow others or that do not move; WISP_STALE_ID. Nothing changes then
+WISP_API wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion,
+                                    bool keep_velocity );
 /// @return false if the entity was removed or never existed
 WISP_API bool wisp_is_alive( const wisp_world* world, wisp_entity entity );
 

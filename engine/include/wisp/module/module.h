@@ -139,6 +139,13 @@ WISP_API wisp_status wisp_declare_fusion( wisp_registry* registry, const wisp_fu
 /// @return null without memory
 WISP_API void* wisp_declare_state( wisp_registry* registry, size_t size );
 
+/// A rigid motion that takes an entity from where it is to another place at once.
+typedef struct wisp_teleport_motion
+{
+    wisp_transform motion;
+    bool keep_velocity; ///< velocities turn with the motion; false: they become zero
+} wisp_teleport_motion;
+
 /// What a state must hear of. Zero-initialised members are never called.
 typedef struct wisp_state_hooks
 {
@@ -147,6 +154,11 @@ typedef struct wisp_state_hooks
     /// An entity is about to be removed; it and its components are still there. Other entities may lose components here,
     /// nothing else of the world may change.
     void ( *removed )( void* state, wisp_world* world, wisp_entity entity );
+    /// An entity is teleported: move the module's own columns of it, and what goes along. The engine moves shared columns
+    /// (positions, velocities, roots, points) of surfaces and of what a module says it moves, after this call.
+    /// @param is_moved set it if the entity is one that this module moves
+    wisp_status ( *teleported )( void* state, wisp_world* world, wisp_entity entity,
+                                 const wisp_teleport_motion* teleport, bool* is_moved );
 } wisp_state_hooks;
 
 /// Give the module's state its hooks. Call once in declare(), behind wisp_declare_state().
@@ -236,6 +248,17 @@ WISP_API bool wisp_world_has( const wisp_world* world, wisp_entity entity, wisp_
 WISP_API void* wisp_world_column( wisp_world* world, wisp_entity entity, wisp_component component, int column );
 WISP_API const wisp_strand_topology* wisp_world_strands( wisp_world* world, wisp_entity entity );
 WISP_API const wisp_fabric* wisp_world_fabric( wisp_world* world, wisp_entity entity );
+
+/// Move rows of points, and of velocities: [row_count][row_floats], x y z first; what is behind them stays. Either may be null.
+WISP_API void wisp_teleport_rows( const wisp_teleport_motion* teleport, float* points, float* velocities,
+                                  int row_count, int row_floats );
+/// The same for rows of strands, [row_count][3][WISP_LANES].
+WISP_API void wisp_teleport_lanes( const wisp_teleport_motion* teleport, float* points, float* velocities,
+                                   int row_count );
+/// @return the pose that a body has after the teleport
+WISP_API wisp_transform wisp_teleport_pose( const wisp_teleport_motion* teleport, wisp_transform pose );
+/// Move the shared columns of an entity that goes along with another one.
+WISP_API void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport );
 /// Room for another element behind `count` of a list that belongs to the module's state.
 /// @param capacity elements that there is room for, 0 with a null array; doubles @return false without memory
 WISP_API bool wisp_world_reserve( wisp_world* world, void** array, int* capacity, int count, size_t element_size );

@@ -1,0 +1,204 @@
+// Teleports: an entity is moved at once, as a rigid body, so that nothing on the way is met and no velocity comes of it.
+// In: a rigid motion. Out: positions, velocities, last valid positions and targets of pins, and what views show of them.
+#include "world.h"
+
+#include "plan.h"
+#include "wisp/module/components.h"
+
+#include <math.h>
+
+static const float FARTHEST = 1e6f; // m from the origin
+
+wisp_transform wisp_teleport_pose( const wisp_teleport_motion* teleport, wisp_transform pose )
+{
+    const wisp_quat a = teleport->motion.rotation, b = pose.rotation;
+    const wisp_quat turned = {
+        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+    };
+    return wisp_transform_make( turned, wisp_transform_to_world( teleport->motion, pose.translation ) );
+}
+
+// Where the coordinates of a row are: one after another, or a lane of sixteen vectors.
+typedef struct row_shape
+{
+    size_t row, coordinate; // floats from row to row, and from x to y
+} row_shape;
+
+static const row_shape XYZW = { 4, 1 }, XYZ = { 3, 1 };
+
+static wisp_vec3 get( const float* p, row_shape shape )
+{
+    return ( wisp_vec3 ){ p[0], p[shape.coordinate], p[2 * shape.coordinate] };
+}
+
+static void put( float* p, row_shape shape, wisp_vec3 v )
+{
+    p[0] = v.x;
+    p[shape.coordinate] = v.y;
+    p[2 * shape.coordinate] = v.z;
+}
+
+static void move_points( float* rows, row_shape shape, int count, wisp_transform motion )
+{
+    for ( int i = 0; i < count && rows != NULL; ++i )
+    {
+        float* p = rows + (size_t)i * shape.row;
+        put( p, shape, wisp_transform_to_world( motion, get( p, shape ) ) );
+    }
+}
+
+static void turn_velocities( float* rows, row_shape shape, int count, const wisp_teleport_motion* teleport )
+{
+    for ( int i = 0; i < count && rows != NULL; ++i )
+    {
+        float* p = rows + (size_t)i * shape.row;
+        const wisp_vec3 v = wisp_quat_rotate( teleport->motion.rotation, get( p, shape ) );
+        put( p, shape, teleport->keep_velocity ? v : ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    }
+}
+
+void wisp_teleport_lanes( const wisp_teleport_motion* teleport, float* points, float* velocities, int row_count )
+{
+    for ( int lane = 0; lane < WISP_LANES; ++lane )
+    {
+        const row_shape shape = { (size_t)3 * WISP_LANES, WISP_LANES };
+        move_points( points != NULL ? points + lane : NULL, shape, row_count, teleport->motion );
+        turn_velocities( velocities != NULL ? velocities + lane : NULL, shape, row_count, teleport );
+    }
+}
+
+void wisp_teleport_rows( const wisp_teleport_motion* teleport, float* points, float* velocities, int row_count,
+                         int row_floats )
+{
+    const row_shape shape = { (size_t)row_floats, 1 };
+    move_points( points, shape, row_count, teleport->motion );
+    turn_velocities( velocities, shape, row_count, teleport );
+}
+
+// ---- columns that all effects share ----
+
+static void move_particles( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport, int count )
+{
+    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_POSITION, 0 ),
+                        wisp_world_column( world, entity, WISP_PARTICLE_VELOCITY, 0 ), count, 4 );
+    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_LAST_VALID, 0 ), NULL, count, 4 );
+    wisp_teleport_rows( teleport, wisp_world_column( world, entity, WISP_PARTICLE_TARGET, 0 ), NULL, count, 4 );
+}
+
+static void move_strands( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport,
+                          const wisp_strand_topology* t )
+{
+    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_POSITION, 0 ),
+                         wisp_world_column( world, entity, WISP_STRAND_VELOCITY, 0 ), t->row_count );
+    wisp_teleport_lanes( teleport, wisp_world_column( world, entity, WISP_STRAND_ROOT, 0 ), NULL, t->group_count );
+}
+
+// Views show the new place at once, and are not interpolated across the jump.
+static void move_views( wisp_world* world, const store_entity* e, const wisp_teleport_motion* teleport )
+{
+    static const wisp_component POINTS[] = { WISP_SURFACE_POINTS, WISP_STRAND_POINTS };
+    const int count = e->rows[WISP_TABLE_POINT].count;
+    for ( int k = 0; k < WISP_COUNT( POINTS ); ++k )
+    {
+        move_points( store_column( &world->store, e, POINTS[k], 0 ), XYZ, count, teleport->motion );
+        move_points( world_kept_rows( world, e, POINTS[k] ), XYZ, count, teleport->motion );
+    }
+    const wisp_teleport_motion turn = { teleport->motion, true };
+    turn_velocities( store_column( &world->store, e, WISP_SURFACE_NORMALS, 0 ), XYZ, count, &turn );
+}
+
+void wisp_world_move_columns( wisp_world* world, wisp_entity entity, const wisp_teleport_motion* teleport )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    if ( e->fabric != NULL )
+    {
+        move_particles( world, entity, teleport, e->fabric->slot_count );
+    }
+    else if ( e->strands != NULL )
+    {
+        move_strands( world, entity, teleport, e->strands );
+    }
+    move_views( world, e, teleport );
+}
+
+// ---- the call ----
+
+static wisp_status check_motion( wisp_world* world, wisp_transform motion )
+{
+    const wisp_vec3 p = motion.translation;
+    const wisp_quat q = motion.rotation;
+    const float squared = q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w;
+    if ( !( squared >= 1e-12f && squared <= 1e12f ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "teleport: the quaternion (%g, %g, %g, %g) is not a rotation",
+                                (double)q.x, (double)q.y, (double)q.z, (double)q.w );
+    }
+    if ( !( fabsf( p.x ) <= FARTHEST && fabsf( p.y ) <= FARTHEST && fabsf( p.z ) <= FARTHEST ) )
+    {
+        return wisp_world_fail( world, WISP_BAD_INPUT, "teleport: got (%g, %g, %g), expected at most 1e6 m",
+                                (double)p.x, (double)p.y, (double)p.z );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_places( wisp_world* world, const float* rows, row_shape shape, int count,
+                                 wisp_transform motion )
+{
+    for ( int i = 0; i < count && rows != NULL; ++i )
+    {
+        const wisp_vec3 p = wisp_transform_to_world( motion, get( rows + (size_t)i * shape.row, shape ) );
+        if ( !( fabsf( p.x ) <= FARTHEST && fabsf( p.y ) <= FARTHEST && fabsf( p.z ) <= FARTHEST ) )
+        {
+            return wisp_world_fail( world, WISP_BAD_INPUT,
+                                    "teleport: a vertex would be at (%g, %g, %g), farther than 1e6 m from the origin",
+                                    (double)p.x, (double)p.y, (double)p.z );
+        }
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_entity( wisp_world* world, const store_entity* e, wisp_transform motion )
+{
+    if ( e->fabric != NULL )
+    {
+        return check_places( world, store_column( &world->store, e, WISP_PARTICLE_POSITION, 0 ), XYZW,
+                             e->fabric->slot_count, motion );
+    }
+    wisp_status status = WISP_OK;
+    const float* lanes = e->strands != NULL ? store_column( &world->store, e, WISP_STRAND_POSITION, 0 ) : NULL;
+    for ( int lane = 0; lane < WISP_LANES && lanes != NULL && status == WISP_OK; ++lane )
+    {
+        status = check_places( world, lanes + lane, ( row_shape ){ (size_t)3 * WISP_LANES, WISP_LANES },
+                               e->strands->row_count, motion );
+    }
+    return status;
+}
+
+wisp_status wisp_teleport( wisp_world* world, wisp_entity entity, wisp_transform motion, bool keep_velocity )
+{
+    const store_entity* e = store_find( &world->store, entity );
+    wisp_status status = e != NULL ? check_motion( world, motion ) : world_stale( world, entity );
+    const wisp_teleport_motion teleport = { wisp_transform_make( motion.rotation, motion.translation ),
+                                            keep_velocity };
+    status = status == WISP_OK ? check_entity( world, e, teleport.motion ) : status;
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    bool is_moved = e->fabric != NULL;
+    status = plan_registry_teleported( &world->registry, world, entity, &teleport, &is_moved );
+    if ( status == WISP_OK && is_moved == false )
+    {
+        status = wisp_world_fail( world, WISP_CONFLICT,
+                                  "teleport: entity %u is neither a surface nor a collider, nor strands that move",
+                                  entity.index );
+    }
+    if ( status == WISP_OK )
+    {
+        wisp_world_move_columns( world, entity, &teleport );
+    }
+    return status;
+}
