@@ -40,30 +40,90 @@ static int count_reached( const wisp_scene_path* path, double time )
     return lower;
 }
 
-// Before the first keyframe the pose comes from the start at time 0; after the last one it stays.
-static wisp_transform pose_at( const wisp_scene_path* path, wisp_transform start, double time )
+static wisp_transform pose_before( const wisp_scene_path* path, int next, wisp_transform start )
 {
-    int reached = count_reached( path, time );
+    return next > 0 ? path->poses[next - 1].pose : start;
+}
+
+// Before the first keyframe the pose comes from the start at time 0; after the last one it stays. Until a step begins at the
+// time of a jump or after it, the pose before it stays too.
+static wisp_transform pose_at_end( const scene_world* world, const wisp_scene_path* path, wisp_transform start,
+                                   step_times t )
+{
+    const int reached = count_reached( path, t.end );
+    for ( int i = count_reached( path, t.begin ); i < path->count && i <= reached; ++i )
+    {
+        if ( path->poses[i].jump && is_before( world, t.begin, (double)path->poses[i].time ) )
+        {
+            return pose_before( path, i, start );
+        }
+    }
     if ( reached == path->count )
     {
         return path->poses[path->count - 1].pose;
     }
     const wisp_scene_pose* next = &path->poses[reached];
-    const wisp_scene_pose before = reached > 0 ? path->poses[reached - 1] : ( wisp_scene_pose ){ 0.0f, start };
-    double fraction = ( time - (double)before.time ) / ( (double)next->time - (double)before.time );
-    return wisp_transform_interpolate( before.pose, next->pose, (float)fraction );
+    const double from = reached > 0 ? (double)path->poses[reached - 1].time : 0.0;
+    const double fraction = ( t.end - from ) / ( (double)next->time - from );
+    return wisp_transform_interpolate( pose_before( path, reached, start ), next->pose, (float)fraction );
 }
 
 static bool is_moving( const scene_world* world, const wisp_scene_path* path, step_times t )
 {
-    return path->count > 0 && is_before( world, t.begin, (double)path->poses[path->count - 1].time );
+    const wisp_scene_pose* last = path->count > 0 ? &path->poses[path->count - 1] : NULL;
+    const double late = last != NULL && last->jump ? t.end - t.begin : 0.0; // a jump is made by the step after it
+    return last != NULL && is_before( world, t.begin - late, (double)last->time );
 }
+
+// ---- jumps ----
+
+static wisp_quat multiply( wisp_quat a, wisp_quat b )
+{
+    return (
+        wisp_quat ){ a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+                     a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
+}
+
+// The motion of the world that takes one pose about a pivot to another.
+static wisp_transform motion_between( wisp_transform from, wisp_transform to, wisp_vec3 pivot )
+{
+    const wisp_quat back = { -from.rotation.x, -from.rotation.y, -from.rotation.z, from.rotation.w };
+    wisp_transform motion = wisp_transform_make( multiply( to.rotation, back ), ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
+    const wisp_vec3 a = from.translation, b = to.translation;
+    const wisp_vec3 turned =
+        wisp_quat_rotate( motion.rotation, ( wisp_vec3 ){ a.x + pivot.x, a.y + pivot.y, a.z + pivot.z } );
+    motion.translation =
+        ( wisp_vec3 ){ b.x + pivot.x - turned.x, b.y + pivot.y - turned.y, b.z + pivot.z - turned.z };
+    return motion;
+}
+
+// Teleport an entity by the jumps of its path that come before this step.
+static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wisp_scene_path* path,
+                               wisp_transform start, wisp_vec3 pivot, step_times t )
+{
+    wisp_status status = WISP_OK;
+    const double step = t.end - t.begin;
+    for ( int i = count_reached( path, t.begin - 2.0 * step ); i < path->count && status == WISP_OK; ++i )
+    {
+        const wisp_scene_pose* to = &path->poses[i];
+        const bool is_due = !is_before( world, t.begin, (double)to->time ),
+                   is_past = !is_before( world, t.begin - step, (double)to->time );
+        if ( to->jump && is_due && !is_past )
+        {
+            const wisp_transform motion = motion_between( pose_before( path, i, start ), to->pose, pivot );
+            status = wisp_teleport( world->world, entity, motion, true );
+        }
+    }
+    return status;
+}
+
+static const wisp_vec3 ORIGIN = { 0.0f, 0.0f, 0.0f };
+static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
 
 static wisp_status move_pins( scene_world* world, int surface, step_times t )
 {
-    static const wisp_transform still = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, 0.0f, 0.0f } };
     scene_world_surface* s = &world->surfaces[surface];
-    const wisp_transform pose = pose_at( &world->scene->surfaces[surface].pin_path, still, t.end );
+    const wisp_transform pose = pose_at_end( world, &world->scene->surfaces[surface].pin_path, still, t );
     for ( int i = 0; i < s->pin_count; ++i )
     {
         const wisp_vec3 p = s->mesh.points[s->pins[i]], o = s->pivot;
@@ -73,11 +133,16 @@ static wisp_status move_pins( scene_world* world, int surface, step_times t )
     return wisp_move_pins( world->world, s->entity, s->pins, s->pin_targets, s->pin_count );
 }
 
-static wisp_status move_collider( scene_world* world, int collider, step_times t )
+static wisp_status follow_collider( scene_world* world, int collider, step_times t )
 {
     const wisp_scene_collider* entry = &world->scene->colliders[collider];
     scene_world_collider* c = &world->colliders[collider];
-    c->pose = pose_at( &entry->path, entry->def.pose, t.end );
+    const wisp_status status = make_jumps( world, c->entity, &entry->path, entry->def.pose, ORIGIN, t );
+    if ( status != WISP_OK || !is_moving( world, &entry->path, t ) )
+    {
+        return status;
+    }
+    c->pose = pose_at_end( world, &entry->path, entry->def.pose, t );
     return wisp_move_collider( world->world, c->entity, c->pose );
 }
 
@@ -125,6 +190,10 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     {
         status = wisp_set_balloon_gas_ratio( world->world, s->entity, fill_at( entry, t.end ) );
     }
+    if ( status == WISP_OK && !s->is_released )
+    {
+        status = make_jumps( world, s->entity, &entry->pin_path, still, s->pivot, t );
+    }
     if ( status == WISP_OK && !s->is_released && is_moving( world, &entry->pin_path, t ) )
     {
         status = move_pins( world, surface, t );
@@ -139,7 +208,12 @@ static wisp_status follow_head( scene_world* world, int strands, step_times t )
     const wisp_scene_strands* entry = &world->scene->strands[strands];
     const wisp_vec3 pivot = entry->has_head_pivot ? entry->head_pivot : entry->pose.translation;
     const wisp_transform start = { { 0.0f, 0.0f, 0.0f, 1.0f }, pivot };
-    wisp_transform pose = pose_at( &entry->head, start, t.end );
+    const wisp_status status = make_jumps( world, world->entities[strands], &entry->head, start, ORIGIN, t );
+    if ( status != WISP_OK || !is_moving( world, &entry->head, t ) )
+    {
+        return status;
+    }
+    wisp_transform pose = pose_at_end( world, &entry->head, start, t );
     const wisp_vec3 turned = wisp_quat_rotate( pose.rotation, pivot );
     pose.translation =
         ( wisp_vec3 ){ pose.translation.x - turned.x, pose.translation.y - turned.y, pose.translation.z - turned.z };
@@ -153,12 +227,8 @@ static wisp_status follow_heads( scene_world* world, step_times t, wisp_error* e
     for ( int i = 0; i < scene->strands_count && status == WISP_OK; ++i )
     {
         const wisp_scene_strands* entry = &scene->strands[i];
-        if ( is_moving( world, &entry->head, t ) )
-        {
-            status = follow_head( world, i, t );
-            status =
-                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
-        }
+        status = follow_head( world, i, t );
+        status = status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
     }
     return status;
 }
@@ -175,12 +245,8 @@ static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
     for ( int i = 0; i < scene->collider_count && status == WISP_OK; ++i )
     {
         const wisp_scene_collider* entry = &scene->colliders[i];
-        if ( is_moving( world, &entry->path, t ) )
-        {
-            status = move_collider( world, i, t );
-            status =
-                status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
-        }
+        status = follow_collider( world, i, t );
+        status = status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
     }
     return status;
 }
@@ -233,6 +299,11 @@ static wisp_status play( scene_world* world, const wisp_scene_event* e )
     if ( status == WISP_OK && e->has_wind )
     {
         status = wisp_set_cloth_wind( world->world, s->entity, e->wind );
+    }
+    if ( status == WISP_OK && e->has_teleport )
+    {
+        const wisp_transform motion = { still.rotation, e->teleport };
+        status = wisp_teleport( world->world, s->entity, motion, true );
     }
     if ( status == WISP_OK && ( e->has_velocity || e->has_angular_velocity ) )
     {

@@ -37,6 +37,7 @@ extern "C"
     {
         float time; ///< s
         wisp_transform pose;
+        bool jump; ///< the pose is reached at once, by a teleport, before the first step that starts then or later
     } wisp_scene_pose;
 
     typedef struct wisp_scene_path
@@ -216,12 +217,13 @@ extern "C"
         int step;    ///< in [0, steps)
         int strands; ///< index into the scene's strands, -1: it is a surface's
         int surface; ///< index into the scene's surfaces, -1: it is that of strands, which know wind alone
-        bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity;
+        bool has_gas_ratio, has_inflation_rate, has_open, has_wind, has_velocity, has_angular_velocity, has_teleport;
         float gas_ratio;
         float inflation_rate; ///< m^3/s
         bool open;
         wisp_vec3 wind;                       ///< m/s
         wisp_vec3 velocity, angular_velocity; ///< a zero vector where only the other one is written
+        wisp_vec3 teleport;                   ///< m, displacement
         bool release;                         ///< lets all pins go
         int line, column;                     ///< of the entry, for messages
     } wisp_scene_event;

@@ -80,7 +80,7 @@ static wisp_status check_strands( scene_reader* r, const scene_node* node, const
 {
     const wisp_scene_strands* s = &r->scene->strands[e->strands];
     if ( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_velocity || e->has_angular_velocity ||
-         e->release )
+         e->has_teleport || e->release )
     {
         return scene_refuse_node( r, node, "strands take only 'wind'" );
     }
@@ -108,11 +108,11 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
     }
     const wisp_scene_surface* s = &r->scene->surfaces[e->surface];
     if ( !( e->has_gas_ratio || e->has_inflation_rate || e->has_open || e->has_wind || e->has_velocity ||
-            e->has_angular_velocity || e->release ) )
+            e->has_angular_velocity || e->has_teleport || e->release ) )
     {
         return scene_refuse_node( r, node,
                                   "got no change, expected one of gas_ratio, inflation_rate, outlet_open, wind, "
-                                  "velocity, angular_velocity and release: true" );
+                                  "velocity, angular_velocity, teleport and release: true" );
     }
     if ( e->has_wind &&
          !( s->has_cloth && ( s->cloth.drag_coefficient > 0.0f || s->cloth.lift_coefficient > 0.0f ) ) )
@@ -121,6 +121,11 @@ static wisp_status check_event( scene_reader* r, const scene_node* node, const w
                                   "'wind' needs drag or lift, but the surface '%s' has no cloth.drag_coefficient and "
                                   "no cloth.lift_coefficient",
                                   s->name );
+    }
+    if ( e->has_teleport && s->pin_path.count > 0 )
+    {
+        return scene_refuse_node(
+            r, node, "the pins of '%s' have pin_keyframes: a keyframe with 'jump: true' teleports it", s->name );
     }
     if ( e->release && s->pin_count + s->pin_box_count + s->pin_nearest_count == 0 )
     {

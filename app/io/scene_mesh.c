@@ -388,12 +388,20 @@ wisp_status scene_read_rotation( scene_reader* r, const scene_node* node, void* 
                               .help = "Time; the times of a list rise."                                              \
     }
 
+#define JUMP_FIELD                                                                                                   \
+    {                                                                                                                \
+        "jump", SCENE_SWITCH, .at = AT( jump ),                                                                      \
+                              .help = "Whether the pose is reached at once: surface, strands or collider are "       \
+                                      "teleported, meet nothing on the way, and keep their velocity relative to it." \
+    }
+
 static const scene_field PIN_POSE_FIELDS[] = {
     TIME_FIELD,
     { "translate", SCENE_VECTOR, .at = AT( pose.translation ), .range = COORDINATE, .unit = METRES,
       .help = "Displacement from the start.", .initial = "that of the keyframe before" },
     { "rotate", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation,
       .help = "Rotation from the start.", .form = "rotation", .initial = "that of the keyframe before" },
+    JUMP_FIELD,
 };
 static const scene_field POSITION_FIELDS[] = {
     TIME_FIELD,
@@ -401,6 +409,7 @@ static const scene_field POSITION_FIELDS[] = {
       .help = "Position." },
     { "rotation", SCENE_CUSTOM, .at = AT( pose.rotation ), .read = scene_read_rotation, .help = "Rotation.",
       .form = "rotation", .initial = "that of the keyframe before" },
+    JUMP_FIELD,
 };
 #undef AT
 const scene_block SCENE_PIN_POSE_BLOCK = BLOCK( PIN_POSE_FIELDS );

@@ -363,6 +363,12 @@ static const scene_field EVENT_FIELDS[] = {
       .help =
           "New angular velocity of all vertices about the centre of mass; [0, 0, 0] where only `velocity` is given.",
       .initial = "unchanged" },
+    { "teleport", SCENE_VECTOR, .at = EVENT( teleport ), .range = COORDINATE, .unit = METRES,
+      .given = EVENT( has_teleport ),
+      .help =
+          "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
+          "the way and keeps its velocity, unless `velocity` is given too.",
+      .initial = "none" },
     { "release", SCENE_SWITCH, .at = EVENT( release ), .help = "Releases all pins for good." },
 };
 #undef AT

@@ -88,7 +88,7 @@ const bad_scene BAD_SCENES_MOTION[] = {
     { "head_times_fall.yaml",
       ":10:11: strands[0].head.keyframes[1]: got time 0.5, expected more than the time before, 1" },
     { "head_translate.yaml",
-      ":7:36: strands[0].head.keyframes[0]: unknown key 'translate', expected one of time, position, rotation" },
+      ":7:36: strands[0].head.keyframes[0]: unknown key 'translate', expected one of time, position, rotation, jump" },
     { "head_without_dynamics.yaml", ":6:11: strands[0]: 'head' needs the key 'dynamics'" },
     { "on_surface_none.yaml", ":7:17: strands[0].on_surface: there is no surface 'cloth': the scene has none" },
     { "on_surface_of_still.yaml", ":6:17: strands[0]: 'on_surface' needs the key 'dynamics'" },

@@ -405,6 +405,67 @@ static void links_stretch_where_the_direct_solve_and_the_follower_do_not( void**
     release( &f );
 }
 
+// ---- jumps ----
+
+static void run_until( fixture* f, int end )
+{
+    while ( f->world.next_step < end )
+    {
+        step( f, 1 );
+    }
+}
+
+static const char JUMPS[] =
+    "wisp: 1\nsteps: 90\ndt: 0.01\nsurfaces:\n"
+    "  - name: cloth\n    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n    pins: [0, 8]\n"
+    "    pin_keyframes: [{ time: 0.3, translate: [3, 0, 0], jump: true },\n"
+    "                    { time: 0.405, translate: [3, 7, 0], rotate: { axis: [0, 1, 0], degrees: 90 }, jump: true "
+    "}]\n"
+    "    cloth: { bending: bend_links }\n    damping: 5\n"
+    "  - { name: ball, generate: { shape: icosphere, level: 1, radius: 0.1 }, balloon: {}, gravity: [0, 0, 0] }\n"
+    "strands:\n"
+    "  - name: hair\n    generate: { strands: 3, vertices: 8, length: 0.1 }\n    dynamics: { damping: 5 }\n"
+    "    head: { keyframes: [{ time: 0.3, position: [0, 0, 4], jump: true }] }\n"
+    "colliders:\n"
+    "  - name: body\n    shape: sphere\n    radius: 0.1\n    position: [0, -2, 0]\n"
+    "    keyframes: [{ time: 0.3, position: [0, 2, 0], jump: true }, { time: 0.4, position: [1, 2, 0] }]\n"
+    "events: [{ step: 30, surface: ball, teleport: [0, 0, 9] }]\n";
+
+// Bodies are strands, surfaces and colliders, in this order.
+static void keyframes_that_jump_and_events_teleport( void** state )
+{
+    (void)state;
+    fixture f;
+    build( &f, JUMPS );
+    run_until( &f, 30 );
+    wisp_vec3* before[4] = { points_of( &f, 0 ), points_of( &f, 1 ), points_of( &f, 2 ), points_of( &f, 3 ) };
+    run_until( &f, 31 );
+    wisp_vec3* after[4] = { points_of( &f, 0 ), points_of( &f, 1 ), points_of( &f, 2 ), points_of( &f, 3 ) };
+    const wisp_vec3 ways[4] = { { 0, 0, 4 }, { 3, 0, 0 }, { 0, 0, 9 }, { 0.1f, 4, 0 } };
+    for ( int body = 0; body < 4; ++body )
+    {
+        const int count = scene_world_body( &f.world, body ).vertex_count;
+        for ( int v = 0; v < count; ++v )
+        {
+            const wisp_vec3 p = before[body][v], way = ways[body];
+            // What moves in a step of 10 ms besides: less than 5 cm.
+            assert_near( after[body][v], ( wisp_vec3 ){ p.x + way.x, p.y + way.y, p.z + way.z }, 0.05f );
+        }
+        free( before[body] );
+        free( after[body] );
+    }
+    // Between two steps a jump waits for the next one, and the pins stay until then.
+    run_until( &f, 41 );
+    const wisp_vec3 pin = point_of( &f, 1, 0 );
+    assert_near( pin, ( wisp_vec3 ){ 2.8f, 0, -0.2f }, 1e-5f );
+    run_until( &f, 42 );
+    // The pins lie 0.4 m apart along x and turn about their middle, at z = -0.2.
+    assert_near( point_of( &f, 1, 0 ), ( wisp_vec3 ){ 3, 7, 0 }, 1e-5f );
+    run_until( &f, 90 );
+    assert_near( point_of( &f, 1, 8 ), ( wisp_vec3 ){ 3, 7, -0.4f }, 1e-5f );
+    release( &f );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -423,6 +484,7 @@ int main( void )
         cmocka_unit_test( an_event_blows_on_strands ),
         cmocka_unit_test( scenes_of_strands_that_move_do_not_depend_on_the_number_of_workers ),
         cmocka_unit_test( balanced_curls_stay_where_those_beside_them_sag ),
+        cmocka_unit_test( keyframes_that_jump_and_events_teleport ),
         cmocka_unit_test( links_stretch_where_the_direct_solve_and_the_follower_do_not ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
