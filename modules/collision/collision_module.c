@@ -5,10 +5,6 @@
 #include "particle_contacts.h"
 
 #define COLLISION_SETTINGS_COLUMNS( X ) X( collision_settings, settings, 1 )
-#define COLLISION_CONTACT_COLUMNS( X )                                                                               \
-    X( int32_t, count, 1 ) /* contacts found; at most WISP_COLLISION_CONTACTS are stored */                          \
-    X( float, found, 4 )   /* m, where they were found; the distance from there that is clear */                     \
-    X( collision_contact, contact, WISP_COLLISION_CONTACTS )
 #define COLLISION_ACTIVE_COLUMNS( X ) X( int32_t, active, 1 ) /* there is a body, and it is enabled */
 #define COLLISION_STRAND_CONTACT_COLUMNS( X )                                                                        \
     X( float, pushed, 16 ) /* m, normal correction of this substep */                                                \
@@ -20,7 +16,6 @@
 #define COLLISION_MOTION_COLUMNS( X ) X( wisp_transform, target, 1 ) /* at the end of the next step */
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { COLLISION_SETTINGS_COLUMNS( WISP_COLUMN_DEF ) };
-static const wisp_column_def CONTACT_COLUMNS[] = { COLLISION_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def ACTIVE_COLUMNS[] = { COLLISION_ACTIVE_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def STRAND_CONTACT_COLUMNS[] = { COLLISION_STRAND_CONTACT_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def CARRIED_COLUMNS[] = { COLLISION_CARRIED_COLUMNS( WISP_COLUMN_DEF ) };
@@ -81,8 +76,6 @@ static wisp_status entity_teleported( void* memory, wisp_world* world, wisp_enti
 static wisp_status declare_components( wisp_registry* r, collision_state* state )
 {
     const wisp_component_def settings = { "collision.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 };
-    const wisp_component_def contact = { "collision.contact", WISP_TABLE_PARTICLE, CONTACT_COLUMNS,
-                                         WISP_COUNT( CONTACT_COLUMNS ) };
     const wisp_component_def active = { "collision.active", WISP_TABLE_ENTITY, ACTIVE_COLUMNS, 1 };
     const wisp_component_def strand_contact = { "collision.strand_contact", WISP_TABLE_STRAND_ROW,
                                                 STRAND_CONTACT_COLUMNS, WISP_COUNT( STRAND_CONTACT_COLUMNS ) };
@@ -91,7 +84,6 @@ static wisp_status declare_components( wisp_registry* r, collision_state* state 
     const wisp_component_def collider = { "collision.collider", WISP_TABLE_ENTITY, COLLIDER_COLUMNS, 1 };
     const wisp_component_def motion = { "collision.motion", WISP_TABLE_ENTITY, MOTION_COLUMNS, 1 };
     state->settings = wisp_declare_component( r, &settings );
-    state->contact = wisp_declare_component( r, &contact );
     state->active = wisp_declare_component( r, &active );
     state->strand_contact = wisp_declare_component( r, &strand_contact );
     state->carried = wisp_declare_component( r, &carried );
@@ -117,29 +109,29 @@ static wisp_status declare_passes( wisp_registry* r, collision_state* state )
             .name = "collision.find",
             .stage = WISP_STAGE_CONTACT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .required = { state->settings, state->contact },
+            .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
             .reads = { state->settings, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .writes = { state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
             .run = collision_find,
         },
         {
             .name = "collision.project",
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_PARTICLE_BLOCK,
-            .required = { state->settings, state->contact },
+            .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
-            .writes = { state->contact, WISP_PARTICLE_POSITION },
+            .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS },
+            .writes = { WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .run = collision_project,
         },
         {
             .name = "collision.stats",
             .stage = WISP_STAGE_OBSERVE,
             .domain = WISP_DOMAIN_ENTITY,
-            .required = { state->settings, state->contact },
+            .required = { state->settings, WISP_PARTICLE_HALF_SPACES },
             .excluded = { WISP_PARTICLE_EXTERNAL_SOLVER },
-            .reads = { state->settings, state->contact, WISP_PARTICLE_POSITION },
+            .reads = { state->settings, WISP_PARTICLE_HALF_SPACES, WISP_PARTICLE_POSITION },
             .writes = { state->stats },
             .run = collision_measure,
         },

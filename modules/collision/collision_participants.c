@@ -35,8 +35,8 @@ static wisp_status update_surface( wisp_world* world, const collision_state* sta
                                 : wisp_world_detach( world, participant, state->active );
     if ( status == WISP_OK )
     {
-        status = touches ? wisp_world_attach( world, participant, state->contact )
-                         : wisp_world_detach( world, participant, state->contact );
+        status = touches ? wisp_world_attach( world, participant, WISP_PARTICLE_HALF_SPACES )
+                         : wisp_world_detach( world, participant, WISP_PARTICLE_HALF_SPACES );
     }
     int32_t* body = active ? NULL : wisp_world_column( world, participant, WISP_PARTICLE_CONTACTS, 0 );
     if ( body != NULL )

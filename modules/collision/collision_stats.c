@@ -67,9 +67,9 @@ static void measure_batch_of( measure_batch* batch, const collision_view* view, 
 
 static void count_contacts( const measure_loop* loop, int begin, int end, wisp_collision_stats* f )
 {
-    const int32_t* count = wisp_frame_column( loop->frame, loop->span->entity, loop->state->contact, 0 );
+    const int32_t* count = wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_HALF_SPACES, 0 );
     collision_contact( *contact )[WISP_COLLISION_CONTACTS] =
-        wisp_frame_column( loop->frame, loop->span->entity, loop->state->contact, 2 );
+        wisp_frame_column( loop->frame, loop->span->entity, WISP_PARTICLE_HALF_SPACES, 2 );
     for ( int slot = begin; slot < end; ++slot )
     {
         int used = count[slot] < WISP_COLLISION_CONTACTS ? count[slot] : WISP_COLLISION_CONTACTS;

@@ -186,9 +186,9 @@ void collision_find( wisp_frame* frame, const wisp_span* span, void* user )
         .kernels = wisp_frame_kernels( frame ),
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
-        .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
-        .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
-        .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
+        .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
+        .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
+        .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
         .recovery = settings->max_push_out_speed * wisp_frame_dt( frame ),
     };
     const wisp_span particles = wisp_frame_particles( frame, span );

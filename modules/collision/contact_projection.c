@@ -117,6 +117,7 @@ static void stop_displaced( wisp_frame* frame, const wisp_span* span, const coll
 
 // The layout of a contact is that of a row of the kernel.
 _Static_assert( sizeof( collision_contact ) == 16 * sizeof( float ), "a row of half_space" );
+_Static_assert( WISP_COLLISION_CONTACTS == WISP_MAX_HALF_SPACES, "contacts are half spaces" );
 _Static_assert( offsetof( collision_contact, gap ) == 9 * sizeof( float ), "as in half_space" );
 _Static_assert( offsetof( collision_contact, tangential_correction ) == 11 * sizeof( float ), "as in half_space" );
 _Static_assert( offsetof( collision_contact, kinetic_friction ) == 15 * sizeof( float ), "as in half_space" );
@@ -171,9 +172,9 @@ void collision_project( wisp_frame* frame, const wisp_span* span, void* user )
     project_loop loop = {
         .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
         .previous = wisp_frame_column( frame, span->entity, WISP_PARTICLE_PREVIOUS, 0 ),
-        .count = wisp_frame_column( frame, span->entity, state->contact, 0 ),
-        .found = wisp_frame_column( frame, span->entity, state->contact, 1 ),
-        .contact = wisp_frame_column( frame, span->entity, state->contact, 2 ),
+        .count = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 0 ),
+        .found = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 1 ),
+        .contact = wisp_frame_column( frame, span->entity, WISP_PARTICLE_HALF_SPACES, 2 ),
     };
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const bool last = span->iteration + 1 == wisp_frame_iterations( frame );

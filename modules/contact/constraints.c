@@ -121,6 +121,7 @@ static void begin_row( const contact_work* work, const contact_pair* c, contact_
                            contact_participant_of( work, row->point[row->split] )->settings.friction );
     row->normal_correction = row->tangential_correction[0] = row->tangential_correction[1] =
         row->tangential_correction[2] = 0.0f;
+    row->mobility = 0.0f;
     row->cut = 1.0f;
 }
 

@@ -35,6 +35,14 @@ typedef struct contact_memory
     wisp_contact_stats stats;
 } contact_memory;
 
+/// What lay on a point in the substep before, for each of the rows below it. In a column, so that a snapshot has it.
+typedef struct contact_load
+{
+    float normal; // kg m: impulse times the substep
+    float held;   // kg m: friction that layers above got from what is below
+    float grip;   // smallest coefficient of friction between the point and the body below; 0: nothing supports it
+} contact_load;
+
 /// A participant's part of the contact mesh.
 typedef struct contact_participant
 {
@@ -42,7 +50,10 @@ typedef struct contact_participant
     bool is_strands, halted;
     int first_point, point_count, first_edge, edge_count, first_triangle, triangle_count;
     contact_settings settings;
-    double impulse[3]; // N s, of this step
+    double impulse[3];           // N s, of this step
+    const int32_t* half_spaces;  // [point] number of half spaces that it is held in; null: none
+    const float* half_space_row; // [point][WISP_MAX_HALF_SPACES][16] those, as rows of the kernel half_space
+    contact_load* loads;         // [point] its column; null: of strands
 } contact_participant;
 
 /// The contact mesh. It is a function of the columns of the participants, built again after those changed from
@@ -69,6 +80,7 @@ typedef struct contact_contact_mesh
     struct contact_primitive_pairs* primitives;  // primitive_pairs.h
     struct contact_samples* samples;             // boundary_samples.h
     struct contact_constraints* constraints;     // constraints.h
+    struct contact_supports* supports;           // supports.h
     struct contact_colouring* colouring;         // colouring.h
     struct contact_limit* limit;                 // displacement_limit.h
     struct contact_untangling* untangling;       // untangling.h

@@ -8,7 +8,10 @@
 static const uint32_t CONTACT_SETTINGS_COOKIE = 0x434f4e53;
 
 static const wisp_column_def SETTINGS_COLUMNS[] = { { "settings", sizeof( contact_settings ) } };
-static const wisp_column_def PARTICLE_COLUMNS[] = { { "intersection_free", 4 * sizeof( float ) } };
+static const wisp_column_def PARTICLE_COLUMNS[] = {
+    { "intersection_free", 4 * sizeof( float ) },
+    { "load", sizeof( contact_load ) },
+};
 static const wisp_column_def STRAND_COLUMNS[] = { { "intersection_free", 3 * WISP_LANES * sizeof( float ) } };
 static const wisp_column_def MEMORY_COLUMNS[] = { { "memory", sizeof( contact_memory ) } };
 static const wisp_column_def MARK_COLUMNS[] = { { "mark", sizeof( int32_t ) } };
@@ -53,6 +56,7 @@ static void release_stages( contact_state* s, const wisp_allocator* allocator )
     release_buffers( s->colouring.buffers, WISP_COUNT( s->colouring.buffers ), allocator );
     wisp_buffer_release( &s->colouring.point_buffer, allocator );
     release_buffers( s->limit.buffers, WISP_COUNT( s->limit.buffers ), allocator );
+    release_buffers( s->supports.buffers, WISP_COUNT( s->supports.buffers ), allocator );
     wisp_buffer_release( &s->untangling.buffer, allocator );
 }
 
@@ -85,7 +89,7 @@ static wisp_status declare_components( wisp_registry* r, contact_state* s )
         wisp_component_def def;
     } all[] = {
         { &s->components.settings, { "contact.settings", WISP_TABLE_ENTITY, SETTINGS_COLUMNS, 1 } },
-        { &s->components.particle_free, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 1 } },
+        { &s->components.particle_free, { "contact.particles", WISP_TABLE_PARTICLE, PARTICLE_COLUMNS, 2 } },
         { &s->components.strand_free, { "contact.strands", WISP_TABLE_STRAND_ROW, STRAND_COLUMNS, 1 } },
         { &s->active, { "contact.active", WISP_TABLE_ENTITY, MEMORY_COLUMNS, 1 } },
         { &s->touches, { "contact.touches_strands", WISP_TABLE_ENTITY, MARK_COLUMNS, 1 } },
@@ -125,7 +129,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .excluded = { strands ? 0 : s->touches },
             .reads = { s->active, s->pairs },
             .writes = { s->result },
-            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
             .run = contact_project,
         },
         {
@@ -170,6 +174,7 @@ static wisp_status declare( wisp_registry* r )
         .primitives = &state->primitives,
         .samples = &state->samples,
         .constraints = &state->constraints,
+        .supports = &state->supports,
         .colouring = &state->colouring,
         .limit = &state->limit,
         .untangling = &state->untangling,

@@ -9,6 +9,7 @@
 
 #include "contact_stats.h"
 #include "gather_scatter.h"
+#include "loads.h"
 #include "solve.h"
 
 #include <string.h>
@@ -54,6 +55,7 @@ static wisp_status build_mesh( const contact_work* work, wisp_error* error )
     const bool enough = contact_build_contact_mesh( work ) && contact_make_clusters( work ) &&
                         contact_reserve_motion( work ) && contact_reserve_intersections( work ) &&
                         contact_reserve_colouring( work ) && contact_reserve_limit( work ) &&
+                        contact_reserve_supports( work ) &&
                         ( contact_has_samples( work ) == false || contact_sample_participants( work ) == WISP_OK );
     if ( enough == false )
     {
@@ -142,6 +144,7 @@ static void end_substep( const contact_work* work, bool sums_impulses )
 {
     contact_contact_mesh* s = work->contact_mesh;
     memset( s->shift, 0, (size_t)s->point_count * 4 * sizeof( float ) );
+    contact_hand_down_loads( work );
     contact_recover( work );
     contact_untangle( work );
     if ( sums_impulses )
@@ -169,6 +172,11 @@ void contact_project( wisp_frame* frame, const wisp_span* span, void* user )
     }
     const bool is_end = span->iteration + 1 == wisp_frame_iterations( frame );
     contact_gather( &work, false );
+    if ( span->iteration == 0 )
+    {
+        contact_find_supports( &work );
+        contact_begin_loads( &work );
+    }
     contact_project_rows( &work );
     if ( is_end )
     {

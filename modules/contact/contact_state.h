@@ -12,6 +12,7 @@
 #include "intersections.h"
 #include "predicted_motion.h"
 #include "primitive_pairs.h"
+#include "supports.h"
 #include "untangling.h"
 
 typedef struct contact_state
@@ -38,6 +39,7 @@ typedef struct contact_state
     contact_primitive_pairs primitives;
     contact_samples samples;
     contact_constraints constraints;
+    contact_supports supports;
     contact_colouring colouring;
     contact_limit limit;
     contact_untangling untangling;

@@ -244,6 +244,12 @@ void contact_gather( const contact_work* work, bool is_start )
     {
         contact_participant* participant = work->participants + g;
         participant->halted = wisp_frame_is_halted( work->frame, participant->entity );
+        participant->half_spaces =
+            wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_HALF_SPACES, 0 );
+        participant->half_space_row =
+            wisp_frame_column( work->frame, participant->entity, WISP_PARTICLE_HALF_SPACES, 2 );
+        participant->loads =
+            wisp_frame_column( work->frame, participant->entity, work->components->particle_free, 1 );
         gather_participant( work, participant, is_start );
     }
 }

@@ -6,12 +6,14 @@
 //   are equal and opposite.
 // - Friction takes back the relative tangential displacement of the closest points since the start of the substep,
 //   accumulated in `tangential_correction`, which is never longer than mu times the push (Coulomb).
+// - What a body supports is not pushed into it, and lower layers not by higher ones: supports.c, loads.c.
 // - Recovery parts pairs that are nearer than their gap at `max_push_out_speed`. The previous positions move too: no
 //   velocity.
 #include "solve.h"
 
 #include "colouring.h"
 #include "constraints.h"
+#include "loads.h"
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -61,10 +63,9 @@ static void move( float* xyzw, const float* masses, const contact_row* row, cons
     }
 }
 
-static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+void contact_add_way( const contact_contact_mesh* s, const contact_row* row, int begin, int end, float way[3] )
 {
-    float way[3] = { 0.0f, 0.0f, 0.0f };
-    for ( int i = 0; i < row->count; ++i )
+    for ( int i = begin; i < end; ++i )
     {
         const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
         for ( int k = 0; k < 3; ++k )
@@ -72,6 +73,10 @@ static void apply_friction( contact_contact_mesh* s, contact_row* row, float inv
             way[k] += row->weight[i] * ( p[k] - q[k] );
         }
     }
+}
+
+void contact_find_slip( contact_row* row, const float way[3], float most, float by[3] )
+{
     const float* n = row->normal;
     const float along = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
     float requested[3], squared = 0.0f;
@@ -80,13 +85,22 @@ static void apply_friction( contact_contact_mesh* s, contact_row* row, float inv
         requested[k] = row->tangential_correction[k] - ( way[k] - along * n[k] );
         squared += requested[k] * requested[k];
     }
-    const float most = row->friction * row->normal_correction;
     const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
-    float by[3];
     for ( int k = 0; k < 3; ++k )
     {
-        by[k] = inverse * ( scale * requested[k] - row->tangential_correction[k] );
+        by[k] = scale * requested[k] - row->tangential_correction[k];
         row->tangential_correction[k] = scale * requested[k];
+    }
+}
+
+static void apply_friction( contact_contact_mesh* s, contact_row* row, float inverse )
+{
+    float way[3] = { 0.0f, 0.0f, 0.0f }, by[3];
+    contact_add_way( s, row, 0, row->count, way );
+    contact_find_slip( row, way, row->friction * row->normal_correction, by );
+    for ( int k = 0; k < 3; ++k )
+    {
+        by[k] = inverse * by[k];
     }
     move( s->now, s->now, row, by );
 }
@@ -101,9 +115,19 @@ static void project_row( const contact_work* work, contact_row* row )
         return;
     }
     const float correction = contact_larger( 0.0f, row->normal_correction + short_by );
-    const float length = ( correction - row->normal_correction ) / sum;
+    const float change = correction - row->normal_correction, length = change / sum;
     const float by[3] = { length * row->normal[0], length * row->normal[1], length * row->normal[2] };
     row->normal_correction = correction;
+    if ( contact_is_supported( work, row ) )
+    {
+        contact_move_supported( work, row, change, sum );
+        if ( row->friction > 0.0f && correction > 0.0f )
+        {
+            contact_apply_pile_friction( work, row );
+        }
+        contact_keep_inside( work, row );
+        return;
+    }
     move( s->now, s->now, row, by );
     if ( row->friction > 0.0f && correction > 0.0f )
     {
@@ -157,9 +181,23 @@ static void run_all( const contact_work* work, row_fn* run )
     }
 }
 
+// Rows that were projected later have moved points of those before them, so piles need their friction once more.
+static void hold_row( const contact_work* work, contact_row* row )
+{
+    if ( row->friction > 0.0f && row->normal_correction > 0.0f && row->mobility > 0.0f )
+    {
+        contact_apply_pile_friction( work, row );
+        contact_keep_inside( work, row );
+    }
+}
+
 void contact_project_rows( const contact_work* work )
 {
     run_all( work, project_row );
+    if ( work->contact_mesh->supports->any )
+    {
+        run_all( work, hold_row );
+    }
 }
 
 void contact_recover( const contact_work* work )

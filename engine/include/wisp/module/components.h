@@ -5,6 +5,8 @@
 
 /// So many bodies a particle can touch at once in particle.contacts.
 #define WISP_MAX_PARTICLE_CONTACTS 2
+/// So many half spaces a particle can be held in at once in particle.half_spaces.
+#define WISP_MAX_HALF_SPACES 3
 
 /// One line a component: X( enumerator, "name", table, column list )
 #define WISP_SHARED_COMPONENTS( X )                                                                                  \
@@ -30,6 +32,7 @@
     X( PARTICLE_DAMPING, "particle.damping", WISP_TABLE_ENTITY )                                                     \
     X( PARTICLE_EXTERNAL_SOLVER, "particle.external_solver", WISP_TABLE_ENTITY )                                     \
     X( PARTICLE_CONTACTS, "particle.contacts", WISP_TABLE_PARTICLE )                                                 \
+    X( PARTICLE_HALF_SPACES, "particle.half_spaces", WISP_TABLE_PARTICLE )                                           \
     X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
     X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
@@ -90,6 +93,11 @@
     X( float, motion,                                                                                                \
        4 * WISP_MAX_PARTICLE_CONTACTS ) /* m/s, of the body's surface there; m, margin in which it touches */        \
     X( float, friction, 3 * WISP_MAX_PARTICLE_CONTACTS ) /* static, kinetic; m/s, how fast depth is undone at most */
+// Half spaces that a particle has to stay in for one substep, such as those outside bodies. Rows are those of the kernel half_space.
+#define WISP_PARTICLE_HALF_SPACES_COLUMNS( X )                                                                       \
+    X( int32_t, count, 1 ) /* found; at most WISP_MAX_HALF_SPACES are stored */                                      \
+    X( float, found, 4 )   /* m, where they were found; the distance from there that is clear */                     \
+    X( float, row, 16 * WISP_MAX_HALF_SPACES )
 #define WISP_LINK_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, share of the error, in [0, 1] */
 #define WISP_LINK_COMPLIANCE_COLUMNS( X )                                                                            \
     X( float, compliance, 1 ) /* xpbd, m/N */                                                                        \

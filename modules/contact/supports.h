@@ -1,0 +1,75 @@
+// Supports: bodies that hold points up, and layers that lie on them.
+#pragma once
+
+#include "constraints.h"
+
+enum
+{
+    CONTACT_NO_SUPPORT = 1 << 20,
+    CONTACT_MAX_LAYERS = 64, // of a pile; what lies higher counts as not supported
+};
+
+/// What holds a point up in a substep.
+typedef struct contact_support
+{
+    float normal[3]; // unit, away from what supports it
+    float motion[3]; // m, displacement of the body below in the substep
+    int32_t layer;   // number of layers between it and the body that supports the pile; or CONTACT_NO_SUPPORT
+} contact_support;
+
+/// What presses on a point from above, and what carries it; of loads.c.
+typedef struct contact_tally
+{
+    float normal, held; // kg m, as in contact_load
+    float grip;         // of the rows below
+    int32_t rows;       // number of rows below
+} contact_tally;
+
+typedef struct contact_supports
+{
+    contact_support* points; // [point]
+    contact_load* loads;     // [point] of the substep before
+    contact_tally* tallies;  // [point]
+    bool any;
+    wisp_buffer buffers[3];
+} contact_supports;
+
+/// The half spaces of a point, as rows of the kernel half_space: point, normal, motion, gap, corrections, friction.
+typedef struct contact_half_spaces
+{
+    const float* row; // [count][16]
+    int count;
+} contact_half_spaces;
+
+/// Points of a row, from begin on, before end.
+typedef struct contact_side
+{
+    int begin, end;
+} contact_side;
+
+static inline float contact_dot( const float a[3], const float b[3] )
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+contact_half_spaces contact_half_spaces_of( const contact_work* work, int point );
+
+/// Make room for the points of the contact mesh.
+/// @return false without memory
+bool contact_reserve_supports( const contact_work* work );
+
+/// Find what supports each point, from the half spaces and the rows of the substep.
+void contact_find_supports( const contact_work* work );
+
+/// Return whether a point of a row is supported, so that contact_move_supported() has to move it.
+bool contact_is_supported( const contact_work* work, const contact_row* row );
+
+/// Return the side of a row that lies on the other one; empty if neither does.
+contact_side contact_upper_side( const contact_work* work, const contact_row* row );
+
+/// Move the points of a row by a change of its distance. What would push a point against its support moves the other side.
+/// @param sum of the row without supports, > 0
+void contact_move_supported( const contact_work* work, contact_row* row, float change, float sum );
+
+/// Put the points of a row back into their half spaces.
+void contact_keep_inside( const contact_work* work, const contact_row* row );
