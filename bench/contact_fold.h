@@ -1,0 +1,10 @@
+/// The cloth of a plan, folding by several ways.
+#pragma once
+
+#include "contact_bench.h"
+
+typedef void contact_write_fn( const contact_comparison* comparison, const contact_run* runs, results* out );
+
+/// Let the cloth of a plan fold by all ways of a race, and write what came of it. @param race without scene and steps
+wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
+                                     results* out, wisp_error* error );
