@@ -5,6 +5,7 @@
 
 typedef void contact_write_fn( const contact_comparison* comparison, const contact_run* runs, results* out );
 
-/// Let the cloth of a plan fold by all ways of a race, and write what came of it. @param race without scene and steps
+/// Fold the cloth of a plan by all ways of a comparison, and write what came of it.
+/// @param comparison without scene and steps
 wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
                                      results* out, wisp_error* error );

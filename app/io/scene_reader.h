@@ -1,5 +1,5 @@
-/// What a reading of a scene keeps: its place in the text, the names so far, and memory that lives as long as the scene.
-/// Private to this folder.
+/// What a reading of a scene keeps: its place in the text, the names so far, and memory that lives as long as the
+/// scene. Private to this folder.
 #pragma once
 
 #include "scene.h"
