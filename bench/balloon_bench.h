@@ -2,7 +2,7 @@
 #pragma once
 
 #include "balloon_scene.h"
-#include "bench.h"
+#include "bench_options.h"
 #include "cells.h"
 
 #define BALLOON_SIZES_MAX 8
@@ -28,17 +28,3 @@ wisp_status balloon_bench_run( const balloon_plan* plan, results* out, wisp_erro
 wisp_status balloon_sizes( const balloon_plan* plan, results* out, wisp_error* error );
 /// Pressure by its three readings against substeps and iterations.
 wisp_status balloon_pressures( const balloon_plan* plan, results* out, wisp_error* error );
-
-/// Sum of k l^2 over all links at rest, N m: what the pressure of a mesh that is scaled evenly goes with.
-double balloon_stiffness_sum( const wisp_fabric* fabric, const wisp_balloon_def* def );
-
-typedef struct balloon_readings
-{
-    double pressure[WISP_BALLOON_PRESSURE_COUNT]; ///< Pa above the atmosphere, by wisp_balloon_pressure
-    double volume_error;                          ///< V / V_0 - 1
-    double closed_form; ///< Pa, of the mesh scaled to the volume that it has: every link k (l - d)
-} balloon_readings;
-
-/// One more step for each reading.
-wisp_status balloon_read_all( surface_implementation* implementation, const balloon_setting* setting,
-                              balloon_readings* out, wisp_error* error );

@@ -1,6 +1,8 @@
 // Time against vertices: cost goes with the number of triangles, and volume costs little beside the skin.
 #include "balloon_bench.h"
+#include "balloon_readings.h"
 #include "rows_chart.h"
+#include "bench_timing.h"
 
 #include <math.h>
 

@@ -1,6 +1,7 @@
 // Adaptive spacing (extension, not in the boundary particle paper): as many points at one spacing beside points that
 // are closer where the body is curved. What counts is how far the normal turns from one point of an edge to the next.
 #include "boundary_bench.h"
+#include "bench_timing.h"
 
 #include "oracle/boundary_oracle.h"
 

@@ -2,7 +2,7 @@
 /// cost.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "boundary_scene.h"
 #include "cells.h"
 

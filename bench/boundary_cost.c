@@ -2,6 +2,7 @@
 #include "boundary_cover.h"
 #include "boundary_bench.h"
 #include "rows_chart.h"
+#include "bench_timing.h"
 
 #include <math.h>
 

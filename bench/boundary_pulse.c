@@ -1,5 +1,6 @@
 // Measure the cost of changing counts: a radius that pulsates, with and without hysteresis.
 #include "boundary_bench.h"
+#include "bench_timing.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -33,15 +33,6 @@ cloth_plan cloth_default_plan( const bench_options* options )
     return plan;
 }
 
-void cloth_check_error( double error, double tolerance, const char* what, results* out )
-{
-    if ( !( error <= tolerance ) )
-    {
-        results_add_failure( out, "%s: the error is %.3g m, more than the tolerated %.3g m.", what, error,
-                             tolerance );
-    }
-}
-
 wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* error )
 {
     static const struct

@@ -1,7 +1,7 @@
 /// The case `cloth`: its sizes, and the tables it is made of.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "cells.h"
 #include "cloth_scene.h"
 
@@ -38,6 +38,8 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 
 /// ns a constraint and pass beside scalar C in mesh order, and the claims about it.
 wisp_status cloth_comparison( const cloth_plan* plan, results* out, wisp_error* error );
+/// A failure unless error <= tolerance; a NaN fails.
+void cloth_check_error( double error, double tolerance, const char* what, results* out );
 /// ms a step beside other engines.
 wisp_status cloth_hang( const cloth_plan* plan, results* out, wisp_error* error );
 /// What levels, tethers and the order of the sweep make of error and time.
@@ -58,5 +60,3 @@ typedef struct cloth_peer
 
 /// NvCloth as it is, on a cloth of n x n. @return false if it was not measured
 bool cloth_find_peer( int n, cloth_peer* out );
-/// A failure unless error <= tolerance; a NaN fails.
-void cloth_check_error( double error, double tolerance, const char* what, results* out );

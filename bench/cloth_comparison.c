@@ -1,6 +1,7 @@
 // ns per constraint and pass, beside the scalar C version that goes through the links in the order of the mesh.
 #include "cloth_bench.h"
 #include "rows_chart.h"
+#include "bench_timing.h"
 
 #include <float.h>
 #include <math.h>
@@ -165,6 +166,15 @@ static double farthest_coordinate( const wisp_mesh* mesh )
         farthest = fmax( farthest, fmax( fabs( (double)mesh->points[i].x ), fabs( (double)mesh->points[i].z ) ) );
     }
     return farthest;
+}
+
+void cloth_check_error( double error, double tolerance, const char* what, results* out )
+{
+    if ( !( error <= tolerance ) )
+    {
+        results_add_failure( out, "%s: the error is %.3g m, more than the tolerated %.3g m.", what, error,
+                             tolerance );
+    }
 }
 
 static wisp_status judge_step( comparison* r, comparison_line* line, results* out, wisp_error* error )

@@ -1,6 +1,6 @@
 // Case `collision`: what a mesh body costs when it is searched by a tree of Embree's and by voxels, and that both
 // find what brute force finds. A single voxel around the whole mesh is brute force: it looks at every triangle.
-#include "bench.h"
+#include "bench_options.h"
 
 #include "bench_world.h"
 #include "cells.h"

@@ -1,7 +1,5 @@
 #include "contact_bench.h"
 
-#include <stdlib.h>
-
 // Below this time in seconds all sizes and runs are smaller.
 #define BRIEF_SECONDS 40.0
 // From this time in seconds on, the folding cloth is that of the pictures.
@@ -39,32 +37,6 @@ contact_plan contact_default_plan( const bench_options* options )
         .teams = { { 1, options->workers }, options->workers > 1 ? 2 : 1 },
         .options = options,
     };
-}
-
-wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
-                                     results* out, wisp_error* error )
-{
-    contact_scene scene;
-    contact_run* runs = calloc( (size_t)comparison.way_count, sizeof( *runs ) );
-    wisp_status status = runs != NULL
-                             ? contact_make_cloth( plan->fold_side, &scene, error )
-                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for %d ways", comparison.way_count );
-    if ( status == WISP_OK )
-    {
-        comparison.scene = &scene;
-        comparison.enter = contact_enter_fold;
-        comparison.steps = plan->fold_steps;
-        comparison.teams = &plan->teams;
-        comparison.options = plan->options;
-        status = contact_comparison_run( &comparison, runs, error );
-        if ( status == WISP_OK )
-        {
-            write( &comparison, runs, out );
-        }
-        contact_scene_free( &scene );
-    }
-    free( runs );
-    return status;
 }
 
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error )

@@ -2,7 +2,7 @@
 /// (extensions, not in the papers).
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "contact_comparison.h"
 
 #define CONTACT_SIZES_MAX 4
@@ -30,12 +30,6 @@ contact_plan contact_default_plan( const bench_options* options );
 
 /// All tables of a plan.
 wisp_status contact_bench_run( const contact_plan* plan, results* out, wisp_error* error );
-
-typedef void contact_write_fn( const contact_comparison* comparison, const contact_run* runs, results* out );
-
-/// Let the cloth of a plan fold by all ways of a race, and write what came of it. @param race without scene and steps
-wisp_status contact_comparison_fold( const contact_plan* plan, contact_comparison comparison, contact_write_fn* write,
-                                     results* out, wisp_error* error );
 
 typedef wisp_status contact_fn( const contact_plan* plan, results* out, wisp_error* error );
 

@@ -2,7 +2,7 @@
 /// worker count, without figures, and once more with figures. Their hashes must be the same.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "cells.h"
 #include "contact_scene.h"
 

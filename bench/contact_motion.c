@@ -1,6 +1,6 @@
 // What motion costs: the same cloth folds over a ball that rests, and over one that swings slowly or fast. Pairs are
 // found by how near they are and how fast they come nearer, so what moves against itself costs more.
-#include "contact_bench.h"
+#include "contact_fold.h"
 
 #include <math.h>
 

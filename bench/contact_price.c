@@ -1,5 +1,5 @@
 // What accuracy costs: one folding cloth by every way to keep it from itself, and what each way misses.
-#include "contact_bench.h"
+#include "contact_fold.h"
 #include "rows_chart.h"
 
 #include <math.h>

@@ -2,6 +2,7 @@
 #include "contact_bench.h"
 #include "contact_probe.h"
 #include "contact_query_input.h"
+#include "bench_timing.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,25 +2,9 @@
 /// of Noh and Jung (figures_drape.h) as experiments, each with a measured check.
 #pragma once
 
-#include "balloon_scene.h"
-#include "bench.h"
+#include "bench_options.h"
+#include "figures_page.h"
 #include "picture_sheet.h"
-
-/// What the experiments share.
-typedef struct figures_case
-{
-    results* out;
-    int table;
-    const char* pictures; ///< folder, or null
-    bool quick;           ///< fewer and shorter runs
-    wisp_mesh figure;     ///< an asymmetric closed body
-    const char* figure_name;
-} figures_case;
-
-/// A row of the page. A check that is not met fails the run.
-/// @param format what was measured
-void figures_add( figures_case* page, const char* id, const char* experiment, const char* expected, bool meets_target,
-                  const char* format, ... ) __attribute__( ( format( printf, 6, 7 ) ) );
 
 typedef wisp_status figures_fn( figures_case* page, wisp_error* error );
 

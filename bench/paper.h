@@ -1,7 +1,7 @@
 /// Table 1 of Kim 2026: what was measured at each size, and the tables made from it.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "stats.h"
 
 #define PAPER_SIZES 6

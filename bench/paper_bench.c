@@ -1,5 +1,5 @@
 // The case `paper`: the tables of Kim 2026 and of Noh and Jung, in turn, each with a part of the time.
-#include "bench.h"
+#include "bench_options.h"
 #include "paper_triangle.h"
 
 bench_case_fn paper_frozen_hair;

@@ -1,5 +1,6 @@
 #include "paper.h"
 #include "paper_implementations.h"
+#include "bench_timing.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,7 @@
 /// Table 1 of Noh and Jung: what was measured of each cloth, and the tables made from it.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "cells.h"
 #include "stats.h"
 

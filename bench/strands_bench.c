@@ -29,18 +29,6 @@ strands_plan strands_default_plan( const bench_options* options )
     };
 }
 
-wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting )
-{
-    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    def.stretch = setting->stretch;
-    def.stretch_passes = setting->passes;
-    def.bending = setting->bend;
-    def.bend_compliance = STRANDS_BEND_COMPLIANCE;
-    def.rest = WISP_STRAND_REST_STRAIGHT;
-    def.clamped = false;
-    return def;
-}
-
 wisp_status strands_bench_run( const strands_plan* plan, results* out, wisp_error* error )
 {
     static const struct

@@ -1,9 +1,9 @@
 /// The case `strands`: its sizes, its settings, and the tables it is made of.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "cells.h"
-#include "strands_scene.h"
+#include "strands_setting.h"
 
 #define STRANDS_SIZES_MAX 8
 #define STRANDS_WORKERS_MAX 2
@@ -50,21 +50,3 @@ wisp_status strands_independence( const strands_plan* plan, results* out, wisp_e
 wisp_status strands_energy( const strands_plan* plan, results* out, wisp_error* error );
 /// Guides and ghosts against full simulation (extension, not in Park and Kim 2024).
 wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* error );
-
-// ---- ways to solve ----
-
-typedef struct strands_setting
-{
-    const char* name;
-    wisp_strand_stretch stretch;
-    wisp_strand_bend bend;
-    int passes; ///< Newton passes of the direct stretch
-    int substeps;
-} strands_setting;
-
-/// Dynamics of a setting in the scene of the race.
-wisp_strand_dynamics_def strands_setting_dynamics( const strands_setting* setting );
-
-/// m/N of bends by distances: at ten substeps about a fifth of the error is taken away, as the stiffness 0.2 of the
-/// other engines does; being a compliance it stays the same material at other substeps.
-#define STRANDS_BEND_COMPLIANCE 68.0f

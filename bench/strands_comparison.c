@@ -1,22 +1,12 @@
 // Strands in turns with scalar C: the same scene, in one run.
 #include "strands_comparison.h"
 
+#include "bench_timing.h"
+
 #include "plain/strands_plain.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-// As other engines were measured: ten substeps of one pass. The most important ones come first.
-const strands_setting strands_comparison_settings[] = {
-    { "direct, bend links", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_LINKS, 2, 10 },
-    { "direct, rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 10 },
-    { "links, bend links", WISP_STRAND_STRETCH_LINKS, WISP_STRAND_BEND_LINKS, 2, 10 },
-    { "direct one pass, bend links", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_LINKS, 1, 10 },
-    { "follow, bend links", WISP_STRAND_STRETCH_FOLLOW, WISP_STRAND_BEND_LINKS, 2, 10 },
-    { "direct, rod", WISP_STRAND_STRETCH_DIRECT, WISP_STRAND_BEND_ROD, 2, 4 },
-};
-const int strands_comparison_setting_count = WISP_COUNT( strands_comparison_settings );
-const char* const strands_plain_names[STRANDS_PLAIN_COUNT] = { "plain C, sweeps", "plain C, tridiagonal" };
 
 #define IMPLEMENTATIONS_MAX ( STRANDS_SETTINGS_MAX * STRANDS_WORKERS_MAX )
 #define VARIANTS_MAX ( STRANDS_PLAIN_COUNT + IMPLEMENTATIONS_MAX )

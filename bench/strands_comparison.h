@@ -5,13 +5,6 @@
 
 #define STRANDS_SETTINGS_MAX 8
 
-enum
-{
-    STRANDS_PLAIN_SWEEP,
-    STRANDS_PLAIN_TRIDIAGONAL,
-    STRANDS_PLAIN_COUNT,
-};
-
 /// What one way to solve showed at one size.
 typedef struct strands_line
 {
@@ -43,10 +36,6 @@ typedef struct strands_comparison_size
     strands_line ours[STRANDS_SETTINGS_MAX];
     strands_kernel_times kernels[STRANDS_SETTINGS_MAX];
 } strands_comparison_size;
-
-extern const strands_setting strands_comparison_settings[];
-extern const int strands_comparison_setting_count;
-extern const char* const strands_plain_names[STRANDS_PLAIN_COUNT];
 
 /// Tables, rows and claims of a race.
 void strands_comparison_write( const strands_plan* plan, const strands_comparison_size* sizes, int count,

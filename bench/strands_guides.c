@@ -2,6 +2,7 @@
 // 4 and 16 ghosts a guide.
 #include "strands_bench.h"
 #include "strands_head.h"
+#include "bench_timing.h"
 
 #include <math.h>
 #include <stdlib.h>

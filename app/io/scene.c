@@ -1,218 +1,13 @@
 #include "scene.h"
 #include "io_file.h"
 #include "scene_parts.h"
+#include "scene_ranges.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-// ---- hair events ----
-
-wisp_status scene_read_command_strands( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene_hair_event* command = base;
-    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &command->strands );
-    if ( !status && !r->scene->strands[command->strands].has_frozen_hair )
-    {
-        return scene_refuse_node( r, node, "got '%s', expected strands with the key 'frozen_hair'",
-                                  r->scene->strands[command->strands].name );
-    }
-    return status;
-}
-
-// Places rise with the file, so equals keep their order, which qsort does not promise.
-static int compare_commands( const void* a, const void* b )
-{
-    const wisp_scene_hair_event *x = a, *y = b;
-    int order = ( x->step > y->step ) - ( x->step < y->step );
-    order = order ? order : ( x->strands > y->strands ) - ( x->strands < y->strands );
-    order = order ? order : ( x->line > y->line ) - ( x->line < y->line );
-    return order ? order : ( x->column > y->column ) - ( x->column < y->column );
-}
-
-static wisp_status read_command( scene_reader* r, const scene_node* node, wisp_scene_hair_event* command )
-{
-    command->line = node->line;
-    command->column = node->column;
-    wisp_status status = scene_read_block( r, node, &SCENE_COMMAND_BLOCK, command );
-    if ( !status && command->step >= r->scene->steps )
-    {
-        return scene_refuse_node( r, node, "got step %d, expected a step below %d, the number of steps",
-                                  command->step, r->scene->steps );
-    }
-    return status;
-}
-
-wisp_status scene_read_commands( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of hair events" );
-    if ( status || node->count == 0 )
-    {
-        return status;
-    }
-    scene->commands = scene_take( scene, (size_t)node->count, sizeof *scene->commands );
-    if ( !scene->commands )
-    {
-        return scene_no_memory( r );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->command_count );
-        status = read_command( r, item, &scene->commands[scene->command_count++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-
-    // Sort by step, as the program reads them. Of two entries for one step the first would have no effect.
-    qsort( scene->commands, (size_t)scene->command_count, sizeof *scene->commands, compare_commands );
-    for ( int i = 1; i < scene->command_count; ++i )
-    {
-        const wisp_scene_hair_event *c = &scene->commands[i], *before = c - 1;
-        if ( c->step == before->step && c->strands == before->strands )
-        {
-            return scene_refuse( r->source, c->line, c->column, r->path,
-                                 "got a second entry of strands '%s' for step %d, the first is in line %d",
-                                 scene->strands[c->strands].name, c->step, before->line );
-        }
-    }
-    return WISP_OK;
-}
-
-// ---- output ----
-
-wisp_status scene_read_output_strands( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene_output* output = base;
-    wisp_status status = scene_read_named( r, node, SCENE_STRANDS, &output->strands );
-    if ( !status )
-    {
-        r->scene->strands[output->strands].request_points = true;
-    }
-    return status;
-}
-
-wisp_status scene_read_output_surface( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene_output* output = base;
-    wisp_status status = scene_read_named( r, node, SCENE_SURFACE, &output->surface );
-    if ( !status )
-    {
-        r->scene->surfaces[output->surface].request_points = true;
-    }
-    return status;
-}
-
-static bool ends_in( const char* file, const char* const* extensions )
-{
-    const char* slash = strrchr( file, '/' );
-    const char* last = slash ? slash + 1 : file;
-    const char* dot = strrchr( last, '.' );
-    for ( int i = 0; dot && dot > last && extensions[i]; ++i )
-    {
-        if ( strcmp( dot, extensions[i] ) == 0 )
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-// `strands` and `surface` stand before `file` in the table, because they decide which formats are possible.
-wisp_status scene_read_output_file( scene_reader* r, const scene_node* node, void* base )
-{
-    static const char* const of_strands[] = { ".hair", ".usda", ".obj", NULL };
-    static const char* const of_surfaces[] = { ".obj", ".ply", NULL };
-    wisp_scene_output* output = base;
-    const bool is_surface = output->surface >= 0;
-    wisp_status status = scene_read_text( r, node, &output->file );
-    if ( !status && !ends_in( output->file, is_surface ? of_surfaces : of_strands ) )
-    {
-        return scene_refuse_node( r, node, "got '%s', expected a file that ends in %s",
-                                  scene_shorten( output->file ).text,
-                                  is_surface ? ".obj or .ply" : ".hair, .usda or .obj" );
-    }
-    return status;
-}
-
-static wisp_status read_output( scene_reader* r, const scene_node* node, wisp_scene_output* output )
-{
-    *output = ( wisp_scene_output ){ .strands = -1, .surface = -1, .line = node->line, .column = node->column };
-    wisp_status status = scene_read_block( r, node, &SCENE_OUTPUT_BLOCK, output );
-    if ( !status && ( output->strands >= 0 ) == ( output->surface >= 0 ) )
-    {
-        return scene_refuse_node( r, node,
-                                  output->strands >= 0
-                                      ? "got both 'strands' and 'surface', expected one of them"
-                                      : "got neither 'strands' nor 'surface', expected one of them" );
-    }
-    return status;
-}
-
-static int compare_files( const void* a, const void* b )
-{
-    const wisp_scene_output *const *x = a, *const *y = b;
-    int order = strcmp( ( *x )->file, ( *y )->file );
-    return order ? order : ( *x > *y ) - ( *x < *y );
-}
-
-static wisp_status refuse_equal_files( scene_reader* r )
-{
-    wisp_scene* scene = r->scene;
-    size_t count = (size_t)scene->output_count;
-    const wisp_scene_output** sorted = scene_take( scene, count, sizeof *sorted );
-    if ( !sorted )
-    {
-        return scene_no_memory( r );
-    }
-    for ( size_t i = 0; i < count; ++i )
-    {
-        sorted[i] = &scene->outputs[i];
-    }
-    qsort( sorted, count, sizeof *sorted, compare_files );
-    for ( size_t i = 1; i < count; ++i )
-    {
-        if ( strcmp( sorted[i]->file, sorted[i - 1]->file ) == 0 )
-        {
-            return scene_refuse( r->source, sorted[i]->line, sorted[i]->column, r->path,
-                                 "the file '%s' is written in line %d already", scene_shorten( sorted[i]->file ).text,
-                                 sorted[i - 1]->line );
-        }
-    }
-    return WISP_OK;
-}
-
-wisp_status scene_read_outputs( scene_reader* r, const scene_node* node, void* base )
-{
-    wisp_scene* scene = base;
-    wisp_status status = scene_expect_list( r, node, "a list of files to write" );
-    if ( status || node->count == 0 )
-    {
-        return status;
-    }
-    scene->outputs = scene_take( scene, (size_t)node->count, sizeof *scene->outputs );
-    if ( !scene->outputs )
-    {
-        return scene_no_memory( r );
-    }
-    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, scene->output_count );
-        status = read_output( r, item, &scene->outputs[scene->output_count++] );
-        if ( status )
-        {
-            return status;
-        }
-        scene_leave( r, outside );
-    }
-    return refuse_equal_files( r );
-}
-
-// ---- the scene ----
-
-wisp_status scene_read_version( scene_reader* r, const scene_node* node, void* base )
+static wisp_status read_version( scene_reader* r, const scene_node* node, void* base )
 {
     (void)base;
     static const scene_field version = { "wisp", SCENE_WHOLE, .range = { 0, 1e9 } };
@@ -225,6 +20,41 @@ wisp_status scene_read_version( scene_reader* r, const scene_node* node, void* b
     return status;
 }
 
+// Hair events, events and output name the entries of the lists above them, and what they do must come before the last step.
+// Surfaces and strands that move take the scene's gravity unless they have their own.
+#define AT( member ) offsetof( wisp_scene, member )
+static const scene_field SCENE_FIELDS[] = {
+    { "wisp", SCENE_CUSTOM, .required = true, .read = read_version, .help = "Version of the format.", .form = "1" },
+    { "dt", SCENE_NUMBER, .at = AT( dt ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
+      .help = "Length of a step; the default is 1/60." },
+    { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
+    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },
+    { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ),
+      .help = "Iterations of each substep." },
+    { "workers", SCENE_WHOLE, .at = AT( workers ), .range = RANGE( 0, WISP_MAX_WORKERS ),
+      .help = "Number of threads; 0 takes one per core." },
+    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
+      .help = "Gravity of surfaces and moving strands that have none of their own." },
+    { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
+      .form = "block" },
+    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .help = "Strands of hair.", .form = "list of blocks",
+      .initial = "none" },
+    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces,
+      .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
+      .form = "list of blocks", .initial = "none" },
+    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
+      .form = "list of blocks", .initial = "none" },
+    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
+      .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
+      .initial = "none" },
+    { "events", SCENE_CUSTOM, .read = scene_read_events,
+      .help = "Changes of surfaces and strands, before chosen steps.", .form = "list of blocks", .initial = "none" },
+    { "output", SCENE_CUSTOM, .read = scene_read_outputs, .help = "Files to write after the last step.",
+      .form = "list of blocks", .initial = "none" },
+};
+#undef AT
+const scene_block SCENE_BLOCK_OF_ALL = { SCENE_FIELDS, WISP_COUNT( SCENE_FIELDS ) };
+
 // Check the version first: a newer scene has keys that would only be called unknown.
 static wisp_status check_version( scene_reader* r, const scene_node* root )
 {
@@ -233,7 +63,7 @@ static wisp_status check_version( scene_reader* r, const scene_node* root )
         if ( root->kind == SCENE_MAP && strcmp( scene_key_of( r->tree, child ), "wisp" ) == 0 )
         {
             size_t outside = scene_enter_key( r, "wisp" );
-            wisp_status status = scene_read_version( r, child, NULL );
+            wisp_status status = read_version( r, child, NULL );
             scene_leave( r, status ? r->path_length : outside );
             return status;
         }

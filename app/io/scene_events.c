@@ -1,18 +1,63 @@
 // Events: changes of surfaces and strands before chosen steps.
 #include "scene_parts.h"
+#include "scene_ranges.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 
-wisp_status scene_read_surface_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_surface_name( scene_reader* r, const scene_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_SURFACE, at );
 }
 
-wisp_status scene_read_strands_name( scene_reader* r, const scene_node* node, void* at )
+static wisp_status read_strands_name( scene_reader* r, const scene_node* node, void* at )
 {
     return scene_read_named( r, node, SCENE_STRANDS, at );
 }
+
+#define AT( member ) offsetof( scene_event, member )
+#define EVENT( member ) offsetof( scene_event, event.member )
+
+static const scene_field EVENT_FIELDS[] = {
+    { "step", SCENE_WHOLE, .at = EVENT( step ), .range = RANGE( 0, 999999 ), .given = AT( has_step ),
+      .help = "Step before which the event comes, counted from 0.", .initial = "by `time`" },
+    { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ),
+      .help = "Time instead of `step`; the event comes before the first step that starts then or later.",
+      .initial = "by `step`" },
+    { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = read_strands_name,
+      .help = "Strands with `dynamics.drag_coefficient`; they take `wind` only.", .form = "name of strands",
+      .initial = "none" },
+    { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = read_surface_name,
+      .help = "Surface; exactly one of `strands` and `surface` is given.", .form = "name of a surface",
+      .initial = "none" },
+    { "gas_ratio", SCENE_NUMBER, .at = EVENT( gas_ratio ), .range = RANGE( 1e-3, 1e6 ),
+      .given = EVENT( has_gas_ratio ), .help = "New gas ratio of a balloon.", .initial = "unchanged" },
+    { "inflation_rate", SCENE_NUMBER, .at = EVENT( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
+      .given = EVENT( has_inflation_rate ), .help = "New inflation rate of a balloon.", .initial = "unchanged" },
+    { "outlet_open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ),
+      .help = "Opens or closes the outlet of a balloon.", .initial = "unchanged" },
+    { "wind", SCENE_VECTOR, .at = EVENT( wind ), .range = WIND, .unit = SPEEDS, .given = EVENT( has_wind ),
+      .help = "New velocity of the air, for cloth with drag or lift and strands with drag.", .initial = "unchanged" },
+    { "velocity", SCENE_VECTOR, .at = EVENT( velocity ), .range = VELOCITY, .unit = SPEEDS,
+      .given = EVENT( has_velocity ),
+      .help = "New velocity of all vertices; [0, 0, 0] where only `angular_velocity` is given.",
+      .initial = "unchanged" },
+    { "angular_velocity", SCENE_VECTOR, .at = EVENT( angular_velocity ), .range = VELOCITY, .unit = TURNS,
+      .given = EVENT( has_angular_velocity ),
+      .help =
+          "New angular velocity of all vertices about the centre of mass; [0, 0, 0] where only `velocity` is given.",
+      .initial = "unchanged" },
+    { "teleport", SCENE_VECTOR, .at = EVENT( teleport ), .range = COORDINATE, .unit = METRES,
+      .given = EVENT( has_teleport ),
+      .help =
+          "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
+          "the way and keeps its velocity, unless `velocity` is given too.",
+      .initial = "none" },
+    { "release", SCENE_SWITCH, .at = EVENT( release ), .help = "Releases all pins for good." },
+};
+#undef AT
+const scene_block SCENE_EVENT_BLOCK = { EVENT_FIELDS, WISP_COUNT( EVENT_FIELDS ) };
 
 // The first step that begins at the time or after it. A time is written in decimals, and a step may be 1/60 s: what is
 // within a thousandth of a step is meant to be the same.

@@ -1,92 +1,7 @@
-// Strands that move, ghosts and curves: what no table can say about them, and the entries that they name.
+// Strands: what no table can say about an entry, and the entries that it names.
 #include "scene_parts.h"
-#include "scene_ranges.h"
 
 #include <string.h>
-
-// ---- dynamics ----
-
-static int64_t made_vertices( const wisp_scene_strands* strands )
-{
-    return (int64_t)strands->generator.strand_count * strands->generator.vertices_per_strand;
-}
-
-// How many vertices there are is known if the strands are made.
-static wisp_status read_pin( scene_reader* r, const scene_node* node, const wisp_scene_strands* strands,
-                             int32_t* out )
-{
-    static const scene_field field = { "vertex", SCENE_WHOLE, .range = RANGE( 0, 2147483647 ) };
-    int vertex = 0;
-    wisp_status status = scene_read_whole( r, node, &field, &vertex );
-    if ( !status && strands->is_generated && vertex >= made_vertices( strands ) )
-    {
-        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex,
-                                  (long long)( made_vertices( strands ) - 1 ) );
-    }
-    *out = vertex;
-    return status;
-}
-
-wisp_status scene_read_strand_pins( scene_reader* r, const scene_node* node, void* at )
-{
-    wisp_scene_strands* strands = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
-    int32_t* pins = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = read_pin( r, item, strands, &pins[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    strands->dynamics.pins = pins;
-    strands->dynamics.pin_count = i;
-    return status;
-}
-
-wisp_status scene_read_vertex_masses( scene_reader* r, const scene_node* node, void* at )
-{
-    static const scene_field mass = { "mass", SCENE_NUMBER, .range = ANY_MASS, .unit = MASSES };
-    wisp_scene_strands* strands = at;
-    void* items;
-    wisp_status status =
-        scene_begin_list( r, node, "a list of masses, one per vertex", SCENE_MAX_NODES, sizeof( float ), &items );
-    if ( !status && ( !items || ( strands->is_generated && node->count != made_vertices( strands ) ) ) )
-    {
-        return scene_refuse_node( r, node, "got %d masses, expected one per vertex", node->count );
-    }
-    float* masses = items;
-    int i = 0;
-    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
-    {
-        size_t outside = scene_enter_index( r, i );
-        status = scene_read_number( r, item, &mass, &masses[i++] );
-        if ( !status )
-        {
-            scene_leave( r, outside );
-        }
-    }
-    strands->dynamics.vertex_masses = masses;
-    strands->mass_count = i;
-    return status;
-}
-
-wisp_status scene_read_head_path( scene_reader* r, const scene_node* node, void* at )
-{
-    const wisp_quat straight = { 0.0f, 0.0f, 0.0f, 1.0f };
-    wisp_scene_strands* strands = at;
-    wisp_status status = scene_read_positions( r, node, straight, &strands->head );
-    if ( !status && strands->head.count == 0 )
-    {
-        return scene_refuse_node( r, node, "got an empty list, expected keyframes" );
-    }
-    return status;
-}
 
 // ---- an entry ----
 
@@ -218,7 +133,7 @@ static wisp_status bind_scatter( scene_reader* r, const scene_node* entry, int i
     {
         return scene_refuse_node( r, node, "got '%s', expected strands with 'file' or 'generate'", source->name );
     }
-    int64_t made = source->is_generated ? made_vertices( source ) * s->scatter.count : 0;
+    int64_t made = source->is_generated ? scene_made_vertices( source ) * s->scatter.count : 0;
     return made <= WISP_GROOM_MAX_GENERATED
                ? WISP_OK
                : scene_refuse_node( r, node, "%d strands around each of '%s' have %lld vertices, expected at most %d",

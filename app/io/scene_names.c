@@ -119,14 +119,6 @@ wisp_status scene_read_named( scene_reader* r, const scene_node* node, scene_nam
     return WISP_OK;
 }
 
-// The value is looked up once all names are known; here it is only made sure that it is one.
-wisp_status scene_read_later_name( scene_reader* r, const scene_node* node, void* at )
-{
-    (void)at;
-    const char* name = NULL;
-    return scene_read_name( r, node, &name );
-}
-
 // ---- lists of entries ----
 
 wisp_status scene_begin_list( scene_reader* r, const scene_node* node, const char* what, int most, size_t size,

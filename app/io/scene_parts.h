@@ -34,18 +34,14 @@ scene_read_fn scene_read_pin_path;                   // wisp_scene_path
 scene_read_fn scene_read_layers;                     // uint32_t, a bit a layer
 scene_read_fn scene_read_strain_limit;               // float[2]
 scene_read_fn scene_read_tile_size;                  // int
-scene_read_fn scene_read_surface_name;               // int, an index into the scene's surfaces
-scene_read_fn scene_read_strands_name;               // int, an index into the scene's strands
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
-scene_read_fn scene_read_version, scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands,
-    scene_read_events, scene_read_outputs, scene_read_contact;
+scene_read_fn scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands, scene_read_events,
+    scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
-scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;                    // wisp_scene_strands
-scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path;       // wisp_scene_strands
-scene_read_fn scene_read_command_strands;                                                   // wisp_scene_hair_event
-scene_read_fn scene_read_output_strands, scene_read_output_surface, scene_read_output_file; // wisp_scene_output
+scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;              // wisp_scene_strands
+scene_read_fn scene_read_strand_pins, scene_read_vertex_masses, scene_read_head_path; // wisp_scene_strands
 scene_read_fn scene_read_pins, scene_read_pin_box, scene_read_pin_nearest, scene_read_surface_request,
     scene_read_outlet,
     scene_read_gas_ratio_keyframes;                          // wisp_scene_surface
@@ -78,6 +74,9 @@ wisp_status scene_check_strands( scene_reader* reader, const scene_node* node, c
 wisp_status scene_bind_strands( scene_reader* reader, const scene_node* list );
 /// Find the surfaces that entries of strands name. To be called once everything is registered.
 wisp_status scene_bind_roots( scene_reader* reader, const scene_node* root );
+
+/// Vertices of strands that are generated.
+int64_t scene_made_vertices( const wisp_scene_strands* strands );
 
 /// Vertices that a recipe makes.
 int64_t scene_generator_vertices( const wisp_mesh_generator* generator );

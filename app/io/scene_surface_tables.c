@@ -1,4 +1,4 @@
-// Every key of a surface, and of what happens to it.
+// Every key of a surface.
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
@@ -318,58 +318,3 @@ static const scene_field SURFACE_FIELDS[] = {
 };
 #undef AT
 const scene_block SCENE_SURFACE_BLOCK = BLOCK( SURFACE_FIELDS );
-
-#define AT( member ) offsetof( wisp_scene_box, member )
-static const scene_field BOX_FIELDS[] = {
-    { "min", SCENE_VECTOR, .required = true, .at = AT( lower ), .range = COORDINATE, .unit = METRES,
-      .help = "Corner with the smallest coordinates." },
-    { "max", SCENE_VECTOR, .required = true, .at = AT( upper ), .range = COORDINATE, .unit = METRES,
-      .help = "Corner with the largest coordinates." },
-};
-#undef AT
-const scene_block SCENE_BOX_BLOCK = BLOCK( BOX_FIELDS );
-
-// ---- events ----
-
-#define AT( member ) offsetof( scene_event, member )
-#define EVENT( member ) offsetof( scene_event, event.member )
-
-static const scene_field EVENT_FIELDS[] = {
-    { "step", SCENE_WHOLE, .at = EVENT( step ), .range = RANGE( 0, 999999 ), .given = AT( has_step ),
-      .help = "Step before which the event comes, counted from 0.", .initial = "by `time`" },
-    { "time", SCENE_NUMBER, .at = AT( time ), .range = TIME, .unit = SECONDS, .given = AT( has_time ),
-      .help = "Time instead of `step`; the event comes before the first step that starts then or later.",
-      .initial = "by `step`" },
-    { "strands", SCENE_CUSTOM, .at = EVENT( strands ), .read = scene_read_strands_name,
-      .help = "Strands with `dynamics.drag_coefficient`; they take `wind` only.", .form = "name of strands",
-      .initial = "none" },
-    { "surface", SCENE_CUSTOM, .at = EVENT( surface ), .read = scene_read_surface_name,
-      .help = "Surface; exactly one of `strands` and `surface` is given.", .form = "name of a surface",
-      .initial = "none" },
-    { "gas_ratio", SCENE_NUMBER, .at = EVENT( gas_ratio ), .range = RANGE( 1e-3, 1e6 ),
-      .given = EVENT( has_gas_ratio ), .help = "New gas ratio of a balloon.", .initial = "unchanged" },
-    { "inflation_rate", SCENE_NUMBER, .at = EVENT( inflation_rate ), .range = RANGE( -1e6, 1e6 ), .unit = FLOWS,
-      .given = EVENT( has_inflation_rate ), .help = "New inflation rate of a balloon.", .initial = "unchanged" },
-    { "outlet_open", SCENE_SWITCH, .at = EVENT( open ), .given = EVENT( has_open ),
-      .help = "Opens or closes the outlet of a balloon.", .initial = "unchanged" },
-    { "wind", SCENE_VECTOR, .at = EVENT( wind ), .range = WIND, .unit = SPEEDS, .given = EVENT( has_wind ),
-      .help = "New velocity of the air, for cloth with drag or lift and strands with drag.", .initial = "unchanged" },
-    { "velocity", SCENE_VECTOR, .at = EVENT( velocity ), .range = VELOCITY, .unit = SPEEDS,
-      .given = EVENT( has_velocity ),
-      .help = "New velocity of all vertices; [0, 0, 0] where only `angular_velocity` is given.",
-      .initial = "unchanged" },
-    { "angular_velocity", SCENE_VECTOR, .at = EVENT( angular_velocity ), .range = VELOCITY, .unit = TURNS,
-      .given = EVENT( has_angular_velocity ),
-      .help =
-          "New angular velocity of all vertices about the centre of mass; [0, 0, 0] where only `velocity` is given.",
-      .initial = "unchanged" },
-    { "teleport", SCENE_VECTOR, .at = EVENT( teleport ), .range = COORDINATE, .unit = METRES,
-      .given = EVENT( has_teleport ),
-      .help =
-          "Displacement by which the surface moves at once, with its pins and the strands on it. It meets nothing on "
-          "the way and keeps its velocity, unless `velocity` is given too.",
-      .initial = "none" },
-    { "release", SCENE_SWITCH, .at = EVENT( release ), .help = "Releases all pins for good." },
-};
-#undef AT
-const scene_block SCENE_EVENT_BLOCK = BLOCK( EVENT_FIELDS );

@@ -2,7 +2,7 @@
 /// error and its hash, the Pareto front is marked, and settings are compared at equal time and at equal error.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 
 #define ACCURACY_MEASURES_MAX 8
 #define ACCURACY_WORKERS_MAX 2

@@ -1,4 +1,5 @@
 // The tables as pictures: error against time, and how errors fall with what goes to 0.
+#include "accuracy_labels.h"
 #include "accuracy_parts.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
 // Who is cheapest at equal error, who is nearest at equal time, and how fast errors fall.
 #include "accuracy_compare.h"
+#include "accuracy_labels.h"
 #include "accuracy_parts.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
 // The table of all settings of a scene, and the same as rows for machines.
+#include "accuracy_labels.h"
 #include "accuracy_parts.h"
 
 #include <ctype.h>

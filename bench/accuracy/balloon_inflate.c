@@ -2,6 +2,7 @@
 // constraint, of compliance V_0 / P_atm, so that how the solver converges is not hidden by p V = n R T, which is a
 // measure of its own.
 #include "accuracy_surface.h"
+#include "balloon_readings.h"
 
 #include "balloon_bench.h"
 #include "balloon_reference.h"

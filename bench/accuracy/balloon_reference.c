@@ -1,5 +1,7 @@
 #include "balloon_reference.h"
 
+#include "balloon_readings.h"
+
 #include "oracle/balloon_oracle.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /// The case `effects`: an effect that is not requested costs nothing, and effects that share a world cost their sum.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 
 #include "effects/effect_world.h"
 

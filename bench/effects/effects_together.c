@@ -4,6 +4,7 @@
 
 #include "cells.h"
 #include "stats.h"
+#include "bench_timing.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 #include "report.h"
 
 #include "report_chart.h"
+#include "report_drawing.h"
 #include "report_picture.h"
 #include "report_style.h"
 #include "report_table.h"

@@ -1,7 +1,7 @@
 #include "report_bars.h"
 
 #include "report_axis.h"
-#include "report_chart.h"
+#include "report_drawing.h"
 #include "report_text.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "report_labels.h"
 
-#include "report_chart.h"
+#include "report_drawing.h"
 #include "report_text.h"
 
 #include <stdlib.h>

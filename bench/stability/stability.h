@@ -2,7 +2,7 @@
 /// limits.
 #pragma once
 
-#include "bench.h"
+#include "bench_options.h"
 #include "wisp/wisp.h"
 
 #define STABILITY_SECONDS 5.0 ///< that a cell lasts

@@ -53,12 +53,6 @@ void world_set_kernels( wisp_world* world, const wisp_kernels* kernels );
 /// An entity with the same fabric and masses as a surface, at its rest shape and without effects.
 wisp_status world_add_surface_instance( wisp_world* world, const store_entity* source, wisp_entity* out );
 
-/// @return interpolated rows of an entity, null if the last call was not wisp_world_advance() or the component has none
-const void* world_blended_rows( const wisp_world* world, const store_entity* e, wisp_component component );
-
-/// @return points of the step before the last, to be interpolated from; null if none are kept
-void* world_kept_rows( wisp_world* world, const store_entity* e, wisp_component component );
-
 /// Fail because the handle names no entity.
 wisp_status world_stale( wisp_world* world, wisp_entity entity );
 

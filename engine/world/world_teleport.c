@@ -1,6 +1,6 @@
 // Teleports: an entity is moved at once, as a rigid body, so that nothing on the way is met and no velocity comes of it.
 // In: a rigid motion. Out: positions, velocities, last valid positions and targets of pins, and what views show of them.
-#include "world.h"
+#include "world_blend.h"
 
 #include "plan.h"
 #include "wisp/module/components.h"

@@ -189,14 +189,6 @@ const wisp_module wisp_contact_module = { .name = "contact", .declare = declare 
 
 // ---- settings of the world ----
 
-wisp_status contact_find_state( wisp_world* world, contact_state** out )
-{
-    *out = wisp_world_module_state( world, "contact" );
-    return *out != NULL
-               ? WISP_OK
-               : wisp_world_fail( world, WISP_CONFLICT, "the module contact is not registered in this world" );
-}
-
 wisp_status wisp_set_contact_settings( wisp_world* world, const wisp_contact_settings* settings )
 {
     WISP_ASSERT( settings->cookie == CONTACT_SETTINGS_COOKIE );

@@ -45,6 +45,9 @@ typedef struct contact_state
     contact_untangling untangling;
 } contact_state;
 
+/// Find the state of the module. @return WISP_CONFLICT the module is not registered
+wisp_status contact_find_state( wisp_world* world, contact_state** out );
+
 // contact_passes.c
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user );
 void contact_project( wisp_frame* frame, const wisp_span* span, void* user );
@@ -56,5 +59,3 @@ void contact_measure( wisp_frame* frame, const wisp_span* span, void* user );
 int contact_find_participant( const contact_state* state, wisp_entity entity );
 /// Remove a participant. Only takes away, so it cannot fail.
 void contact_forget_participant( wisp_world* world, contact_state* state, int number );
-/// Find the state of the module. @return WISP_CONFLICT the module is not registered
-wisp_status contact_find_state( wisp_world* world, contact_state** out );

@@ -1,5 +1,6 @@
 // The runner: variants take turns, warm-up steps are not samples, and failures end the run.
 #include "bench_tables.h"
+#include "bench_timing.h"
 
 #include "bench.h"
 

@@ -3,6 +3,7 @@
 
 #include "report/report_axis.h"
 #include "report/report_chart.h"
+#include "report/report_drawing.h"
 
 // coordinates have two digits
 #define ROUNDED 0.0101

@@ -1,48 +1,10 @@
+// Every key of strands besides those of their motion.
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
 #include <stddef.h>
 
 #define STIFFNESS RANGE( 1e-3, 1e12 )
-
-// ---- generate ----
-
-#define AT( member ) offsetof( wisp_groom_generator, member )
-#define SMALLEST 1e-6
-#define FARTHEST ( (double)WISP_GROOM_MAX_COORDINATE )
-
-static const scene_choice SHAPES[] = {
-    { "straight", "a straight line" }, { "wavy", "waves in a plane" }, { "curly", "a helix" }, { NULL, NULL }
-};
-
-static const scene_field MAKE_FIELDS[] = {
-    { "shape", SCENE_CHOICE, .at = AT( shape ), .choices = SHAPES,
-      .help = "Shape of a strand; defaults of other keys depend on it." },
-    { "dimension", SCENE_WHOLE, .at = AT( dimension ), .range = RANGE( 2, 3 ),
-      .help = "2 sets roots on a line with z = 0; 3 sets them on a head; defaults of other keys depend on it." },
-    { "strands", SCENE_WHOLE, .at = AT( strand_count ), .range = RANGE( 1, WISP_GROOM_MAX_GENERATED / 2 ),
-      .help = "Number of strands; strands times vertices is at most 134217728." },
-    { "vertices", SCENE_WHOLE, .at = AT( vertices_per_strand ), .range = RANGE( 2, WISP_GROOM_MAX_GENERATED ),
-      .help = "Number of vertices of each strand." },
-    { "length", SCENE_NUMBER, .at = AT( length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
-      .help = "Length of the centre line of a strand." },
-    { "spacing", SCENE_NUMBER, .at = AT( spacing ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
-      .help = "Distance between neighbouring roots, in two dimensions." },
-    { "scalp_radius", SCENE_NUMBER, .at = AT( scalp_radius ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
-      .help = "Radius of the head that the roots are on, in three dimensions." },
-    { "wave_amplitude", SCENE_NUMBER, .at = AT( wave_amplitude ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
-      .help = "Sideways amplitude of waves and curls; a straight strand has none." },
-    { "wave_length", SCENE_NUMBER, .at = AT( wave_length ), .range = RANGE( SMALLEST, FARTHEST ), .unit = METRES,
-      .help = "Length of a wave along the centre line, at least length / 10000; a straight strand has none." },
-    { "length_variation", SCENE_NUMBER, .at = AT( length_variation ), .range = RANGE( 0, 0.99 ),
-      .help = "With the value v, lengths lie between length (1 - v) and length (1 + v)." },
-    { "diameter", SCENE_NUMBER, .at = AT( thickness ), .range = RANGE( 0, FARTHEST ), .unit = METRES,
-      .help = "Diameter that is stored with every vertex; 0 stores none." },
-    { "seed", SCENE_SEED, .at = AT( seed ), .help = "Seed of lengths and phases." },
-};
-#undef AT
-
-const scene_block SCENE_GENERATE_BLOCK = { MAKE_FIELDS, WISP_COUNT( MAKE_FIELDS ) };
 
 // ---- frozen_hair ----
 
@@ -98,7 +60,7 @@ static const scene_choice GAP_REFERENCES[] = { { "stage", "those before the stag
                                                { NULL, NULL } };
 
 static const scene_field CLUMP_FIELDS[] = {
-    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = RANGE( SMALLEST, 1e6 ), .unit = METRES,
+    { "radius", SCENE_NUMBER, .at = HAIR( clump_radius ), .range = SIZE, .unit = METRES,
       .help = "Vertices closer than this attract each other." },
     { "iterations", SCENE_WHOLE, .at = HAIR( clump_iterations ), .range = RANGE( 0, 1000 ),
       .help = "Iterations of the stage; 0 switches it off." },
@@ -238,65 +200,3 @@ static const scene_field STRANDS_FIELDS[] = {
 #undef AT
 
 const scene_block SCENE_STRANDS_BLOCK = { STRANDS_FIELDS, WISP_COUNT( STRANDS_FIELDS ) };
-
-// ---- hair events, output, the scene ----
-
-#define AT( member ) offsetof( wisp_scene_hair_event, member )
-static const scene_field COMMAND_FIELDS[] = {
-    { "step", SCENE_WHOLE, .required = true, .at = AT( step ), .range = RANGE( 0, 999999 ),
-      .help = "Step before which the event comes, counted from 0." },
-    { "strands", SCENE_CUSTOM, .required = true, .read = scene_read_command_strands,
-      .help = "Strands with `frozen_hair`.", .form = "name of strands" },
-    { "cursor", SCENE_VECTOR, .required = true, .at = AT( cursor ), .range = COORDINATE, .unit = METRES,
-      .help = "Point that strands turn towards." },
-};
-#undef AT
-const scene_block SCENE_COMMAND_BLOCK = { COMMAND_FIELDS, WISP_COUNT( COMMAND_FIELDS ) };
-
-static const scene_field OUTPUT_FIELDS[] = {
-    { "strands", SCENE_CUSTOM, .read = scene_read_output_strands, .help = "Strands to write.",
-      .form = "name of strands", .initial = "none" },
-    { "surface", SCENE_CUSTOM, .read = scene_read_output_surface,
-      .help = "Surface to write; exactly one of the two is given.", .form = "name of a surface", .initial = "none" },
-    { "file", SCENE_CUSTOM, .required = true, .read = scene_read_output_file,
-      .help = "File to write, relative to the working directory; strands as `.hair`, `.usda` or `.obj`, a surface as "
-              "`.obj` or `.ply`.",
-      .form = "path" },
-};
-const scene_block SCENE_OUTPUT_BLOCK = { OUTPUT_FIELDS, WISP_COUNT( OUTPUT_FIELDS ) };
-
-// Hair events, events and output name the entries of the lists above them, and what they do must come before the last step.
-// Surfaces and strands that move take the scene's gravity unless they have their own.
-#define AT( member ) offsetof( wisp_scene, member )
-static const scene_field SCENE_FIELDS[] = {
-    { "wisp", SCENE_CUSTOM, .required = true, .read = scene_read_version, .help = "Version of the format.",
-      .form = "1" },
-    { "dt", SCENE_NUMBER, .at = AT( dt ), .range = RANGE( 1e-9, 1e6 ), .unit = SECONDS,
-      .help = "Length of a step; the default is 1/60." },
-    { "steps", SCENE_WHOLE, .at = AT( steps ), .range = RANGE( 0, 1000000 ), .help = "Number of steps to run." },
-    { "substeps", SCENE_WHOLE, .at = AT( substeps ), .range = RANGE( 1, 10000 ), .help = "Substeps of each step." },
-    { "iterations", SCENE_WHOLE, .at = AT( iterations ), .range = RANGE( 1, 10000 ),
-      .help = "Iterations of each substep." },
-    { "workers", SCENE_WHOLE, .at = AT( workers ), .range = RANGE( 0, WISP_MAX_WORKERS ),
-      .help = "Number of threads; 0 takes one per core." },
-    { "gravity", SCENE_VECTOR, .at = AT( gravity ), .range = ACCELERATION, .unit = ACCELERATIONS,
-      .help = "Gravity of surfaces and moving strands that have none of their own." },
-    { "contact", SCENE_CUSTOM, .read = scene_read_contact, .help = "How contact between all participants is found.",
-      .form = "block" },
-    { "strands", SCENE_CUSTOM, .read = scene_read_strands, .help = "Strands of hair.", .form = "list of blocks",
-      .initial = "none" },
-    { "surfaces", SCENE_CUSTOM, .read = scene_read_surfaces,
-      .help = "Cloths, balloons and other triangle meshes that move, with 16777216 vertices in all.",
-      .form = "list of blocks", .initial = "none" },
-    { "colliders", SCENE_CUSTOM, .read = scene_read_colliders, .help = "Bodies that only move as they are told.",
-      .form = "list of blocks", .initial = "none" },
-    { "hair_events", SCENE_CUSTOM, .read = scene_read_commands,
-      .help = "Points that frozen hair turns towards, before chosen steps.", .form = "list of blocks",
-      .initial = "none" },
-    { "events", SCENE_CUSTOM, .read = scene_read_events,
-      .help = "Changes of surfaces and strands, before chosen steps.", .form = "list of blocks", .initial = "none" },
-    { "output", SCENE_CUSTOM, .read = scene_read_outputs, .help = "Files to write after the last step.",
-      .form = "list of blocks", .initial = "none" },
-};
-#undef AT
-const scene_block SCENE_BLOCK_OF_ALL = { SCENE_FIELDS, WISP_COUNT( SCENE_FIELDS ) };

@@ -1,0 +1,257 @@
+// Values of a surface: vertices, pins, limits, gas, words of `compute`.
+#include "scene_parts.h"
+#include "scene_ranges.h"
+
+#include <stddef.h>
+
+static const scene_field VERTEX = { "vertex", SCENE_WHOLE, .range = RANGE( 0, WISP_SCENE_MAX_VERTICES - 1 ) };
+static const scene_field PLACE = { "place", SCENE_VECTOR, .range = COORDINATE, .unit = METRES };
+
+// ---- vertices ----
+
+// How many vertices there are is known if the mesh is made.
+static wisp_status read_vertex( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
+                                int32_t* out )
+{
+    int vertex = 0;
+    wisp_status status = scene_read_whole( r, node, &VERTEX, &vertex );
+    int64_t count = scene_generator_vertices( &surface->mesh.generator );
+    if ( !status && surface->mesh.is_generated && vertex >= count )
+    {
+        return scene_refuse_node( r, node, "got vertex %d, expected 0 .. %lld", vertex, (long long)( count - 1 ) );
+    }
+    *out = vertex;
+    return status;
+}
+
+static wisp_status read_vertices( scene_reader* r, const scene_node* node, const wisp_scene_surface* surface,
+                                  int32_t* out )
+{
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        wisp_status status = read_vertex( r, item, surface, &out[i++] );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+wisp_status scene_read_pins( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of vertices", SCENE_MAX_NODES, sizeof( int32_t ), &items );
+    if ( !status && items )
+    {
+        status = read_vertices( r, node, surface, items );
+        surface->pins = items;
+        surface->pin_count = node->count;
+    }
+    return status;
+}
+
+wisp_status scene_read_pin_nearest( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status =
+        scene_begin_list( r, node, "a list of points", SCENE_MAX_NODES, sizeof( wisp_vec3 ), &items );
+    wisp_vec3* points = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = scene_read_vector( r, item, &PLACE, &points[i++] );
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    surface->pin_nearest = points;
+    surface->pin_nearest_count = i;
+    return status;
+}
+
+#define AT( member ) offsetof( wisp_scene_box, member )
+static const scene_field BOX_FIELDS[] = {
+    { "min", SCENE_VECTOR, .required = true, .at = AT( lower ), .range = COORDINATE, .unit = METRES,
+      .help = "Corner with the smallest coordinates." },
+    { "max", SCENE_VECTOR, .required = true, .at = AT( upper ), .range = COORDINATE, .unit = METRES,
+      .help = "Corner with the largest coordinates." },
+};
+#undef AT
+const scene_block SCENE_BOX_BLOCK = { BOX_FIELDS, WISP_COUNT( BOX_FIELDS ) };
+
+static wisp_status read_box( scene_reader* r, const scene_node* node, wisp_scene_box* box )
+{
+    wisp_status status = scene_read_block( r, node, &SCENE_BOX_BLOCK, box );
+    if ( !status && ( box->lower.x > box->upper.x || box->lower.y > box->upper.y || box->lower.z > box->upper.z ) )
+    {
+        return scene_refuse_node( r, node, "got an empty box, expected 'min' below 'max'" );
+    }
+    return status;
+}
+
+// One box, or a list of them.
+wisp_status scene_read_pin_box( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    const bool is_list = node->kind == SCENE_LIST;
+    int count = is_list ? node->count : 1;
+    wisp_scene_box* boxes = scene_take( r->scene, (size_t)count + 1, sizeof *boxes );
+    if ( !boxes )
+    {
+        return scene_no_memory( r );
+    }
+    surface->pin_boxes = boxes;
+    surface->pin_box_count = count;
+    if ( !is_list )
+    {
+        return read_box( r, node, boxes );
+    }
+    for ( const scene_node* item = scene_first( r->tree, node ); item; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, (int)( boxes - surface->pin_boxes ) );
+        wisp_status status = read_box( r, item, boxes++ );
+        if ( status )
+        {
+            return status;
+        }
+        scene_leave( r, outside );
+    }
+    return WISP_OK;
+}
+
+// ---- limits and gas ----
+
+wisp_status scene_read_strain_limit( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field least = { "least", SCENE_NUMBER, .range = UNIT_RANGE };
+    static const scene_field most = { "most", SCENE_NUMBER, .range = RANGE( 1, 1e6 ) };
+    float* limit = at;
+    wisp_status status = scene_expect_pair( r, node, "a pair [min, max] in rest lengths" );
+    const scene_node* first = scene_first( r->tree, node );
+    status = status ? status : scene_read_number( r, first, &least, &limit[0] );
+    return status ? status : scene_read_number( r, scene_next( r->tree, first ), &most, &limit[1] );
+}
+
+wisp_status scene_read_tile_size( scene_reader* r, const scene_node* node, void* at )
+{
+    static const scene_field field = { "tile_size", SCENE_WHOLE, .range = RANGE( 0, 65536 ) };
+    int* size = at;
+    wisp_status status = scene_read_whole( r, node, &field, size );
+    if ( !status && *size != 0 && ( *size < 64 || *size % 8 != 0 ) )
+    {
+        return scene_refuse_node( r, node, "got %d, expected 0, or a multiple of 8 in [64, 65536]", *size );
+    }
+    return status;
+}
+
+wisp_status scene_read_outlet( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    wisp_status status = scene_expect_list( r, node, "a list of vertices" );
+    if ( !status && ( node->count == 0 || node->count > WISP_BALLOON_MAX_OUTLET ) )
+    {
+        return scene_refuse_node( r, node, "got %d vertices, expected 1 to %d", node->count,
+                                  WISP_BALLOON_MAX_OUTLET );
+    }
+    if ( !status )
+    {
+        surface->balloon.outlet_count = node->count;
+        status = read_vertices( r, node, surface, surface->balloon.outlet );
+    }
+    return status;
+}
+
+static wisp_status read_fill( scene_reader* r, const scene_node* node, wisp_scene_gas_ratio_keyframe* gas_ratio,
+                              const wisp_scene_gas_ratio_keyframe* before )
+{
+    static const scene_field time = { "time", SCENE_NUMBER, .range = TIME, .unit = SECONDS };
+    static const scene_field fraction = { "gas_ratio", SCENE_NUMBER, .range = RANGE( 1e-3, 1e6 ) };
+    wisp_status status = scene_expect_pair( r, node, "a pair [time, gas_ratio]" );
+    const scene_node* first = scene_first( r->tree, node );
+    status = status ? status : scene_read_number( r, first, &time, &gas_ratio->time );
+    status = status ? status : scene_read_number( r, scene_next( r->tree, first ), &fraction, &gas_ratio->gas_ratio );
+    if ( !status && before && !( gas_ratio->time > before->time ) )
+    {
+        return scene_refuse_node( r, first, "got time %g, expected more than the time before, %g",
+                                  (double)gas_ratio->time, (double)before->time );
+    }
+    return status;
+}
+
+wisp_status scene_read_gas_ratio_keyframes( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* surface = at;
+    void* items;
+    wisp_status status = scene_begin_list( r, node, "a list of pairs [time, gas_ratio]", SCENE_MAX_NODES,
+                                           sizeof( wisp_scene_gas_ratio_keyframe ), &items );
+    wisp_scene_gas_ratio_keyframe* fills = items;
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i );
+        status = read_fill( r, item, &fills[i], i > 0 ? &fills[i - 1] : NULL );
+        ++i;
+        if ( !status )
+        {
+            scene_leave( r, outside );
+        }
+    }
+    surface->gas_ratio_keyframes = fills;
+    surface->gas_ratio_keyframe_count = i;
+    return status;
+}
+
+// ---- compute ----
+
+const scene_choice SCENE_SURFACE_WORDS[] = {
+    { "points", "positions" },
+    { "normals", "unit normals of vertices" },
+    { "strain", "relative error of the length of each edge" },
+    { "speed", "speed of each vertex" },
+    { "motion_stats", "mass, momentum, energy, volume, largest strain and speed" },
+    { "effect_stats", "forces, pressure and volume of a balloon; solves of an implicit cloth" },
+    { "collision_stats", "largest penetration and number of contacts; needs `collision`" },
+    { NULL, NULL },
+};
+
+wisp_status scene_read_surface_request( scene_reader* r, const scene_node* node, void* at )
+{
+    wisp_scene_surface* s = at;
+    bool* const requests[] = { &s->request_points,       &s->request_normals, &s->request_strain,  &s->request_speed,
+                               &s->request_motion_stats, &s->request_stats,   &s->request_contacts };
+    wisp_status status = scene_expect_list( r, node, "a list of words" );
+    int i = 0;
+    for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )
+    {
+        size_t outside = scene_enter_index( r, i++ );
+        int word = 0;
+        status = scene_read_choice( r, item, SCENE_SURFACE_WORDS, &word );
+        if ( !status && *requests[word] )
+        {
+            return scene_refuse_node( r, item, "'%s' is listed twice", SCENE_SURFACE_WORDS[word].word );
+        }
+        if ( !status && requests[word] == &s->request_stats && !s->has_balloon && !s->has_implicit )
+        {
+            return scene_refuse_node( r, item, "'effect_stats' needs the key 'balloon' or 'implicit'" );
+        }
+        if ( !status && requests[word] == &s->request_contacts && !s->has_collision )
+        {
+            return scene_refuse_node( r, item, "'collision_stats' needs the key 'collision'" );
+        }
+        if ( !status )
+        {
+            *requests[word] = true;
+            scene_leave( r, outside );
+        }
+    }
+    return status;
+}
