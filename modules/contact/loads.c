@@ -163,13 +163,13 @@ static const float* ground_of( const contact_work* work, int point )
 }
 
 // Friction of a body on a point of the lowest layer, whose normal correction the load adds to: the law of the kernel
-// half_space, less what upper layers got. @return the grip of the body
-static float rub_on_body( const contact_work* work, int point, const contact_tally* tally )
+// half_space, less what upper layers got.
+static void rub_on_body( const contact_work* work, const float* half, int point, const contact_tally* tally )
 {
     contact_contact_mesh* s = work->contact_mesh;
     float* p = s->now + (size_t)point * 4;
     const float* start = s->intersection_free + (size_t)point * 4;
-    const float *half = ground_of( work, point ), *n = half + 3, *motion = half + 6, *done = half + 11;
+    const float *n = half + 3, *motion = half + 6, *done = half + 11;
     const float normal = half[10] + tally->normal * p[3];
     float way[3] = { p[0] - start[0] - motion[0], p[1] - start[1] - motion[1], p[2] - start[2] - motion[2] };
     const float along = contact_dot( n, way );
@@ -184,7 +184,6 @@ static float rub_on_body( const contact_work* work, int point, const contact_tal
     {
         p[k] += -fraction * way[k] - done[k];
     }
-    return half[14];
 }
 
 void contact_hand_down_loads( const contact_work* work )
@@ -204,11 +203,16 @@ void contact_hand_down_loads( const contact_work* work )
             const int point = participant->first_point + i;
             const contact_tally* tally = supports->tallies + point;
             const bool is_lowest = supports->points[point].layer == 0 && s->now[(size_t)point * 4 + 3] > 0.0f;
+            const float* half = is_lowest ? ground_of( work, point ) : NULL;
+            if ( is_lowest && tally->normal > 0.0f )
+            {
+                rub_on_body( work, half, point, tally );
+            }
             const float part = tally->rows > 0 ? 1.0f / (float)tally->rows : 0.0f;
             participant->loads[i] = ( contact_load ){
                 .normal = part * tally->normal,
                 .held = part * tally->held,
-                .grip = is_lowest ? rub_on_body( work, point, tally ) : tally->grip,
+                .grip = is_lowest ? half[14] : tally->grip,
             };
         }
     }

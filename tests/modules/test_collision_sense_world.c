@@ -43,7 +43,6 @@ static void stats_tell_depth_behind_the_surface_and_count_within_the_margin( voi
 static void calls_in_either_order_give_the_same_plan( void** state )
 {
     hosted* h = *state;
-    const collision_state* collision = wisp_world_module_state( h->world, "collision" );
     wisp_collider_def plane = body_of( WISP_COLLIDER_PLANE );
     add_collider( h->world, &plane );
     test_mesh mesh = test_triangle( ( wisp_vec3 ){ 0.0f, 0.01f, 0.0f }, 0.01f );
