@@ -200,6 +200,30 @@ void KERNEL( strand_link )( const wisp_strand_link_args* args, int begin, int en
     }
 }
 
+int KERNEL( strand_count_stretched )( const wisp_strand_link_args* args, float fraction, int begin, int end )
+{
+    const lane16 zero = lane16_zero(), most = lane16_set1( 1.0f + fraction );
+    int count = 0;
+    for ( int g = begin; g < end; ++g )
+    {
+        lane16 length = zero, length_at_rest = zero;
+        for ( int row = args->group_row[g]; row + 1 < args->group_row[g + 1]; ++row )
+        {
+            const lane16 rest = lane16_load( args->rest + (size_t)row * WISP_LANES );
+            const lane16m is_link = lane16_lt( zero, rest );
+            const lane16 now = lane16v_length( lane16v_load( args->segment + (size_t)row * STRIDE ) );
+            length = lane16_add( length, lane16_select( is_link, now, zero ) );
+            length_at_rest = lane16_add( length_at_rest, lane16_select( is_link, rest, zero ) );
+        }
+        uint32_t bits = lane16m_bits( lane16_lt( lane16_mul( length_at_rest, most ), length ) );
+        for ( ; bits != 0; bits &= bits - 1 )
+        {
+            count += 1;
+        }
+    }
+    return count;
+}
+
 // Follows the leader. The follower's correction d is added to the leader's previous position, so the leader's
 // velocity changes by -fraction d / dt.
 static void follow_group( const wisp_strand_follow_args* args, lane16 fraction, int first, int last )

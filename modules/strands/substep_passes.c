@@ -26,6 +26,9 @@
 
 #include <string.h>
 
+// Fraction by which inextensible strands may be too long without being counted.
+static const float MAX_STRETCH = 0.05f;
+
 static float* column_of( wisp_frame* frame, const wisp_span* span, wisp_component component, int column )
 {
     return wisp_frame_column( frame, span->entity, component, column );
@@ -285,12 +288,32 @@ static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_
     wisp_frame_kernels( frame )->strand_link( args, span->begin, span->end );
 }
 
+// Links that are inextensible by definition, but not by so few sweeps: masses that grow along a strand need about as many
+// sweeps as their ratio.
+static void count_stretched( wisp_frame* frame, const wisp_span* span, const strands_link* link,
+                             const wisp_strand_link_args* args )
+{
+    const bool is_last =
+        span->substep + 1 == wisp_frame_substeps( frame ) && span->iteration + 1 == wisp_frame_iterations( frame );
+    const bool is_inextensible = link->xpbd != 0 ? link->compliance <= 0.0f : link->stiffness >= 1.0f;
+    if ( is_last && is_inextensible )
+    {
+        const int count =
+            wisp_frame_kernels( frame )->strand_count_stretched( args, MAX_STRETCH, span->begin, span->end );
+        if ( count > 0 )
+        {
+            wisp_frame_count( frame, WISP_COUNT_STRETCHED, (uint64_t)count );
+        }
+    }
+}
+
 void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const wisp_strand_link_args args = link_args(
-        frame, span, state, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+    const strands_link* link = wisp_frame_column( frame, span->entity, state->links, 0 );
+    const wisp_strand_link_args args = link_args( frame, span, state, link, state->stretch_link, 1 );
     project_links( frame, span, &args );
+    count_stretched( frame, span, link, &args );
 }
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
