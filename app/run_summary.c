@@ -173,6 +173,7 @@ static void add_counter_table( results* out, const wisp_world* world )
         [WISP_COUNT_FIRST_ORDER] = "substeps too long for BDF2: implicit Euler was used",
         [WISP_COUNT_GRAVITY_SCALED] = "strands with reduced gravity: substeps too long for their curls",
         [WISP_COUNT_SAGGING] = "strands too soft to hold their shape under gravity: they sag",
+        [WISP_COUNT_STRETCHED] = "strands over 5 % too long in a step: use stretch: direct",
     };
     int table = -1;
     for ( int i = 0; i < WISP_COUNTER_COUNT; ++i )

@@ -1,5 +1,5 @@
 // Time integration of strands, sixteen at a time: prediction, velocity, damping towards a rigid motion, air.
-#include "kernel_isa.h"
+#include "strand_place.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
@@ -22,51 +22,134 @@ LANE_INLINE lane16m is_free_row( const wisp_strand_motion_args* args, int row )
     return lane16_lt( lane16_zero(), lane16_load( args->inverse_mass + (size_t)row * WISP_LANES ) );
 }
 
-// Computes v + (p - (previous + dt v)) / dt: only the change by constraints is added, to keep precision far from
-// the origin.
-LANE_INLINE lane16v velocity_of_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
-                                     lane16m is_free )
+LANE_INLINE place_columns columns_of( const wisp_strand_motion_args* args )
+{
+    return ( place_columns ){ args->position, args->previous, args->low, args->velocity, args->inverse_mass };
+}
+
+// A row between two substeps.
+typedef struct row_state
+{
+    lane16v position, low, velocity;
+} row_state;
+
+LANE_INLINE row_state load_row( const wisp_strand_motion_args* args, int row )
 {
     const size_t at = (size_t)row * STRIDE;
-    const lane16v v = lane16v_load( args->velocity + at );
-    const lane16v predicted = lane16v_mul_add( lane16v_load( args->previous + at ), terms->dt, v );
-    const lane16v moved = lane16v_sub( lane16v_load( args->position + at ), predicted );
-    return lane16v_select( is_free, lane16v_mul_add( v, terms->inverse_dt, moved ), v );
+    return ( row_state ){ lane16v_load( args->position + at ), lane16v_load( args->low + at ),
+                          lane16v_load( args->velocity + at ) };
 }
 
-// Moves pinned roots to their prescribed positions and sets their velocity to match.
-LANE_INLINE void predict_root( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain,
-                               int group, lane16m is_free, lane16v v )
+// Ends the substep of a row: velocities take corrections of positions by other passes, or positions follow velocities
+// if there were none.
+LANE_INLINE row_state end_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
+                               bool is_predicted )
 {
-    const size_t at = (size_t)args->group_row[group] * STRIDE;
-    const lane16v p = lane16v_load( args->position + at );
-    const lane16v root = args->root != NULL ? lane16v_load( args->root + (size_t)group * STRIDE ) : p;
-    const lane16v flies = lane16v_add( v, gain ),
-                  carried = lane16v_scale( lane16v_sub( root, p ), terms->inverse_dt );
-    lane16v_store( args->previous + at, p );
-    lane16v_store( args->velocity + at, lane16v_select( is_free, flies, carried ) );
-    lane16v_store( args->position + at, lane16v_select( is_free, lane16v_mul_add( p, terms->dt, flies ), root ) );
+    const place_columns c = columns_of( args );
+    place16 p = place16_load( &c, row, terms->dt, is_predicted );
+    if ( is_predicted )
+    {
+        const lane16v correction = place16_correction( &c, row, &p );
+        p.velocity = lane16v_mul_add( p.velocity, terms->inverse_dt, correction );
+        p.moved = place16_moved( p.low, p.velocity, p.inverse_mass, terms->dt );
+    }
+    const lane16v end =
+        is_predicted ? lane16v_load( args->position + (size_t)row * STRIDE ) : lane16v_add( p.start, p.moved );
+    return ( row_state ){ end, place16_remainder( p.start, p.moved, end ), p.velocity };
 }
 
-// Predicts a row. Pinned vertices other than roots are already at their end positions; their velocity gives their
-// start.
-LANE_INLINE void predict_row( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain, int row,
-                              lane16m is_free, lane16v v )
+// Puts a pinned root where it is prescribed to be, with the velocity that takes it there.
+LANE_INLINE row_state prescribe_root( const wisp_strand_motion_args* args, const motion_terms* terms, int group,
+                                      row_state s )
+{
+    if ( args->root == NULL )
+    {
+        const lane16 zero = lane16_zero();
+        const lane16v none = { zero, zero, zero };
+        const lane16m is_free = is_free_row( args, args->group_row[group] );
+        return ( row_state ){ s.position, s.low, lane16v_select( is_free, s.velocity, none ) };
+    }
+    const lane16m is_free = is_free_row( args, args->group_row[group] );
+    const lane16v root = lane16v_load( args->root + (size_t)group * STRIDE );
+    const lane16v low = lane16v_load( args->root_low + (size_t)group * STRIDE );
+    const lane16v path = lane16v_add( lane16v_sub( root, s.position ), lane16v_sub( low, s.low ) );
+    return ( row_state ){ lane16v_select( is_free, s.position, root ), lane16v_select( is_free, s.low, low ),
+                          lane16v_select( is_free, s.velocity, lane16v_scale( path, terms->inverse_dt ) ) };
+}
+
+// Predicts a row. Pinned vertices are at their end positions; their velocity gives their start.
+// @param start of pinned vertices
+// @return where the vertices are at the end of the substep
+LANE_INLINE place16 predict_row( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain,
+                                 int row, row_state s, lane16v start, bool is_predicted )
 {
     const size_t at = (size_t)row * STRIDE;
     const lane16 zero = lane16_zero();
     const lane16v none = { zero, zero, zero };
-    const lane16v p = lane16v_load( args->position + at );
-    const lane16v gained = lane16v_add( v, lane16v_select( is_free, gain, none ) );
-    const lane16v path = lane16v_scale( gained, terms->dt );
-    const lane16v start = lane16v_select( is_free, p, lane16v_sub( p, path ) );
-    lane16v_store( args->previous + at, start );
-    lane16v_store( args->velocity + at, gained );
-    lane16v_store( args->position + at, lane16v_add( start, path ) );
+    const lane16 w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
+    const lane16m is_free = lane16_lt( zero, w );
+    const lane16v velocity = lane16v_add( s.velocity, lane16v_select( is_free, gain, none ) );
+    const place16 p = { s.position, place16_moved( s.low, velocity, w, terms->dt ), s.low, velocity, w };
+    lane16v_store( args->velocity + at, velocity );
+    if ( is_predicted )
+    {
+        lane16v_store( args->previous + at, lane16v_select( is_free, s.position, start ) );
+        lane16v_store( args->position + at, lane16v_add( p.start, p.moved ) );
+    }
+    return p;
 }
 
-// Predicts all rows. With `takes_velocity`, velocities of the last substep are computed first.
-LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin, int end, bool takes_velocity )
+// Ends the last substep of a row, and keeps what the prediction does not.
+LANE_INLINE row_state advance_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
+                                   bool is_predicted )
+{
+    const row_state s = end_row( args, terms, row, is_predicted );
+    lane16v_store( args->low + (size_t)row * STRIDE, s.low );
+    if ( is_predicted == false )
+    {
+        lane16v_store( args->position + (size_t)row * STRIDE, s.position );
+    }
+    return s;
+}
+
+// What a prediction is told of the whole call, so that each kind is compiled apart.
+typedef struct prediction_kind
+{
+    bool ends_substep; // the last substep is ended first
+    bool is_predicted; // there are previous positions
+} prediction_kind;
+
+LANE_INLINE row_state begin_row( const wisp_strand_motion_args* args, const motion_terms* terms, int row,
+                                 prediction_kind kind )
+{
+    return kind.ends_substep ? advance_row( args, terms, row, kind.is_predicted ) : load_row( args, row );
+}
+
+LANE_INLINE void predict_group( const wisp_strand_motion_args* args, const motion_terms* terms, lane16v gain, int g,
+                                prediction_kind kind )
+{
+    const int first = args->group_row[g], last = args->group_row[g + 1];
+    const lane16 minus_dt = lane16_neg( terms->dt );
+    row_state s = begin_row( args, terms, first, kind );
+    const lane16v start = s.position;
+    s = prescribe_root( args, terms, g, s );
+    lane16v_store( args->low + (size_t)first * STRIDE, s.low );
+    if ( kind.is_predicted == false )
+    {
+        lane16v_store( args->position + (size_t)first * STRIDE, s.position );
+    }
+    place16 p = predict_row( args, terms, gain, first, s, start, kind.is_predicted );
+    for ( int row = first + 1; row < last; ++row )
+    {
+        s = begin_row( args, terms, row, kind );
+        const place16 next = predict_row( args, terms, gain, row, s,
+                                          lane16v_mul_add( s.position, minus_dt, s.velocity ), kind.is_predicted );
+        lane16v_store( args->segment + (size_t)( row - 1 ) * STRIDE, place16_sub( &p, &next ) );
+        p = next;
+    }
+}
+
+LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin, int end, prediction_kind kind )
 {
     const motion_terms terms = motion_terms_of( args );
     for ( int g = begin; g < end; ++g )
@@ -75,41 +158,57 @@ LANE_INLINE void predict_groups( const wisp_strand_motion_args* args, int begin,
             args->acceleration_scale != NULL
                 ? lane16v_scale( terms.gain, lane16_load( args->acceleration_scale + (size_t)g * WISP_LANES ) )
                 : terms.gain;
-        const int first = args->group_row[g];
-        const lane16m is_free = is_free_row( args, first );
-        predict_root( args, &terms, gain, g, is_free,
-                      takes_velocity ? velocity_of_row( args, &terms, first, is_free )
-                                     : lane16v_load( args->velocity + (size_t)first * STRIDE ) );
-        for ( int row = first + 1; row < args->group_row[g + 1]; ++row )
-        {
-            const lane16m free = is_free_row( args, row );
-            predict_row( args, &terms, gain, row, free,
-                         takes_velocity ? velocity_of_row( args, &terms, row, free )
-                                        : lane16v_load( args->velocity + (size_t)row * STRIDE ) );
-        }
+        predict_group( args, &terms, gain, g, kind );
+    }
+}
+
+LANE_INLINE void predict_all( const wisp_strand_motion_args* args, int begin, int end, bool ends_substep )
+{
+    if ( args->previous != NULL )
+    {
+        predict_groups( args, begin, end, ( prediction_kind ){ ends_substep, true } );
+    }
+    else
+    {
+        predict_groups( args, begin, end, ( prediction_kind ){ ends_substep, false } );
     }
 }
 
 void KERNEL( strand_predict )( const wisp_strand_motion_args* args, int begin, int end )
 {
     const wisp_strand_motion_args mine = *args;
-    predict_groups( &mine, begin, end, false );
+    predict_all( &mine, begin, end, false );
 }
 
 void KERNEL( strand_advance )( const wisp_strand_motion_args* args, int begin, int end )
 {
     const wisp_strand_motion_args mine = *args;
-    predict_groups( &mine, begin, end, true );
+    predict_all( &mine, begin, end, true );
+}
+
+LANE_INLINE void end_rows( const wisp_strand_motion_args* args, int begin, int end, bool is_predicted )
+{
+    const motion_terms terms = motion_terms_of( args );
+    for ( int row = args->group_row[begin]; row < args->group_row[end]; ++row )
+    {
+        const row_state s = advance_row( args, &terms, row, is_predicted );
+        if ( is_predicted )
+        {
+            lane16v_store( args->velocity + (size_t)row * STRIDE, s.velocity );
+        }
+    }
 }
 
 void KERNEL( strand_velocity )( const wisp_strand_motion_args* args, int begin, int end )
 {
     const wisp_strand_motion_args mine = *args;
-    const motion_terms terms = motion_terms_of( &mine );
-    for ( int row = mine.group_row[begin]; row < mine.group_row[end]; ++row )
+    if ( mine.previous != NULL )
     {
-        lane16v_store( mine.velocity + (size_t)row * STRIDE,
-                       velocity_of_row( &mine, &terms, row, is_free_row( &mine, row ) ) );
+        end_rows( &mine, begin, end, true );
+    }
+    else
+    {
+        end_rows( &mine, begin, end, false );
     }
 }
 

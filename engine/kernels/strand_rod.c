@@ -3,6 +3,7 @@
 // and 2010, with the rest curvature fixed during a substep). The equations are in modules/strands/rod_factors.c and
 // rod_frames.c.
 #include "strand_frame.h"
+#include "strand_place.h"
 
 static const size_t STRIDE = 3 * WISP_LANES;
 static const size_t QUATERNION = 4 * WISP_LANES;
@@ -10,7 +11,7 @@ static const size_t QUATERNION = 4 * WISP_LANES;
 // Offsets in the scratch of a row.
 enum
 {
-    ROW = WISP_STRAND_SCRATCH,
+    ROW = 15 * WISP_LANES,
     REST_VECTOR = 0,            // k_i in world space, [3]
     TURNED = 3 * WISP_LANES,    // z x k_i, [3]
     MOMENT = 6 * WISP_LANES,    // T_i
@@ -27,12 +28,35 @@ LANE_INLINE lane16 lanes_of( const float* column, int row )
     return lane16_load( column + (size_t)row * WISP_LANES );
 }
 
-// Computes the predicted position without the acceleration of this substep: at rest this is the current position.
-LANE_INLINE lane16v unaccelerated( const wisp_strand_rod_args* args, int row, lane16 minus_dt2 )
+LANE_INLINE place_columns columns_of( const wisp_strand_rod_args* args )
 {
-    const lane16v p = lane16v_load( args->position + (size_t)row * STRIDE );
-    const lane16v before = lane16v_mul_add( p, minus_dt2, lane16v_set1( args->acceleration ) );
-    return lane16v_select( lane16_lt( lane16_zero(), lanes_of( args->inverse_mass, row ) ), before, p );
+    return ( place_columns ){ args->position, args->previous, args->low, args->velocity, args->inverse_mass };
+}
+
+// Returns the vector of a segment, from the next row to this one, as the rod moves it.
+LANE_INLINE float* segment_of( const wisp_strand_rod_args* args, int row )
+{
+    return args->segment + (size_t)row * STRIDE;
+}
+
+// Computes the direction of a segment from its vector and its rest length.
+LANE_INLINE lane16v direction_of( const wisp_strand_rod_args* args, int row, lane16v segment )
+{
+    return lane16v_scale( segment, lane16_neg( lanes_of( args->inverse_length, row ) ) );
+}
+
+LANE_INLINE lane16 free_offset( const wisp_strand_rod_args* args, int row, lane16 offset )
+{
+    const lane16 zero = lane16_zero();
+    return lane16_select( lane16_lt( zero, lanes_of( args->inverse_mass, row ) ), offset, zero );
+}
+
+// Computes the vector of a segment without the acceleration of this substep: at rest this is the current one. It
+// differs only where one of the two vertices is pinned.
+LANE_INLINE lane16v unaccelerated( const wisp_strand_rod_args* args, int row, lane16 offset )
+{
+    const lane16 change = lane16_sub( free_offset( args, row, offset ), free_offset( args, row + 1, offset ) );
+    return lane16v_mul_add( lane16v_load( segment_of( args, row ) ), change, lane16v_set1( args->acceleration ) );
 }
 
 // Returns the displacement by the acceleration, scaled per strand.
@@ -43,31 +67,47 @@ LANE_INLINE lane16 acceleration_offset( const wisp_strand_rod_args* args, int gr
                                             : minus_dt2;
 }
 
+// Adds a displacement of a row to its velocity.
+LANE_INLINE void accelerate( const wisp_strand_rod_args* args, int row, lane16v moved )
+{
+    float* velocity = args->velocity + (size_t)row * STRIDE;
+    lane16v_store( velocity, lane16v_mul_add( lane16v_load( velocity ), lane16_set1( 1.0f / args->dt ), moved ) );
+}
+
+// Changes a segment by the displacements of its vertices.
+LANE_INLINE void stretch_segment( const wisp_strand_rod_args* args, int row, lane16v moved, lane16v moved_next )
+{
+    float* segment = segment_of( args, row );
+    lane16v_store( segment, lane16v_add( lane16v_load( segment ), lane16v_sub( moved, moved_next ) ) );
+}
+
 // ---- tension ----
 
 static void pull( const wisp_strand_rod_args* args, int group, int first, int last )
 {
     const lane16 zero = lane16_zero(), minus_dt2 = lane16_set1( -args->dt * args->dt );
     const lane16 back = acceleration_offset( args, group );
-    lane16v p = unaccelerated( args, first, back ), before = { zero, zero, zero };
+    lane16v before = { zero, zero, zero }, moved_before = before;
     for ( int row = first; row < last; ++row )
     {
-        lane16v behind = { zero, zero, zero }, next = p;
+        lane16v behind = { zero, zero, zero };
         if ( row + 1 < last )
         {
-            next = unaccelerated( args, row + 1, back );
             const lane16 most = lanes_of( args->max_tension, row );
             float* at = args->tension + (size_t)row * WISP_LANES;
             const lane16 tension = lane16_max( lane16_neg( most ), lane16_min( most, lane16_load( at ) ) );
             const lane16 fraction = lane16_mul( tension, lanes_of( args->inverse_length, row ) );
             lane16_store( at, tension );
-            behind = lane16v_scale( lane16v_sub( p, next ), lane16_mul( fraction, minus_dt2 ) );
+            behind = lane16v_scale( unaccelerated( args, row, back ), lane16_mul( fraction, minus_dt2 ) );
         }
-        float* place = args->position + (size_t)row * STRIDE;
-        const lane16v force = lane16v_sub( behind, before );
-        lane16v_store( place, lane16v_mul_add( lane16v_load( place ), lanes_of( args->inverse_mass, row ), force ) );
+        const lane16v moved = lane16v_scale( lane16v_sub( behind, before ), lanes_of( args->inverse_mass, row ) );
+        accelerate( args, row, moved );
+        if ( row > first )
+        {
+            stretch_segment( args, row - 1, moved_before, moved );
+        }
         before = behind;
-        p = next;
+        moved_before = moved;
     }
 }
 
@@ -134,12 +174,10 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
 // parallel.
 static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int first, int last )
 {
-    lane16v p = unaccelerated( args, first, back );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const lane16v next = unaccelerated( args, row + 1, back );
-        frame16_store( args->frame + (size_t)row * QUATERNION, carry_frame( args, row, lane16v_sub( next, p ) ) );
-        p = next;
+        const lane16v along = lane16v_scale( unaccelerated( args, row, back ), lane16_set1( -1.0f ) );
+        frame16_store( args->frame + (size_t)row * QUATERNION, carry_frame( args, row, along ) );
     }
 }
 
@@ -148,17 +186,15 @@ static void measure_frames( const wisp_strand_rod_args* args, int group, int fir
     frame16 before = clamp_frame( args, group );
     const lane16 back = acceleration_offset( args, group );
     carry_frames( args, back, first, last );
-    lane16v p = unaccelerated( args, first, back ), t_before = frame16_z( before );
+    lane16v t_before = frame16_z( before );
     float* out = args->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v next = unaccelerated( args, row + 1, back );
-        const lane16v t = lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) );
+        const lane16v t = direction_of( args, row, unaccelerated( args, row, back ) );
         const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
         measure_vertex( args, row, before, q, t_before, t, out );
         before = q;
         t_before = t;
-        p = next;
     }
 }
 
@@ -255,11 +291,12 @@ LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, cons
 }
 
 // Computes the change of a segment's direction since the start of the substep.
-LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row, lane16v t )
+LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row )
 {
-    const lane16v p = lane16v_load( args->previous + (size_t)row * STRIDE );
-    const lane16v next = lane16v_load( args->previous + (size_t)( row + 1 ) * STRIDE );
-    return lane16v_sub( t, lane16v_scale( lane16v_sub( next, p ), lanes_of( args->inverse_length, row ) ) );
+    const size_t at = (size_t)row * STRIDE;
+    const lane16v v = lane16v_load( args->velocity + at ), next = lane16v_load( args->velocity + at + STRIDE );
+    const lane16 fraction = lane16_mul( lane16_set1( args->dt ), lanes_of( args->inverse_length, row ) );
+    return lane16v_scale( lane16v_sub( next, v ), fraction );
 }
 
 // Computes r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by
@@ -269,10 +306,8 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
     const lane16 damping = lane16_set1( args->damping * args->dt );
     const lane16v none = { zero, zero, zero };
-    lane16v p = lane16v_load( args->position + (size_t)( first + 1 ) * STRIDE );
-    lane16v t = lane16v_scale( lane16v_sub( p, lane16v_load( args->position + (size_t)first * STRIDE ) ),
-                               lanes_of( args->inverse_length, first ) );
-    lane16v change = args->damping > 0.0f ? change_of( args, first, t ) : none;
+    lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
+    lane16v change = args->damping > 0.0f ? change_of( args, first ) : none;
     bending own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
@@ -285,12 +320,10 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
             bending next = { none, none };
             if ( row + 2 < last )
             {
-                const lane16v q = lane16v_load( args->position + (size_t)( row + 2 ) * STRIDE );
-                const lane16v u = lane16v_scale( lane16v_sub( q, p ), lanes_of( args->inverse_length, row + 1 ) );
-                const lane16v now = args->damping > 0.0f ? change_of( args, row + 1, u ) : none;
+                const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
+                const lane16v now = args->damping > 0.0f ? change_of( args, row + 1 ) : none;
                 const lane16v rate = lane16v_scale( lane16v_sub( now, change ), damping );
                 next = bend_vertex( args, row + 1, at + ROW, t, u, rate );
-                p = q;
                 t = u;
                 change = now;
             }
@@ -310,25 +343,54 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
     }
 }
 
-static void substitute( const wisp_strand_rod_args* args, int first, int last )
+// Substitutes back from the tip; velocities take the displacements, and predicted positions follow.
+LANE_INLINE void substitute( const wisp_strand_rod_args* args, int first, int last, bool is_predicted )
 {
-    const lane16 zero = lane16_zero();
+    const place_columns c = columns_of( args );
+    const lane16 zero = lane16_zero(), dt = lane16_set1( args->dt );
     lane16v x1 = { zero, zero, zero }, x2 = x1;
     lane16 first_band = zero, second_band = zero, second_band_behind = zero;
     for ( int row = last - 1; row >= first; --row )
     {
         const float* factor = args->factor + (size_t)row * STRIDE;
-        float* at = args->position + (size_t)row * STRIDE;
         lane16v x = lane16v_scale( lane16v_load( args->scratch + (size_t)( row - first ) * ROW + SOLVED ),
                                    lane16_load( factor ) );
         x = lane16v_sub( x, lane16v_scale( x1, first_band ) );
         x = lane16v_sub( x, lane16v_scale( x2, second_band_behind ) );
-        lane16v_store( at, lane16v_add( lane16v_load( at ), x ) );
+        accelerate( args, row, x );
+        if ( row + 1 < last )
+        {
+            stretch_segment( args, row, x, x1 );
+        }
+        if ( is_predicted )
+        {
+            place16_follow( &c, args->position, row, dt );
+        }
         second_band_behind = second_band;
         first_band = lane16_load( factor + WISP_LANES );
         second_band = lane16_load( factor + 2 * WISP_LANES );
         x2 = x1;
         x1 = x;
+    }
+}
+
+static void bend_group( const wisp_strand_rod_args* args, int group, int first, int last )
+{
+    if ( args->frame != NULL )
+    {
+        measure_frames( args, group, first, last );
+        balance_twist( args, first, last );
+        turn_segments( args, first, last );
+    }
+    pull( args, group, first, last );
+    load_and_eliminate( args, group, first, last );
+    if ( args->previous != NULL )
+    {
+        substitute( args, first, last, true );
+    }
+    else
+    {
+        substitute( args, first, last, false );
     }
 }
 
@@ -342,14 +404,6 @@ void KERNEL( strand_rod )( const wisp_strand_rod_args* args, int begin, int end 
         {
             continue;
         }
-        if ( mine.frame != NULL )
-        {
-            measure_frames( &mine, g, first, last );
-            balance_twist( &mine, first, last );
-            turn_segments( &mine, first, last );
-        }
-        pull( &mine, g, first, last );
-        load_and_eliminate( &mine, g, first, last );
-        substitute( &mine, first, last );
+        bend_group( &mine, g, first, last );
     }
 }

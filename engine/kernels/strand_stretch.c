@@ -4,27 +4,27 @@
 //   A_ss = (w_s + w_{s+1}) |e_s|^2,   A_{s-1,s} = -w_s e_{s-1} . e_s
 //
 // A sweep from root to tip eliminates, and a sweep back substitutes. Squared lengths avoid the square root, and
-// Newton's method converges as fast.
+// Newton's method converges as fast. Corrections go into the velocities, which say where vertices are
+// (strand_place.h).
 #include "strand_chains.h"
+#include "strand_place.h"
 
 #include <math.h>
 
 static const size_t STRIDE = 3 * WISP_LANES;
 
-// Values of a segment kept in scratch for the sweep back: its vector, its multiplier so far, the coupling to the
-// next segment.
+// Values of a row kept in scratch for the sweep back: the multiplier of its segment so far and the coupling to the
+// next one. The first sweep back leaves the squared speed of a vertex in place of a coupling that it has used, for
+// a reset.
 enum
 {
-    SEGMENT = 5 * WISP_LANES,
-    MULTIPLIER = 3 * WISP_LANES,
-    COUPLING = 4 * WISP_LANES,
+    ROW = 2 * WISP_LANES,
+    MULTIPLIER = 0,
+    COUPLING = WISP_LANES,
+    SPEED = COUPLING,
+    CHAIN_ROW = 2 * ROW, // of the first iteration, and of later ones
 };
-_Static_assert( CHAINS* SEGMENT <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
-
-LANE_INLINE float* scratch_of( const wisp_strand_stretch_args* args, int chain, int rows )
-{
-    return args->scratch + (size_t)chain * (size_t)rows * SEGMENT;
-}
+_Static_assert( CHAINS* CHAIN_ROW <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
 
 // Relative error of the squared length at single precision; another iteration would not improve it.
 #define EXACT 4e-5f
@@ -32,30 +32,80 @@ LANE_INLINE float* scratch_of( const wisp_strand_stretch_args* args, int chain, 
 // skipped.
 #define MIN_PIVOT 1e-30f
 
+// What an iteration is told of the whole call, so that each kind is compiled apart.
+typedef struct iteration_kind
+{
+    bool is_first;     // takes the segments that it is given, later ones find them where vertices are
+    bool is_predicted; // positions are predicted ones, which other passes see
+    bool has_tension;
+} iteration_kind;
+
+// A group of rows and its scratch.
+typedef struct chain
+{
+    int first, last;
+
+    float *values, *speed; // [row - first][ROW], of the iteration and of the first one
+} chain;
+
+LANE_INLINE place_columns columns_of( const wisp_strand_stretch_args* args )
+{
+    return ( place_columns ){ args->position, args->previous, args->low, args->velocity, args->inverse_mass };
+}
+
+LANE_INLINE place16 load_place( const wisp_strand_stretch_args* args, int row, iteration_kind kind )
+{
+    const place_columns c = columns_of( args );
+    return place16_load( &c, row, lane16_set1( args->dt ), kind.is_predicted );
+}
+
 // State of an elimination in one group.
 typedef struct elimination
 {
-    lane16v p, e_before;
+    place16 p; // of the row; not loaded in the first iteration
+    lane16v e_before;
     lane16 w, inverse_before, multiplier_before;
 } elimination;
 
-LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args, int first )
+LANE_INLINE elimination begin_elimination( const wisp_strand_stretch_args* args, const chain* c, iteration_kind kind )
 {
     const lane16 zero = lane16_zero();
-    return ( elimination ){ .p = lane16v_load( args->position + (size_t)first * STRIDE ),
-                            .e_before = { zero, zero, zero }, // beyond a tip
-                            .w = lane16_load( args->inverse_mass + (size_t)first * WISP_LANES ),
-                            .inverse_before = zero,
-                            .multiplier_before = zero };
+    elimination s = { .e_before = { zero, zero, zero }, // beyond a tip
+                      .w = lane16_load( args->inverse_mass + (size_t)c->first * WISP_LANES ),
+                      .inverse_before = zero,
+                      .multiplier_before = zero };
+    if ( kind.is_first == false )
+    {
+        s.p = load_place( args, c->first, kind );
+    }
+    return s;
 }
 
-LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, elimination* s, int row, float* out )
+// Finds the segment from a row to the next one, which becomes the row of the state.
+LANE_INLINE lane16v next_segment( const wisp_strand_stretch_args* args, elimination* s, int row, float* at,
+                                  iteration_kind kind )
+{
+    if ( kind.is_first )
+    {
+        return lane16v_load( at );
+    }
+    const place16 next = load_place( args, row + 1, kind );
+    const lane16v e = place16_sub( &s->p, &next );
+    lane16v_store( at, e );
+    s->p = next;
+    return e;
+}
+
+LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, const chain* c, elimination* s, int row,
+                                iteration_kind kind )
 {
     const lane16 zero = lane16_zero();
-    const lane16v next = lane16v_load( args->position + (size_t)( row + 1 ) * STRIDE ), none = { zero, zero, zero };
     const lane16 w_next = lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES );
     const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
-    const lane16v e = lane16v_select( lane16_lt( zero, length ), lane16v_sub( s->p, next ), none );
+    const lane16v none = { zero, zero, zero },
+                  given = next_segment( args, s, row, args->segment + (size_t)row * STRIDE, kind );
+    // beyond a tip there is no segment; its multiplier is 0 then
+    const lane16v e = lane16v_select( lane16_lt( zero, length ), given, none );
     const lane16 squared = lane16v_dot( e, e );
     const lane16 deficit = lane16_mul( lane16_set1( 0.5f ), lane16_sub( lane16_mul( length, length ), squared ) );
     // off is minus the coefficient, and off^2 / previous pivot is written as off times coupling, to shorten the
@@ -67,45 +117,49 @@ LANE_INLINE void eliminate_row( const wisp_strand_stretch_args* args, eliminatio
     const lane16 inverse = lane16_select( solvable, lane16_div( lane16_set1( 1.0f ), pivot ), zero );
     const lane16 coupling = lane16_mul( off, s->inverse_before );
     const lane16 multiplier = lane16_mul( lane16_add( deficit, lane16_mul( off, s->multiplier_before ) ), inverse );
-    lane16v_store( out, e );
+    float* out = c->values + (size_t)( row - c->first ) * ROW;
     lane16_store( out + MULTIPLIER, multiplier );
     lane16_store( out + COUPLING, coupling );
-    *s = ( elimination ){ next, e, w_next, inverse, multiplier };
+    s->e_before = e;
+    s->w = w_next;
+    s->inverse_before = inverse;
+    s->multiplier_before = multiplier;
 }
 
-// Eliminates groups with equal numbers of rows, interleaved row by row; their scratch is stored one after the
-// other. Two rows per pass, so that state passes between rows without register moves, which saves a tenth of this
-// kernel.
-LANE_INLINE void eliminate( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
+// Eliminates groups with equal numbers of rows, interleaved row by row. Two rows per pass, so that state passes
+// between rows without register moves, which saves a tenth of this kernel.
+LANE_INLINE void eliminate( const wisp_strand_stretch_args* args, const chain* chains, int count,
+                            iteration_kind kind )
 {
+    const int rows = chains[0].last - chains[0].first;
     elimination s[CHAINS];
     for ( int c = 0; c < count; ++c )
     {
-        s[c] = begin_elimination( args, first[c] );
+        s[c] = begin_elimination( args, &chains[c], kind );
     }
     int row = 0;
     for ( ; row + 2 < rows; row += 2 )
     {
         for ( int c = 0; c < count; ++c )
         {
-            eliminate_row( args, &s[c], first[c] + row, scratch_of( args, c, rows ) + (size_t)row * SEGMENT );
+            eliminate_row( args, &chains[c], &s[c], chains[c].first + row, kind );
         }
         for ( int c = 0; c < count; ++c )
         {
-            eliminate_row( args, &s[c], first[c] + row + 1,
-                           scratch_of( args, c, rows ) + (size_t)( row + 1 ) * SEGMENT );
+            eliminate_row( args, &chains[c], &s[c], chains[c].first + row + 1, kind );
         }
     }
     for ( int c = 0; c < count && row + 1 < rows; ++c )
     {
-        eliminate_row( args, &s[c], first[c] + row, scratch_of( args, c, rows ) + (size_t)row * SEGMENT );
+        eliminate_row( args, &chains[c], &s[c], chains[c].first + row, kind );
     }
 }
 
 // State of the sweep back.
 typedef struct substitution
 {
-    lane16v pull, moved; // of the next row: correction by the segment up to this row, and new position
+    lane16v pull, moved; // of the next row: correction by the segment up to this row, and of the vertex
+    lane16v e;           // of the segment to the next row, before the iteration
     lane16 multiplier, coupling, length;
     lane16m inexact; // lanes with a segment that is not exact yet
 } substitution;
@@ -118,39 +172,56 @@ LANE_INLINE lane16m is_within( lane16v e, lane16 length, lane16 limit )
     return lane16_le( error, lane16_mul( square, limit ) );
 }
 
-// Moves a vertex by the multipliers of its two segments, and tests the segment after it.
-LANE_INLINE void move_row( const wisp_strand_stretch_args* args, substitution* s, int row, lane16v pull,
-                           lane16 limit )
+// Values shared by all rows of a sweep back.
+typedef struct substitution_terms
 {
-    float* at = args->position + (size_t)row * STRIDE;
+    lane16 limit;          // of the relative error of a squared length
+    lane16 dt, inverse_dt; // s, 1/s
+    lane16 per_tension;    // 1/s^2
+} substitution_terms;
+
+// Moves a vertex by the multipliers of its two segments, and tests the segment after it.
+LANE_INLINE void move_row( const wisp_strand_stretch_args* args, const chain* c, const substitution_terms* terms,
+                           substitution* s, int row, lane16v pull, iteration_kind kind )
+{
+    float* at = args->velocity + (size_t)row * STRIDE;
     const lane16 w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
-    const lane16v moved = lane16v_mul_add( lane16v_load( at ), w, lane16v_sub( s->pull, pull ) );
-    lane16v_store( at, moved );
-    const lane16m exact = is_within( lane16v_sub( moved, s->moved ), s->length, limit );
+    const lane16v moved = lane16v_scale( lane16v_sub( s->pull, pull ), w );
+    const lane16v velocity = lane16v_load( at );
+    if ( kind.is_first )
+    {
+        lane16_store( c->speed + (size_t)( row - c->first ) * ROW + SPEED, lane16v_dot( velocity, velocity ) );
+    }
+    lane16v_store( at, lane16v_mul_add( velocity, terms->inverse_dt, moved ) );
+    if ( kind.is_predicted )
+    {
+        const place_columns columns = columns_of( args );
+        place16_follow( &columns, args->position, row, terms->dt );
+    }
+    const lane16v e = lane16v_add( s->e, lane16v_sub( moved, s->moved ) );
+    if ( kind.is_predicted )
+    {
+        lane16v_store( args->segment + (size_t)row * STRIDE, e ); // for another iteration
+    }
+    const lane16m exact = is_within( e, s->length, terms->limit );
     s->inexact = lane16m_or( s->inexact, lane16m_and_not( lane16_lt( lane16_zero(), s->length ), exact ) );
     s->pull = pull;
     s->moved = moved;
 }
 
-// Values shared by all rows of a sweep back.
-typedef struct substitution_terms
+// Solves the segment from the previous row to this one, whose elimination stored its values.
+LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const chain* c,
+                                 const substitution_terms* terms, substitution* s, int row, iteration_kind kind )
 {
-    lane16 limit;       // of the relative error of a squared length
-    lane16 per_tension; // 1/s^2
-    bool has_tension;
-} substitution_terms;
-
-// Solves the segment from the previous row to this one, whose elimination stored `in`.
-LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const substitution_terms* terms,
-                                 substitution* s, int row, const float* in )
-{
+    const float* in = c->values + (size_t)( row - 1 - c->first ) * ROW;
     const lane16 multiplier = lane16_add( lane16_load( in + MULTIPLIER ), lane16_mul( s->coupling, s->multiplier ) );
-    const lane16v e = lane16v_load( in );
-    move_row( args, s, row, lane16v_scale( e, multiplier ), terms->limit );
+    const lane16v e = lane16v_load( args->segment + (size_t)( row - 1 ) * STRIDE );
+    move_row( args, c, terms, s, row, lane16v_scale( e, multiplier ), kind );
+    s->e = e;
     s->multiplier = multiplier;
     s->coupling = lane16_load( in + COUPLING );
     s->length = lane16_load( args->length + (size_t)( row - 1 ) * WISP_LANES );
-    if ( terms->has_tension )
+    if ( kind.has_tension )
     {
         float* tension = args->tension + (size_t)( row - 1 ) * WISP_LANES;
         const lane16 change = lane16_mul( lane16_mul( multiplier, lane16v_length( e ) ), terms->per_tension );
@@ -161,44 +232,51 @@ LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const sub
 // Substitutes from tip to root, and moves each vertex by the multipliers of its two segments. Two rows per pass, as
 // above.
 // @return lanes with a segment that is not exact
-LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const float* scratch, int first, int last,
-                                bool has_tension )
+LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const chain* c, iteration_kind kind )
 {
     const lane16 zero = lane16_zero();
     const lane16v none = { zero, zero, zero };
-    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ),
-                                       lane16_set1( 1.0f / ( args->dt * args->dt ) ), has_tension };
+    const substitution_terms terms = { lane16_set1( fminf( EXACT, 2.0f * args->tolerance ) ), lane16_set1( args->dt ),
+                                       lane16_set1( 1.0f / args->dt ),
+                                       lane16_set1( 1.0f / ( args->dt * args->dt ) ) };
     // beyond the tip there is no segment to test
-    substitution s = { none, none, zero, zero, zero, lane16_lt( zero, zero ) };
-    int row = last - 1;
-    for ( ; row > first + 1; row -= 2 )
+    substitution s = { none, none, none, zero, zero, zero, lane16_lt( zero, zero ) };
+    int row = c->last - 1;
+    for ( ; row > c->first + 1; row -= 2 )
     {
-        const float* in = scratch + (size_t)( row - 1 - first ) * SEGMENT;
-        substitute_row( args, &terms, &s, row, in );
-        substitute_row( args, &terms, &s, row - 1, in - SEGMENT );
+        substitute_row( args, c, &terms, &s, row, kind );
+        substitute_row( args, c, &terms, &s, row - 1, kind );
     }
-    if ( row > first )
+    if ( row > c->first )
     {
-        substitute_row( args, &terms, &s, row, scratch );
+        substitute_row( args, c, &terms, &s, row, kind );
     }
-    move_row( args, &s, first, none, terms.limit );
+    move_row( args, c, &terms, &s, c->first, none, kind );
     return s.inexact;
 }
 
 // ---- strands that do not converge ----
+
+// Loads the vertices of a row after the iterations.
+static place16 solved_place( const wisp_strand_stretch_args* args, int row )
+{
+    const place_columns c = columns_of( args );
+    return place16_load( &c, row, lane16_set1( args->dt ), args->previous != NULL );
+}
 
 // Selects lanes with a segment that is not within the tolerance. Called only for groups that are not exact.
 static lane16m find_inexact( const wisp_strand_stretch_args* args, int first, int last )
 {
     const lane16 zero = lane16_zero(), tolerance = lane16_set1( 2.0f * args->tolerance );
     lane16m bad = lane16_lt( zero, zero );
+    place16 p = solved_place( args, first );
     for ( int row = first; row + 1 < last; ++row )
     {
-        const float* at = args->position + (size_t)row * STRIDE;
+        const place16 next = solved_place( args, row + 1 );
         const lane16 length = lane16_load( args->length + (size_t)row * WISP_LANES );
-        const lane16v e = lane16v_sub( lane16v_load( at ), lane16v_load( at + STRIDE ) );
-        const lane16m good = is_within( e, length, tolerance );
+        const lane16m good = is_within( place16_sub( &p, &next ), length, tolerance );
         bad = lane16m_or( bad, lane16m_and_not( lane16_lt( zero, length ), good ) );
+        p = next;
     }
     return bad;
 }
@@ -227,35 +305,48 @@ static lane16 whole_length( const wisp_strand_stretch_args* args, int first, int
     return sum;
 }
 
-// Sets the previous position of a reset vertex: the reset gives it no more than its predicted speed, and no
-// velocity if it moves farther than the strand is long.
-static lane16v start_of( const wisp_strand_stretch_args* args, int row, lane16v put, lane16 reach2 )
+// Moves the vertices of a row by `path` from their start, at no more than their predicted speed: the rest moves their
+// start. Those that move farther than the strand is long have no velocity.
+static void reset_row( const wisp_strand_stretch_args* args, int row, lane16v path, lane16 squared_speed,
+                       lane16 reach2, lane16m lanes )
 {
-    lane16v start = lane16v_load( args->previous + (size_t)row * STRIDE );
-    const lane16v path = lane16v_sub( put, start );
+    const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f ), dt = lane16_set1( args->dt );
+    const size_t at = (size_t)row * STRIDE;
+    const place16 p = solved_place( args, row );
     const lane16 squared = lane16v_dot( path, path );
-    if ( args->velocity != NULL )
+    const lane16 predicted = lane16_mul( squared_speed, lane16_mul( dt, dt ) );
+    // NaN stays, for the state check to find
+    const lane16 slowed =
+        lane16_select( lane16_le( squared, predicted ), one, lane16_sqrt( lane16_div( predicted, squared ) ) );
+    const lane16 fraction = lane16_select( lane16_le( squared, reach2 ), slowed, zero );
+    const lane16v shifted = lane16v_mul_add( p.low, lane16_sub( one, fraction ), path );
+    const lane16v start = lane16v_add( p.start, shifted ), low = place16_remainder( p.start, shifted, start );
+    const lane16v velocity = lane16v_scale( path, lane16_mul( fraction, lane16_set1( 1.0f / args->dt ) ) );
+    const lane16m moves = lane16m_and( lanes, lane16_lt( zero, p.inverse_mass ) );
+    float* from = args->previous != NULL ? args->previous + at : args->position + at;
+    lane16v_store( args->velocity + at, lane16v_select( moves, velocity, p.velocity ) );
+    lane16v_store( args->low + at, lane16v_select( moves, low, p.low ) );
+    lane16v_store( from, lane16v_select( moves, start, lane16v_load( from ) ) );
+    if ( args->previous != NULL )
     {
-        const lane16v v = lane16v_load( args->velocity + (size_t)row * STRIDE );
-        const lane16 predicted = lane16_mul( lane16v_dot( v, v ), lane16_set1( args->dt * args->dt ) );
-        const lane16 fraction = lane16_sqrt( lane16_div( predicted, squared ) );
-        start = lane16v_select( lane16_lt( predicted, squared ), lane16v_sub( put, lane16v_scale( path, fraction ) ),
-                                start );
+        const place_columns columns = columns_of( args );
+        place16_follow( &columns, args->position, row, dt );
     }
-    return lane16v_select( lane16_le( squared, reach2 ), start, put );
 }
 
-static void reset_strands( const wisp_strand_stretch_args* args, lane16m lanes, int first, int last )
+static void reset_strands( const wisp_strand_stretch_args* args, const chain* c, lane16m lanes )
 {
+    const int first = c->first, last = c->last;
     const lane16 zero = lane16_zero(), one = lane16_set1( 1.0f );
     const lane16 reach = whole_length( args, first, last ), reach2 = lane16_mul( reach, reach );
-    lane16v before = lane16v_load( args->position + (size_t)first * STRIDE ), put = before;
+    const place16 root = solved_place( args, first );
+    place16 before = root;
+    lane16v put = root.moved; // relative to the start of the root
     lane16v direction = lane16v_set1( ( wisp_vec3 ){ 0.0f, -1.0f, 0.0f } );
     for ( int row = first; row + 1 < last; ++row )
     {
-        float* at = args->position + (size_t)( row + 1 ) * STRIDE;
-        float* from = args->previous + (size_t)( row + 1 ) * STRIDE;
-        const lane16v p = lane16v_load( at ), e = lane16v_sub( p, before );
+        const place16 p = solved_place( args, row + 1 );
+        const lane16v e = place16_sub( &p, &before );
         const lane16 squared = lane16v_dot( e, e );
         // long enough to have a direction, no overflow of the square, not NaN
         const lane16m has_direction =
@@ -263,10 +354,9 @@ static void reset_strands( const wisp_strand_stretch_args* args, lane16m lanes, 
         const lane16 inverse = lane16_div( one, lane16_sqrt( squared ) );
         direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
         put = lane16v_mul_add( put, lane16_load( args->length + (size_t)row * WISP_LANES ), direction );
-        const lane16 weight = lane16_load( args->inverse_mass + (size_t)( row + 1 ) * WISP_LANES );
-        const lane16m moves = lane16m_and( lanes, lane16_lt( zero, weight ) );
-        lane16v_store( at, lane16v_select( moves, put, p ) );
-        lane16v_store( from, lane16v_select( moves, start_of( args, row + 1, put, reach2 ), lane16v_load( from ) ) );
+        const lane16v start = lane16v_add( lane16v_sub( p.start, root.start ), p.low );
+        const lane16 speed = lane16_load( c->speed + (size_t)( row + 1 - first ) * ROW + SPEED );
+        reset_row( args, row + 1, lane16v_sub( put, start ), speed, reach2, lanes );
         before = p;
     }
     // multipliers of iterations that did not converge are not tensions
@@ -296,49 +386,89 @@ static void clear_tension( const wisp_strand_stretch_args* args, int first, int 
     }
 }
 
+// Finds segments again where vertices are.
+static void find_segments( const wisp_strand_stretch_args* args, const chain* c )
+{
+    place16 p = solved_place( args, c->first );
+    for ( int row = c->first; row + 1 < c->last; ++row )
+    {
+        const place16 next = solved_place( args, row + 1 );
+        lane16v_store( args->segment + (size_t)row * STRIDE, place16_sub( &p, &next ) );
+        p = next;
+    }
+}
+
 // Resets strands that did not converge.
 // @return number of strands
-static int reset_diverged( const wisp_strand_stretch_args* args, int first, int last )
+static int reset_diverged( const wisp_strand_stretch_args* args, const chain* c )
 {
-    const lane16m diverged = lane16m_and_not( find_inexact( args, first, last ), further_pins( args, first, last ) );
+    const lane16m diverged =
+        lane16m_and_not( find_inexact( args, c->first, c->last ), further_pins( args, c->first, c->last ) );
     if ( lane16m_any( diverged ) )
     {
-        reset_strands( args, diverged, first, last );
+        reset_strands( args, c, diverged );
+        find_segments( args, c );
     }
     return count_lanes( diverged );
 }
 
 // Runs one Newton iteration over interleaved groups.
-LANE_INLINE void iterate( const wisp_strand_stretch_args* args, const int* first, int rows, int count,
+LANE_INLINE void iterate( const wisp_strand_stretch_args* args, const chain* chains, int count, iteration_kind kind,
                           lane16m* inexact )
 {
-    eliminate( args, first, rows, count );
+    eliminate( args, chains, count, kind );
+    iteration_kind with_tension = kind;
+    with_tension.has_tension = true;
     for ( int c = 0; c < count; ++c )
     {
-        const float* scratch = scratch_of( args, c, rows );
-        inexact[c] = args->tension != NULL ? substitute( args, scratch, first[c], first[c] + rows, true )
-                                           : substitute( args, scratch, first[c], first[c] + rows, false );
+        inexact[c] = args->tension != NULL ? substitute( args, &chains[c], with_tension )
+                                           : substitute( args, &chains[c], kind );
     }
 }
 
 // Iterates each group until it is exact, independently of the others, so its result depends only on its own
 // strands.
-LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int* first, int rows, int count )
+LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int* first, int count,
+                                iteration_kind kind )
 {
     lane16m inexact[CHAINS];
+    chain chains[CHAINS];
+    const size_t rows = (size_t)( first[1] - first[0] );
     for ( int c = 0; c < count; ++c )
     {
-        clear_tension( args, first[c], first[c] + rows );
+        float* scratch = args->scratch + (size_t)c * rows * CHAIN_ROW;
+        chains[c] = ( chain ){ first[c], first[c + 1], scratch, scratch };
+        if ( kind.is_predicted )
+        {
+            const place_columns columns = columns_of( args );
+            place16_take_all( &columns, args->velocity, args->segment, first[c], first[c + 1], args->dt );
+        }
+        clear_tension( args, first[c], first[c + 1] );
     }
-    iterate( args, first, rows, count, inexact );
+    iterate( args, chains, count, kind, inexact );
+    kind.is_first = false;
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
+        chains[c].values += rows * ROW;
         for ( int pass = 1; pass < args->iterations && lane16m_any( inexact[c] ); ++pass )
         {
-            iterate( args, first + c, rows, 1, inexact + c );
+            iterate( args, &chains[c], 1, kind, &inexact[c] );
         }
-        laid += lane16m_any( inexact[c] ) ? reset_diverged( args, first[c], first[c] + rows ) : 0;
+        laid += lane16m_any( inexact[c] ) ? reset_diverged( args, &chains[c] ) : 0;
+    }
+    return laid;
+}
+
+LANE_INLINE int stretch_all( const wisp_strand_stretch_args* args, int begin, int end, iteration_kind kind )
+{
+    int laid = 0;
+    for ( int g = begin; g < end; )
+    {
+        const int count = strand_groups_alike( args->group_row, g, end );
+        laid += count == CHAINS ? stretch_groups( args, args->group_row + g, CHAINS, kind )
+                                : stretch_groups( args, args->group_row + g, 1, kind );
+        g += count;
     }
     return laid;
 }
@@ -346,14 +476,9 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
 int KERNEL( strand_stretch )( const wisp_strand_stretch_args* args, int begin, int end )
 {
     const wisp_strand_stretch_args mine = *args;
-    int laid = 0;
-    for ( int g = begin; g < end; )
+    if ( mine.previous != NULL )
     {
-        const int count = strand_groups_alike( mine.group_row, g, end );
-        const int rows = mine.group_row[g + 1] - mine.group_row[g];
-        laid += count == CHAINS ? stretch_groups( &mine, mine.group_row + g, rows, CHAINS )
-                                : stretch_groups( &mine, mine.group_row + g, rows, 1 );
-        g += count;
+        return stretch_all( &mine, begin, end, ( iteration_kind ){ .is_first = true, .is_predicted = true } );
     }
-    return laid;
+    return stretch_all( &mine, begin, end, ( iteration_kind ){ .is_first = true } );
 }

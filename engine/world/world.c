@@ -291,6 +291,7 @@ const char* wisp_counter_name( wisp_counter counter )
         "first order substeps",
         "gravity scaled",
         "sagging strands",
+        "stretched strands",
     };
     return counter >= 0 && counter < WISP_COUNTER_COUNT ? NAMES[counter] : "unknown";
 }

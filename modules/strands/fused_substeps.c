@@ -1,7 +1,7 @@
-// Fused substeps: all substeps of two groups of strands in one pass, for direct lengths without rod or contact. The
-// columns of two groups stay in the first-level cache, the prediction of a substep computes the velocity of the one
-// before, and previous positions live in scratch memory. A fifth less time than pass by pass (bench case "strands"),
-// with the same bits.
+// Fused substeps: all substeps of two groups of strands in one pass, for direct lengths without contact. The
+// columns of two groups stay in the first-level cache, the prediction of a substep ends the one before, and positions
+// stay at the start of a substep while velocities are solved. A fifth less time than pass by pass (bench case
+// "strands"), with the same bits.
 #include "fused_substeps.h"
 
 #include "head_roots.h"
@@ -11,15 +11,15 @@
 
 enum
 {
-    PAIR = 2,                                // kernels interleave two groups
-    PREVIOUS_FLOATS = PAIR * 3 * WISP_LANES, // per row
+    PAIR = 2,                            // kernels interleave two groups
+    PAIR_FLOATS = PAIR * 3 * WISP_LANES, // per row, of a vector
 };
 
 // Optional components of an entity.
 typedef struct parts
 {
     bool has_head, is_anchored, has_pins, has_links;
-    bool has_damping, has_air;
+    bool has_damping, has_air, has_rod, has_frames;
 } parts;
 
 // Arguments of kernels for one pair: columns start at its first row.
@@ -28,7 +28,9 @@ typedef struct pair_args
     int32_t group_row[PAIR + 1];
     wisp_strand_motion_args motion;
     wisp_strand_link_args link;
+    wisp_strand_rod_args rod;
     wisp_strand_stretch_args stretch;
+    float* tension; // of lengths, in the last substep; of rods in all
 } pair_args;
 
 static parts parts_of( wisp_frame* frame, wisp_entity entity, const strands_state* state )
@@ -40,6 +42,8 @@ static parts parts_of( wisp_frame* frame, wisp_entity entity, const strands_stat
         .has_links = wisp_frame_has( frame, entity, state->bend_link ),
         .has_damping = wisp_frame_has( frame, entity, state->damping ),
         .has_air = wisp_frame_has( frame, entity, state->air ),
+        .has_rod = wisp_frame_has( frame, entity, state->rod ),
+        .has_frames = wisp_frame_has( frame, entity, state->curve ),
     };
 }
 
@@ -49,11 +53,19 @@ static void move_roots( wisp_frame* frame, const wisp_span* pair, const parts* h
     if ( has->has_head )
     {
         strands_jump( frame, pair, state );
+        if ( has->has_frames )
+        {
+            strands_jump_frames( frame, pair, state );
+        }
         strands_root( frame, pair, state );
     }
     if ( has->is_anchored )
     {
         strands_anchor( frame, pair, state );
+        if ( has->has_frames )
+        {
+            strands_anchor_frames( frame, pair, state );
+        }
     }
     if ( has->has_pins )
     {
@@ -88,10 +100,13 @@ static void select_pair( pair_args* batch, const pair_args* all, const wisp_span
         batch->group_row[g - pair->begin] = group_row[g] - first;
     }
     batch->motion.position = batch->link.position = batch->stretch.position = all->motion.position + vector;
-    batch->motion.velocity = all->motion.velocity + vector;
+    batch->motion.low = batch->stretch.low = all->motion.low + vector;
+    batch->link.low = batch->motion.low;
+    batch->motion.velocity = batch->link.velocity = all->motion.velocity + vector;
     batch->motion.inverse_mass = batch->link.inverse_mass = batch->stretch.inverse_mass =
         all->motion.inverse_mass + scalar;
     batch->motion.root = all->motion.root + strands_vector( pair->begin, 0 );
+    batch->motion.root_low = all->motion.root_low + strands_vector( pair->begin, 0 );
     batch->stretch.velocity = batch->motion.velocity;
     batch->stretch.length = all->stretch.length + scalar;
     if ( all->motion.acceleration_scale != NULL )
@@ -102,29 +117,72 @@ static void select_pair( pair_args* batch, const pair_args* all, const wisp_span
     {
         batch->link.rest = all->link.rest + scalar;
     }
+    batch->tension = all->tension + scalar;
 }
 
-// Forces need velocities before them. Without forces the next prediction computes the velocities.
+// Point the arguments of rods at a pair of groups.
+static void select_rods( pair_args* batch, const pair_args* all, const wisp_span* pair )
+{
+    const int first = all->motion.group_row[pair->begin];
+    const size_t vector = strands_vector( first, 0 ), scalar = strands_scalar( first, 0 );
+    const size_t quat = strands_quat( first, 0 ), group_quat = strands_quat( pair->begin, 0 );
+    wisp_strand_rod_args* rod = &batch->rod;
+    rod->velocity = batch->motion.velocity;
+    rod->inverse_mass = batch->motion.inverse_mass;
+    rod->acceleration_scale = batch->motion.acceleration_scale;
+    rod->inverse_length = all->rod.inverse_length + scalar;
+    rod->stiffness = all->rod.stiffness + scalar;
+    rod->factor = all->rod.factor + vector;
+    rod->tension = batch->tension;
+    rod->max_tension = all->rod.max_tension + scalar;
+    rod->root = all->rod.root + group_quat;
+    rod->clamp = all->rod.clamp + group_quat;
+    if ( all->rod.frame != NULL )
+    {
+        rod->frame = all->rod.frame + quat;
+        rod->rest = all->rod.rest + vector;
+        rod->rest_twist = all->rod.rest_twist + 2 * scalar;
+        rod->twist_stiffness = all->rod.twist_stiffness + scalar;
+    }
+}
+
+static void bend_pair( wisp_frame* frame, const wisp_span* pair, const parts* has, const pair_args* batch,
+                       strands_state* state )
+{
+    const wisp_kernels* kernels = wisp_frame_kernels( frame );
+    const int groups = pair->end - pair->begin;
+    if ( has->has_links )
+    {
+        kernels->strand_link( &batch->link, 0, groups );
+    }
+    if ( has->has_frames )
+    {
+        strands_begin_with_rest_tension( frame, pair, state );
+    }
+    if ( has->has_rod )
+    {
+        kernels->strand_rod( &batch->rod, 0, groups );
+    }
+}
+
+// Forces need the substep before them ended. Without forces the next prediction ends it.
 static void run_pair( wisp_frame* frame, wisp_span pair, int substep_end, const parts* has, pair_args* batch,
-                      float* tension, strands_state* state )
+                      strands_state* state )
 {
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
     const int groups = pair.end - pair.begin, last = wisp_frame_substeps( frame ) - 1;
     const bool has_forces = has->has_damping || has->has_air;
-    bool is_velocity_pending = false;
+    bool is_end_pending = false;
     for ( ; pair.substep < substep_end; ++pair.substep )
     {
         move_roots( frame, &pair, has, state );
         apply_forces( frame, &pair, has, state );
-        ( is_velocity_pending ? kernels->strand_advance : kernels->strand_predict )( &batch->motion, 0, groups );
-        if ( has->has_links )
-        {
-            kernels->strand_link( &batch->link, 0, groups );
-        }
-        batch->stretch.tension = pair.substep == last ? tension : NULL;
+        ( is_end_pending ? kernels->strand_advance : kernels->strand_predict )( &batch->motion, 0, groups );
+        bend_pair( frame, &pair, has, batch, state );
+        batch->stretch.tension = has->has_rod || pair.substep == last ? batch->tension : NULL;
         strands_count_reset( frame, kernels->strand_stretch( &batch->stretch, 0, groups ) );
-        is_velocity_pending = has_forces == false && pair.substep + 1 < substep_end;
-        if ( is_velocity_pending == false )
+        is_end_pending = has_forces == false && pair.substep + 1 < substep_end;
+        if ( is_end_pending == false )
         {
             kernels->strand_velocity( &batch->motion, 0, groups );
         }
@@ -152,24 +210,34 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     {
         all.link = strands_bend_link_args( frame, span, state );
     }
-    all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PREVIOUS_FLOATS );
+    if ( has.has_rod )
+    {
+        all.rod = strands_rod_args( frame, span, state, has.has_frames );
+    }
+    all.stretch.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH + PAIR_FLOATS );
     if ( all.stretch.scratch == NULL )
     {
         return;
     }
     const int32_t* group_row = all.motion.group_row;
-    float* tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
+    all.tension = wisp_frame_column( frame, span->entity, state->tension, 0 );
     int32_t* in_bounds = wisp_frame_column( frame, span->entity, state->in_bounds, 0 );
     pair_args batch = all;
-    batch.motion.group_row = batch.link.group_row = batch.stretch.group_row = batch.group_row;
-    batch.motion.previous = batch.stretch.previous =
-        all.stretch.scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
+    batch.motion.group_row = batch.link.group_row = batch.rod.group_row = batch.stretch.group_row = batch.group_row;
+    float* behind = all.stretch.scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
+    batch.motion.previous = batch.stretch.previous = NULL;
+    batch.link.previous = batch.rod.previous = NULL;
+    batch.motion.segment = batch.link.segment = batch.rod.segment = batch.stretch.segment = behind;
+    batch.rod.scratch = all.stretch.scratch;
     for ( wisp_span pair = *span; pair.begin < span->end; pair.begin = pair.end )
     {
         pair.end = pair.begin + PAIR < span->end ? pair.begin + PAIR : span->end;
         select_pair( &batch, &all, &pair );
-        run_pair( frame, pair, substep_end, &has, &batch, tension + strands_scalar( group_row[pair.begin], 0 ),
-                  state );
+        if ( has.has_rod )
+        {
+            select_rods( &batch, &all, &pair );
+        }
+        run_pair( frame, pair, substep_end, &has, &batch, state );
         if ( substep_end == wisp_frame_substeps( frame ) )
         {
             check_bounds( frame, &pair, &batch, in_bounds );

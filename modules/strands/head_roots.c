@@ -30,23 +30,34 @@ wisp_transform strands_head_pose( wisp_frame* frame, const strands_head* head, i
                                        is_still ? 1.0f : wisp_frame_progress( frame, substeps ) );
 }
 
-static void turn_vertex( float* position, float* velocity, int row, int lane, wisp_vec3 from, wisp_vec3 to,
-                         wisp_quat turn )
+// Columns of strands that are turned.
+typedef struct turned_columns
 {
-    const wisp_vec3 arm = strands_sub( strands_get( position, row, lane ), from );
-    strands_put( position, row, lane, strands_add( to, wisp_quat_rotate( turn, arm ) ) );
-    strands_put( velocity, row, lane, wisp_quat_rotate( turn, strands_get( velocity, row, lane ) ) );
+    float *position, *low, *velocity;
+} turned_columns;
+
+static void turn_vertex( const turned_columns* c, int row, int lane, wisp_vec3 from, wisp_vec3 to, wisp_quat turn )
+{
+    const wisp_vec3 low = strands_get( c->low, row, lane );
+    const wisp_vec3 arm = strands_add( strands_sub( strands_get( c->position, row, lane ), from ), low );
+    const wisp_vec3 turned = wisp_quat_rotate( turn, arm ), put = strands_add( to, turned );
+    strands_put( c->position, row, lane, put );
+    strands_put( c->velocity, row, lane, wisp_quat_rotate( turn, strands_get( c->velocity, row, lane ) ) );
+    strands_put( c->low, row, lane, strands_low_vector( to, turned, put ) );
 }
 
-void strands_turn( wisp_frame* frame, wisp_entity entity, int group, int lane, wisp_vec3 from, wisp_vec3 to,
-                   wisp_quat turn )
+void strands_turn( wisp_frame* frame, wisp_entity entity, wisp_component low, int group, int lane, wisp_vec3 from,
+                   wisp_vec3 to, wisp_quat turn )
 {
     const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
-    float* position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 );
-    float* velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 );
+    const turned_columns c = {
+        .position = wisp_frame_column( frame, entity, WISP_STRAND_POSITION, 0 ),
+        .low = wisp_frame_column( frame, entity, low, 0 ),
+        .velocity = wisp_frame_column( frame, entity, WISP_STRAND_VELOCITY, 0 ),
+    };
     for ( int v = 0; v < t->lane_count[group * WISP_LANES + lane]; ++v )
     {
-        turn_vertex( position, velocity, t->group_row[group] + v, lane, from, to, turn );
+        turn_vertex( &c, t->group_row[group] + v, lane, from, to, turn );
     }
 }
 
@@ -74,7 +85,7 @@ void strands_jump( wisp_frame* frame, const wisp_span* span, void* user )
     const int end = head->jumped != 0 && span->substep == 0 ? span->end * WISP_LANES : 0;
     for ( int i = span->begin * WISP_LANES; i < end; ++i )
     {
-        strands_turn( frame, span->entity, i / WISP_LANES, i % WISP_LANES, head->from.translation,
+        strands_turn( frame, span->entity, state->low, i / WISP_LANES, i % WISP_LANES, head->from.translation,
                       head->to.translation, turn_of( head ) );
     }
 }
@@ -90,27 +101,34 @@ void strands_jump_frames( wisp_frame* frame, const wisp_span* span, void* user )
     }
 }
 
-// A pose as the rows of its matrix, for sixteen lanes at once.
-typedef struct pose_rows
+// One coordinate of a pose, for sixteen lanes at once.
+typedef struct pose_row
 {
-    float x[4], y[4], z[4]; // rotation, then translation
-} pose_rows;
+    float x, y, z; // of the rotation
+    float to;      // m, of the translation at the end of the step
+    float before;  // m, from there to the translation of the pose
+} pose_row;
 
-static pose_rows rows_of_pose( wisp_transform pose )
+static void make_pose_rows( const strands_head* head, wisp_transform pose, float left, pose_row rows[3] )
 {
-    const wisp_vec3 a = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
-    const wisp_vec3 b = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
-    const wisp_vec3 c = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
-    const wisp_vec3 t = pose.translation;
-    return ( pose_rows ){ { a.x, b.x, c.x, t.x }, { a.y, b.y, c.y, t.y }, { a.z, b.z, c.z, t.z } };
+    const wisp_vec3 x = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f } );
+    const wisp_vec3 y = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 1.0f, 0.0f } );
+    const wisp_vec3 z = wisp_quat_rotate( pose.rotation, ( wisp_vec3 ){ 0.0f, 0.0f, 1.0f } );
+    const wisp_vec3 to = head->to.translation, way = strands_sub( to, head->from.translation );
+    rows[0] = ( pose_row ){ x.x, y.x, z.x, to.x, -left * way.x };
+    rows[1] = ( pose_row ){ x.y, y.y, z.y, to.y, -left * way.y };
+    rows[2] = ( pose_row ){ x.z, y.z, z.z, to.z, -left * way.z };
 }
 
-static void transform_lanes( const float row[4], const float* rest, float* out )
+// The arm is added last, so that it keeps its digits in the low part.
+static void transform_lanes( pose_row row, const float* rest, float* out, float* low )
 {
     for ( int lane = 0; lane < WISP_LANES; ++lane )
     {
-        out[lane] =
-            row[0] * rest[lane] + row[1] * rest[WISP_LANES + lane] + row[2] * rest[2 * WISP_LANES + lane] + row[3];
+        const float arm =
+            row.x * rest[lane] + row.y * rest[WISP_LANES + lane] + row.z * rest[2 * WISP_LANES + lane] + row.before;
+        out[lane] = row.to + arm;
+        low[lane] = strands_low( row.to, arm, out[lane] );
     }
 }
 
@@ -134,15 +152,19 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
+    float* low = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 2 );
     const wisp_transform pose = strands_head_pose( frame, head, span->substep + 1 );
-    const pose_rows rows = rows_of_pose( pose );
+    const float left = head->jumped != 0 ? 0.0f : 1.0f - wisp_frame_progress( frame, span->substep + 1 );
+    pose_row rows[3];
+    make_pose_rows( head, pose, left, rows );
     for ( int g = span->begin; g < span->end; ++g )
     {
         const float* from = rest + strands_vector( t->group_row[g], 0 );
-        float* to = position + strands_vector( g, 0 );
-        transform_lanes( rows.x, from, to );
-        transform_lanes( rows.y, from, to + WISP_LANES );
-        transform_lanes( rows.z, from, to + 2 * WISP_LANES );
+        for ( int k = 0; k < 3; ++k )
+        {
+            const size_t at = strands_vector( g, 0 ) + (size_t)k * WISP_LANES;
+            transform_lanes( rows[k], from, position + at, low + at );
+        }
         float* turn = rotation + (size_t)g * 4 * WISP_LANES;
         fill_lanes( pose.rotation.x, turn );
         fill_lanes( pose.rotation.y, turn + WISP_LANES );
@@ -155,31 +177,37 @@ void strands_root( wisp_frame* frame, const wisp_span* span, void* user )
 // takes them there, before the prediction runs.
 void strands_hold_pins( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    (void)user;
+    const strands_state* state = user;
     const wisp_strand_topology* t = wisp_frame_strands( frame, span->entity );
     const float* rest = wisp_frame_column( frame, span->entity, WISP_STRAND_REST, 0 );
     const float* weight = wisp_frame_column( frame, span->entity, WISP_STRAND_INVERSE_MASS, 0 );
     const float* root = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 0 );
     const float* rotation = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 1 );
+    const float* root_low = wisp_frame_column( frame, span->entity, WISP_STRAND_ROOT, 2 );
     float* position = wisp_frame_column( frame, span->entity, WISP_STRAND_POSITION, 0 );
+    float* low = wisp_frame_column( frame, span->entity, state->low, 0 );
     float* velocity = wisp_frame_column( frame, span->entity, WISP_STRAND_VELOCITY, 0 );
     const float inverse_dt = 1.0f / wisp_frame_dt( frame );
     for ( int i = span->begin * WISP_LANES; i < span->end * WISP_LANES; ++i )
     {
         const int group = i / WISP_LANES, lane = i % WISP_LANES, first = t->group_row[group];
+        const wisp_vec3 from = strands_get( root, group, lane );
         for ( int row = first + 1; row < first + t->lane_count[i]; ++row )
         {
             if ( weight[strands_scalar( row, lane )] > 0.0f )
             {
                 continue;
             }
-            const wisp_vec3 arm = strands_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
-            const wisp_vec3 to = strands_add( strands_get( root, group, lane ),
-                                              wisp_quat_rotate( strands_get_quat( rotation, group, lane ), arm ) );
-            const wisp_vec3 way = strands_sub( to, strands_get( position, row, lane ) );
+            const wisp_vec3 at_rest = strands_sub( strands_get( rest, row, lane ), strands_get( rest, first, lane ) );
+            const wisp_vec3 arm = strands_add( wisp_quat_rotate( strands_get_quat( rotation, group, lane ), at_rest ),
+                                               strands_get( root_low, group, lane ) );
+            const wisp_vec3 to = strands_add( from, arm ), to_low = strands_low_vector( from, arm, to );
+            const wisp_vec3 way = strands_add( strands_sub( to, strands_get( position, row, lane ) ),
+                                               strands_sub( to_low, strands_get( low, row, lane ) ) );
             strands_put( velocity, row, lane,
                          ( wisp_vec3 ){ inverse_dt * way.x, inverse_dt * way.y, inverse_dt * way.z } );
             strands_put( position, row, lane, to );
+            strands_put( low, row, lane, to_low );
         }
     }
 }

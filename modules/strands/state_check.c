@@ -62,7 +62,7 @@ static bool is_in_bounds( wisp_vec3 p )
     return fabsf( p.x ) <= STRANDS_BOUND && fabsf( p.y ) <= STRANDS_BOUND && fabsf( p.z ) <= STRANDS_BOUND;
 }
 
-static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* loop, int row )
+static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* loop, float* low, int row )
 {
     const wisp_strand_topology* t = wisp_frame_strands( frame, entity );
     int group = 0, lane = 0;
@@ -86,6 +86,7 @@ static void restore_state( wisp_frame* frame, wisp_entity entity, check_loop* lo
     const size_t bytes = strands_vector( t->row_count, 0 ) * sizeof( float );
     memcpy( loop->position, loop->good_position, bytes );
     memcpy( loop->velocity, loop->good_velocity, bytes );
+    memset( low, 0, bytes ); // may be NaN
     wisp_frame_halt( frame, entity, message );
 }
 
@@ -110,7 +111,7 @@ void strands_guard( wisp_frame* frame, const wisp_span* span, void* user )
     *fault = bad < t->row_count ? 1 : 0;
     if ( *fault != 0 )
     {
-        restore_state( frame, span->entity, &loop, bad );
+        restore_state( frame, span->entity, &loop, wisp_frame_column( frame, span->entity, state->low, 0 ), bad );
     }
     else
     {

@@ -82,6 +82,19 @@ static inline wisp_vec3 strands_add( wisp_vec3 a, wisp_vec3 b )
     return ( wisp_vec3 ){ a.x + b.x, a.y + b.y, a.z + b.z };
 }
 
+/// Return what does not fit the rounded sum of a and b, exactly (Knuth's two-sum).
+static inline float strands_low( float a, float b, float sum )
+{
+    const float of_b = sum - a;
+    return ( a - ( sum - of_b ) ) + ( b - of_b );
+}
+
+static inline wisp_vec3 strands_low_vector( wisp_vec3 a, wisp_vec3 b, wisp_vec3 sum )
+{
+    return ( wisp_vec3 ){ strands_low( a.x, b.x, sum.x ), strands_low( a.y, b.y, sum.y ),
+                          strands_low( a.z, b.z, sum.z ) };
+}
+
 static inline float strands_norm( wisp_vec3 v )
 {
     return sqrtf( v.x * v.x + v.y * v.y + v.z * v.z );

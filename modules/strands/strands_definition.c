@@ -146,7 +146,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 23,
+    COMPONENT_COUNT = 24,
 };
 
 // Return whether vertices behind a root may be pinned: by a pin, or because a strand has no length.
@@ -178,6 +178,7 @@ static void list_components( const strands_state* s, const wisp_strand_dynamics_
         { WISP_STRAND_INVERSE_MASS, true },
         { WISP_STRAND_LENGTH, true },
         { WISP_STRAND_ROOT, true },
+        { s->low, true },
         { s->settings, true },
         { s->good, true },
         { s->fault, true },

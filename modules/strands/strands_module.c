@@ -73,8 +73,8 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->head },
-            .reads = { s->head, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .reads = { s->head, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_jump,
         },
         {
@@ -100,9 +100,9 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->settings, s->surface, s->anchor },
-            .reads = { s->settings, s->surface, s->anchor, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
+            .reads = { s->settings, s->surface, s->anchor, s->low, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
-            .writes = { WISP_STRAND_ROOT, s->anchor, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { WISP_STRAND_ROOT, s->anchor, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_anchor,
         },
         {
@@ -119,9 +119,9 @@ static wisp_status declare_roots( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_FORCE,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->pins },
-            .reads = { s->pins, WISP_STRAND_REST, WISP_STRAND_INVERSE_MASS, WISP_STRAND_ROOT, WISP_STRAND_POSITION,
-                       WISP_STRAND_VELOCITY },
-            .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .reads = { s->pins, s->low, WISP_STRAND_REST, WISP_STRAND_INVERSE_MASS, WISP_STRAND_ROOT,
+                       WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_hold_pins,
         },
     };
@@ -164,8 +164,8 @@ static wisp_status declare_forces( wisp_registry* r, strands_state* s )
             .name = "strands.predict",
             .stage = WISP_STAGE_PREDICT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
-            .required = { s->settings },
-            .reads = { s->settings, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
+            .required = { s->settings, s->low },
+            .reads = { s->settings, s->low, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION,
                        WISP_STRAND_VELOCITY },
             .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
             .run = strands_predict,
@@ -182,19 +182,19 @@ static wisp_status declare_rods( wisp_registry* r, strands_state* s )
         .stage = WISP_STAGE_PREDICT,
         .domain = WISP_DOMAIN_STRAND_GROUP,
         .required = { s->settings, s->rod, s->tension, s->straight },
-        .reads = { s->settings, s->rod, s->clamp, s->tension, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS,
-                   WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
-        .writes = { WISP_STRAND_POSITION },
+        .reads = { s->settings, s->rod, s->clamp, s->tension, s->low, WISP_STRAND_ROOT, WISP_STRAND_INVERSE_MASS,
+                   WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+        .writes = { WISP_STRAND_POSITION, WISP_STRAND_VELOCITY, WISP_STRAND_PREVIOUS },
         .run = strands_bend,
         .user = s,
     };
     const wisp_status status = wisp_declare_pass( r, &rod );
     rod.name = "strands.rod_curved";
     rod.required[3] = s->curve;
-    rod.reads[8] = s->curve;
-    rod.reads[9] = s->balance;
-    rod.writes[1] = s->curve;
-    rod.writes[2] = s->tension;
+    rod.reads[10] = s->curve;
+    rod.reads[11] = s->balance;
+    rod.writes[3] = s->curve;
+    rod.writes[4] = s->tension;
     rod.run = strands_bend_curved;
     return status == WISP_OK ? wisp_declare_pass( r, &rod ) : status;
 }
@@ -207,8 +207,9 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->bend_links, s->bend_link },
-            .reads = { s->bend_links, s->bend_link, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
-            .writes = { s->bend_link, WISP_STRAND_POSITION },
+            .reads = { s->bend_links, s->bend_link, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS,
+                       WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->bend_link, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_bend_link,
         },
         {
@@ -216,8 +217,9 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->links, s->stretch_link },
-            .reads = { s->links, s->stretch_link, WISP_STRAND_INVERSE_MASS, WISP_STRAND_POSITION },
-            .writes = { s->stretch_link, WISP_STRAND_POSITION },
+            .reads = { s->links, s->stretch_link, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS,
+                       WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->stretch_link, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_link_rows,
         },
         {
@@ -235,9 +237,9 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_PROJECT,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->direct, s->tension },
-            .reads = { s->direct, s->tension, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH, WISP_STRAND_PREVIOUS,
-                       WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { s->tension, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION },
+            .reads = { s->direct, s->tension, s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_LENGTH,
+                       WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->tension, s->low, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_stretch,
         },
         {
@@ -245,22 +247,24 @@ static wisp_status declare_lengths( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_VELOCITY,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->settings },
-            .reads = { WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { WISP_STRAND_VELOCITY },
+            .reads = { s->low, WISP_STRAND_INVERSE_MASS, WISP_STRAND_PREVIOUS, WISP_STRAND_POSITION,
+                       WISP_STRAND_VELOCITY },
+            .writes = { s->low, WISP_STRAND_VELOCITY },
             .run = strands_read_velocity,
         },
     };
     return wisp_declare_passes( r, passes, WISP_COUNT( passes ), s );
 }
 
-// Declare the fused pass. With a rod, other kinds of lengths, contacts or more iterations the passes run one by one.
+// Declare the fused pass. With other kinds of lengths, contacts or more iterations the passes run one by one.
 static wisp_status declare_substeps( wisp_registry* r, strands_state* s )
 {
     const wisp_fusion join = {
         .name = "strands.substeps",
         .required = { "strands.predict", "strands.stretch", "strands.velocity" },
-        .allowed = { "strands.teleport", "strands.roots", "strands.anchors", "strands.pins", "strands.damping",
-                     "strands.damping_anchored", "strands.air", "strands.bend_links" },
+        .allowed = { "strands.teleport", "strands.teleport_frames", "strands.roots", "strands.anchors",
+                     "strands.anchor_frames", "strands.pins", "strands.damping", "strands.damping_anchored",
+                     "strands.air", "strands.rod", "strands.rod_curved", "strands.bend_links" },
         .run = strands_substeps,
         .user = s,
     };
@@ -275,8 +279,8 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
             .stage = WISP_STAGE_DERIVE,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->good, s->fault, s->in_bounds },
-            .reads = { s->good, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
-            .writes = { s->good, s->fault, s->in_bounds, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .reads = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
+            .writes = { s->good, s->fault, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
             .run = strands_guard,
         },
         {

@@ -63,6 +63,8 @@ typedef struct strands_grid
 #define STRANDS_AIR( X ) X( strands_air, air, 1 )
 #define STRANDS_PINS( X ) X( int32_t, count, 1 )  /* vertices behind the root that are pinned */
 #define STRANDS_FAULT( X ) X( int32_t, fault, 1 ) /* the state check restored the entity in this step */
+#define STRANDS_LOW( X )                                                                                             \
+    X( float, low, 48 ) /* m, what does not fit the digits of the position */
 #define STRANDS_DIRECT( X ) X( strands_direct, direct, 1 )
 #define STRANDS_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_FOLLOW( X ) X( float, fraction, 1 )
@@ -114,6 +116,7 @@ typedef struct strands_grid
     X( air, "strands.air", WISP_TABLE_ENTITY, STRANDS_AIR )                                                          \
     X( pins, "strands.pins", WISP_TABLE_ENTITY, STRANDS_PINS )                                                       \
     X( fault, "strands.fault", WISP_TABLE_ENTITY, STRANDS_FAULT )                                                    \
+    X( low, "strands.low", WISP_TABLE_STRAND_ROW, STRANDS_LOW )                                                      \
     X( direct, "strands.direct", WISP_TABLE_ENTITY, STRANDS_DIRECT )                                                 \
     X( links, "strands.links", WISP_TABLE_ENTITY, STRANDS_LINKS )                                                    \
     X( follow, "strands.follow", WISP_TABLE_ENTITY, STRANDS_FOLLOW )                                                 \

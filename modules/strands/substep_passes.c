@@ -7,6 +7,10 @@
 //   J W J^T dlambda = -C, twice                   strands.stretch    tridiagonal: |e_s| = l_s
 //   v <- v + (p - p*) / dt                        strands.velocity
 //
+// Rods and lengths correct v and let p follow, and a vertex is at p + low (strand_place.h). So neither motion nor
+// forces are made of rounded positions, and p - p* holds only what contacts and followers of a leader did. Without
+// those the last pass adds 0.
+//
 // Bending is solved before lengths, so tension must be applied first or the order costs accuracy: p* += dt^2 w (T_s
 // t_s - T_{s-1} t_{s-1}). A straight rod takes the tension of the substep before, within the bound of rod_factors.c.
 // Heavy elasticas of 64 vertices are within 0.3 % of the closed form at any number of substeps from 4 on. In a curled
@@ -21,6 +25,9 @@
 #include "strand_rows.h"
 
 #include <string.h>
+
+// Fraction by which inextensible strands may be too long without being counted.
+static const float MAX_STRETCH = 0.05f;
 
 static float* column_of( wisp_frame* frame, const wisp_span* span, wisp_component component, int column )
 {
@@ -151,9 +158,12 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
+        .low = column_of( frame, span, state->low, 0 ),
         .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .root = column_of( frame, span, WISP_STRAND_ROOT, 0 ),
+        .root_low = column_of( frame, span, WISP_STRAND_ROOT, 2 ),
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
         .dt = wisp_frame_dt( frame ),
@@ -172,13 +182,17 @@ void strands_read_velocity( wisp_frame* frame, const wisp_span* span, void* user
     wisp_frame_kernels( frame )->strand_velocity( &args, span->begin, span->end );
 }
 
-static wisp_strand_rod_args rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
+                                       bool has_frames )
 {
     const strands_settings* settings = wisp_frame_column( frame, span->entity, state->settings, 0 );
-    return ( wisp_strand_rod_args ){
+    wisp_strand_rod_args args = {
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
+        .low = column_of( frame, span, state->low, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .inverse_length = column_of( frame, span, state->rod, 0 ),
         .stiffness = column_of( frame, span, state->rod, 1 ),
@@ -191,21 +205,33 @@ static wisp_strand_rod_args rod_args( wisp_frame* frame, const wisp_span* span, 
         .acceleration = settings->gravity,
         .acceleration_scale = fraction_of( frame, span, state ),
         .dt = wisp_frame_dt( frame ),
-        .scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH ),
     };
+    if ( has_frames )
+    {
+        args.frame = column_of( frame, span, state->curve, 0 );
+        args.rest = column_of( frame, span, state->curve, 1 );
+        args.rest_twist = column_of( frame, span, state->curve, 2 );
+        args.twist_stiffness = column_of( frame, span, state->curve, 3 );
+    }
+    return args;
 }
 
-void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
+static void bend( wisp_frame* frame, const wisp_span* span, const strands_state* state, bool has_frames )
 {
-    const wisp_strand_rod_args args = rod_args( frame, span, user );
+    wisp_strand_rod_args args = strands_rod_args( frame, span, state, has_frames );
+    args.scratch = strands_scratch( frame, span, WISP_STRAND_SCRATCH );
     if ( args.scratch != NULL )
     {
         wisp_frame_kernels( frame )->strand_rod( &args, span->begin, span->end );
     }
 }
 
-// Start with the tension of the rest shape.
-static void begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
+void strands_bend( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    bend( frame, span, user, false );
+}
+
+void strands_begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
     const int32_t* group_row = rows_of( frame, span );
     const size_t begin = strands_scalar( group_row[span->begin], 0 ), end = strands_scalar( group_row[span->end], 0 );
@@ -215,30 +241,25 @@ static void begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, c
 
 void strands_bend_curved( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    const strands_state* state = user;
-    begin_with_rest_tension( frame, span, state );
-    wisp_strand_rod_args args = rod_args( frame, span, user );
-    args.frame = column_of( frame, span, state->curve, 0 );
-    args.rest = column_of( frame, span, state->curve, 1 );
-    args.rest_twist = column_of( frame, span, state->curve, 2 );
-    args.twist_stiffness = column_of( frame, span, state->curve, 3 );
-    if ( args.scratch != NULL )
-    {
-        wisp_frame_kernels( frame )->strand_rod( &args, span->begin, span->end );
-    }
+    strands_begin_with_rest_tension( frame, span, user );
+    bend( frame, span, user, true );
 }
 
 // ---- lengths ----
 
 // Multipliers accumulate over the iterations; with a single iteration they start at 0 and are not stored.
-static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span, const strands_link* link,
-                                        wisp_component rows, int stride )
+static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
+                                        const strands_link* link, wisp_component rows, int stride )
 {
     const float dt = wisp_frame_dt( frame );
     const bool keeps = link->xpbd != 0 && wisp_frame_iterations( frame ) > 1;
     return ( wisp_strand_link_args ){
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
+        .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
+        .low = column_of( frame, span, state->low, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .rest = column_of( frame, span, rows, 0 ),
         .lambda = keeps ? column_of( frame, span, rows, 1 ) : NULL,
@@ -246,13 +267,14 @@ static wisp_strand_link_args link_args( wisp_frame* frame, const wisp_span* span
         .stiffness = link->stiffness,
         .compliance = link->compliance,
         .inverse_dt2 = link->xpbd != 0 ? 1.0f / ( dt * dt ) : 0.0f,
+        .dt = dt,
     };
 }
 
 wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state )
 {
-    return link_args( frame, span, wisp_frame_column( frame, span->entity, state->bend_links, 0 ), state->bend_link,
-                      2 );
+    return link_args( frame, span, state, wisp_frame_column( frame, span->entity, state->bend_links, 0 ),
+                      state->bend_link, 2 );
 }
 
 static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_strand_link_args* args )
@@ -266,12 +288,32 @@ static void project_links( wisp_frame* frame, const wisp_span* span, const wisp_
     wisp_frame_kernels( frame )->strand_link( args, span->begin, span->end );
 }
 
+// Links that are inextensible by definition, but not by so few sweeps: masses that grow along a strand need about as many
+// sweeps as their ratio.
+static void count_stretched( wisp_frame* frame, const wisp_span* span, const strands_link* link,
+                             const wisp_strand_link_args* args )
+{
+    const bool is_last =
+        span->substep + 1 == wisp_frame_substeps( frame ) && span->iteration + 1 == wisp_frame_iterations( frame );
+    const bool is_inextensible = link->xpbd != 0 ? link->compliance <= 0.0f : link->stiffness >= 1.0f;
+    if ( is_last && is_inextensible )
+    {
+        const int count =
+            wisp_frame_kernels( frame )->strand_count_stretched( args, MAX_STRETCH, span->begin, span->end );
+        if ( count > 0 )
+        {
+            wisp_frame_count( frame, WISP_COUNT_STRETCHED, (uint64_t)count );
+        }
+    }
+}
+
 void strands_link_rows( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const strands_state* state = user;
-    const wisp_strand_link_args args =
-        link_args( frame, span, wisp_frame_column( frame, span->entity, state->links, 0 ), state->stretch_link, 1 );
+    const strands_link* link = wisp_frame_column( frame, span->entity, state->links, 0 );
+    const wisp_strand_link_args args = link_args( frame, span, state, link, state->stretch_link, 1 );
     project_links( frame, span, &args );
+    count_stretched( frame, span, link, &args );
 }
 
 void strands_bend_link( wisp_frame* frame, const wisp_span* span, void* user )
@@ -310,11 +352,13 @@ wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_spa
         .group_row = rows_of( frame, span ),
         .position = column_of( frame, span, WISP_STRAND_POSITION, 0 ),
         .previous = column_of( frame, span, WISP_STRAND_PREVIOUS, 0 ),
+        .segment = column_of( frame, span, WISP_STRAND_PREVIOUS, 1 ),
+        .low = column_of( frame, span, state->low, 0 ),
+        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .inverse_mass = column_of( frame, span, WISP_STRAND_INVERSE_MASS, 0 ),
         .length = column_of( frame, span, WISP_STRAND_LENGTH, 0 ),
         .tension = tension_of( frame, span, state, direct->has_rod != 0 ),
         .accumulates_tension = direct->has_rod != 0 || span->iteration > 0,
-        .velocity = column_of( frame, span, WISP_STRAND_VELOCITY, 0 ),
         .iterations = direct->passes,
         .tolerance = direct->tolerance,
         .dt = wisp_frame_dt( frame ),

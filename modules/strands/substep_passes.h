@@ -11,6 +11,13 @@ wisp_strand_motion_args strands_motion_args( wisp_frame* frame, const wisp_span*
 wisp_strand_link_args strands_bend_link_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
 wisp_strand_stretch_args strands_stretch_args( wisp_frame* frame, const wisp_span* span, const strands_state* state );
 
+/// The same, without scratch memory.
+wisp_strand_rod_args strands_rod_args( wisp_frame* frame, const wisp_span* span, const strands_state* state,
+                                       bool has_frames );
+
+/// Let a substep of curled rods start with the tension of the rest shape.
+void strands_begin_with_rest_tension( wisp_frame* frame, const wisp_span* span, const strands_state* state );
+
 /// Return scratch memory of a worker: so many floats per row of the longest group, which is the first.
 /// @return null without memory; the step fails with a message
 float* strands_scratch( wisp_frame* frame, const wisp_span* span, int floats );

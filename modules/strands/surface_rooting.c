@@ -152,6 +152,8 @@ static void root_lane( wisp_world* world, wisp_entity strands, const strands_sta
         wisp_world_column( world, strands, state->anchor, 2 ), group, lane,
         strands_quat_multiply( strands_quat_inverse( frame ), strands_get_quat( rotation, group, lane ) ) );
     strands_put_corners( wisp_world_column( world, strands, state->anchor, 3 ), group, lane, &t );
+    strands_put( wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), group, lane,
+                 ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ); // a surface has no digits beyond those of its positions
 }
 
 static void root_all( wisp_world* world, wisp_entity strands, const strands_state* state, const surface_view* s )

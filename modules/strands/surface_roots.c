@@ -144,8 +144,8 @@ static anchor_columns columns_of( wisp_frame* frame, const wisp_span* span, cons
 }
 
 // Teleport the strand of a root that moves too far in the step; the root then stays for the rest of the step.
-static void jump( wisp_frame* frame, const wisp_span* span, const anchor_columns* c, int group, int lane,
-                  const strands_triangle* now, float teleport )
+static void jump( wisp_frame* frame, const wisp_span* span, const strands_state* state, const anchor_columns* c,
+                  int group, int lane, const strands_triangle* now, float teleport )
 {
     const wisp_vec3 root = strands_get( c->root, group, lane );
     const wisp_transform end = pose_on( c, now, group, lane );
@@ -154,7 +154,7 @@ static void jump( wisp_frame* frame, const wisp_span* span, const anchor_columns
     {
         turn = strands_quat_multiply( end.rotation,
                                       strands_quat_inverse( strands_get_quat( c->rotation, group, lane ) ) );
-        strands_turn( frame, span->entity, group, lane, root, end.translation, turn );
+        strands_turn( frame, span->entity, state->low, group, lane, root, end.translation, turn );
         strands_put_corners( c->corner, group, lane, now );
     }
     strands_put_quat( c->jump, group, lane, turn );
@@ -178,7 +178,7 @@ void strands_anchor( wisp_frame* frame, const wisp_span* span, void* user )
         const strands_triangle now = triangle_now( &c, group, lane, &before );
         if ( span->substep == 0 )
         {
-            jump( frame, span, &c, group, lane, &now, settings->teleport );
+            jump( frame, span, state, &c, group, lane, &now, settings->teleport );
             before = get_corners( c.corner, group, lane );
         }
         const strands_triangle on = between( &before, &now, (float)( span->substep + 1 ) / (float)substeps );

@@ -13,14 +13,16 @@ enum
 typedef struct strands_state
 {
     _Alignas( 64 ) float position[STRAND_ROWS][3][16];
-    float previous[STRAND_ROWS][3][16], velocity[STRAND_ROWS][3][16];
+    float previous[STRAND_ROWS][3][16], velocity[STRAND_ROWS][3][16], low[STRAND_ROWS][3][16],
+        segment[STRAND_ROWS][3][16];
     float weight[STRAND_ROWS][16], length[STRAND_ROWS][16], tension[STRAND_ROWS][16];
     float max_tension[STRAND_ROWS][16];
     float rest2[STRAND_ROWS][16], lambda[STRAND_ROWS][16]; // of links two apart
     float inverse_length[STRAND_ROWS][16], stiffness[STRAND_ROWS][16], factor[STRAND_ROWS][3][16];
     float frame[STRAND_ROWS][4][16], rest[STRAND_ROWS][3][16], rest_twist[STRAND_ROWS][2][16];
     float twist_stiffness[STRAND_ROWS][16];
-    float root[STRAND_GROUPS][3][16], turn[STRAND_GROUPS][4][16], clamp[STRAND_GROUPS][4][16];
+    float root[STRAND_GROUPS][3][16], root_low[STRAND_GROUPS][3][16], turn[STRAND_GROUPS][4][16],
+        clamp[STRAND_GROUPS][4][16];
     float fraction[STRAND_GROUPS][16];
     float scratch[20 * WISP_STRAND_SCRATCH];
     int32_t group_row[STRAND_GROUPS + 1];
@@ -42,6 +44,21 @@ static inline void strand_frame( float ( *frame )[16], int lane, const float e[3
     frame[1][lane] = (float)( t[0] / norm );
     frame[2][lane] = 0.0f;
     frame[3][lane] = (float)( ( 1.0 + t[2] ) / norm );
+}
+
+// The start of a substep of 1/600 s that ends at the positions, and the segments there.
+static inline void find_start( strands_state* s )
+{
+    for ( int i = 0; i < STRAND_ROWS * 48; ++i )
+    {
+        const int row = i / 48, k = i / 16 % 3, lane = i % 16;
+        const float path = s->weight[row][lane] > 0.0f ? s->velocity[row][k][lane] / 600.0f : 0.0f;
+        s->previous[row][k][lane] = s->position[row][k][lane] - path;
+        if ( row > 0 )
+        {
+            s->segment[row - 1][k][lane] = s->position[row - 1][k][lane] - s->position[row][k][lane];
+        }
+    }
 }
 
 // Strands of about 5 mm a segment that wander upward; lane l of a group lacks l / 4 vertices of the longest.
@@ -94,20 +111,23 @@ static inline void make_strands( strands_state* s )
             }
         }
     }
-    memcpy( s->previous, s->position, sizeof( s->previous ) );
+    find_start( s );
 }
 
 static inline wisp_strand_motion_args motion_args( strands_state* s, float dt )
 {
-    return ( wisp_strand_motion_args ){ s->group_row,
-                                        s->position[0][0],
-                                        s->previous[0][0],
-                                        s->velocity[0][0],
-                                        s->weight[0],
-                                        s->root[0][0],
-                                        { 0.5f, -9.81f, 0.25f },
-                                        s->fraction[0],
-                                        dt };
+    return ( wisp_strand_motion_args ){ .group_row = s->group_row,
+                                        .position = s->position[0][0],
+                                        .previous = s->previous[0][0],
+                                        .segment = s->segment[0][0],
+                                        .low = s->low[0][0],
+                                        .velocity = s->velocity[0][0],
+                                        .inverse_mass = s->weight[0],
+                                        .root = s->root[0][0],
+                                        .root_low = s->root_low[0][0],
+                                        .acceleration = { 0.5f, -9.81f, 0.25f },
+                                        .acceleration_scale = s->fraction[0],
+                                        .dt = dt };
 }
 
 static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt, int passes )
@@ -121,6 +141,9 @@ static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt,
                                          .iterations = passes,
                                          .tolerance = 1e-3f,
                                          .previous = s->previous[0][0],
+                                         .low = s->low[0][0],
+                                         .segment = s->segment[0][0],
+                                         .velocity = s->velocity[0][0],
                                          .dt = dt,
                                          .scratch = s->scratch };
 }
@@ -129,13 +152,18 @@ static inline wisp_strand_link_args strand_links( strands_state* s, int stride, 
 {
     return ( wisp_strand_link_args ){ .group_row = s->group_row,
                                       .position = s->position[0][0],
+                                      .previous = s->previous[0][0],
+                                      .low = s->low[0][0],
+                                      .velocity = s->velocity[0][0],
                                       .inverse_mass = s->weight[0],
                                       .rest = stride == 1 ? s->length[0] : s->rest2[0],
                                       .lambda = pbd ? NULL : s->lambda[0],
                                       .stride = stride,
                                       .stiffness = 0.7f,
                                       .compliance = 1e-3f,
-                                      .inverse_dt2 = pbd ? 0.0f : 1e4f };
+                                      .inverse_dt2 = pbd ? 0.0f : 1e4f,
+                                      .dt = 1.0f / 600.0f,
+                                      .segment = s->segment[0][0] };
 }
 
 static inline wisp_strand_rod_args rod_args( strands_state* s, float dt, bool curved, float damping )
@@ -143,6 +171,9 @@ static inline wisp_strand_rod_args rod_args( strands_state* s, float dt, bool cu
     return ( wisp_strand_rod_args ){ .group_row = s->group_row,
                                      .position = s->position[0][0],
                                      .previous = s->previous[0][0],
+                                     .low = s->low[0][0],
+                                     .segment = s->segment[0][0],
+                                     .velocity = s->velocity[0][0],
                                      .inverse_mass = s->weight[0],
                                      .inverse_length = s->inverse_length[0],
                                      .stiffness = s->stiffness[0],

@@ -459,10 +459,16 @@ typedef struct plan_lines
 static void read_plan_line( void* user, const char* line )
 {
     plan_lines* found = user;
-    const bool mine = strstr( line, " collision.strands " ) != NULL;
+    char pass[64] = "";
+    const char* wave = strstr( line, " wave " );
+    if ( wave == NULL || sscanf( wave, " wave %*d %63s", pass ) != 1 )
+    {
+        return;
+    }
+    const bool mine = strcmp( pass, "collision.strands" ) == 0;
     found->in_item_loop = found->in_item_loop || ( mine && strstr( line, "item loop" ) != NULL );
     found->before_stretch = found->before_stretch || ( mine && found->seen_stretch == false );
-    found->seen_stretch = found->seen_stretch || strstr( line, " strands.stretch " ) != NULL;
+    found->seen_stretch = found->seen_stretch || strcmp( pass, "strands.stretch" ) == 0;
 }
 
 static void contact_comes_before_lengths_in_the_item_loop( void** state )

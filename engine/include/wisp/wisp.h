@@ -276,6 +276,8 @@ typedef enum wisp_counter
     WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 that were made by implicit Euler
     WISP_COUNT_GRAVITY_SCALED, ///< strands that feel part of gravity, because substeps are too long for their curls
     WISP_COUNT_SAGGING,        ///< strands too soft to hold their shape under gravity, which sag
+    WISP_COUNT_STRETCHED, ///< strands of inextensible links that end a step more than 5 % too long, in each step: too few
+                          ///< sweeps for their masses
     WISP_COUNTER_COUNT,
 } wisp_counter;
 

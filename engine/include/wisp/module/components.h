@@ -55,12 +55,15 @@
     X( float, bend, 16 )    /* k_b, no unit: 1/k is the share of the largest angle allowed */
 #define WISP_STRAND_VELOCITY_COLUMNS( X ) X( float, velocity, 48 ) /* m/s, [3][16] a row */
 /// Means nothing between steps: neither snapshots nor hashes hold it.
-#define WISP_STRAND_PREVIOUS_COLUMNS( X ) X( float, previous, 48 ) /* m, position at the start of the substep */
+#define WISP_STRAND_PREVIOUS_COLUMNS( X )                                                                            \
+    X( float, previous, 48 ) /* m, position at the start of the substep */                                           \
+    X( float, segment, 48 )  /* m, from the next vertex to this one, as strands have solved it */
 #define WISP_STRAND_INVERSE_MASS_COLUMNS( X ) X( float, inverse_mass, 16 ) /* 1/kg; 0: pinned, or not a vertex */
 #define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */
 #define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \
     X( float, position, 48 ) /* m, [3][16] a group: where roots are at the end of the substep */                     \
-    X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */
+    X( float, rotation, 64 ) /* quaternion [4][16], x y z w: how roots are turned from rest */                       \
+    X( float, low, 48 )      /* m, what does not fit the digits of the position */
 #define WISP_STRAND_POSED_COLUMNS( X )                                                                               \
     X( float, posed, 48 ) /* m, [3][16] a row: where motion has taken the rest shape, before appearance changes it */
 #define WISP_STRAND_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 ) /* m, the user's order */

@@ -63,18 +63,24 @@ typedef struct wisp_strand_bound_args
 } wisp_strand_bound_args;
 
 /// Arguments of time integration of strands. Pinned vertices (inverse mass 0) have the velocity of their prescribed
-/// motion.
+/// motion. A vertex is at position + low. With `previous` positions are predicted, so that other passes can correct
+/// them, and the end of the substep adds those corrections to velocities. Without it positions stay at the start of
+/// the substep until its end.
 typedef struct wisp_strand_motion_args
 {
-    const int32_t* group_row;  ///< [group_count + 1] first row of each group
-    float* position;           ///< [row][3][16] m
-    float* previous;           ///< [row][3][16] m, at the start of the substep
-    float* velocity;           ///< [row][3][16] m/s
+    const int32_t* group_row; ///< [group_count + 1] first row of each group
+    float* position;          ///< [row][3][16] m
+    float* previous;          ///< [row][3][16] m, at the start of the substep; null: only velocities change within it
+    float* low;               ///< [row][3][16] m, what does not fit the digits of position
+    float* velocity;          ///< [row][3][16] m/s
     const float* inverse_mass; ///< [row][16] 1/kg; 0: pinned, beyond the tip, or empty lane
     const float* root;         ///< [group][3][16] m, target position of pinned vertices in row 0; null: they stay
+    const float* root_low;     ///< [group][3][16] m, what does not fit the digits of root; null with root
     wisp_vec3 acceleration;    ///< m/s^2
     const float* acceleration_scale; ///< [group][16] factor of the acceleration of each strand; null: 1
     float dt;                        ///< s
+    const float* length;             ///< [row][16] m, of the segment to the next row; with `segment` only
+    float* segment;                  ///< [row][3][16] m, vectors from the next row to this one, in and out
 } wisp_strand_motion_args;
 
 /// Arguments of damping towards a rigid motion: v <- u + retained_fraction (v - u) with u = linear + angular x (p -
@@ -112,18 +118,20 @@ typedef struct wisp_strand_air_args
 /// not reset.
 typedef struct wisp_strand_stretch_args
 {
-    const int32_t* group_row;  ///< [group_count + 1] first row of each group
-    float* position;           ///< [row][3][16] m
+    const int32_t* group_row; ///< [group_count + 1] first row of each group
+    float* position;          ///< [row][3][16] m; without `previous` it changes only in a reset
+    float* previous;          ///< [row][3][16] m, moved with a vertex that loses velocity; null: as motion_args
+    float* low;               ///< [row][3][16] m, what does not fit the digits of position
+    float* velocity; ///< [row][3][16] m/s, predicted; takes the corrections. A reset gives no vertex a higher speed
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* length;      ///< [row][16] m, > 0: length of the segment from this row to the next; 0 beyond the tip
     float* tension;           ///< [row][16] N, of that segment, output; null: not computed
     bool accumulates_tension; ///< add to `tension` instead of starting at 0
     int iterations;           ///< maximum number of Newton iterations, >= 1
     float tolerance;          ///< maximum of |l/l0 - 1|
-    float* previous;          ///< [row][3][16] m, moved with a vertex that loses its velocity
-    const float* velocity;    ///< [row][3][16] m/s, predicted; a reset gives no vertex a higher speed. Null: no limit
     float dt;                 ///< s
     float* scratch;           ///< WISP_STRAND_SCRATCH floats per row of the longest group
+    float* segment;           ///< [row][3][16] m, vectors from the next row to this one, in and out
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
@@ -134,7 +142,10 @@ typedef struct wisp_strand_stretch_args
 typedef struct wisp_strand_link_args
 {
     const int32_t* group_row;  ///< [group_count + 1] first row of each group
-    float* position;           ///< [row][3][16] m
+    float* position;           ///< [row][3][16] m; with `previous` predicted, in and out
+    const float* previous;     ///< [row][3][16] m, at the start of the substep; null: as wisp_strand_motion_args
+    const float* low;          ///< [row][3][16] m, what does not fit the digits of position
+    float* velocity;           ///< [row][3][16] m/s, takes the corrections
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* rest; ///< [row][16] m, rest length between this row and the row `stride` after it; 0 or less: no
                        ///< link
@@ -143,6 +154,8 @@ typedef struct wisp_strand_link_args
     float stiffness; ///< pbd: fraction of the error removed, in [0, 1]
     float compliance;  ///< xpbd: m/N
     float inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
+    float dt;          ///< s
+    float* segment;    ///< [row][3][16] m, vectors from the next row to this one, in and out
 } wisp_strand_link_args;
 
 /// Arguments of follow the leader (Mueller, Kim and Chentanez 2012): each vertex is moved to rest length from the
@@ -167,8 +180,11 @@ typedef struct wisp_strand_follow_args
 typedef struct wisp_strand_rod_args
 {
     const int32_t* group_row;    ///< [group_count + 1] first row of each group
-    float* position;             ///< [row][3][16] m, predicted positions; in and out
-    const float* previous;       ///< [row][3][16] m, at the start of the substep
+    float* position;             ///< [row][3][16] m; with `previous` predicted, in and out
+    const float* previous;       ///< [row][3][16] m, at the start of the substep; null: as wisp_strand_motion_args
+    const float* low;            ///< [row][3][16] m, what does not fit the digits of previous
+    float* velocity;             ///< [row][3][16] m/s, takes the displacements
+    float* segment;              ///< [row][3][16] m, vectors from the next row to this one, in and out
     const float* inverse_mass;   ///< [row][16] 1/kg
     const float* inverse_length; ///< [row][16] 1/m, of the segment to the next row; 0 where there is none
     const float* stiffness;      ///< [row][16] N m, EI / L_i; 0: vertex i does not bend
