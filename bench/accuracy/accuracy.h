@@ -37,8 +37,8 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 typedef struct accuracy_scene
 {
     char reference[200]; ///< reference of the error: "closed form: ...", "16 times the substeps: ..."
-    double doubt;     ///< uncertainty of the reference, in the unit of `error`, below which errors are not resolved
-    const char* note; ///< note for readers of the tables, whole sentences; static; null: none
+    double doubt;        ///< uncertainty of the reference, in the unit of `error`; smaller errors are unresolved
+    const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
     char error_name[48]; ///< "distance to the reference"
     char error_unit[16]; ///< "mm", "%": of `error` as printed
     char ms_name[32];    ///< unit of a time, where steps have several lengths: "frame of 1/60 s"; empty: "step"
