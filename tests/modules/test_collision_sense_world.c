@@ -1,4 +1,5 @@
-// Surfaces that are solved for among bodies: figures, plans, memory, and the same bits however they are computed.
+// Surfaces with an external solver among bodies: statistics, plans, memory, and the same bits for every way to run
+// them.
 #include "collision_sense_fixture.h"
 
 // ---- figures ----
@@ -59,7 +60,7 @@ static void calls_in_either_order_give_the_same_plan( void** state )
     give_velocity( h->world, e, 0.0f, -0.003f / DT, 0.0f );
     for ( int again = 0; again < 2; ++again )
     {
-        // contacts of ours lie idle until somebody calls again
+        // contacts of this solver are unused until its next call
         assert_true( wisp_world_has( h->world, e, collision->contact ) == ( again == 0 ) );
         assert_true( is_planned( h->world, "collision.contact_input" ) );
         assert_true( is_planned( h->world, "collision.contact_stats" ) );
@@ -178,7 +179,7 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
     }
 }
 
-// The same surface, moved as a whole: who shares a block with whom is another matter, and nobody may notice.
+// The same surface, moved as a whole: particles share blocks differently, and the result must not show it.
 static void a_particle_senses_the_same_alone_and_among_others( void** state )
 {
     hosted* h = *state;
