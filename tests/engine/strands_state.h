@@ -1,4 +1,4 @@
-/// Groups of strands of many lengths, and everything that the jobs of strand kernels point at.
+/// Groups of strands of many lengths, and all arrays that the arguments of strand kernels point to.
 #pragma once
 
 #include "kernels_fixture.h"
@@ -6,7 +6,7 @@
 enum
 {
     STRAND_GROUPS = 8,
-    // vertices of each group's longest strands: alike in pairs, and not
+    // vertices of each group's longest strands: equal in pairs, and different
     STRAND_ROWS = 3 + 20 + 20 + 9 + 1 + 1 + 2 + 2,
 };
 
@@ -44,7 +44,7 @@ static inline void strand_frame( float ( *frame )[16], int lane, const float e[3
     frame[3][lane] = (float)( ( 1.0 + t[2] ) / norm );
 }
 
-// Strands of about 5 mm a segment that wander upward; lane l of a group lacks l / 4 vertices of the longest.
+// Strands of about 5 mm per segment that wander upward; lane l of a group lacks l / 4 vertices of the longest.
 static inline void make_strands( strands_state* s )
 {
     static const int LONGEST[STRAND_GROUPS] = { 3, 20, 20, 9, 1, 1, 2, 2 };
