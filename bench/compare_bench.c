@@ -7,7 +7,7 @@ const char* const compare_method_names[COMPARE_METHOD_COUNT] = { "pbd", "xpbd", 
 
 enum
 {
-    LIMIT_SUBSTEPS = 160, // beyond that floats lose more by rounding than shorter substeps gain
+    LIMIT_SUBSTEPS = 160, // with more, floats lose more by rounding than shorter substeps gain
 };
 
 // ---- variants ----
@@ -58,7 +58,7 @@ static void add_position_based( compare_plan* plan, bool is_quick )
                   .method = COMPARE_XPBD, .substeps = LIMIT_SUBSTEPS, .is_limit = true, .has_rest = !is_quick } );
 }
 
-// A short run has one tolerance and one solve a step.
+// A short run has one tolerance and one solve per step.
 static void add_implicit( compare_plan* plan, bool is_quick )
 {
     static const int rates[] = { 60, 100, 200, 400, 800 };
@@ -73,7 +73,7 @@ static void add_implicit( compare_plan* plan, bool is_quick )
                                         .bdf2 = way % 2 == 1,
                                         .tolerance = tolerances[way / 2 % 2],
                                         .repeats = repeats[way / 4] };
-            // the finest are at the same rest, and reaching it would take most of the time
+            // the finest come to the same rest, and reaching it would take most of the time
             variant.has_rest = is_quick ? way == 0 && rates[i] <= 100 : way < 2 && rates[i] <= 400;
             compare_add_variant( plan, variant );
         }

@@ -11,7 +11,7 @@
 
 // ---- markers and series ----
 
-// Filled shapes of about one area around 0, told apart also where colours are not.
+// Filled shapes of about equal area around 0, distinguishable also without colours.
 static const char* const marker_paths[REPORT_COLOURS] = {
     "M-4.5 0a4.5 4.5 0 1 0 9 0a4.5 4.5 0 1 0 -9 0z",
     "M-4 -4h8v8h-8z",
@@ -23,7 +23,7 @@ static const char* const marker_paths[REPORT_COLOURS] = {
     "M0 -6.4L1.8 -1.8L6.4 0L1.8 1.8L0 6.4L-1.8 1.8L-6.4 0L-1.8 -1.8z",
 };
 
-// From the ninth series on colours come again, with other shapes.
+// From the ninth series on colours repeat, with other shapes.
 static int marker_of( int series )
 {
     return ( series + series / REPORT_COLOURS ) % REPORT_COLOURS;
@@ -166,10 +166,10 @@ static void put_tick_label( const char* class_name, double x, double y, const ch
     }
 }
 
-// Of the letters on a narrow screen, which are the largest.
+// Of the letters on a narrow screen, where they are largest.
 #define TICK_CHARACTER_WIDTH 9.5
 
-// Whether a label below the axis stays clear of the labels that there are.
+// Whether a label below the axis stays clear of the existing labels.
 static bool has_room( const chart_frame* frame, int tick, const bool* is_shown )
 {
     const report_axis* axis = &frame->x;
@@ -185,7 +185,7 @@ static bool has_room( const chart_frame* frame, int tick, const bool* is_shown )
     return true;
 }
 
-// Powers of ten are served first.
+// Powers of ten are placed first.
 static void choose_labels( const chart_frame* frame, bool* is_shown )
 {
     for ( int minor = 0; minor < 2; ++minor )
@@ -234,7 +234,7 @@ static void put_y_axis( const chart_frame* frame, FILE* stream )
 
 // ---- points ----
 
-// A point that is left out interrupts the line: what would bridge it was not measured.
+// A missing point interrupts the line: the values in between were not measured.
 static void put_line( const chart_frame* frame, int number, FILE* stream )
 {
     const results_series* series = &frame->chart->series[number];
@@ -276,7 +276,7 @@ static void put_point( const chart_frame* frame, int number, const results_point
     fputs( "</g>\n", stream );
 }
 
-// Names of marked points only: those are the ones a reader looks for.
+// Names of marked points only: these are the important ones.
 static void put_names( const chart_frame* frame, FILE* stream )
 {
     report_place* places = calloc( (size_t)frame->drawn, sizeof( report_place ) );

@@ -3,7 +3,7 @@
 
 #include "results.h"
 
-/// The drawing's own coordinates; a page scales it to the room that there is.
+/// The drawing's own coordinates; a page scales it to the available space.
 enum
 {
     REPORT_CHART_WIDTH = 560,
@@ -17,16 +17,16 @@ enum
 /// Colours in the stylesheet, and shapes in report_put_markers().
 #define REPORT_COLOURS 8
 
-/// The shapes that charts refer to, once a page.
+/// The shapes that charts refer to, once per page.
 void report_put_markers( FILE* stream );
 /// @param number from 1, for the anchor
 void report_put_chart( const results_chart* chart, int number, FILE* stream );
 
-// ---- what kinds of charts share ----
+// ---- shared by kinds of charts ----
 
-/// Classes of a series: its colour, and dashes from the ninth on, whose colour is another's too.
+/// Classes of a series: its colour, and dashes from the ninth on, whose colour is used twice.
 void report_put_series_class( int series, FILE* stream );
-/// The names of all series beside their markers and lines.
+/// The names of all series next to their markers and lines.
 void report_put_key( const results_chart* chart, FILE* stream );
-/// The text that a reader sees who points at a point.
+/// The tooltip of a point.
 void report_put_tooltip( const results_chart* chart, int series, const results_point* point, FILE* stream );
