@@ -1,4 +1,4 @@
-// The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the files that are written.
+// The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
 #include "commands.h"
 
 #include "accuracy/accuracy.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 
 #define CASES_MAX 64
-#define SCENES_MAX 64 // a bit each in the options
+#define SCENES_MAX 64 // one bit each in the options
 
 typedef struct bench_arguments
 {
@@ -113,8 +113,8 @@ static void choose_scenes( struct argp_state* state, bench_arguments* arguments,
     }
 }
 
-// An option of some cases is a mistake where none of them runs. Without a CASE all of them do.
-// @param names the cases, between spaces @param told the same in words
+// An option of some cases is an error where none of them runs. Without a CASE all of them do.
+// @param names the cases, separated by spaces @param told the same for the message
 static void check_option( struct argp_state* state, const bench_arguments* arguments, const char* option,
                           const char* names, const char* told )
 {
@@ -250,7 +250,7 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
 
 // ---- what is written ----
 
-// The names of the cases, for people.
+// The names of the cases, for readers.
 static void name_cases( const bench_arguments* arguments, char* out, size_t size )
 {
     size_t used = (size_t)snprintf( out, size, "%s", arguments->chosen_count == 0 ? "all cases" : "" );
@@ -272,7 +272,7 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     return report_write_file( out, &run, arguments->report, error );
 }
 
-// What the engine's kernels use here, as an empty world says.
+// The instruction set of the engine's kernels on this machine, from an empty world.
 static wisp_status describe( machine_info* out, wisp_error* error )
 {
     wisp_world_def def = wisp_default_world_def();
@@ -289,7 +289,7 @@ static wisp_status describe( machine_info* out, wisp_error* error )
 
 int main( int argc, char** argv )
 {
-    // argp calls the program by argv[0] in its messages: users know it as a verb of wisp.
+    // argp uses argv[0] in its messages: users know the program as a command of wisp.
     char program[] = "wisp bench";
     argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };

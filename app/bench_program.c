@@ -1,4 +1,5 @@
-// `wisp bench` is the program wisp-bench in the folder of this one, so that simulating needs no benchmark to be built.
+// `wisp bench` runs the program wisp-bench in the folder of this one, so that simulating does not require the
+// benchmark to be built.
 #include "commands.h"
 
 #include <errno.h>

@@ -67,7 +67,7 @@ static wisp_status info_groom( const char* path, wisp_error* error )
     {
         return status;
     }
-    // Describe first and refuse afterwards: the whole list of findings helps more than the first one.
+    // Describe first and reject afterwards: the whole list of findings is more useful than the first one.
     status = wisp_groom_info( stdout, &groom, path );
     if ( status == WISP_OK )
     {
@@ -321,7 +321,7 @@ static void print_outputs( const wisp_scene* scene )
     }
 }
 
-// Reads and checks the files of the scene as a whole: existence alone says little.
+// Reads and checks the files of the scene as a whole: existence alone is not enough.
 static wisp_status info_strands( const wisp_scene* scene, wisp_error* error )
 {
     wisp_status status = WISP_OK;

@@ -15,7 +15,7 @@
 typedef struct run_options
 {
     const char* scene;
-    int steps; ///< 0: as the scene says
+    int steps; ///< 0: that of the scene
     scene_world_options world;
     results_format format;
     const char* output;
@@ -252,7 +252,7 @@ static wisp_status simulate_and_record( const run_options* options, scene_world*
     return status;
 }
 
-// What is written after the last step only.
+// Results that exist after the last step only.
 static wisp_status check_files( const run_options* options, const wisp_scene* scene, wisp_error* error )
 {
     for ( int i = 0; i < scene->output_count; ++i )

@@ -12,7 +12,7 @@ typedef struct tune_options
     const char* scene;
     tune_scene_def search;
     results_format format;
-    const char* output; ///< where the tuned scene goes, or null
+    const char* output; ///< path of the tuned scene, or null
 } tune_options;
 
 // ---- the command line ----
@@ -142,8 +142,8 @@ static wisp_status edit_scene( const tune_options* options, const tune_parameter
     return status;
 }
 
-// Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter is
-// in one of the configurations that are tried.
+// Fails before the search, which takes minutes, if the result could not be written. Every value of every parameter
+// occurs in one of the tested configurations.
 static wisp_status check_output( const tune_options* options, const tune_parameters* parameters,
                                  const wisp_scene* scene, wisp_error* error )
 {

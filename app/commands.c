@@ -36,7 +36,7 @@ wisp_status command_check_writable( const char* path, wisp_error* error )
     else
     {
         int file = open( path, O_CREAT | O_EXCL | O_WRONLY, 0600 );
-        // A link to a file that is not there yet can be written through.
+        // A link to a missing file can be written through.
         number = file >= 0 || errno == EEXIST ? 0 : errno;
         if ( file >= 0 )
         {

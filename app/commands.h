@@ -1,17 +1,17 @@
-/// The commands of the program, and what they share with wisp-bench: exit statuses, error lines, options that mean the same everywhere.
+/// The commands of the program, and code shared with wisp-bench: exit statuses, error lines, common options.
 #pragma once
 
 #include "wisp/base.h"
 
 #include <argp.h>
 
-/// Exit statuses, as --help and README.md state them.
+/// Exit statuses, as in --help and README.md.
 enum
 {
     STATUS_GOOD = 0,
     STATUS_UNMET = 1,  ///< a check of the benchmark failed, or no tuned configuration meets the target
     STATUS_FAILED = 2, ///< bad input, or a run that failed
-    STATUS_USAGE = 64, ///< EX_USAGE of sysexits.h, which is what argp exits with
+    STATUS_USAGE = 64, ///< EX_USAGE of sysexits.h, the status of argp's own exits
 };
 
 /// The end of every --help. Commands that only run and describe never end with STATUS_UNMET.
@@ -41,20 +41,20 @@ command_fn command_tune;
 int command_fail( const wisp_error* error );
 
 /// Check that a file can be written, before the work that fills it. Changes nothing.
-/// @param path may be null, for no file @return WISP_IO_ERROR the operating system would refuse
+/// @param path may be null, for no file @return WISP_IO_ERROR the operating system would reject it
 wisp_status command_check_writable( const char* path, wisp_error* error );
 
-/// Read a whole number of an option. A wrong one is an argp_error(), which ends the program with STATUS_USAGE.
+/// Read a whole number of an option. An invalid one is an argp_error(), which ends the program with STATUS_USAGE.
 int option_whole( struct argp_state* state, const char* option, const char* text, int lower, int upper );
 /// Read a number of an option, in (0, high].
 double option_positive( struct argp_state* state, const char* option, const char* text, double upper );
-/// Read one of the words of an option. The message for a wrong one names the nearest.
+/// Read one of the words of an option. The message for an unknown one suggests the nearest.
 int option_word( struct argp_state* state, const char* option, const char* text, const char* const* words,
                  int count );
 
-/// The one input of a verb, such as its scene: keep it, or argp_error() if there are none or two.
-/// @param key of a parser @param noun what messages call it @return whether the key was about it
+/// The one input of a command, such as its scene: keep it, or argp_error() if there are none or two.
+/// @param key of a parser @param noun for messages @return whether the key was about it
 bool option_input( struct argp_state* state, int key, const char* argument, const char* noun, const char** input );
 
-/// Words that --isa takes.
+/// Words accepted by --isa.
 extern const char* const option_isa_words[3];

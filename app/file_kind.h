@@ -1,5 +1,5 @@
-/// What kind of file the user named. Names decide, except that a groom, a recording and a point cache may be called
-/// anything as long as they begin like one, and that scenes and results can both be JSON.
+/// The kind of a file. Names decide, except that a groom, a recording and a point cache may have any name if their
+/// first bytes identify them, and that scenes and results can both be JSON.
 #pragma once
 
 #include "wisp/base.h"
@@ -15,6 +15,6 @@ typedef enum file_kind
     FILE_RESULTS,     ///< .json
 } file_kind;
 
-/// @param kind FILE_UNKNOWN is no failure: the caller says which kinds it takes
+/// @param kind FILE_UNKNOWN is no failure: the caller reports the kinds that it accepts
 /// @return WISP_IO_ERROR the file cannot be opened or read
 wisp_status file_kind_find( const char* path, file_kind* kind, wisp_error* error );

@@ -74,9 +74,9 @@ static int unknown_command( const char* word )
 int main( int argc, char** argv )
 {
     int place = 0;
-    // Lines of --help up to 100 columns, and without a note about long and short options below each list.
+    // Lines of --help up to 100 columns, without argp's note about long and short options below each list.
     setenv( "ARGP_HELP_FMT", "rmargin=100,no-dup-args-note", 0 );
-    // argp starts its messages with argv[0]: the name is the same wherever the program lies.
+    // argp starts its messages with argv[0]: the name is the same wherever the program is installed.
     char program[] = "wisp";
     argv[0] = program;
     const struct argp parser = { .parser = parse_program, .args_doc = "COMMAND [ARGUMENT...]", .doc = program_doc };

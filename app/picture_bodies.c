@@ -44,7 +44,7 @@ wisp_status picture_make_layer( picture_source* source, int body, int count, wis
     }
     free( layer->points );
     free( layer->normals );
-    // A layer that grows from frame to frame is not made room for in each of them.
+    // A layer that grows from frame to frame is not reallocated in each of them.
     const size_t room = (size_t)count + ( count <= INT_MAX / 2 ? (size_t)count / 4 : 0 );
     layer->points = malloc( room * sizeof *layer->points );
     layer->normals = malloc( room * sizeof *layer->normals );
@@ -54,7 +54,7 @@ wisp_status picture_make_layer( picture_source* source, int body, int count, wis
 
 wisp_status picture_is_closed( const picture_body* body, bool* is_closed, wisp_error* error )
 {
-    // The doctor only reads, but a mesh owns its arrays and may therefore write.
+    // The doctor only reads, but the type of a mesh has writable arrays.
     const wisp_mesh mesh = {
         .points = body->points,
         .triangles = (int32_t*)(uintptr_t)body->triangles,

@@ -22,7 +22,7 @@ typedef struct plan
 {
     int count;
     int first, step; ///< frames
-    int spread;      ///< > 0: the last frame of `count` that are spread evenly from 0
+    int spread;      ///< > 0: the last of `count` frames spread evenly from 0
     bool is_turning; ///< one frame from all sides
 } plan;
 
@@ -34,13 +34,13 @@ typedef struct drawing
     picture_look look;
     render_camera camera;
     render_options render;
-    image* sheet;         ///< [plan.count] pictures that wait for their sheet, or null
+    image* sheet;         ///< [plan.count] pictures kept for their sheet, or null
     char ( *labels )[32]; ///< [plan.count] below them
     progress bar;
     int picture; ///< the one being drawn
 } drawing;
 
-// ---- which pictures ----
+// ---- choice of pictures ----
 
 static int frame_of( const plan* p, int picture )
 {
@@ -97,7 +97,7 @@ static wisp_status choose( drawing* d, wisp_error* error )
     return status == WISP_OK ? check_frame( &d->source, frame_of( p, p->count - 1 ), error ) : status;
 }
 
-// Asked before anything is drawn: minutes of pictures should not end in a sheet that cannot be.
+// Checked before anything is drawn: minutes of pictures should not end in a sheet that cannot be written.
 static wisp_status check_sheet( const drawing* d, wisp_error* error )
 {
     int64_t count = d->plan.count, columns = d->options->columns < d->plan.count ? d->options->columns : count;
@@ -156,7 +156,7 @@ static wisp_status survey_frames( drawing* d, wisp_error* error )
     return picture_survey_camera( &survey, &d->camera, error );
 }
 
-// A turntable goes round the vertical axis through what the camera looks at.
+// A turntable turns about the vertical axis through the camera's target.
 static render_camera camera_of( const drawing* d, int picture )
 {
     render_camera camera = d->camera;
@@ -183,7 +183,7 @@ static void show_fraction( void* user, double fraction )
 
 static void put_legend( const drawing* d, image* picture )
 {
-    // On a sheet one legend speaks for all.
+    // A sheet has one legend for all pictures.
     if ( d->look.value == PICTURE_BODY || ( d->sheet && d->picture > 0 ) )
     {
         return;
@@ -306,7 +306,7 @@ static wisp_status draw_all( drawing* d, wisp_error* error )
     return status == WISP_OK && d->sheet ? write_sheet( d, error ) : status;
 }
 
-// Asked before anything is drawn; what happens to the folder meanwhile is still found out at the end.
+// Checked before anything is drawn; changes of the folder meanwhile are reported at the end.
 static wisp_status check_folder( const char* output, wisp_error* error )
 {
     const char* slash = strrchr( output, '/' );
@@ -413,7 +413,7 @@ wisp_status picture_draw( const picture_options* options, wisp_error* error )
     }
     if ( status == WISP_OK )
     {
-        // From here on the bar counts pictures; steps between two of them would make it jump.
+        // From here on the progress bar counts pictures; steps between two of them would make it jump.
         d.source.bar = NULL;
         status = draw_all( &d, error );
     }

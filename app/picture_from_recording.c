@@ -1,5 +1,4 @@
-// Recordings and point caches. Neither says what its bodies are made of or how fast they move: both are read off the
-// points.
+// Recordings and point caches. Neither stores materials or velocities: both are derived from the points.
 #include "picture_source.h"
 
 #include <math.h>
@@ -70,7 +69,7 @@ typedef struct stretching
     float most;
 } stretching;
 
-// An inner edge comes twice, which a maximum does not notice.
+// An inner edge occurs twice, which does not change a maximum.
 static void stretch_edge( void* context, int i, int j )
 {
     stretching* s = context;
@@ -105,7 +104,7 @@ static void find_speed( picture_body* body, const wisp_vec3* before, const wisp_
 
 // ---- frames ----
 
-// Between the neighbours of a frame; the first and the last one have a neighbour on one side only.
+// From the neighbouring frames; the first and the last one have a neighbour on one side only.
 static wisp_status load_speed( picture_source* source, int frame, wisp_error* error )
 {
     playback* p = source->state;
@@ -191,8 +190,8 @@ static bool is_rigid( const picture_body* body, const wisp_vec3* rest )
     return s.most <= RIGID_TOLERANCE;
 }
 
-// What keeps the length of every edge is a collider; of the rest, closed meshes are balloons. A lone frame does not
-// tell what is rigid. The first frame stays in others[0], where strain looks for it.
+// A body whose edges all keep their length is a collider; of the rest, closed meshes are balloons. A single frame
+// does not show what is rigid. The first frame stays in others[0], where the strain is computed from it.
 static wisp_status guess_kinds( picture_source* source, wisp_error* error )
 {
     playback* p = source->state;

@@ -1,4 +1,4 @@
-// A scene is simulated up to the frame that is wanted; frame 0 is the start, frame n follows step n.
+// A scene is simulated up to the requested frame; frame 0 is the start, frame n follows step n.
 #include "picture_source.h"
 
 #include <math.h>
@@ -23,7 +23,7 @@ static bool has_appearance( const simulation* s, int body )
     return body < s->scene.strands_count && s->scene.strands[body].has_appearance;
 }
 
-// Guides, whose ghosts or curves are to be seen instead.
+// Guides, whose ghosts or curves are shown instead.
 static bool is_hidden( const simulation* s, int body )
 {
     return body < s->scene.strands_count && !s->scene.strands[body].is_shown;
@@ -80,8 +80,8 @@ static const wisp_boundary_def* layer_of( const simulation* s, int body )
     return has_layer ? &s->scene.surfaces[surface].boundary : NULL;
 }
 
-// What decides how large balls are. A spacing that is left out is half of the mean edge where the mesh starts; edges of
-// two triangles count twice here, which only a picture may do.
+// The radius of the balls. A missing spacing is half of the mean edge of the initial mesh; edges of two triangles
+// count twice here, which is accurate enough for a picture.
 static float layer_spacing( const simulation* s, int body, const wisp_boundary_def* def )
 {
     const scene_body from = scene_world_body( &s->world, body );
@@ -141,7 +141,7 @@ static wisp_status read_body( picture_source* source, simulation* s, int body, w
                                       source->value == PICTURE_STRAIN ? SCENE_REQUEST_STRAIN : SCENE_REQUEST_SPEED,
                                       b->values, error );
     }
-    // Nothing has made width and colour before the first step; what the bodies have of it is left to them.
+    // Width and colour are not computed before the first step; the bodies keep their own.
     if ( status == WISP_OK && has_appearance( s, body ) && s->world.next_step > 0 )
     {
         status = scene_world_numbers( &s->world, body, SCENE_REQUEST_WIDTH, b->widths, error );
@@ -168,7 +168,7 @@ static wisp_status step_to( picture_source* source, simulation* s, int frame, wi
     return status;
 }
 
-// Names, triangles and offsets belonged to the world that is gone; those of its successor have the same content.
+// Names, triangles and offsets belonged to the previous world; those of the new one have the same content.
 static wisp_status start_again( picture_source* source, simulation* s, wisp_error* error )
 {
     wisp_status status = start_world( s, error );
@@ -223,7 +223,7 @@ static const picture_input scene_input = { load, time_of, close_scene };
 
 // ---- bodies ----
 
-// Strands without a look keep the widths and colours that their groom came with.
+// Strands without an appearance keep the widths and colours of their groom.
 static bool dress_strands( simulation* s, int body, picture_body* b )
 {
     const wisp_groom* groom = &s->world.grooms[body];
@@ -282,7 +282,7 @@ static wisp_status add_body( picture_source* source, simulation* s, int body, wi
     return status;
 }
 
-// A picture of the start shows hair in the look that its first step gives it.
+// A picture of the start shows hair with the appearance of its first step.
 static wisp_status borrow_first_look( picture_source* source, simulation* s, wisp_error* error )
 {
     bool is_needed = false;

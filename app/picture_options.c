@@ -51,7 +51,7 @@ void picture_parse_size( struct argp_state* state, const char* text, picture_opt
 
 // ---- frames ----
 
-/// A part of A:B:STEP. @return what follows it
+/// A part of A:B:STEP. @return the text after it
 static const char* parse_part( const char* text, int empty, int* value, bool* is_good )
 {
     char* end = NULL;
@@ -77,7 +77,7 @@ void picture_parse_frames( struct argp_state* state, const char* text, picture_o
     out->choice = PICTURE_FRAMES;
 }
 
-// ---- what is around the bodies ----
+// ---- surroundings of the bodies ----
 
 void picture_parse_ground( struct argp_state* state, const char* text, picture_options* out )
 {

@@ -1,4 +1,4 @@
-/// What the command line of `wisp render` says.
+/// The options of `wisp render`.
 #pragma once
 
 #include "picture_source.h"
@@ -6,7 +6,7 @@
 
 #include <argp.h>
 
-/// Which frames are drawn.
+/// The frames to draw.
 typedef enum picture_choice
 {
     PICTURE_LAST,
@@ -22,15 +22,15 @@ typedef enum picture_ground
     PICTURE_GROUND_HEIGHT,
 } picture_ground;
 
-#define PICTURE_FRAME_END -1 ///< the last frame there is
+#define PICTURE_FRAME_END -1 ///< the last frame of the input
 
 typedef struct picture_options
 {
     picture_source_def source;
     const char* output;
-    int width, height; ///< 0: not said
+    int width, height; ///< 0: not given
     int samples;
-    int workers; ///< 0: one a core
+    int workers; ///< 0: one per core
 
     picture_choice choice;
     int first, last, step;
@@ -44,7 +44,7 @@ typedef struct picture_options
 
     bool has_camera;
     wisp_vec3 eye, target;
-    bool has_from; ///< `view` has the angles that the user named
+    bool has_from; ///< `view` has the angles given by the user
     render_view view;
 
     picture_ground ground;
@@ -54,7 +54,7 @@ typedef struct picture_options
 
 picture_options picture_default_options( void );
 
-// ---- words of options; each ends the program with STATUS_USAGE if the text is wrong ----
+// ---- values of options; each ends the program with STATUS_USAGE if the text is invalid ----
 
 /// Numbers between commas, exactly `count`, finite.
 void picture_parse_numbers( struct argp_state* state, const char* option, const char* text, int count, float* out );

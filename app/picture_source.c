@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// ---- meshes and grooms, which stand still ----
+// ---- meshes and grooms, which do not move ----
 
 typedef struct still
 {
@@ -63,7 +63,7 @@ static wisp_status read_still_groom( picture_source* source, wisp_error* error )
         .widths = groom->thickness,
         .colours = groom->colour,
     };
-    // Their owner is the body from here on, as it is of those that a scene fills.
+    // The body owns them from here on, like those that a scene fills.
     groom->thickness = NULL;
     groom->colour = NULL;
     return picture_make_points( source, 0, false, error );
@@ -150,7 +150,7 @@ static wisp_status open_kind( picture_source* source, file_kind kind, const pict
         def->path );
 }
 
-// An option about boundary points needs a scene that has some.
+// An option for boundary points needs a scene with a layer of them.
 static wisp_status check_layers( const picture_source* source, const picture_source_def* def, wisp_error* error )
 {
     bool has_layer = false;
@@ -198,7 +198,7 @@ wisp_status picture_source_load( picture_source* source, int frame, wisp_error* 
     return status;
 }
 
-// Times rise, so that the last frame that is not later is found by halving.
+// Times increase, so the last frame that is not later is found by bisection.
 wisp_status picture_source_find( picture_source* source, double seconds, int* frame, wisp_error* error )
 {
     if ( !source->has_seconds )

@@ -1,6 +1,5 @@
-/// Where the pictures of `wisp render` come from: the bodies of a scene, recording, point cache, mesh or groom, frame by
-/// frame. One frame is loaded at a time, in any order; a scene that has to go back starts again, which gives the same
-/// bits.
+/// The input of `wisp render`: the bodies of a scene, recording, point cache, mesh or groom, frame by frame. One
+/// frame is loaded at a time, in any order; a scene that has to go back restarts, which gives the same bits.
 #pragma once
 
 #include "file_kind.h"
@@ -8,20 +7,20 @@
 #include "record.h"
 #include "world_from_scene.h"
 
-/// What the colours of bodies say.
+/// Meaning of the colours of bodies.
 typedef enum picture_value
 {
-    PICTURE_BODY,   ///< which body it is
+    PICTURE_BODY,   ///< the body
     PICTURE_STRAIN, ///< largest |l / l_0 - 1| of the edges at a vertex
     PICTURE_SPEED,  ///< m/s
 } picture_value;
 
-/// How boundary particles are drawn.
+/// Display of boundary particles.
 typedef enum picture_layer_look
 {
     PICTURE_LAYER_AUTO,   ///< as with PICTURE_LAYER_NORMAL, where there are some
     PICTURE_LAYER_NORMAL, ///< their colour is the direction of their normal
-    PICTURE_LAYER_CLASS,  ///< their colour says whether they are on an edge or inside a triangle
+    PICTURE_LAYER_CLASS,  ///< their colour shows whether they are on an edge or inside a triangle
     PICTURE_LAYER_NONE,   ///< not at all
 } picture_layer_look;
 
@@ -31,8 +30,8 @@ typedef struct picture_layer
     wisp_vec3* points;  ///< [count], those on edges first
     wisp_vec3* normals; ///< [count] unit
     int count, edge_count;
-    int room;      ///< how many the arrays hold
-    float spacing; ///< m, about what is between them; 0: the body has no layer
+    int room;      ///< capacity of the arrays
+    float spacing; ///< m, about the distance between them; 0: the body has no layer
 } picture_layer;
 
 /// A body of the loaded frame. Arrays belong to the source.
@@ -54,10 +53,10 @@ typedef struct picture_body
 
 typedef struct picture_source picture_source;
 
-/// What one kind of input does; a file for each.
+/// Functions of one kind of input; one file each.
 typedef struct picture_input
 {
-    /// Fill the points, and whatever else there is, of every body. frame is in [0, frame_count).
+    /// Fill the points and other arrays of every body. frame is in [0, frame_count).
     wisp_status ( *load )( picture_source* source, int frame, wisp_error* error );
     wisp_status ( *time )( picture_source* source, int frame, double* seconds, wisp_error* error );
     void ( *close )( picture_source* source );
@@ -73,10 +72,10 @@ struct picture_source
     int frame_count;    ///< >= 1
     int frame;          ///< the loaded one, -1: none
     bool has_seconds;   ///< frames have a time
-    double step;        ///< s, the usual distance of two frames; 1 if unknown
-    progress* bar;      ///< where steps on the way to a frame are shown, or null
+    double step;        ///< s, the usual interval of two frames; 1 if unknown
+    progress* bar;      ///< progress bar for the steps on the way to a frame, or null
     void* state;        ///< of the input
-    wisp_vec3** points; ///< [body_count] the points of each body, as readers take them
+    wisp_vec3** points; ///< [body_count] the points of each body, in the form of the readers
 };
 
 typedef struct picture_source_def
@@ -91,14 +90,14 @@ typedef struct picture_source_def
 
 /// @param def its texts must outlive the source
 /// @param out zero on failure
-/// @return WISP_BAD_INPUT the file is wrong, shows nothing, or has no such value or layer;
-///         WISP_IO_ERROR; WISP_NO_MEMORY
+/// @return WISP_BAD_INPUT the file is invalid, shows nothing, or has no such value or layer; WISP_IO_ERROR;
+///        WISP_NO_MEMORY
 wisp_status picture_source_open( const picture_source_def* def, picture_source* out, wisp_error* error );
 
 /// Load a frame, unless it is loaded already.
 wisp_status picture_source_load( picture_source* source, int frame, wisp_error* error );
 
-/// The frame nearest to a time.
+/// Find the frame nearest to a time.
 /// @return WISP_BAD_INPUT there is none within a step, or frames have no times
 wisp_status picture_source_find( picture_source* source, double seconds, int* frame, wisp_error* error );
 
@@ -115,9 +114,9 @@ wisp_status picture_open_still( picture_source* source, file_kind kind, const pi
 
 /// Make room for a number of bodies, all zero.
 wisp_status picture_make_bodies( picture_source* source, int count, wisp_error* error );
-/// Make room for the points of a body that knows its vertex_count, and for values if it has some.
+/// Allocate the points of a body whose vertex_count is set, and values if it has some.
 wisp_status picture_make_points( picture_source* source, int body, bool has_values, wisp_error* error );
-/// Make room for boundary particles, those that there are being lost.
+/// Allocate boundary particles; existing ones are lost.
 wisp_status picture_make_layer( picture_source* source, int body, int count, wisp_error* error );
 wisp_status picture_no_memory( const picture_source* source, wisp_error* error );
 

@@ -13,8 +13,8 @@ static render_material material_of( scene_body_kind kind )
     return kind == SCENE_BODY_CLOTH ? RENDER_CLOTH : kind == SCENE_BODY_BALLOON ? RENDER_LATEX : RENDER_SOLID;
 }
 
-// Every other colour first and the rest afterwards: all eight come before one comes again, and cloth and balloons of a
-// small scene share none.
+// Every other colour first and the rest afterwards, so that all eight occur before one repeats, and cloth and
+// balloons of a small scene share none.
 static int palette_place( int number )
 {
     return 2 * number + number / 4 % 2;
@@ -37,7 +37,7 @@ static wisp_vec3 body_colour( scene_body_kind kind, int* cloths, int* balloons )
     return render_default_mesh( RENDER_SOLID ).colour;
 }
 
-// A level plane without an end is what the renderer calls the ground; a slope is drawn as the square it comes with.
+// A level infinite plane is drawn as the renderer's ground; a slope is drawn as its square.
 bool picture_is_floor( const picture_body* body )
 {
     float lower = INFINITY, upper = -INFINITY;
@@ -116,12 +116,12 @@ static bool add_mesh( picture_stage* stage, const picture_look* look, const pict
 
 // ---- boundary particles ----
 
-// Of their spacing. The source draws its points so large.
+// Relative to their spacing. The source draws its points at this size.
 #define BALL_RADIUS 0.3f
 #define LINE_LENGTH 0.8f
 #define LINE_RADIUS 0.03f
 
-// Displays show about the square root of linear colour, and directions are to be told apart on displays.
+// Displays show about the square root of linear colour, and directions should be distinguishable on displays.
 static wisp_vec3 direction_colour( wisp_vec3 n )
 {
     const wisp_vec3 c = { 0.5f + 0.5f * n.x, 0.5f + 0.5f * n.y, 0.5f + 0.5f * n.z };

@@ -1,9 +1,9 @@
-/// The bodies of a loaded frame as the renderer takes them: materials, colours, ground.
+/// The bodies of a loaded frame in the form of the renderer: materials, colours, ground.
 #pragma once
 
 #include "picture_options.h"
 
-/// What stays the same from picture to picture.
+/// Data that are constant from picture to picture.
 typedef struct picture_look
 {
     picture_value value;
@@ -31,5 +31,5 @@ wisp_status picture_stage_make( const picture_source* source, const picture_look
                                 wisp_error* error );
 void picture_stage_release( picture_stage* stage );
 
-/// Whether a body is a level plane without an end, which is drawn as the ground.
+/// Whether a body is a level infinite plane, which is drawn as the ground.
 bool picture_is_floor( const picture_body* body );

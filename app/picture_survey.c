@@ -6,7 +6,7 @@
 
 // ---- directions ----
 
-// Hair in a plane, as the paper has it, is seen from the front and not askew.
+// Hair in a plane, as in the paper, is viewed from the front.
 static bool is_flat( const picture_source* source )
 {
     for ( int i = 0; i < source->body_count; ++i )
@@ -62,8 +62,9 @@ static double dot( wisp_vec3 a, wisp_vec3 b )
     return (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z;
 }
 
-// A point x aside, seen by an eye at depth d and aside by c, is left of the right edge if x - c <= (d - z) t, and right
-// of the left one if c - x <= (d - z) t. Over all points of all frames only the largest x/t + z and z - x/t matter.
+// A point at lateral position x, viewed by a camera at depth d and lateral position c, is left of the right edge if x
+// - c <= (d - z) t, and right of the left one if c - x <= (d - z) t. Over all points of all frames only the largest
+// x/t + z and z - x/t matter.
 static void fit_point( const picture_survey* survey, wisp_vec3 p, picture_fit* fit )
 {
     double x = dot( p, survey->right ) / survey->across, y = dot( p, survey->up ) / survey->along;
@@ -76,7 +77,7 @@ static void fit_point( const picture_survey* survey, wisp_vec3 p, picture_fit* f
     fit->farthest = fmin( fit->farthest, z );
 }
 
-// Vertices that no triangle names are not seen, and must not push the camera away.
+// Unreferenced vertices are invisible and must not move the camera away.
 static render_bounds survey_points( const picture_survey* survey, const picture_body* body, picture_fit* fit )
 {
     render_bounds bounds = { .is_filled = false };
@@ -135,7 +136,7 @@ static double size_of( const render_bounds* bounds )
     return bounds->is_filled ? sqrt( x * x + y * y + z * z ) : 0.0;
 }
 
-// A hall around a handkerchief would make it a speck.
+// A large collider around a small cloth would make the cloth a speck.
 static bool is_hall( const picture_survey* survey )
 {
     return survey->moving.is_filled && size_of( &survey->colliders ) > 3.0 * size_of( &survey->moving );
@@ -180,7 +181,7 @@ static render_camera fitted_camera( const picture_survey* survey )
     double aside = 0.5 * survey->across * ( fit.right[0] - fit.right[1] );
     double above = 0.5 * survey->along * ( fit.up[0] - fit.up[1] );
     double distance = fmax( 0.5 * ( fit.right[0] + fit.right[1] ), 0.5 * ( fit.up[0] + fit.up[1] ) );
-    // A single point has no size; the eye keeps away from it all the same.
+    // A single point has no size; the camera keeps a distance all the same.
     distance = fmax( distance, fit.nearest + 1e-3 );
     return ( render_camera ){
         .eye = place( survey, aside, above, distance ),

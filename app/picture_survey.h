@@ -1,10 +1,10 @@
-/// What all frames that are drawn have in common: where everything is, how large values get, and from that the camera,
-/// the ground and the ends of the colours. Frames are looked at one after the other and none is kept.
+/// Bounds over all drawn frames: positions and values, and from them the camera, the ground and the colour range.
+/// Frames are processed one after the other and none is kept.
 #pragma once
 
 #include "picture_stage.h"
 
-/// What must be in a picture taken in one direction; see fit_distance() for the sums.
+/// Bounds of the content of a picture from one direction; see fit_distance() for the sums.
 typedef struct picture_fit
 {
     double right[2], up[2]; ///< the edges of the picture against depth
@@ -35,6 +35,6 @@ picture_survey picture_survey_begin( const picture_options* options, const pictu
 /// Add the loaded frame.
 void picture_survey_add( const picture_source* source, picture_survey* survey );
 
-/// The camera that has everything in the picture in all frames, as near as that allows, or the one that the user named.
+/// The closest camera that shows everything in all frames, or the one given by the user.
 wisp_status picture_survey_camera( const picture_survey* survey, render_camera* camera, wisp_error* error );
 picture_look picture_survey_look( const picture_survey* survey );

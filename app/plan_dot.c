@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-// A quoted string of the DOT language, in which only the quote and the backslash mean something.
+// A quoted string of the DOT language, in which only the quote and the backslash are special.
 static void print_escaped( FILE* out, const char* text )
 {
     for ( ; *text; ++text )
@@ -43,7 +43,7 @@ static void print_node( FILE* out, const plan_sheet* sheet, int pass )
     fputs( "];\n", out );
 }
 
-// The passes of one stage in one loop. @return how many there were
+// The passes of one stage in one loop. @return their number
 static void print_stage( FILE* out, const plan_sheet* sheet, const char* loop, const char* stage, int* cluster )
 {
     bool is_open = false;
@@ -64,7 +64,7 @@ static void print_stage( FILE* out, const plan_sheet* sheet, const char* loop, c
     fputs( is_open ? "    }\n" : "", out );
 }
 
-// Passes stand in the order of the plan, so a loop's are neighbours.
+// Passes are in the order of the plan, so those of a loop are neighbours.
 static void print_loops( FILE* out, const plan_sheet* sheet )
 {
     const wisp_plan_info* report = sheet->report;

@@ -1,5 +1,5 @@
-/// What `wisp plan` prints: the plan of a scene as the engine explains it, and the times of its first steps. Each output
-/// format has a file of its own.
+/// Output of `wisp plan`: the plan of a scene as the engine explains it, and the times of its first steps. Each
+/// output format has a file of its own.
 #pragma once
 
 #include "wisp/explain.h"
@@ -11,10 +11,10 @@ typedef struct plan_sheet
 {
     const char* scene;      ///< its file
     wisp_plan_info* report; ///< of the start
-    int steps;              ///< that were made; 0: nothing is measured
-    int plan_changes;       ///< how often the plan became another one within these steps
+    int steps;              ///< number of steps; 0: nothing is measured
+    int plan_changes;       ///< number of changes of the plan within these steps
     double* seconds;        ///< [report->pass_count] of all steps together
-    double pass_seconds;    ///< of all passes, also those that came later
+    double pass_seconds;    ///< of all passes, including later ones
     double dt;              ///< of whole steps
 } plan_sheet;
 
@@ -22,7 +22,7 @@ typedef struct plan_sheet
 wisp_status plan_sheet_make( scene_world* world, int steps, plan_sheet* sheet, wisp_error* error );
 void plan_sheet_release( plan_sheet* sheet );
 
-/// Share of a pass in the time that all passes took, in [0, 1]; NaN if nothing was measured.
+/// Fraction of a pass in the time of all passes, in [0, 1]; NaN if nothing was measured.
 double plan_sheet_fraction( const plan_sheet* sheet, int pass );
 
 /// @param is_verbose also what each pass reads, writes and costs, and every absent pass

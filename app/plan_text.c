@@ -1,5 +1,5 @@
-// The plan for people. The short form has one line per active pass and one per absent module; the verbose form adds
-// what each pass works on, what that costs, and every absent pass.
+// The plan for readers. The short form has one line per active pass and one per absent module; the verbose form adds
+// the columns and cost of each pass, and every absent pass.
 #include "plan_sheet.h"
 
 #include <string.h>
@@ -18,7 +18,7 @@ static bool is_reader( const wisp_plan_pass* p, const char* name )
     return false;
 }
 
-// Why a pass is active, in a few words: a request of the scene, or the next reader in plan order and how many others.
+// The reason why a pass is active: a request of the scene, or the next reader in plan order and the number of others.
 static void short_reason( const wisp_plan_info* report, int pass, char* out, size_t size )
 {
     const wisp_plan_pass* p = report->passes + pass;

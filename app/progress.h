@@ -8,14 +8,14 @@ typedef struct progress
     bool is_shown;
     bool is_coloured; ///< NO_COLOR is unset or empty
     double last;      ///< s, when it was drawn last
-    int drawn;        ///< columns to wipe out again
+    int drawn;        ///< columns to erase
 } progress;
 
 progress progress_begin( void );
 
 /// Draw at most ten times a second.
-/// @param share done, in [0, 1] @param what one short phrase
+/// @param share done, in [0, 1] @param what a short phrase
 void progress_show( progress* bar, double fraction, const char* what );
 
-/// Wipe the bar out, so that whatever is printed next starts on a clean line.
+/// Erase the bar, so that the next output starts on a clean line.
 void progress_end( progress* bar );

@@ -12,7 +12,7 @@ enum
     NUMBER_ROOM = 32,
 };
 
-/// What one step left behind, over all layers and all participants.
+/// Results of one step, over all layers and all participants.
 typedef struct sample
 {
     int step; ///< counted from 1
@@ -27,7 +27,7 @@ struct run_layers
     const char* file;
     int every;
     int layer_count;  ///< surfaces with boundary particles
-    bool has_contact; ///< figures of contact are wanted
+    bool has_contact; ///< statistics of contact are requested
 
     sample* samples; ///< [sample_count] of steps that get a row
     int sample_count;
@@ -179,7 +179,7 @@ static wisp_status write_layer( run_layers* l, int surface, wisp_error* error )
         return status;
     }
     WISP_ASSERT( view.samples->normals || view.samples->count == 0 );
-    // The writer changes nothing; a mesh that may be changed is the only kind there is.
+    // The writer does not change the mesh; there is no read-only type.
     const wisp_mesh mesh = { l->points, (int32_t*)(uintptr_t)body.triangles, body.vertex_count, body.triangle_count };
     const wisp_mesh_layer layer = {
         .normals = l->normals,

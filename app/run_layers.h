@@ -13,14 +13,14 @@ typedef struct run_layers_def
 
 typedef struct run_layers run_layers;
 
-/// Ask the world for what the files hold. Call before the first step.
-/// @param steps how many will be made
-/// @param out receives it, for run_layers_close(); null if there is nothing to tell or to write, and on failure
-/// @return WISP_BAD_INPUT files are wanted of a scene without boundary particles; WISP_NO_MEMORY
+/// Request the contents of the files from the world. Call before the first step.
+/// @param steps number of steps
+/// @param out receives it, for run_layers_close(); null if there is nothing to report or to write, and on failure
+/// @return WISP_BAD_INPUT files are requested for a scene without boundary particles; WISP_NO_MEMORY
 wisp_status run_layers_open( const run_layers_def* def, scene_world* world, int steps, run_layers** out,
                              wisp_error* error );
 
-/// Look at the world after a step, and write files if this step has some. Null is allowed.
+/// Read the world after a step, and write files if this step has some. Null is allowed.
 /// @return WISP_IO_ERROR; WISP_NO_MEMORY
 wisp_status run_layers_step( run_layers* layers, wisp_error* error );
 

@@ -1,4 +1,4 @@
-/// How bodies have moved at the end of a run: statistics that the scene requests, and stretch, which tells whether the
+/// Motion of bodies at the end of a run: statistics that the scene requests, and stretch, which shows whether the
 /// substeps suffice.
 #pragma once
 

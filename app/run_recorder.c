@@ -13,16 +13,16 @@ struct run_recorder
     wisp_recorder* recorder; ///< or null
     wisp_track* track;       ///< or null
 
-    int count;              ///< bodies that are recorded: all but planes, which have no end
+    int count;              ///< recorded bodies: all except planes, which are infinite
     int* numbers;           ///< [count] of the bodies in the world
     wisp_record_body* list; ///< [count]
-    wisp_vec3** points;     ///< [count] as they are now
+    wisp_vec3** points;     ///< [count] present positions
 
     const char* proof_name;
-    wisp_recording* proof;    ///< what is compared, or null
+    wisp_recording* proof;    ///< the recording to compare, or null
     int proof_every;          ///< steps between its frames
     int proof_frames;         ///<
-    wisp_vec3** proof_points; ///< [count] as they were
+    wisp_vec3** proof_points; ///< [count] recorded positions
 
     int written, verified;
 };
@@ -96,7 +96,7 @@ static wisp_status request_points( run_recorder* r, wisp_error* error )
     return status;
 }
 
-// ---- what is written ----
+// ---- writing ----
 
 static wisp_status open_recorder( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
@@ -171,7 +171,7 @@ static wisp_status open_track( run_recorder* r, const run_recorder_def* def, wis
     return status == WISP_OK ? wisp_track_open( def->track_file, &track, &r->track, error ) : status;
 }
 
-// ---- what is compared ----
+// ---- comparison ----
 
 static bool same_numbers( const int32_t* a, const int32_t* b, size_t count )
 {
@@ -228,7 +228,7 @@ static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wis
     {
         status = check_proof( r, error );
     }
-    // Only now: a recording that fits the scene does not ask for more memory than the scene has.
+    // Only now: a recording that matches the scene does not need more memory than the scene.
     return status != WISP_OK ? status : make_points( r, &r->proof_points ) ? WISP_OK : no_memory( r, error );
 }
 
@@ -270,7 +270,7 @@ static wisp_status compare( run_recorder* r, int frame, uint64_t hash, wisp_erro
     return status;
 }
 
-// ---- the whole ----
+// ---- whole recorder ----
 
 static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
@@ -279,7 +279,7 @@ static wisp_status open_all( run_recorder* r, const run_recorder_def* def, wisp_
     {
         status = request_points( r, error );
     }
-    // What only reads comes first, so that a refusal leaves no file behind.
+    // Read-only steps come first, so that a rejection leaves no file behind.
     if ( status == WISP_OK && def->verify )
     {
         status = open_proof( r, def, error );

@@ -1,5 +1,5 @@
-/// What `wisp run` writes and compares while a scene runs: recordings, tracks of vertices, and the proof that a recording
-/// comes out again bit for bit.
+/// Files that `wisp run` writes and compares while a scene runs: recordings, tracks of vertices, and the check that a
+/// recording is reproduced bit for bit.
 #pragma once
 
 #include "record.h"
@@ -7,7 +7,7 @@
 
 #define RUN_TRACKS_MAX 1000
 
-/// A vertex that the command line names.
+/// A vertex given on the command line.
 typedef struct run_track
 {
     const char* name; ///< of a body, not zero-terminated
@@ -27,7 +27,7 @@ typedef struct run_recorder_def
 
 typedef struct run_recorder run_recorder;
 
-/// Ask the world for the points of all bodies and open the files. Call before the first step.
+/// Request the points of all bodies from the world and open the files. Call before the first step.
 /// @param world must stay where it is and outlive the recorder
 /// @param out receives the recorder, for run_recorder_close(); null if nothing is to be written, and on failure
 /// @return WISP_BAD_INPUT a body or vertex that does not exist, a recording of another scene, a format that cannot
@@ -35,9 +35,9 @@ typedef struct run_recorder run_recorder;
 wisp_status run_recorder_open( const run_recorder_def* def, scene_world* world, run_recorder** out,
                                wisp_error* error );
 
-/// Look at the world as it is now: write a frame and compare one, if this step has one. Null is allowed.
-/// @return WISP_CONFLICT a frame differs from the recording (the message names frame, body and vertex); what
-///         wisp_recorder_frame() and wisp_track_frame() return
+/// Record the present state: write a frame and compare one, if this step has one. Null is allowed.
+/// @return WISP_CONFLICT a frame differs from the recording (the message names frame, body and vertex); results of
+///        wisp_recorder_frame() and wisp_track_frame()
 wisp_status run_recorder_step( run_recorder* recorder, wisp_error* error );
 
 /// Frames written, frames that were equal, and frames of the compared recording that the run did not reach.
@@ -48,6 +48,6 @@ typedef struct run_recorder_counts
 
 run_recorder_counts run_recorder_count( const run_recorder* recorder );
 
-/// Finish the files and free the recorder, whatever happens. Null is allowed.
+/// Finish the files and free the recorder, after any failure too. Null is allowed.
 /// @return the first file that could not be finished
 wisp_status run_recorder_close( run_recorder* recorder, wisp_error* error );

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SMALL_PERCENT 1.0 // passes below this are one line of the text
+#define SMALL_PERCENT 1.0 // passes below this are combined into one line of the text
 
 static const char* last_part( const char* path )
 {

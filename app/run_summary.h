@@ -7,7 +7,7 @@
 #include "run_layers.h"
 #include "world_from_scene.h"
 
-/// What the steps of a run leave behind.
+/// Data collected during the steps of a run.
 typedef struct run_record
 {
     profile_samples profile;

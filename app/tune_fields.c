@@ -1,8 +1,9 @@
-// Keys that `wisp tune` may change. A key is here only if its last value is the limit that the reference run has, and if it does not
-// change the material. That leaves out of strands (measured with `wisp bench accuracy --scene strands_swing`):
+// Keys that `wisp tune` may change. A key is listed only if its last value is that of the reference run, and if it
+// does not change the material. For strands this excludes (measured with `wisp bench accuracy --scene
+// strands_swing`):
 //
-// - `stretch`: following the leader converges to another motion, 38 mm away at any number of substeps. Links with a compliance are
-//   another strand, and without one they reach the error of the direct solve in no less time.
+// - `stretch`: following the leader converges to another motion, 38 mm away at any number of substeps. Links with a
+//   compliance are another strand, and without one they reach the error of the direct solve in no less time.
 // - `stretch_tolerance`: decides which strands are reset; a smaller one resets more of them, which is no nearer to the reference.
 // - the grid's cell and friction: a smaller cell is friction with fewer neighbours.
 // - counts of strands and vertices, and ghosts: the compared points must be as many as those of the reference.
@@ -33,7 +34,7 @@ int tune_field_entries( const wisp_scene* scene, int which )
     return place == OF_SCENE ? 1 : place == OF_DIRECT_STRANDS ? scene->strands_count : scene->surface_count;
 }
 
-// An instance shares the fabric of its source, and with it levels and what tethers reach to.
+// An instance shares the fabric of its source, including levels and the anchors of tethers.
 static const wisp_scene_surface* fabric_of( const wisp_scene* scene, const wisp_scene_surface* surface )
 {
     return surface->instance_of < 0 ? surface : &scene->surfaces[surface->instance_of];
@@ -49,7 +50,7 @@ static bool is_pinned( const wisp_scene_surface* surface )
     return surface->pin_count + surface->pin_box_count + surface->pin_nearest_count > 0;
 }
 
-// Tethers reach to what the source pins, and hold where the instance is pinned.
+// Tethers reach to the pins of the source, and hold where the instance is pinned.
 static bool may_have_tethers( const wisp_scene* scene, const wisp_scene_surface* surface )
 {
     return surface->has_cloth && is_pinned( surface ) && is_pinned( fabric_of( scene, surface ) );
@@ -105,7 +106,8 @@ double tune_field_value( const wisp_scene* scene, int which, int entry )
     }
 }
 
-// A surface whose levels are off keeps how many it had. Those of an instance are its source's, only passes are its own.
+// A surface with levels turned off keeps their number. Levels of an instance are its source's; only passes are its
+// own.
 static void set_levels( wisp_scene_surface* surface, double value, int passes )
 {
     surface->cloth.level_passes = value > 0.0 ? passes : 0;

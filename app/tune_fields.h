@@ -1,26 +1,27 @@
-/// Fields of a scene that decide how accurately it is solved, not what it is made of: where they are, how they are read and
-/// set.
+/// Fields of a scene that determine the accuracy of its solution, not its material: their location, reading and
+/// writing.
 #pragma once
 
 #include "scene.h"
 
-/// Where a field is: in the scene itself, or in surfaces or strands of one kind.
+/// Location of a field: the scene itself, or surfaces or strands of one kind.
 typedef enum tune_place
 {
     OF_SCENE,
     OF_CLOTH,          ///< surfaces with `cloth`, instances too
-    OF_PINNED_CLOTH,   ///< those of them that hang by something
+    OF_PINNED_CLOTH,   ///< those of them that are pinned
     OF_IMPLICIT,       ///< surfaces with `implicit`
     OF_DIRECT_STRANDS, ///< strands with `dynamics` that keep their length by the direct solve
 } tune_place;
 
 #define TUNE_CANDIDATES_MAX 6
 
-/// Coarse levels that a fabric gets which has none.
+/// Coarse levels given to a fabric without levels.
 #define TUNE_LEVELS 3
 
-/// One row a parameter. Values go from rough to fine; the scene's own joins them. Short cuts that help a rough setting, and
-/// that a fine one does without, have no order: the last value, 0, is without them and the reference's.
+/// One row per parameter. Values go from coarse to fine; the scene's own value is added. Approximations that help a
+/// coarse setting, and that a fine one does not need, have no order: the last value, 0, turns them off, as in the
+/// reference.
 typedef struct tune_field
 {
     const char* name;
@@ -46,7 +47,7 @@ enum
 
 extern const tune_field tune_fields[FIELD_COUNT];
 
-/// How long the list is that a field's entries are in; the scene itself is one entry.
+/// Length of the list that contains a field's entries; the scene itself is one entry.
 int tune_field_entries( const wisp_scene* scene, int which );
 /// Whether an entry of the list has the field.
 bool tune_field_is_in( const wisp_scene* scene, int which, int entry );

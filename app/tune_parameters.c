@@ -10,9 +10,9 @@ _Static_assert( (int)FIELD_COUNT <= WISP_TUNE_MAX_PARAMETERS, "a scene may have 
 _Static_assert( (int)FIELD_COUNT <= 7 && 3 * 3 * 3 * 3 * 3 * 3 * 3 <= WISP_TUNE_MAX_SETTINGS,
                 "three values of each can be searched" );
 
-// ---- which parameters there are ----
+// ---- parameters of a scene ----
 
-// Implicit cloth has its own loop: the scene's iterations change it only where something else is solved for with it.
+// Implicit cloth has its own loop: the scene's iterations change it only if something else is solved with it.
 static bool uses_iterations( const wisp_scene* scene )
 {
     bool uses = false;
@@ -39,7 +39,8 @@ static bool moves( const wisp_scene* scene )
 
 // ---- values ----
 
-// Rising, but for what gets finer as it falls. Equal as floats is equal: the scene's own came from one.
+// Ascending, except for fields that become finer as they fall. Compared as floats, because the scene's own value came
+// from one.
 static void insert_value( tune_parameters* out, double value, bool is_falling )
 {
     wisp_tune_parameter* parameter = &out->parameters[out->count];
@@ -53,7 +54,7 @@ static void insert_value( tune_parameters* out, double value, bool is_falling )
     {
         return;
     }
-    // A float that is a hair below its decimal stands behind it.
+    // A float slightly below its decimal sorts after it.
     if ( place < parameter->value_count && (float)values[place] == (float)value )
     {
         return;
@@ -97,7 +98,7 @@ static int setting_count( const tune_parameters* parameters )
     return count;
 }
 
-// The roughest value between both ends that is not the scene's own goes.
+// The coarsest value between both ends that is not the scene's own is removed.
 static void drop_value( const wisp_scene* scene, tune_parameters* parameters, int k )
 {
     double own = 0.0;
@@ -108,8 +109,8 @@ static void drop_value( const wisp_scene* scene, tune_parameters* parameters, in
     memmove( values + place, values + place + 1, (size_t)behind * sizeof *values );
 }
 
-// Few scenes have all parameters; theirs may make more settings than can be searched. The longest lose values until there are
-// few enough, as three of each are.
+// Few scenes have all parameters; theirs may give more settings than can be searched. The longest lists lose values
+// until there are few enough, which three of each are.
 static void thin_out( const wisp_scene* scene, tune_parameters* parameters )
 {
     while ( setting_count( parameters ) > WISP_TUNE_MAX_SETTINGS )
@@ -185,7 +186,7 @@ void tune_parameters_text( const tune_parameters* parameters, int parameter, dou
     }
 }
 
-/// What must change.
+/// A change to make.
 typedef struct edit_list
 {
     wisp_scene_edit* edits; // room for EDITS_MAX an entry and parameter
@@ -214,8 +215,8 @@ static void add_whole_edit( edit_list* list, int surface, const char* block, con
     }
 }
 
-// A file has levels, passes over them and where they begin, or it has no levels: then nothing may say where they begin,
-// whether it did so before or left it at its default. An instance has passes alone.
+// A file has levels, passes over them and their start, or it has no levels: then no key may give their start, whether
+// it did so before or left it at its default. An instance has passes alone.
 static void add_level_edits( const tune_parameters* parameters, const wisp_scene* scene, int entry, double value,
                              edit_list* list )
 {

@@ -1,4 +1,4 @@
-/// What tuning has found, as results: a row and a line a setting, the reference, the verdict.
+/// The result of tuning, as results: a row and a line per setting, the reference, the verdict.
 #pragma once
 
 #include "results.h"

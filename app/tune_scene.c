@@ -24,7 +24,7 @@ typedef struct host
 
 // ---- worlds ----
 
-// What moves by itself; what only follows it would count the same error twice.
+// Bodies that move by themselves; a follower would count the same error twice.
 static int list_points( host* h )
 {
     const wisp_scene* scene = h->def->scene;

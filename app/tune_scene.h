@@ -4,7 +4,7 @@
 #include "tune_parameters.h"
 #include "world_from_scene.h"
 
-/// Substeps of the reference, times those of the finest setting.
+/// Substeps of the reference, as a multiple of those of the finest setting.
 #define TUNE_REFERENCE_FACTOR 16
 
 typedef struct tune_scene_def
@@ -17,11 +17,11 @@ typedef struct tune_scene_def
     double limit;            ///< s of wall time
 } tune_scene_def;
 
-/// What was measured, and on what.
+/// The measurements and their settings.
 typedef struct tune_scene_info
 {
     int steps;    ///< of each run
-    int points;   ///< compared at each look
+    int points;   ///< compared at each sample
     int workers;  ///< that the worlds had
     char isa[16]; ///< instruction set that they used
 } tune_scene_info;

@@ -19,10 +19,10 @@ const wisp_module* const* scene_world_modules( int* count )
     return all_modules;
 }
 
-// ---- what is said ----
+// ---- messages ----
 
-// An error that ends a call comes back as its status and would be printed twice; one that a call survives, such as an
-// entity put back to its last good state, must not be lost.
+// An error that ends a call is returned as its status and would be printed twice. An error that a call survives, such
+// as an entity restored to its last valid state, must be printed.
 static void keep_log( void* user, wisp_log_level level, const char* message )
 {
     scene_world* world = user;
@@ -62,7 +62,7 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     return wisp_world_create( &def, &out->world, error );
 }
 
-// How contacts are found is the world's, not a participant's.
+// The search for contacts is a setting of the world, not of a participant.
 static wisp_status set_contact( scene_world* out, wisp_error* error )
 {
     const wisp_scene* scene = out->scene;
@@ -107,7 +107,7 @@ wisp_status scene_world_create( const wisp_scene* scene, const scene_world_optio
 {
     *out = ( scene_world ){ .scene = scene, .is_quiet = options->is_quiet };
 
-    // One more than there are: an empty scene is a scene, and asking for no bytes may answer with null.
+    // One more than needed: an empty scene is valid, and an allocation of no bytes may return null.
     size_t count = (size_t)scene->strands_count + 1;
     out->entities = calloc( count, sizeof( wisp_entity ) );
     out->grooms = calloc( count, sizeof( wisp_groom ) );
@@ -172,7 +172,7 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
 
 // ---- outputs ----
 
-// A column of the world into an array of the groom, which may have to be made.
+// A column of the world into an array of the groom, which may have to be allocated.
 static wisp_status copy_column( scene_world* world, int strands, wisp_component component, size_t size, void** array )
 {
     wisp_view view;
@@ -220,7 +220,7 @@ static wisp_status copy_shape( scene_world* world, int strands )
 
 static wisp_status write_strands( scene_world* world, const wisp_scene_output* output, wisp_error* error )
 {
-    // Before the first step no pass has written anything, and the rest shape is all there is.
+    // Before the first step no pass has written anything, and only the rest shape exists.
     wisp_status status = world->next_step > 0 ? copy_shape( world, output->strands ) : WISP_OK;
     if ( status != WISP_OK )
     {
@@ -243,7 +243,7 @@ static wisp_status write_surface( scene_world* world, const wisp_scene_output* o
     wisp_status status = scene_world_points( world, body_number, points, error );
     if ( status == WISP_OK )
     {
-        // The writer changes neither; a mesh that may be changed is the only kind there is.
+        // The writer changes neither mesh; there is no read-only type.
         const wisp_mesh mesh = { points, (int32_t*)(uintptr_t)body.triangles, body.vertex_count,
                                  body.triangle_count };
         status = wisp_mesh_write( output->file, &mesh, error );
@@ -270,7 +270,7 @@ wisp_status scene_world_write_outputs( scene_world* world, wisp_error* error )
     return WISP_OK;
 }
 
-// ---- how much there is ----
+// ---- counts ----
 
 int scene_world_vertices( const scene_world* world )
 {

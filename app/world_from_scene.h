@@ -1,4 +1,4 @@
-/// From a scene, which is data, to a world that runs: grooms and meshes read or generated, effects attached, requests,
+/// From a scene, which is data, to a running world: grooms and meshes read or generated, effects attached, requests,
 /// hair events and events.
 #pragma once
 
@@ -8,33 +8,33 @@
 #include "wisp/fabric.h"
 #include "wisp/wisp.h"
 
-/// What the command line says over the scene.
+/// Options of the command line that override the scene.
 typedef struct scene_world_options
 {
-    int workers;     ///< 0: as the scene says
-    const char* isa; ///< null: the best there is
-    bool is_quiet;   ///< print no warnings: the first of several worlds of one scene has printed them
+    int workers;     ///< 0: that of the scene
+    const char* isa; ///< null: the best available
+    bool is_quiet;   ///< print no warnings, because the first of several worlds of one scene has printed them
 } scene_world_options;
 
-/// A surface of the scene as the world has it.
+/// A surface of the scene in the world.
 typedef struct scene_world_surface
 {
     wisp_entity entity;
     wisp_fabric* fabric;       ///< of this surface or of the one it is an instance of; a reference of its own
-    wisp_mesh mesh;            ///< where the vertices start; without triangles for an instance
-    wisp_mesh_repairs repairs; ///< what was done to the mesh; nothing for an instance
-    int32_t* pins;             ///< [pin_count] every vertex that the scene pins, rising
-    wisp_vec3* pin_targets;    ///< [pin_count] room for where they go; null unless they move
+    wisp_mesh mesh;            ///< initial mesh; without triangles for an instance
+    wisp_mesh_repairs repairs; ///< repairs of the mesh; empty for an instance
+    int32_t* pins;             ///< [pin_count] every vertex that the scene pins, ascending
+    wisp_vec3* pin_targets;    ///< [pin_count] buffer for their targets; null unless they move
     int pin_count;
-    wisp_vec3 pivot;  ///< m, what pin keyframes turn about
-    bool is_released; ///< an event let the pins go
+    wisp_vec3 pivot;  ///< m, pivot of pin keyframes
+    bool is_released; ///< an event has released the pins
 } scene_world_surface;
 
-/// A collider of the scene as the world has it.
+/// A collider of the scene in the world.
 typedef struct scene_world_collider
 {
     wisp_entity entity;
-    wisp_mesh mesh;      ///< in its own frame: of a mesh collider itself, of a shape what a picture shows of it
+    wisp_mesh mesh;      ///< in its own frame: of a mesh collider itself, of a shape for pictures
     wisp_transform pose; ///< after the last step
 } scene_world_collider;
 
@@ -50,18 +50,18 @@ typedef struct scene_world
     int next_command;
     int next_event;
     bool is_quiet;
-    char late_error[500]; ///< logged as an error by a call that went on; printed once the call is over
+    char late_error[500]; ///< logged as an error by a call that continued; printed after the call
 } scene_world;
 
 /// Every module of modules.inc, in its order.
 const wisp_module* const* scene_world_modules( int* count );
 
-/// @param out zero on failure; must stay where it is, the world's log points at it
-/// @return what went wrong; the message names the line of the scene if the cause is there
+/// @param out zero on failure; must stay where it is, because the world's log points at it
+/// @return the error; the message names the line of the scene if the cause is there
 wisp_status scene_world_create( const wisp_scene* scene, const scene_world_options* options, scene_world* out,
                                 wisp_error* error );
 
-/// Apply the events of the next step, then make the step.
+/// Apply the events of the next step, then run it.
 wisp_status scene_world_step( scene_world* world, wisp_error* error );
 
 /// Write the files of the scene's `output`, with width and colour where they are requested.
@@ -89,7 +89,7 @@ int scene_world_triangles( const scene_world* world );
 
 void scene_world_destroy( scene_world* world );
 
-// ---- bodies: what a recording or a picture shows ----
+// ---- bodies for recordings and pictures ----
 
 typedef enum scene_body_kind
 {
@@ -97,7 +97,7 @@ typedef enum scene_body_kind
     SCENE_BODY_CLOTH,    ///< a surface that is not a balloon
     SCENE_BODY_BALLOON,  ///<
     SCENE_BODY_COLLIDER, ///< a rigid mesh
-    SCENE_BODY_PLANE,    ///< a collider without an end; its mesh is a square of 2 m around its position
+    SCENE_BODY_PLANE,    ///< an infinite collider; its mesh is a square of 2 m around its position
 } scene_body_kind;
 
 /// Arrays belong to the scene_world and stay as they are until it is destroyed.
@@ -118,28 +118,28 @@ int scene_world_body_count( const scene_world* world );
 int scene_world_moving_count( const scene_world* world );
 scene_body scene_world_body( const scene_world* world, int body );
 
-/// What can be requested of a body from the next step on.
+/// Values that can be requested of a body from the next step on.
 typedef enum scene_request
 {
     SCENE_REQUEST_POINTS,       ///< strands and surfaces
     SCENE_REQUEST_STRAIN,       ///< surfaces, strands with dynamics
     SCENE_REQUEST_SPEED,        ///< surfaces, strands with dynamics
-    SCENE_REQUEST_WIDTH,        ///< strands with a look
-    SCENE_REQUEST_COLOUR,       ///< strands with a look
+    SCENE_REQUEST_WIDTH,        ///< strands with an appearance
+    SCENE_REQUEST_COLOUR,       ///< strands with an appearance
     SCENE_REQUEST_MOTION_STATS, ///< surfaces, strands with dynamics
     SCENE_REQUEST_NORMALS       ///< surfaces
 } scene_request;
 
 /// Add a request to those of the scene. A second equal one changes nothing, and colliders need none: their points are known.
-/// @return WISP_BAD_INPUT the body has no such thing (the message names the body)
+/// @return WISP_BAD_INPUT the body does not have it (the message names the body)
 wisp_status scene_world_request( scene_world* world, int body, scene_request request, wisp_error* error );
 
-/// Where the vertices are now. Before the first step: where they start. A collider: at its pose of the last step.
+/// Positions of the vertices. Before the first step: the initial ones. A collider: at its pose of the last step.
 /// @param out [vertex_count]
-/// @return WISP_CONFLICT a step was made and the points are not wanted
+/// @return WISP_CONFLICT a step was made and the points are not requested
 wisp_status scene_world_points( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
-/// A number a vertex. @param request strain, speed (zero before the first step) or width @param out [vertex_count]
+/// A number per vertex. @param request strain, speed (zero before the first step) or width @param out [vertex_count]
 wisp_status scene_world_numbers( const scene_world* world, int body, scene_request request, float* out,
                                  wisp_error* error );
 
@@ -147,7 +147,7 @@ wisp_status scene_world_numbers( const scene_world* world, int body, scene_reque
 /// @param out [vertex_count]
 wisp_status scene_world_normals( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
-/// The boundary particles of a surface that has some, where the last step has left it.
+/// The boundary particles of a surface with a layer of them, after the last step.
 /// @param surface index into the scene's surfaces
 /// @return WISP_CONFLICT it has none, or no step was made
 wisp_status scene_world_layer( const scene_world* world, int surface, wisp_boundary_view* out, wisp_error* error );
@@ -155,8 +155,8 @@ wisp_status scene_world_layer( const scene_world* world, int surface, wisp_bound
 /// Colour of every vertex of strands. @param out [vertex_count] linear RGB
 wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* out, wisp_error* error );
 
-/// Figures of a surface or of strands that move. @return WISP_CONFLICT unless it is wanted and a step was made
+/// Statistics of a surface or of moving strands. @return WISP_CONFLICT unless requested and a step was made
 wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 
-/// Seconds of simulated time that the steps so far made up.
+/// Simulated time of all steps so far, s.
 double scene_world_time( const scene_world* world );

@@ -1,9 +1,9 @@
-// Bodies: strands, surfaces and colliders under one number, for whoever records or paints them.
+// Bodies: strands, surfaces and colliders under one numbering, for recordings and pictures.
 #include "world_from_scene_parts.h"
 
 #include <string.h>
 
-/// What a body's number means.
+/// The entry of a body's number.
 typedef struct body_place
 {
     scene_body_kind kind;
@@ -81,7 +81,7 @@ scene_body scene_world_body( const scene_world* world, int body )
 
 // ---- requests ----
 
-// The component that answers a request; 0 if this kind of body has none.
+// The component of a request; 0 if this kind of body has none.
 static wisp_component component_of( const scene_world* world, body_place place, scene_request request )
 {
     if ( is_surface( place ) )

@@ -11,7 +11,7 @@ static wisp_status fail_at_collider( const wisp_scene* scene, int collider, wisp
     return scene_fail_at( scene, entry->line, entry->column, "collider", entry->name, status, message, error );
 }
 
-// ---- what is shown of a shape ----
+// ---- meshes of shapes ----
 
 static wisp_status take_mesh( const wisp_vec3* points, int point_count, const int32_t* triangles, int triangle_count,
                               wisp_mesh* out, wisp_error* error )
@@ -30,7 +30,7 @@ static wisp_status take_mesh( const wisp_vec3* points, int point_count, const in
     return WISP_OK;
 }
 
-// A plane has no end; a square of 2 m stands for it.
+// A plane is infinite; a square of 2 m represents it.
 static wisp_status show_plane( wisp_mesh* out, wisp_error* error )
 {
     static const wisp_vec3 points[] = {
@@ -55,7 +55,7 @@ static wisp_status show_box( wisp_vec3 half, wisp_mesh* out, wisp_error* error )
 
 static wisp_status show_round( const wisp_collider_def* def, wisp_mesh* out, wisp_error* error )
 {
-    // A capsule without a length is a sphere, and the maker of capsules wants a length.
+    // A capsule without a length is a sphere, and the generator of capsules needs a length.
     const bool capsule = def->kind == WISP_COLLIDER_CAPSULE && def->half_length >= 1e-6f;
     wisp_mesh_generator generator = wisp_default_mesh_generator( capsule ? WISP_MESH_CAPSULE : WISP_MESH_ICOSPHERE );
     generator.radius = def->radius;

@@ -1,4 +1,4 @@
-// What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
+// Changes of surfaces, colliders and strands before a step: keyframes, then events.
 #include "world_from_scene_parts.h"
 
 /// A step of simulated time, s.
@@ -13,7 +13,7 @@ static step_times next_times( const scene_world* world )
     return ( step_times ){ (double)world->next_step * seconds, ( (double)world->next_step + 1.0 ) * seconds };
 }
 
-// Keyframes are in decimals and steps may be 1/60 s: within a thousandth of a step two times are the same.
+// Keyframes are decimals and steps may be 1/60 s: times within a thousandth of a step are equal.
 static bool is_before( const scene_world* world, double a, double b )
 {
     return a < b - 1e-3 * (double)world->scene->dt;
@@ -21,7 +21,7 @@ static bool is_before( const scene_world* world, double a, double b )
 
 // ---- poses ----
 
-// Number of keyframes that are not after the time. Searched by halves: a hostile path has a million of them.
+// Number of keyframes that are not after the time. By bisection, because a hostile path has a million of them.
 static int count_reached( const wisp_scene_path* path, double time )
 {
     int lower = 0, upper = path->count;
@@ -84,7 +84,7 @@ static wisp_quat multiply( wisp_quat a, wisp_quat b )
                      a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
 }
 
-// The motion of the world that takes one pose about a pivot to another.
+// The motion of the world from one pose about a pivot to another.
 static wisp_transform motion_between( wisp_transform from, wisp_transform to, wisp_vec3 pivot )
 {
     const wisp_quat back = { -from.rotation.x, -from.rotation.y, -from.rotation.z, from.rotation.w };
@@ -148,7 +148,7 @@ static wisp_status follow_collider( scene_world* world, int collider, step_times
 
 // ---- filling ----
 
-// From the first keyframe's time to that of the last the filling is told; before and after, the gas is left to itself.
+// Between the first and the last keyframe the filling follows them; before and after, it is not changed.
 static bool is_filling( const scene_world* world, const wisp_scene_surface* entry, step_times t )
 {
     return entry->gas_ratio_keyframe_count > 0 &&
@@ -158,7 +158,7 @@ static bool is_filling( const scene_world* world, const wisp_scene_surface* entr
 
 static float fill_at( const wisp_scene_surface* entry, double time )
 {
-    int lower = 0, upper = entry->gas_ratio_keyframe_count - 1; // the pair around the time is low and high in the end
+    int lower = 0, upper = entry->gas_ratio_keyframe_count - 1; // the result is between low and high
     if ( time <= (double)entry->gas_ratio_keyframes[0].time )
     {
         return entry->gas_ratio_keyframes[0].gas_ratio;
@@ -201,8 +201,8 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
 }
 
-// A head is a body that starts at its pivot, not turned. Its path tells where the pivot is; the engine wants to know what
-// becomes of the origin.
+// A head is a body that starts at its pivot, not rotated. Its path gives the pose of the pivot; the engine needs that
+// of the origin.
 static wisp_status follow_head( scene_world* world, int strands, step_times t )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -251,7 +251,7 @@ static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
     return status;
 }
 
-// ---- the script ----
+// ---- events ----
 
 static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 {
@@ -272,7 +272,7 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-// BDF2 looks back on the substep before, which had another velocity: it begins anew.
+// BDF2 uses the previous substep, which had another velocity, so it restarts.
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
@@ -282,7 +282,7 @@ static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e 
     return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
 }
 
-// Pins are let go first, so that a velocity reaches them too.
+// Pins are released first, so that a velocity applies to them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
     if ( e->strands >= 0 )

@@ -1,4 +1,4 @@
-// Strands of a scene that move, the ghosts that follow them, curves through them, and the heads that carry them.
+// Moving strands of a scene, their ghosts, curves through them, and the heads that carry them.
 #include "world_from_scene_parts.h"
 
 static wisp_status fail_here( const scene_world* world, int strands, wisp_status status, wisp_error* error )
@@ -42,7 +42,7 @@ static wisp_status set_dynamics( scene_world* world, int strands )
     return status;
 }
 
-// Frozen hair on ghosts begins where the motion has taken them, which is kept apart from what it makes of it.
+// Frozen hair on ghosts starts from their moved positions, which are kept separate from its output.
 static wisp_status set_ghosts( scene_world* world, int strands )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -73,7 +73,7 @@ static wisp_status add_curves( scene_world* world, int strands, wisp_error* erro
     return fail_here( world, strands, status, error );
 }
 
-// Ghosts follow what moves already, and curves run through either.
+// Ghosts need their targets, and curves need either.
 wisp_status scene_motion_set( scene_world* world, wisp_error* error )
 {
     const wisp_scene* scene = world->scene;

@@ -1,4 +1,4 @@
-/// What the files that make a world of a scene share. Private to them.
+/// Shared by the files that make a world of a scene, and private to them.
 #pragma once
 
 #include "world_from_scene.h"
@@ -16,16 +16,16 @@ wisp_status scene_fail_at_line( const scene_world* world, int line, int column, 
 
 wisp_status scene_fail_at_strands( const wisp_scene* scene, int strands, wisp_status status, const char* message,
                                    wisp_error* error );
-/// Add what strands wear, and what is wanted of them.
+/// Add the effects and requests of strands.
 wisp_status scene_strands_dress( scene_world* world, int strands );
-/// Let strands move, let ghosts follow them, add curves. To be called once everything else is added.
+/// Add dynamics, ghosts and curves. Call after all other entries are added.
 wisp_status scene_motion_set( scene_world* world, wisp_error* error );
 
 // ---- surfaces and colliders ----
 
 /// Read or generate, repair, check and scale a mesh. Repairs are reported on stderr.
 /// @param called start of a warning about repairs; null: no warning
-/// @param repairs receives what was done, to be released; may be null
+/// @param repairs receives the repairs, to be released; may be null
 wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, wisp_mesh* out,
                              wisp_mesh_repairs* repairs, wisp_error* error );
 
@@ -37,14 +37,14 @@ wisp_status scene_implicit_set( scene_world* world, int surface );
 wisp_status scene_colliders_add( scene_world* world, wisp_error* error );
 void scene_colliders_release( scene_world* world );
 
-/// Every vertex that a surface's entry pins, and what its pins turn about. The mesh is where it starts.
-/// @param kept [kept_count] number in the file of each vertex that a repair left; null if none was dropped
+/// Every vertex that a surface's entry pins, and the pivot of its pins. The mesh is the initial one.
+/// @param kept [kept_count] index in the file of each vertex that a repair kept; null if none was dropped
 wisp_status scene_pins_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
                              scene_world_surface* out, wisp_error* error );
 /// The balloon of a surface with the vertices of its outlet found.
 wisp_status scene_outlet_find( const wisp_scene* scene, int surface, const int32_t* kept, int kept_count,
                                const wisp_mesh* mesh, wisp_balloon_def* out, wisp_error* error );
 
-// ---- what happens before a step ----
+// ---- before a step ----
 
 wisp_status scene_events_play( scene_world* world, wisp_error* error );

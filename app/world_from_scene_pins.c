@@ -1,10 +1,10 @@
-// Vertices that a scene names by number, by place, or by a box around them.
+// Vertices that a scene gives by number, by position, or by a box around them.
 #include "world_from_scene_parts.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/// A surface's vertices, as the scene numbers them and where they start.
+/// A surface's vertices: the scene's numbering and the initial positions.
 typedef struct vertex_finder
 {
     const wisp_scene* scene;
@@ -58,7 +58,7 @@ static double distance2( wisp_vec3 a, wisp_vec3 b )
     return x * x + y * y + z * z;
 }
 
-// The lowest number of those equally near.
+// Ties go to the lowest index.
 static int32_t nearest_vertex( const wisp_mesh* mesh, wisp_vec3 place )
 {
     int32_t best = 0;

@@ -1,4 +1,4 @@
-// Strands of a scene: their grooms read or made and placed, and the effects that they have.
+// Strands of a scene: their grooms read or generated and placed, and their effects.
 #include "world_from_scene_parts.h"
 
 #include <stdlib.h>
@@ -6,7 +6,7 @@
 
 // ---- grooms ----
 
-// Lists of numbers a strand can only be checked once the groom's file has told how many strands there are.
+// The length of a list per strand can only be checked once the groom's file has given the number of strands.
 static wisp_status check_list( const wisp_scene* scene, int strands, const char* what, int listed, int strand_count,
                                wisp_error* error )
 {
@@ -46,7 +46,7 @@ static bool is_placed( const wisp_scene_strands* entry )
            pose.translation.y != 0.0f || pose.translation.z != 0.0f;
 }
 
-// Strands that a pose takes out of the plane are flat no more.
+// Strands that a pose moves out of the plane are no longer flat.
 static void place( const wisp_scene_strands* entry, wisp_groom* groom )
 {
     const float scale = entry->scale;
@@ -112,7 +112,7 @@ int scene_groom_source( const wisp_scene* scene, int strands )
     return entry->is_curves ? entry->curves_of : entry->scatter.around;
 }
 
-// Curves of strands that are scattered around others: no more than three deep.
+// Curves of strands scattered around others: at most three deep.
 wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, wisp_error* error )
 {
     const int from = scene_groom_source( scene, strands );
@@ -127,7 +127,7 @@ wisp_status scene_groom( const wisp_scene* scene, int strands, wisp_groom* out, 
     return status;
 }
 
-// ---- what strands wear ----
+// ---- effects of strands ----
 
 static wisp_status request_all( scene_world* out, int strands )
 {

@@ -1,4 +1,5 @@
-// Surfaces of a scene: meshes read or made, fabrics cooked with what their effects need and nothing else, effects set.
+// Surfaces of a scene: meshes read or generated, fabrics cooked with exactly the data that their effects need,
+// effects set.
 #include "world_from_scene_parts.h"
 
 #include "wisp/module/module.h"
@@ -6,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What a fabric is cooked with: all that the surfaces that share it need.
+// Contents of a fabric: the union for all surfaces that share it.
 enum
 {
     NEEDS_BEND_LINKS = 1,
@@ -133,7 +134,7 @@ static unsigned char needs_of( const wisp_scene_surface* entry )
     return cloth && entry->cloth.tethers ? required | NEEDS_TETHERS : required;
 }
 
-// Cooked in the mesh's own frame, so that instances need nothing of where their source starts.
+// Cooked in the mesh's own frame, so that instances do not depend on the start of their source.
 static wisp_status cook( const wisp_scene* scene, int surface, unsigned char required, const wisp_vec3* rest,
                          scene_world_surface* out, wisp_error* error )
 {
@@ -230,7 +231,7 @@ static wisp_status add_particles( scene_world* world, int surface )
                              : status;
 }
 
-// Quad links take the place of the mesh's own; the surface copies them.
+// Quad links replace the mesh's own; the surface copies them.
 wisp_status scene_implicit_set( scene_world* world, int surface )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[surface];
@@ -338,9 +339,9 @@ static wisp_status add_effects( scene_world* world, int surface, wisp_error* err
                              : fail_at_surface( scene, surface, status, wisp_world_message( world->world ), error );
 }
 
-// ---- all of them ----
+// ---- all surfaces ----
 
-// The scene's own meshes were counted when it was read; files only tell now.
+// The scene's own meshes were counted when it was read; those of files are counted only here.
 static wisp_status count_vertices( const scene_world* world, int surface, int64_t* sum, wisp_error* error )
 {
     *sum += world->surfaces[surface].mesh.vertex_count;

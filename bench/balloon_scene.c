@@ -124,7 +124,7 @@ wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting,
     return surface_cook( mesh, def, out, error );
 }
 
-// A balloon has no switch for levels, since they only resist stretching; here they are given to it to show what they do.
+// A balloon has no switch for levels, since they only resist stretching; they are added here to show their effect.
 static wisp_status give_levels( surface_implementation* implementation )
 {
     wisp_status status = wisp_world_attach( implementation->world, implementation->entity, WISP_SURFACE_LEVELS );

@@ -1,4 +1,4 @@
-/// Balloons to be measured: spheres of any fineness and a scanned figure, with the outlet and gas that an experiment asks.
+/// Balloons for measurements: spheres of any fineness and a scanned figure, with the outlet and gas of an experiment.
 #pragma once
 
 #include "surface_scenario.h"
@@ -14,15 +14,15 @@
 /// 10 * 4^level + 2 vertices about the origin.
 wisp_status balloon_mesh_sphere( int level, float radius, wisp_mesh* out, wisp_error* error );
 
-/// The Stanford bunny of data/, moved to the origin and scaled to the area of the default sphere; where the file is not
-/// at hand, an asymmetric closed body of about as many vertices.
+/// The Stanford bunny of data/, moved to the origin and scaled to the area of the default sphere; if the file is
+/// missing, an asymmetric closed body of about as many vertices.
 /// @param name receives "bunny" or "pear", static
 wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* error );
 
-/// The vertex farthest along a direction, the lowest of equals.
+/// The vertex farthest along a direction; ties go to the lowest index.
 int balloon_mesh_extreme( const wisp_mesh* mesh, wisp_vec3 direction );
 
-/// What an experiment asks for besides the mesh. Start from balloon_default_setting().
+/// Parameters of an experiment, apart from the mesh. Start from balloon_default_setting().
 typedef struct balloon_setting
 {
     wisp_balloon_def def;
@@ -30,12 +30,12 @@ typedef struct balloon_setting
     float area_density;      ///< kg/m^2
     wisp_vec3 gravity;       ///< m/s^2
     float damping;           ///< 1/s
-    bool levels;             ///< one pass over coarse levels a substep
+    bool levels;             ///< one pass over coarse levels per substep
     wisp_solve_order solve_order;
     const int32_t* pins;
     int pin_count;
     int substeps, iterations, workers;
-    float seconds; ///< a step
+    float seconds; ///< per step
 } balloon_setting;
 
 /// In still air at rest: 9.8 m/s^2, buoyancy, drag; 10 substeps of two iterations, steps of 1/60 s.
@@ -45,7 +45,7 @@ balloon_setting balloon_setting_in_vacuum( void );
 
 wisp_status balloon_cook( const wisp_mesh* mesh, const balloon_setting* setting, wisp_fabric** out,
                           wisp_error* error );
-/// A balloon whose figures are wanted.
+/// A balloon with statistics requested.
 wisp_status balloon_implementation_create( wisp_fabric* fabric, const balloon_setting* setting,
                                            surface_implementation* out, wisp_error* error );
 wisp_status balloon_implementation_read( surface_implementation* implementation, wisp_balloon_stats* out,

@@ -1,4 +1,4 @@
-// Time against vertices: cost goes with the number of triangles, and volume costs little beside the skin.
+// Time against vertices: cost is proportional to the number of triangles, and volume is cheap compared with the skin.
 #include "balloon_bench.h"
 #include "balloon_readings.h"
 #include "rows_chart.h"
@@ -12,7 +12,7 @@
 #define CLAIM_R_SQUARED 0.98
 
 #define SAMPLES_MAX 200
-// So many steps before times are taken and before hashes are compared: the skin has swollen by then.
+// Steps before times are taken and before hashes are compared: the skin has swollen by then.
 #define START_STEPS 3
 #define FILL 1.2f
 
@@ -22,7 +22,7 @@ typedef struct size_line
     stats_summary ms[SCENARIO_IMPLEMENTATIONS_MAX];
     double volume_ms[SCENARIO_IMPLEMENTATIONS_MAX]; ///< of the pass that holds the volume
     balloon_readings read;
-    double bytes; ///< a vertex
+    double bytes; ///< per vertex
     uint64_t hash;
 } size_line;
 
@@ -252,7 +252,7 @@ static void add_chart( int first_row, results* out )
                     out );
 }
 
-// ---- claims ----
+// ---- checks ----
 
 static void claim_flatness( const balloon_plan* plan, const size_line* lines, int e, results* out )
 {

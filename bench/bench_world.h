@@ -1,9 +1,10 @@
-/// What all worlds of the benchmark share: steps, hashes and points of an entity, and failures with the world's message.
+/// Shared by all worlds of the benchmark: steps, hashes and points of an entity, and failures with the world's
+/// message.
 #pragma once
 
 #include "wisp/module/module.h"
 
-/// A log that drops every line: the tables show what is halted or reset.
+/// A log that drops every line: the tables report halts and resets.
 void bench_world_drop_log( void* user, wisp_log_level level, const char* message );
 /// Fail with the last message of a world. @return the status
 wisp_status bench_world_fail( const wisp_world* world, wisp_status status, wisp_error* error );
@@ -13,6 +14,6 @@ wisp_status bench_world_step( wisp_world* world, wisp_entity entity, float secon
 /// Hash a component in the user's order.
 wisp_status bench_world_hash( wisp_world* world, wisp_entity entity, wisp_component component, uint64_t* hash,
                               wisp_error* error );
-/// Read points in the user's order, valid until the next step. @param count how many there must be
+/// Read points in the user's order, valid until the next step. @param count expected number
 wisp_status bench_world_points( wisp_world* world, wisp_entity entity, wisp_component component, int count,
                                 const wisp_vec3** points, wisp_error* error );

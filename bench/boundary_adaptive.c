@@ -1,5 +1,5 @@
-// Adaptive spacing (extension, not in the boundary particle paper): as many points at one spacing beside points that
-// are closer where the body is curved. What counts is how far the normal turns from one point of an edge to the next.
+// Adaptive spacing (extension, not in the boundary particle paper): one spacing compared with as many points that are
+// closer where the body is curved. The measure is the turn of the normal from one point of an edge to the next.
 #include "boundary_bench.h"
 #include "bench_timing.h"
 
@@ -11,14 +11,14 @@
 enum
 {
     GAINS = 3,
-    HALVINGS = 14, // of the interval in which the spacing of as many points is looked for
+    HALVINGS = 14, // of the interval in which the spacing with as many points is searched
     SAMPLES_MAX = 200,
     ROUNDS_MIN = 3,
     PAIR = 2, // by curvature, and at one spacing
 };
 
 static const float gains[GAINS] = { 2.0f, 6.0f, 12.0f }; // 1/rad
-static const float WIDEST = 0.008f;                      // m, where nothing is curved
+static const float WIDEST = 0.008f;                      // m, on flat parts
 static const float NARROWEST = 0.0005f;
 static const double DEGREES = 57.29577951308232;
 
@@ -33,7 +33,7 @@ typedef struct body
 
 typedef struct turns
 {
-    double mean, p99, most; // degrees a gap
+    double mean, p99, most; // degrees per gap
 } turns;
 
 static wisp_status find_normals( body* b, wisp_error* error )
@@ -110,7 +110,7 @@ static wisp_status count_points( layer_implementation* implementation, int* poin
     return status;
 }
 
-// The spacing at which there are as many points as in another layer, or hardly more.
+// The spacing with as many points as another layer, or nearly.
 static wisp_status match( layer_implementation* implementation, int requested, float* spacing, wisp_error* error )
 {
     float lower = NARROWEST, upper = WIDEST;
@@ -127,7 +127,7 @@ static wisp_status match( layer_implementation* implementation, int requested, f
     return status;
 }
 
-// In a world that is closed again, so that what is timed has no memory of layers that were larger.
+// In a separate world that is closed again, so that the timed one has no memory of larger layers.
 static wisp_status find_spacing( const body* b, int requested, float* spacing, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( &layer_laws[0], WIDEST );

@@ -1,4 +1,4 @@
-// Measure how many points a spacing gives, their cost, and how densely they cover the surface.
+// Measure the number of points for a spacing, their cost, and how densely they cover the surface.
 #include "boundary_cover.h"
 #include "boundary_bench.h"
 #include "rows_chart.h"
@@ -30,17 +30,17 @@ static const struct
     { 0.025f, { 32670, 79320 }, { 35280, 103560 } },
 };
 
-/// What one spacing by one law is and costs.
+/// Results for one spacing and one rule.
 typedef struct layer_cost
 {
     const layer_law* law;
     float spacing;
     layer_check check;
     layer_cover cover;
-    stats_summary ms[WAYS][BOUNDARY_WORKERS_MAX]; // of the pass that makes the points
+    stats_summary ms[WAYS][BOUNDARY_WORKERS_MAX]; // of the pass that computes the points
     size_t bytes;
     uint64_t hash;
-    bool same_hash; // of every way and worker count
+    bool same_hash; // of every implementation and worker count
 } layer_cost;
 
 typedef struct cost_run
@@ -162,7 +162,7 @@ static void add_rows( const cost_run* run, const layer_cost* cost, results* out 
     }
 }
 
-// @return null where no count is expected
+// @return null without an expected count
 static const int* contract_counts( const layer_cost* cost )
 {
     for ( int i = 0; i < WISP_COUNT( contract ); ++i )
@@ -228,7 +228,7 @@ static void add_accuracy( const layer_cost* cost, int table, results* out )
 {
     const double d = (double)cost->spacing;
     const bool covers = cost->law->rounding == WISP_ROUND_UP || cost->law->policy == WISP_SPACING_EXACT;
-    // the last gap is a difference of rounded places; even spacing rounded down has gaps below 2 d
+    // the last gap is a difference of rounded positions; even spacing rounded down has gaps below 2 d
     const bool met = cost->cover.gap <= ( covers ? 1.0 : 2.0 ) * d + 1e-5;
     cells row = { .count = 0 };
     cells_put( &row, "%g", d );

@@ -1,4 +1,4 @@
-// Check how many points an edge and a triangle get, and where they are.
+// Check the number of points of an edge and a triangle, and their positions.
 #include "boundary_bench.h"
 
 #include "oracle/boundary_oracle.h"
@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-// A world with one layer on points that are given.
+// A world with one layer on given points.
 static wisp_status enter_mesh( const wisp_mesh* mesh, const wisp_boundary_def* def, wisp_fabric** fabric,
                                layer_implementation* out, wisp_boundary_view* view, wisp_error* error )
 {
@@ -183,7 +183,7 @@ static double3 quad_point( const wisp_samples* s, int p )
     return double3_make( (double)q[0], (double)q[1], (double)q[2] );
 }
 
-// Points of one row share the weight of the corner across.
+// Points of one row have the same weight of the opposite corner.
 static void look_at_rows( const wisp_samples* s, int begin, int end, const double3 corner[3], triangle_look* out )
 {
     const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
@@ -206,14 +206,14 @@ static void look_at_rows( const wisp_samples* s, int begin, int end, const doubl
     }
 }
 
-// Which corner of the first copy a corner of this one is.
+// The corner of the first copy that corresponds to a corner of this one.
 static int first_corner( int copy, int k )
 {
     return ( k + copy % TURNS ) % 3;
 }
 
-// Weights are those of the first copy, corner by corner. With sides of one length the axis is the first one, which
-// turns with the corners: then only the number of points stays.
+// Weights are those of the first copy, corner by corner. With sides of equal length the axis is the first one, which
+// rotates with the corners: then only the number of points stays.
 static bool is_same( const wisp_boundary_view* view, int kind, int copy )
 {
     const wisp_samples* s = view->samples;
@@ -269,7 +269,7 @@ static void add_kind( const wisp_boundary_view* view, const wisp_boundary_def* d
 {
     triangle_look look;
     look_at_kind( view, def, kind, &look );
-    // a row is level but for roundings of places over the gap between them
+    // a row is level up to roundings of positions over the gap between them
     const bool met = look.points == look.expected && look.inside && look.all_same &&
                      look.slant < 8.0 * (double)FLT_EPSILON * 2.0 / (double)def->spacing;
     cells row = { .count = 0 };

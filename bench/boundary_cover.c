@@ -5,7 +5,7 @@
 
 enum
 {
-    PARTS = 24, // of each side of a triangle: 325 places
+    PARTS = 24, // of each side of a triangle: 325 positions
 };
 
 int layer_find_edge( const wisp_boundary_view* view, int32_t a, int32_t b )
@@ -73,7 +73,7 @@ static int gather_range( crowd* all, const wisp_samples* s, int element )
     return s->begin[element + 1] - s->begin[element];
 }
 
-// @return how many there are; without memory for them they are counted
+// @return their number; without memory for them they are only counted
 static int gather( crowd* all, const wisp_boundary_view* view, const wisp_mesh* mesh, int triangle )
 {
     const int32_t* corner = mesh->triangles + 3 * (size_t)triangle;

@@ -10,9 +10,9 @@ enum
 {
     REST = 10, // steps at a multiplier of 1
     RAMP = 60, // steps from 1 to 2, and back
-    HOLD = 40, // steps at 2; the gust comes in their middle
+    HOLD = 40, // steps at 2; the gust acts in their middle
     SWOLLEN = REST + RAMP,
-    GUST = SWOLLEN + HOLD / 2, // the step before which it blows
+    GUST = SWOLLEN + HOLD / 2, // the step before the gust
     SHRINKS = SWOLLEN + HOLD,
     END = SHRINKS + RAMP + REST,
 };
@@ -38,10 +38,10 @@ typedef struct inflation
     int table;
     double moved, moved_expected; // m, of the centre along the gust
     double max_off;               // m
-    int differing;                // steps whose points are not the oracle's
+    int differing;                // steps whose points differ from the oracle's
 } inflation;
 
-// As printed: each triangle that looks against the gust passes it to its three vertices.
+// As printed: each triangle that faces the gust passes it to its three vertices.
 // @return the mean velocity along it
 static double blow( inflation* run )
 {
@@ -99,7 +99,7 @@ static wisp_status one_step( inflation* run, int step, wisp_error* error )
     }
     if ( step == GUST )
     {
-        // velocities die away as a geometric series, and the links and the volume move no centre
+        // velocities decay as a geometric series, and the links and the volume move no centre
         run->moved = -centre_along_gust( run );
         const double dt = (double)LAYER_STEP;
         run->moved_expected = blow( run ) * dt / ( 1.0 - exp( -(double)LAYER_DECAY * dt ) );
@@ -180,7 +180,8 @@ static wisp_status report( inflation* run, results* out, wisp_error* error )
                       "Inflation: after the gust the centre moved %.4f m; vertex hits predict %.4f m. Of %d steps %d "
                       "have other points than the oracle; the farthest point was %.2g m from the surface.",
                       run->moved, run->moved_expected, END, run->differing, run->max_off );
-    // places are rounded to 1e-7 of their size in every step, and the centre moves by 4 %: 1 % of that is far above
+    // positions are rounded to 1e-7 of their size in every step, and the centre moves by 4 %: 1 % of that is far
+    // above
     if ( run->differing > 0 || run->balloon.halted_at > 0 ||
          !( fabs( run->moved / run->moved_expected - 1.0 ) < 0.01 ) )
     {

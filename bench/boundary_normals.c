@@ -1,10 +1,10 @@
-// Measure how far normals of points are from those of the sphere that the mesh stands for.
+// Measure the error of points' normals relative to the sphere that the mesh approximates.
 #include "boundary_bench.h"
 
 #include <math.h>
 
 static const double DEGREES = 57.29577951308232;
-// Between the longest edges there are some points then, on the finest sphere too.
+// With this, the longest edges have some points, on the finest sphere too.
 static const float NORMAL_SPACING = 0.025f;
 
 typedef struct angles
@@ -40,7 +40,7 @@ static double mean_of( const angles* sum )
 
 typedef struct normal_look
 {
-    angles edge, inner, turn; // from the direction of the place; between neighbours on an edge
+    angles edge, inner, turn; // from the direction of the position; between neighbours on an edge
 } normal_look;
 
 static void look_at_normals( const wisp_boundary_view* view, normal_look* out )

@@ -1,4 +1,4 @@
-// What layers look like: points on edges and inside triangles in two colours, with short normals.
+// Pictures of layers: points on edges and inside triangles in two colours, with short normals.
 #include "boundary_bench.h"
 
 #include "picture_sheet.h"
@@ -14,10 +14,10 @@ static const wisp_vec3 INNER_COLOUR = { 0.03f, 0.22f, 0.62f };
 static const wisp_vec3 SKIN_COLOUR = { 0.72f, 0.72f, 0.7f };
 static const wisp_vec3 NORMAL_COLOUR = { 0.12f, 0.12f, 0.14f };
 
-/// A surface and the points on it, as they were when they were taken.
+/// A copy of a surface and the points on it.
 typedef struct shot
 {
-    wisp_vec3 *vertices, *points, *colours, *lines; // lines: two a point
+    wisp_vec3 *vertices, *points, *colours, *lines; // lines: two per point
     int32_t* offsets;                               // [count + 1] of the lines
     int count;
     float radius, line_radius; // m, of a point and of a normal
@@ -71,7 +71,7 @@ static void fill( shot* out, const wisp_samples* s, float line_length )
     }
 }
 
-// @param gap m that points are drawn for: their size
+// @param gap m, distance of the points, which determines their size
 static wisp_status take( shots* all, surface_implementation* implementation, float gap, const char* what,
                          wisp_error* error )
 {
@@ -163,7 +163,8 @@ static double find_ball( const shots* all, wisp_vec3* middle )
     return sqrt( square );
 }
 
-// One camera for all shots, so that sizes can be compared. It is near enough to see points: it fits a ball, not a box.
+// One camera for all shots, so that sizes can be compared. It is close enough to show points: it fits a ball, not a
+// box.
 static render_camera find_camera( const shots* all )
 {
     const double degrees = 57.29577951308232;
@@ -208,7 +209,7 @@ static wisp_status write_shots( const boundary_plan* plan, const shots* all, con
 
 // ---- the pictures ----
 
-// A layer on a mesh that stands still.
+// A layer on a static mesh.
 static wisp_status take_still( shots* all, wisp_fabric* fabric, float spacing, const char* what, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( &layer_laws[0], spacing );

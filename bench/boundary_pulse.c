@@ -10,21 +10,21 @@ enum
     PULSES = 11,
     STILL = 0,
     ALL_ANEW = 1,
-    SAMPLES_MAX = 20 * LAYER_PERIOD, // whole periods, so that all phases count alike
+    SAMPLES_MAX = 20 * LAYER_PERIOD, // whole periods, so that all phases have equal weight
     ROUNDS_MIN = 4,
 };
 
 static const float PULSE_SPACING = 0.05f;
 
-/// How a surface pulsates, and what came of it.
+/// The pulsation of a surface, and its results.
 typedef struct pulse
 {
     double amplitude;
     float hysteresis;
     bool is_anew;
     layer_implementation implementation;
-    double changed, max_changed; // share of the elements, mean and most of a step
-    double kept;                 // share of the points that stay of one step to the next
+    double changed, max_changed; // fraction of the elements, mean and maximum of a step
+    double kept;                 // fraction of the points that remain from one step to the next
     int min_points, max_points;
     uint64_t hash;
 } pulse;
@@ -51,10 +51,10 @@ static wisp_status enter( const boundary_plan* plan, wisp_fabric* fabric, pulse*
     return status;
 }
 
-// ---- what changes ----
+// ---- changes ----
 
-// Points of elements whose number of points is that of the step before.
-// @param before [elements], receives what is now
+// Points of elements whose number of points is that of the previous step.
+// @param before [elements], receives the present counts
 static int count_kept( const wisp_samples* s, int elements, int32_t* before )
 {
     int kept = 0;
@@ -98,7 +98,7 @@ static wisp_status count_changes( const boundary_plan* plan, const wisp_fabric* 
     {
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for the counts of a step" );
     }
-    // the first step samples everything and is none of the pulsation
+    // the first step samples everything and does not belong to the pulsation
     wisp_status status = count_step( p, before, true, error );
     for ( int step = 0; step < plan->pulse_steps && status == WISP_OK; ++step )
     {
@@ -113,7 +113,7 @@ static wisp_status count_changes( const boundary_plan* plan, const wisp_fabric* 
     return status;
 }
 
-// ---- what it costs ----
+// ---- cost ----
 
 static wisp_status time_all( const boundary_plan* plan, pulse all[PULSES], wisp_error* error )
 {
@@ -176,8 +176,8 @@ static void add_pulse( pulse* p, const stats_summary times[2], int workers, int 
     add_pulse_row( p, &ms, workers, out );
 }
 
-// No element changes on a static surface, all change if requested, and fewer with hysteresis. Without it
-// counts follow from positions alone: after whole periods a layer is what it was.
+// No element changes on a static surface, all change if requested, and fewer with hysteresis. Without it counts
+// follow from positions alone: after whole periods a layer is the same again.
 static void check_pulses( const pulse all[PULSES], results* out )
 {
     if ( all[STILL].changed != 0.0 || all[ALL_ANEW].changed != 1.0 )

@@ -11,7 +11,7 @@
 
 static const double TWO_PI = 6.283185307179586;
 
-// A place is a sum of three products and weights of a few operations: a point is off by some roundings of its largest
+// A position is a sum of three products with computed weights: a point has an error of some roundings of its largest
 // coordinate.
 static const double ROUNDINGS = 8.0;
 
@@ -74,7 +74,7 @@ wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int 
     return status;
 }
 
-// Where every vertex is put before the step, at rest, so that nothing but the layer has to follow.
+// Position of every vertex before the step, at rest, so that only the layer has to follow.
 static void pulsate( layer_implementation* implementation )
 {
     const wisp_fabric* f = implementation->surface.fabric;
@@ -90,9 +90,9 @@ static void pulsate( layer_implementation* implementation )
     }
 }
 
-// A layer that is set as it was keeps its recipes where counts come out the same. Another hysteresis drops all of
-// them; so little of it changes no count, but of lengths that are a whole number of spacings within the rounding of a
-// float.
+// A layer that is set again with the same definition keeps its weights where counts are the same. Another hysteresis
+// drops all of them; so small a change affects no count, except for lengths that are a whole number of spacings
+// within the rounding of a float.
 static wisp_status sample_anew( layer_implementation* implementation, wisp_error* error )
 {
     wisp_boundary_def def = implementation->def;
@@ -136,7 +136,7 @@ stats_summary layer_pass_ms( surface_implementation* implementation, const char*
     return ms;
 }
 
-// ---- what a layer shows ----
+// ---- outputs of a layer ----
 
 wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error )
 {

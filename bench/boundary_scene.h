@@ -1,5 +1,5 @@
-/// Surfaces with a layer of boundary particles: that stand still, pulsate, or are the balloon of the boundary
-/// particle paper; and what its equations in double precision say about the same positions.
+/// Surfaces with a layer of boundary particles: static, pulsating, or the balloon of the boundary particle paper; and
+/// the results of its equations in double precision for the same positions.
 #pragma once
 
 #include "balloon_scene.h"
@@ -33,18 +33,18 @@ extern const layer_law layer_laws[LAYER_LAWS]; ///< even, exact, and even withou
 
 wisp_boundary_def layer_def( const layer_law* law, float spacing );
 
-/// A surface with a layer, as a bench_variant has it.
+/// A surface with a layer, as context of a bench_variant.
 typedef struct layer_implementation
 {
     surface_implementation surface;
     wisp_boundary_def def;
     bool is_anew;    ///< every step samples all elements again: case B everywhere
-    bool has_little; ///< of two definitions that give the same points, the one that it has now
-    /// Of the radius: the surface is 1 + amplitude sin( 2 pi step / LAYER_PERIOD ) times as large. 0: it stands still
+    bool has_little; ///< of two definitions that give the same points, the present one
+    /// Of the radius: the surface is scaled by 1 + amplitude sin( 2 pi step / LAYER_PERIOD ). 0: it is static
     double amplitude;
 } layer_implementation;
 
-/// A surface that nothing acts on. @param fabric the caller's, who keeps it until the implementation is gone
+/// A surface without forces. @param fabric the caller's, who keeps it until the implementation is closed
 wisp_status layer_enter( wisp_fabric* fabric, const wisp_boundary_def* def, int workers, layer_implementation* out,
                          wisp_error* error );
 /// Give a surface a layer, or another one. @param implementation of a world that has the module
@@ -58,23 +58,23 @@ stats_summary layer_pass_ms( surface_implementation* implementation, const char*
 
 wisp_status layer_read( surface_implementation* implementation, wisp_boundary_view* out, wisp_error* error );
 wisp_status layer_read_stats( surface_implementation* implementation, wisp_boundary_stats* out, wisp_error* error );
-/// Hash of all that a layer shows.
+/// Hash of all outputs of a layer.
 uint64_t layer_hash( const wisp_boundary_view* view );
 
-/// What a layer is beside the oracle's for the same positions.
+/// Differences of a layer from the oracle's for the same positions.
 typedef struct layer_check
 {
     int edge_points, inner_points;     ///< of the engine
     int edge_expected, inner_expected; ///< of the oracle
-    double farthest;                   ///< m, of a point from where the oracle has it; infinite if the counts differ
+    double farthest;                   ///< m, of a point from the oracle's; infinite if the counts differ
     double off_surface;                ///< m, of a point from its edge, or from the plane of its triangle
     double reach;                      ///< m, the largest coordinate of a point
 } layer_check;
 
-/// @param triangles the user's, of the mesh that was cooked
+/// @param triangles the user's, of the cooked mesh
 wisp_status layer_compare( surface_implementation* implementation, const wisp_mesh* mesh,
                            const wisp_boundary_def* def, layer_check* out, wisp_error* error );
-/// Counts are the oracle's, and points lie where it has them, and on the surface, but for rounding.
+/// Counts equal the oracle's, and points are at the oracle's positions and on the surface, up to rounding.
 bool layer_check_is_met( const layer_check* check );
 
 /// Volume over that of the mesh.
@@ -87,11 +87,11 @@ typedef struct layer_balloon
     float skin;       ///< stiffness of the distances
     float multiplier; ///< of the rest volume
     float gravity;    ///< m/s^2
-    bool is_hung;     ///< by its top
-    float seconds;    ///< a step
+    bool is_hung;     ///< at its top
+    float seconds;    ///< per step
 } layer_balloon;
 
 layer_balloon layer_default_balloon( void );
-/// Its layer is not set yet. @param mesh whose first vertex along +y it is hung by
+/// Its layer is not set yet. @param mesh hung by its first vertex along +y
 wisp_status layer_enter_balloon( wisp_fabric* fabric, const wisp_mesh* mesh, const layer_balloon* setting,
                                  surface_implementation* out, wisp_error* error );

@@ -1,4 +1,4 @@
-// Measure the balloon under a layer, by stiffness, step and gravity.
+// Measure the balloon with a layer, by stiffness, step and gravity.
 #include "boundary_bench.h"
 
 #include "oracle/boundary_oracle.h"
@@ -30,7 +30,7 @@ static void free_sphere( sphere* s )
 
 // ---- volume by stiffness ----
 
-// The same balloon in double; its distances are in the order of the paper, Wisp's by colours.
+// The same balloon in double; its distances are in the order of the paper, Wisp's in colours.
 static double oracle_volume( const layer_balloon* setting, int steps )
 {
     balloon_mesh mesh;

@@ -11,11 +11,11 @@ typedef struct cells
     int count;
 } cells;
 
-/// A cell of at most 63 bytes; what is longer is cut.
+/// A cell of at most 63 bytes; longer ones are cut.
 void cells_put( cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// Put a number with the given decimals; "-" if it is not finite.
 void cells_put_number( cells* row, double value, int digits );
-/// Two numbers with a stroke between them: the largest and the mean of something.
+/// Two numbers separated by a slash: the largest value and the mean.
 void cells_put_pair( cells* row, double first, int first_digits, double second, int second_digits );
 void cells_put_hash( cells* row, uint64_t hash );
 /// A table whose header is this row. @return its number

@@ -1,4 +1,4 @@
-// ns per constraint and pass, beside the scalar C version that goes through the links in the order of the mesh.
+// ns per constraint and pass, compared with the scalar C version that walks the links in the order of the mesh.
 #include "cloth_bench.h"
 #include "rows_chart.h"
 #include "bench_timing.h"
@@ -8,15 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-// What the table has to show, at one size and over all sizes.
+// Targets of the table, at one size and over all sizes.
 #define CLAIM_SIZE 128
 #define CLAIM_RATIO_ONE 8.0
 #define CLAIM_RATIO_MANY 12.0
 #define CLAIM_FLAT 1.4
 
 #define SAMPLES_MAX 300
-// Every step of scalar C starts from the state that the engine has reached after so many: what is timed is then
-// sound, whatever the order of the mesh does to the scene in the long run.
+// Every step of scalar C starts from the state of the engine after this many steps: the timed work is then valid,
+// whatever the order of the mesh does to the scene in the long run.
 #define START_STEPS 12
 
 enum
@@ -213,7 +213,7 @@ static wisp_status step_all( const cloth_plan* plan, comparison* r, int steps, w
     return status;
 }
 
-// One step for the oracle, the others for the state that scalar C starts from.
+// One step for the oracle, the others for the start state of scalar C.
 static wisp_status judge( const cloth_plan* plan, comparison* r, comparison_line* line, results* out,
                           wisp_error* error )
 {
@@ -385,7 +385,7 @@ static void add_line( const cloth_plan* plan, const comparison_line* line, int t
     cells_end_row( &row, table, out );
 }
 
-// ---- claims ----
+// ---- checks ----
 
 static void claim_flatness( const cloth_plan* plan, const comparison_line* lines, int e, results* out )
 {

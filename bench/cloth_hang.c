@@ -1,4 +1,4 @@
-// The hanging cloth beside other engines. Their figures cannot be taken again here: they are constants with a
+// The hanging cloth compared with other engines. Their times cannot be measured here: they are constants with a
 // reference.
 #include "cloth_bench.h"
 #include "rows_chart.h"
@@ -6,12 +6,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-/// What others needed on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4
-/// GHz, gcc 12.2), each with its best settings for ten passes a step. NaN: not measured.
+/// Times of others on the reference machine (performance notes: two virtual cores of an AVX-512 Xeon at about 3.4
+/// GHz, gcc 12.2), each with its best settings for ten passes per step. NaN: not measured.
 typedef struct peer_times
 {
     int n;
-    double nvcloth, nvcloth_wide; ///< ms, one thread: as it is (SSE2), and a port to eight lanes
+    double nvcloth, nvcloth_wide; ///< ms, one thread: unmodified (SSE2), and a port to eight lanes
     double pbd[2];                ///< ms, PositionBasedDynamics 1 x 10, one and two threads
     double jolt[2];               ///< ms, Jolt 5.5, ten substeps, one and two threads
     double nvcloth_stretch[2];    ///< %, max and mean
@@ -27,7 +27,7 @@ static const peer_times peers[] = {
 
 static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
 
-// Scalar C is run through the whole scenario only up to here: it takes seconds beyond.
+// Scalar C runs through the whole scenario only up to here: it takes seconds beyond.
 #define PLAIN_SIZE_MAX 64
 
 static int begin_table( const cloth_plan* plan, results* out )
@@ -142,7 +142,7 @@ static double plain_stretch( const plain_cloth* cloth )
     return largest;
 }
 
-// A cloth a thousand times as long as it should be is lost, finite or not.
+// A cloth a thousand times its proper length is lost, finite or not.
 #define LOST_STRETCH 1e3
 
 static wisp_status follow_plain( const cloth_plan* plan, const cloth_scene* scene, results* out, wisp_error* error )

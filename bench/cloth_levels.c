@@ -1,4 +1,4 @@
-// What coarse levels, tethers and the order of the sweep make of error and time.
+// Effect of coarse levels, tethers and the solve order on error and time.
 #include "cloth_levels_table.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ static const cloth_setting settings[] = {
     { "2 + levels + tethers, list", 2, 1, true, true, WISP_SOLVE_ORDER_LIST, 0 },
 };
 
-// The first setting, whose substeps the converged run has sixteen times.
+// The first setting; the converged run has sixteen times its substeps.
 #define PLAIN_SETTING 0
 
 static wisp_status run_setting( const cloth_plan* plan, const cloth_scene* scene, const cloth_setting* setting,
@@ -93,8 +93,7 @@ static wisp_status find_reference( const cloth_plan* plan, const cloth_scene* sc
     return status;
 }
 
-// The cheapest line that stretches no more than NvCloth with ten passes does, beside its time, and what that costs in
-// energy.
+// The cheapest line with at most the stretch of NvCloth with ten passes, with its time and its loss of energy.
 static void claim_equal_error( const cloth_plan* plan, const level_table* table, int n, results* out )
 {
     const int e = plan->worker_count - 1;

@@ -1,4 +1,4 @@
-// Levels only resist stretching, and a balloon is stretched on purpose: this table shows what they do to one.
+// Levels only resist stretching, and a balloon is stretched on purpose: this table shows their effect on one.
 #include "cloth_levels_table.h"
 
 #include "balloon_scene.h"
@@ -25,9 +25,9 @@ static const skin_setting settings[] = {
 };
 
 #define FILL 1.2f
-// The gas starts at full volume in a skin at rest, and without damping the skin would ring for long.
+// The gas starts at full volume in a skin at rest, and without damping the skin would oscillate for long.
 #define DAMPING 30.0f // 1/s
-// Held at its feet, the lowest part of its height, so that the path is of the shape and not of a drift.
+// Held at its feet, the lowest part of its height, so that the path shows the shape and not a drift.
 #define FEET 0.03f
 #define FEET_MAX 256
 
@@ -86,7 +86,7 @@ static wisp_status volume_error( surface_implementation* implementation, const w
     return status;
 }
 
-// @param record where to keep the path, or null @param reference what to compare with, or null
+// @param record path to fill, or null @param reference path to compare with, or null
 static wisp_status run_setting( const cloth_plan* plan, const held_figure* figure, const skin_setting* skin,
                                 int worker_count, const path_record* reference, path_record* record, level_line* line,
                                 results* out, wisp_error* error )

@@ -22,7 +22,8 @@ typedef struct level_table
 } level_table;
 
 void level_table_write( const cloth_plan* plan, const level_table* table, const char* title, results* out );
-/// Error against time with the last worker count, the front marked: mean stretch of cloth, and the path where it is known.
+/// Chart of error against time with the last worker count, with the front marked: mean stretch of cloth, and the path
+/// where it is known.
 /// @param rows name of the rows, which have been added since first_row @param where the mesh, for the titles
 void level_table_charts( const cloth_plan* plan, const level_table* table, const char* rows, int first_row,
                          const char* where, results* out );

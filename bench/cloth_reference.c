@@ -3,8 +3,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The schedule runs tile by tile and colour by colour; nothing in it shares a vertex with what runs beside it, so one
-// link after another gives the same.
+// The schedule runs tile by tile and colour by colour; parallel parts share no vertex, so a sequential order gives
+// the same.
 static void collect_links( cloth_reference* reference )
 {
     const wisp_fabric* f = reference->fabric;
@@ -108,7 +108,7 @@ static void predict( cloth_reference* reference, double h )
     }
 }
 
-// Eq. 6 of the balloon paper times stiffness; with a compliance, xpbd of one pass, whose multiplier begins at 0.
+// Eq. 6 of the balloon paper times stiffness; with a compliance, xpbd of one pass, whose multiplier starts at 0.
 static void project( cloth_reference* reference, double h )
 {
     for ( int i = 0; i < reference->link_count; ++i )
@@ -155,7 +155,7 @@ double cloth_reference_distance( const cloth_reference* reference, const wisp_ve
         double x = (double)points[v].x - q[0], y = (double)points[v].y - q[1], z = (double)points[v].z - q[2];
         double distance = sqrt( x * x + y * y + z * z );
 
-        // Not fmax: that would step over a NaN.
+        // Not fmax, which would ignore a NaN.
         largest = distance <= largest ? largest : distance;
     }
     return largest;

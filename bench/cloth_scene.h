@@ -1,4 +1,4 @@
-/// The hanging cloth on which other engines were measured: n x n vertices 0.05 m apart, horizontal at the start, two
+/// The hanging cloth of the measurements of other engines: n x n vertices 0.05 m apart, horizontal at the start, two
 /// corners of one side pinned, every edge a distance, every interior edge a link between its opposite vertices.
 #pragma once
 
@@ -23,28 +23,28 @@ typedef struct cloth_scene
 wisp_status cloth_scene_make( int n, bool is_irregular, cloth_scene* out, wisp_error* error );
 void cloth_scene_free( cloth_scene* scene );
 
-/// A way to solve it.
+/// A solver setting.
 typedef struct cloth_setting
 {
     const char* name;
     int substeps, iterations;
     bool tethers, levels;
     wisp_solve_order solve_order;
-    int finest_level; ///< as wisp_fabric_def has it; 0: its default
+    int finest_level; ///< as in wisp_fabric_def; 0: its default
 } cloth_setting;
 
-/// Cook the scene with what a setting needs.
+/// Cook the scene with the data that a setting needs.
 wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out,
                         wisp_error* error );
-/// @param points where the vertices start, null: the rest shape
+/// @param points start positions of the vertices, null: the rest shape
 wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
                                          const wisp_vec3* points, int workers, surface_implementation* out,
                                          wisp_error* error );
 
 // ---- the same cloth in double precision ----
 
-/// Links in the order in which the fabric has them, one after another: what the engine computes, without its lanes,
-/// tiles and roundings. It is the reference of one step, and with many substeps the converged run.
+/// Links in the order of the fabric, one after another: the engine's computation without its lanes, tiles and
+/// roundings. It is the reference of one step, and with many substeps the converged run.
 typedef struct cloth_reference
 {
     int slot_count, link_count;
@@ -65,7 +65,7 @@ void cloth_reference_soften( cloth_reference* reference, double stretch, double 
 void cloth_reference_step( cloth_reference* reference, int substeps );
 /// Largest distance of a vertex to the reference's, m; NaN if a coordinate is.
 double cloth_reference_distance( const cloth_reference* reference, const wisp_vec3* points );
-/// Step through the warm-up of a scenario and keep the path at its looks.
-/// @param energy_lost as scenario_stats has it
+/// Step through the warm-up of a scenario and record the path at its samples.
+/// @param energy_lost as in scenario_stats
 void cloth_reference_run( cloth_reference* reference, int substeps, const scenario_plan* plan, path_record* record,
                           double* energy_lost );

@@ -1,10 +1,10 @@
-// Residual against passes and time: in which order a sweep goes decides how far an error travels in one pass.
+// Residual against passes and time: the solve order determines how far an error travels in one pass.
 #include "cloth_bench.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-// The cloth is pulled from its pins by so much, and has to come back.
+// Distance of the cloth from its pins at the start.
 #define PULLED 1.02f
 #define REPEATS 5
 
@@ -35,8 +35,7 @@ static wisp_vec3* pulled_points( const cloth_scene* scene )
     return points;
 }
 
-// The same step again and again, from the same state. Columns that only the plan asks for are there once it is
-// compiled.
+// The same step repeatedly, from the same state. Columns requested by the plan alone exist once it is compiled.
 static wisp_status repeat_step( surface_implementation* implementation, wisp_error* error )
 {
     if ( wisp_world_plan_passes( implementation->world ) < 0 )
@@ -132,7 +131,7 @@ static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points,
 
 // ---- the table ----
 
-// The time at which a sweep has a residual, on straight lines between logarithms; NaN if it never gets there.
+// The time at which a sweep reaches a residual, by linear interpolation of logarithms; NaN if it never does.
 static double time_to_reach( const sweep_stats* f, double residual )
 {
     for ( int i = 1; i < PASS_COUNTS; ++i )

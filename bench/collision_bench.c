@@ -21,9 +21,9 @@
 
 enum
 {
-    QUESTIONS = 4096,    // of a kind
-    FAR_QUESTIONS = 512, // of those that look as far as it takes
-    SAMPLE = 64,         // of them, that brute force answers too
+    QUESTIONS = 4096,    // of each kind
+    FAR_QUESTIONS = 512, // of those without a limit of distance
+    SAMPLE = 64,         // of them, also answered by brute force
     ROUNDS_MIN = 3,
     ROUNDS_MAX = 200,
     CLOTH_SIDE = 17,
@@ -74,12 +74,12 @@ static wisp_collision_mesh_def search_def( const wisp_mesh* mesh, const search_k
     };
 }
 
-// ---- questions ----
+// ---- queries ----
 
 typedef struct questions
 {
-    wisp_mesh_query near[QUESTIONS]; // particles of a cloth on the body: less than an edge away, looking for an edge
-    wisp_mesh_query far[FAR_QUESTIONS]; // anywhere around and inside, looking as far as it takes
+    wisp_mesh_query near[QUESTIONS];    // particles of a cloth on the body: less than an edge away, limit of an edge
+    wisp_mesh_query far[FAR_QUESTIONS]; // anywhere around and inside, without a limit
     wisp_mesh_path steps[QUESTIONS];    // of a particle close to the surface
     wisp_mesh_path across[QUESTIONS];   // from outside to the middle
 } questions;
@@ -107,7 +107,7 @@ static void make_questions( const wisp_mesh* mesh, float edge, questions* q )
     const wisp_vec3 middle = { 0.0f, 0.0f, 0.0f };
     for ( int i = 0; i < QUESTIONS; ++i )
     {
-        // neighbours one after another, as the particles of a cloth are
+        // neighbours one after another, like the particles of a cloth
         int v = (int)( (int64_t)mesh->vertex_count * i / QUESTIONS );
         wisp_vec3 on = mesh->points[v], beside = shift( on, 0.5f * edge, i, 0 );
         q->near[i] = ( wisp_mesh_query ){ beside, edge };

@@ -106,7 +106,7 @@ static void take_head( const unsigned char** at, compare_reference* out )
     out->residual = reference_take_double( at );
 }
 
-// @return whether all of it is finite, and later than the look before
+// @return whether all of it is finite, and later than the previous sample
 static bool take_look( const unsigned char** at, int number, compare_reference* out )
 {
     compare_reference_look* to = &out->looks[number];
@@ -162,7 +162,7 @@ wisp_status compare_reference_read( const char* path, compare_reference* out, wi
     unsigned char* bytes = NULL;
     size_t size = 0;
     *out = ( compare_reference ){ .points = NULL };
-    // One byte more than the largest reference, so that a longer file is seen to be one.
+    // One byte more than the largest reference, to detect a longer file.
     const size_t room = file_size( COMPARE_VERTICES_MAX, COMPARE_LOOKS_MAX ) + 1;
     wisp_status status = reference_read_bytes( path, room, &bytes, &size, error );
     if ( status == WISP_OK )

@@ -1,5 +1,5 @@
-/// The reference file of a comparison: where every vertex of a converged run in double precision is at every look.
-/// Made by bench/reference, read by the benchmark.
+/// The reference file of a comparison: the position of every vertex of a converged run in double precision at every
+/// sample. Made by bench/reference, read by the benchmark.
 ///
 ///     bytes                    what, all of it little-endian
 ///     8                        "WISPTRUT"
@@ -22,7 +22,7 @@ typedef struct compare_reference_look
 {
     double time;       ///< s
     compare_look look; ///< of the run in double
-    double doubt;      ///< m, root mean square distance to the run of twice the step
+    double doubt;      ///< m, root mean square distance to the run with twice the step
 } compare_reference_look;
 
 typedef struct compare_reference
@@ -31,24 +31,24 @@ typedef struct compare_reference
     int look_count; ///< those of the window, and one at rest
     uint64_t mesh_hash;
     double info[COMPARE_INFO];
-    double rate, rest_rate; ///< steps a second until the last look of the window, and after it
+    double rate, rest_rate; ///< steps per second until the last sample of the window, and after it
     double order;           ///< 1 Euler, 2 BDF2
-    double residual;        ///< worst of Newton's method, over the impulse of the cloth's weight in a step
+    double residual;        ///< largest of Newton's method, relative to the impulse of the cloth's weight in a step
     compare_reference_look looks[COMPARE_LOOKS_MAX];
     float* points; ///< [look_count][vertex_count][3]
 } compare_reference;
 
-/// The numbers that a reference and a scene must agree in.
+/// The numbers on which a reference and a scene must agree.
 void compare_reference_info( const compare_physics* physics, double info[COMPARE_INFO] );
 
 /// Read untrusted bytes.
-/// @param name what the message calls them
+/// @param name for messages
 /// @return WISP_BAD_INPUT too short, too long, not a reference, or broken; WISP_NO_MEMORY; out is then empty
 wisp_status compare_reference_parse( const void* bytes, size_t size, const char* name, compare_reference* out,
                                      wisp_error* error );
-/// @return WISP_IO_ERROR the operating system refused, else as compare_reference_parse()
+/// @return WISP_IO_ERROR an error of the operating system, else as compare_reference_parse()
 wisp_status compare_reference_read( const char* path, compare_reference* out, wisp_error* error );
-/// Whether it is the reference of this scene. @return WISP_BAD_INPUT the message says what differs
+/// Whether it is the reference of this scene. @return WISP_BAD_INPUT the message states the difference
 wisp_status compare_reference_check( const compare_reference* reference, const compare_scene* scene, const char* name,
                                      wisp_error* error );
 /// @return WISP_IO_ERROR, WISP_NO_MEMORY

@@ -1,4 +1,4 @@
-// Worlds for every way to solve the cloth, stepped in turns from look to look.
+// Worlds for every solver setting of the cloth, stepped in turns from sample to sample.
 #include "compare_bench.h"
 
 #include "cloth/cloth.h"
@@ -28,7 +28,7 @@ static wisp_cloth_def cloth_of( const compare_scene* scene, const compare_varian
         def.bending = bends ? WISP_CLOTH_BENDING_LINKS : WISP_CLOTH_BENDING_NONE;
         return def;
     }
-    // the sum makes it isotropic: every edge has 1 / k
+    // the sum is isotropic: every edge has 1 / k
     def.warp_compliance = def.weft_compliance = 1.0f / COMPARE_STRETCH_STIFFNESS;
     def.shear_compliance = 2.0f / COMPARE_STRETCH_STIFFNESS;
     def.bending = bends ? WISP_CLOTH_BENDING_DIHEDRAL : WISP_CLOTH_BENDING_NONE;
@@ -144,7 +144,7 @@ typedef struct contest
     results* out;
 } contest;
 
-// The limit is there for its error, and is not timed.
+// The limit is included for its error, and is not timed.
 static int workers_of( const contest* c, int variant )
 {
     return c->plan->variants[variant].is_limit ? 1 : c->plan->worker_count;
@@ -195,7 +195,7 @@ static wisp_status keep_sample( contest* c, int variant, int worker, double ms, 
     return WISP_OK;
 }
 
-// On to the next look. The first step of a turn refills the caches and is not counted.
+// On to the next sample. The first step of a turn refills the caches and is not counted.
 static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed, wisp_error* error )
 {
     surface_implementation* implementation = implementation_of( c, variant, worker );
@@ -215,7 +215,7 @@ static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed
     return status;
 }
 
-// ---- looking ----
+// ---- samples ----
 
 static wisp_status see( contest* c, surface_implementation* implementation, wisp_error* error )
 {
@@ -248,7 +248,7 @@ static wisp_status look_at_path( contest* c, int variant, int look, wisp_error* 
     wisp_status status = see( c, implementation_of( c, variant, 0 ), error );
     const double square = square_distance( c, look );
     stats->path += square / ( c->scene->physics.look_count - 1 );
-    // not fmax: that would step over a NaN
+    // not fmax, which would ignore a NaN
     stats->worst = sqrt( square ) <= stats->worst ? stats->worst : sqrt( square );
     return status;
 }

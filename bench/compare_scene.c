@@ -64,7 +64,7 @@ static void place_start( compare_scene* scene )
     }
 }
 
-// Edges, lengths and masses are the oracle's, so that the reference and the looks mean the same by them.
+// Edges, lengths and masses are the oracle's, so that the reference and the samples use the same.
 static wisp_status take_from_oracle( compare_scene* scene, wisp_error* error )
 {
     const wisp_mesh* mesh = &scene->base.mesh;
@@ -151,7 +151,7 @@ void compare_scene_free( compare_scene* scene )
     *scene = ( compare_scene ){ .start = NULL };
 }
 
-// ---- looking ----
+// ---- samples ----
 
 static double height_of( const compare_scene* scene, const double* points )
 {

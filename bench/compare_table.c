@@ -1,4 +1,4 @@
-// What a comparison says to people and to machines.
+// Tables and rows of a comparison.
 #include "compare_bench.h"
 
 #include "cells.h"
@@ -160,7 +160,7 @@ void compare_add_table( const compare_plan* plan, const compare_scene* scene, co
 
 // ---- summaries ----
 
-// Of its worker counts the faster one: who has two cores may leave one idle.
+// The faster worker count: with two cores, one may stay idle.
 static double fastest( const compare_plan* plan, const compare_stats* f )
 {
     double ms = INFINITY;
@@ -171,8 +171,8 @@ static double fastest( const compare_plan* plan, const compare_stats* f )
     return ms;
 }
 
-// The fastest variant of a method whose error is not above the limit, or the nearest one whose time is not. -1: there
-// is none.
+// The fastest variant of a method whose error is not above the limit, or the most accurate one whose time is not. -1:
+// none.
 static int best_of( const compare_plan* plan, const compare_stats* stats, compare_method method, bool by_time,
                     double limit )
 {

@@ -27,8 +27,8 @@ static void move_on( double load, double s, double h, elastica_place* p )
     p->slope += h / 6.0 * ( m1 + 2.0 * m2 + 2.0 * m3 + m4 );
 }
 
-// @param start theta'(0) @return the least theta' on the way, which grows with it. Not that at the tip: under a large load
-// a rod that is bent too little swings back, and may end with any slope
+// @param start theta'(0) @return the smallest theta' on the way, which grows with it. Not that at the tip: under a
+//        large load a rod that is bent too little swings back, and may end with any slope
 static double shoot( double load, double start, int count, double ( *points )[2] )
 {
     const int each = ( PRIMITIVES + count - 2 ) / ( count - 1 ), primitives = each * ( count - 1 );

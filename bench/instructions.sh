@@ -1,7 +1,7 @@
 #!/bin/sh
 # Counts the instructions of repeated steps with callgrind, once with every module registered and once with only those
-# that the scene uses, and fails if the two differ. There is a scene for every effect, the same without the effect
-# (EFFECT-off, where its module is either registered and not asked for, or not there at all), and an empty one.
+# of the scene, and fails if the two differ. There is a scene for every effect, the same without the effect
+# (EFFECT-off, where its module is either registered and not requested, or not registered), and an empty one.
 #
 #     bench/instructions.sh PROGRAM [SCENE...]     PROGRAM is the built wisp_instructions; it lists its scenes
 #

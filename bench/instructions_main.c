@@ -1,13 +1,13 @@
-// Steps the small scene of an effect on one worker, with every module registered or only those the scene uses.
-// instructions.sh counts what the steps execute: a module that no scene asks for must not cost a single instruction.
+// Steps the small scene of an effect on one worker, with every module registered or only those of the scene.
+// instructions.sh counts the instructions of the steps: an unused module must not cost a single one.
 #include "effects/effect_world.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-// The C library's memcpy chooses its way by how source and target lie within a page. Where registered modules hold
-// memory too, blocks lie elsewhere; on pages of their own they lie at the same place of a page whatever came before.
+// The C library's memcpy chooses its path by the positions of source and target within a page. Memory of registered
+// modules moves other blocks; with pages of their own they keep their position within a page.
 #define PAGE 4096u
 
 static void* allocate_pages( void* user, size_t size, size_t alignment )
@@ -35,7 +35,7 @@ static int list_scenes( void )
     return 0;
 }
 
-// "empty", the name of an effect, or that and "-off": what it acts on, without it.
+// "empty", the name of an effect, or that and "-off": its entity without it.
 static bool read_scene( const char* text, effect_world_def* def, const effect** storage )
 {
     if ( strcmp( text, "empty" ) == 0 )

@@ -13,7 +13,7 @@ static const struct paper_part
     { paper_triangle_cloth, 0.45 },
 };
 
-// A part tells how much of itself is done.
+// A part reports its own progress.
 typedef struct part_progress
 {
     const bench_options* whole;

@@ -7,22 +7,22 @@
 #include <stdlib.h>
 #include <string.h>
 
-// The oracle looks at all pairs: 10 000 vertices take it seconds, a million would take it days.
+// The oracle tests all pairs: 10 000 vertices take it seconds, a million would take it days.
 #define ORACLE_VERTICES_MAX 10000
 #define ORACLE_VERTICES_QUICK 6000
-// All variants are compared at one event of the command, whatever events their timed steps had.
+// All variants are compared at one event of the command, whatever the events of their timed steps.
 #define COMPARED_EVENT 7
 #define SAMPLES_MAX 400
 // Cost of a round with all warm-ups, in steps of scalar C.
 #define ROUND_OF_PLAIN 2.0
-// Ours alone has enough samples after this time.
+// The engine alone has enough samples after this time.
 #define ONCE_SECONDS 1.0
 
 typedef struct paper_size
 {
     int strands;
     double source_ms, source_fps;     ///< NaN: not in Kim 2026
-    double quick_weight, full_weight; ///< of the time that is left for this size and the larger ones; 0: left out
+    double quick_weight, full_weight; ///< of the time left for this size and the larger ones; 0: left out
 } paper_size;
 
 static const paper_size sizes[PAPER_SIZES] = {
@@ -30,7 +30,7 @@ static const paper_size sizes[PAPER_SIZES] = {
     { 2000, NAN, NAN, 1.0, 1.0 },  { 10000, NAN, NAN, 2.0, 2.0 }, { 50000, NAN, NAN, 0.0, 4.0 },
 };
 
-/// Everything that one size needs while it is measured.
+/// All data of one size while it is measured.
 typedef struct paper_comparison
 {
     paper_scene scene;
@@ -101,7 +101,7 @@ static double largest_distance( const paper_comparison* comparison, const wisp_v
         double dz = (double)points[i].z - reference[2];
         double distance = sqrt( dx * dx + dy * dy + dz * dz );
 
-        // Not fmax: that would step over a NaN.
+        // Not fmax, which would ignore a NaN.
         largest = distance <= largest ? largest : distance;
     }
     return largest;
@@ -114,7 +114,7 @@ static wisp_status run_oracle( paper_comparison* comparison, wisp_error* error )
                               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the oracle's points" );
 }
 
-// Everybody runs the same event. Scalar C comes first because it may be the reference of the others.
+// All variants run the same event. Scalar C comes first because it may be the reference of the others.
 static wisp_status judge( const paper_table* table, paper_comparison* comparison, paper_line* line, results* out,
                           wisp_error* error )
 {
@@ -196,8 +196,8 @@ static wisp_status check_repeat( const paper_table* table, paper_comparison* com
 
 // ---- times ----
 
-// Where not even one more round of scalar C fits, the run that gave the reference is its sample: a first run, whose
-// page faults are below a hundredth of it at this size.
+// If not even one more round of scalar C fits, the run that gave the reference is its sample: a first run, whose page
+// faults are below a hundredth of it at this size.
 static wisp_status time_comparison( const paper_table* table, paper_comparison* comparison, paper_line* line,
                                     bool quick, double seconds, wisp_error* error )
 {
@@ -350,7 +350,7 @@ static wisp_status run_comparison( const paper_table* table, paper_comparison* c
     return status;
 }
 
-// The share of what is left of the time that belongs to a size, the larger ones having theirs still to come.
+// The fraction of the remaining time for a size, with the larger ones still to come.
 static double fraction_of_rest( int size, bool quick )
 {
     double sum = 0.0;

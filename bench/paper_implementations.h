@@ -1,4 +1,4 @@
-/// The scene of Table 1, and who races on it: scalar C and the engine, with the double oracle as the judge.
+/// The scene of Table 1, and its implementations: scalar C and the engine, with the double oracle as the reference.
 #pragma once
 
 #include "bench_world.h"
@@ -19,7 +19,7 @@ typedef struct paper_scene
 wisp_status paper_scene_make( int strand_count, paper_scene* out, wisp_error* error );
 void paper_scene_free( paper_scene* scene );
 
-/// The engine at work on the scene.
+/// The engine on the scene.
 typedef struct paper_world
 {
     const paper_scene* scene;
@@ -29,7 +29,7 @@ typedef struct paper_world
 } paper_world;
 
 wisp_status paper_world_create( const paper_scene* scene, int workers, paper_world* out, wisp_error* error );
-/// One command and one step; points are handed out in the user's order because they are wanted.
+/// One command and one step; points are in the user's order because they are requested.
 wisp_status paper_world_step( void* context, wisp_error* error );
 /// Keep the last step's profile.
 wisp_status paper_world_after( void* context );

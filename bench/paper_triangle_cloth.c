@@ -7,10 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Below this time in seconds all cloths make fewer steps, and the two largest are left out, which take 25 s by
-// themselves.
+// Below this time in seconds all cloths make fewer steps, and the two largest, which take 25 s alone, are left out.
 #define FULL_SECONDS 25.0
-// Implementations change places after about so much time.
+// Implementations alternate after about this time.
 #define TURN_MS 20.0
 #define SOLVING_PASS "implicit_cloth.step"
 
@@ -41,7 +40,8 @@ triangle_plan triangle_default_plan( const bench_options* options )
 
 // ---- implementations ----
 
-// Whoever is timed has no figures, which would cost time; another one, with all workers, has them and is not timed.
+// Timed implementations have no statistics, which would cost time; another one, with all workers, has them and is not
+// timed.
 enum
 {
     IMPLEMENTATIONS_MAX = TRIANGLE_WORKERS_MAX + 1,
@@ -50,7 +50,7 @@ enum
 typedef struct drop_run
 {
     triangle_scene scene;
-    surface_implementation implementations[IMPLEMENTATIONS_MAX]; // the last one has the figures
+    surface_implementation implementations[IMPLEMENTATIONS_MAX]; // the last one has the statistics
     int timed_count;
     double *ms, *pass_ms; // [worker][step]
     int* iterations;      // [step]
@@ -131,7 +131,7 @@ static wisp_status watched_step( drop_run* run, int step, wisp_error* error )
     return status;
 }
 
-// Turns of short steps have many, so that the caches are refilled rarely.
+// Turns of short steps have many, so that the caches are rarely refilled.
 static int turn_length( const drop_run* run, int step )
 {
     const double last = step > 0 && run->timed_count > 0 ? run->ms[step - 1] : TURN_MS;
@@ -157,7 +157,7 @@ static wisp_status take_turns( const triangle_drop* drop, drop_run* run, wisp_er
     return status;
 }
 
-// ---- what it came to ----
+// ---- results ----
 
 static double mean( const double* values, int count )
 {
@@ -179,7 +179,7 @@ static double mean_iterations( const drop_run* run, int begin, int end )
     return end > begin ? sum / ( end - begin ) : NAN;
 }
 
-// While the cloth falls there is nothing to iterate for, and the pass costs what surrounds a solve.
+// While the cloth falls there is nothing to iterate for, and the pass costs only the work around a solve.
 static double median_iteration_ns( const drop_run* run, const double* pass_ms, int vertices, int steps,
                                    wisp_error* error, wisp_status* status )
 {
@@ -342,7 +342,7 @@ static void add_rows( const triangle_plan* plan, drop_run* run, const triangle_l
     }
 }
 
-// ---- all of them ----
+// ---- all cloths ----
 
 static wisp_status drop_one( const triangle_plan* plan, triangle_line* line, results* out, wisp_error* error )
 {

@@ -8,14 +8,14 @@
 #include <math.h>
 #include <stdlib.h>
 
-// Steps of a turn: so few that a disturbance hits both.
+// Steps of a turn: so few that a disturbance affects both.
 #define TURN_STEPS 5
 
 typedef struct hang_comparison
 {
     triangle_scene scene;
     int32_t pins[2];
-    surface_implementation ours, watched; // watched: with figures, and not timed
+    surface_implementation ours, watched; // sampled: with statistics, and not timed
     plain_implicit_cloth plain;
     double *ms, *plain_ms; // [step]
     double iterations, plain_iterations;
@@ -23,7 +23,7 @@ typedef struct hang_comparison
     int links;
 } hang_comparison;
 
-// The ends of the side of least z.
+// The ends of the side of smallest z.
 static void find_corners( const wisp_mesh* mesh, int32_t pins[2] )
 {
     pins[0] = pins[1] = 0;
@@ -76,7 +76,7 @@ static wisp_status enter( int vertices, int steps, hang_comparison* comparison, 
     find_corners( &comparison->scene.mesh, comparison->pins );
     triangle_setting setting = triangle_default_setting();
     setting.has_ball = false;
-    setting.cloth.max_newton_iterations = 1; // scalar C solves once a step
+    setting.cloth.max_newton_iterations = 1; // scalar C solves once per step
     setting.pins = comparison->pins;
     setting.pin_count = 2;
     status = triangle_enter( &comparison->scene, &setting, &comparison->ours, error );
@@ -152,7 +152,7 @@ static wisp_status take_turns( int steps, hang_comparison* comparison, wisp_erro
     return status;
 }
 
-// ---- what it came to ----
+// ---- results ----
 
 static double mean( const double* values, int count )
 {
@@ -173,7 +173,7 @@ static void measure_distance( const plain_implicit_cloth* plain, const wisp_vec3
         const double x = (double)p.x - (double)q.x, y = (double)p.y - (double)q.y, z = (double)p.z - (double)q.z;
         const double square = x * x + y * y + z * z;
 
-        // Not fmax: that would step over a NaN.
+        // Not fmax, which would ignore a NaN.
         most = square <= most ? most : square;
         squares += square;
     }

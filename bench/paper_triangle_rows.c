@@ -7,12 +7,12 @@
 #include <math.h>
 #include <string.h>
 
-// What this table has to show.
-#define SOURCE_RATIO 1.28         // a particle: 1.058 ms of triangles over 0.826 ms of quads
+// Targets of this table.
+#define SOURCE_RATIO 1.28         // per particle: 1.058 ms of triangles over 0.826 ms of quads
 #define CLAIM_LARGE 10000         // from this many vertices on, an iteration costs at most ...
-#define CLAIM_ITERATION_NS 20.0   // ... with 1 worker, a vertex
+#define CLAIM_ITERATION_NS 20.0   // ... with 1 worker, per vertex
 #define CLAIM_ITERATION_NS_2 12.0 // ... with 2
-#define CLAIM_GROWTH 0.5          // iterations grow with this power of the vertex count at most
+#define CLAIM_GROWTH 0.5          // iterations grow at most with this power of the vertex count
 
 static int links_of( const triangle_line* line )
 {
@@ -85,7 +85,7 @@ static void add_line( const triangle_plan* plan, const triangle_line* line, int 
     cells_end_row( &row, table, out );
 }
 
-// ---- triangles beside quads ----
+// ---- triangles and quads ----
 
 static const triangle_line* find_quads( const triangle_plan* plan, const triangle_line* lines,
                                         const triangle_line* triangles )

@@ -10,7 +10,7 @@
 typedef struct picture_sheet
 {
     image pictures[PICTURE_SHEET_MAX];
-    const char* labels[PICTURE_SHEET_MAX]; ///< the caller's
+    const char* labels[PICTURE_SHEET_MAX]; ///< owned by the caller
     int count;
     int columns; ///< 0: all in one row
 } picture_sheet;

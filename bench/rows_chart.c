@@ -44,7 +44,7 @@ static bool is_taken( const rows_chart* what, const results_row* row )
     return strcmp( row->name, what->name ) == 0 && ( what->workers == 0 || row->workers == what->workers );
 }
 
-// The points of a front are of one series a worker count and have the names of variants themselves.
+// The points of a front belong to one series per worker count and have the names of variants themselves.
 static void name_series( const rows_chart* what, const results_row* row, char* out, size_t size )
 {
     int used = snprintf( out, size, "%s", what->is_front ? "" : row->variant );

@@ -1,4 +1,4 @@
-/// Charts of rows that the results hold already, so that no chart can say anything else than they do.
+/// Charts of rows that are in the results already, so that a chart always agrees with them.
 #pragma once
 
 #include "results.h"
@@ -6,21 +6,20 @@
 /// A number of a row; NaN: it has none.
 typedef double rows_number( const results_row* row );
 
-/// What a chart takes from which rows. A series is a variant with a worker count, in the order of their first rows.
+/// The values of a chart and their rows. A series is a variant with a worker count, in the order of their first rows.
 typedef struct rows_chart
 {
     int first_row;         ///< rows before it belong to others
-    const char* name;      ///< of the rows it takes
-    int workers;           ///< only rows with this many; 0: all, and the names of series say how many
+    const char* name;      ///< of the rows in the chart
+    int workers;           ///< only rows with this many; 0: all, with the number in the names of series
     int min_steps;         ///< rows with fewer samples are left out of the drawing
-    const char* also;      ///< a size whose value tells series of one variant apart, such as "substeps"; may be null
-    const char* also_unit; ///< what follows that value
+    const char* also;      ///< a size that distinguishes series of one variant, such as "substeps"; may be null
+    const char* also_unit; ///< text after that value
 
     const char *title, *x_label, *y_label, *caption; ///< caption: may be null
     rows_number *x, *y;
     bool x_linear, y_linear; ///< logarithmic otherwise
-    bool
-        is_front; ///< loose points with their variants' names; marked: no other has less of x or y and no more of the other
+    bool is_front;           ///< unconnected points with their variants' names; the Pareto front of x and y is marked
 } rows_chart;
 
 void rows_chart_add( const rows_chart* chart, results* out );

@@ -101,7 +101,7 @@ static wisp_status add_hair( wisp_world* world, wisp_entity* hair )
     frozen.reach = 0.3f;
     status = wisp_set_frozen_hair( world, *hair, &frozen );
 
-    // Nobody wants anything yet, so there is nothing to do. Asking for points creates the passes that answer.
+    // Nothing is requested yet, so no pass runs. A request for points creates the passes that compute them.
     return status == WISP_OK ? wisp_request( world, *hair, WISP_STRAND_POINTS ) : status;
 }
 

@@ -60,7 +60,7 @@ static wisp_status add_cloth( wisp_world* world, wisp_fabric* fabric, wisp_entit
     return status == WISP_OK ? wisp_set_gravity( world, *out, ( wisp_vec3 ){ 0.0f, -9.81f, 0.0f } ) : status;
 }
 
-// A world of a choice. Tuning asks for the points, runs it, and lets it go.
+// Build the world of a configuration. Tuning requests the points, runs the world and destroys it.
 static wisp_status build( void* user, const int* configuration, int substep_factor, wisp_tune_world* out,
                           wisp_error* error )
 {

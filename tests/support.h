@@ -1,5 +1,5 @@
-/// What tests share: a host whose memory is counted and can run out, a log that keeps the last message,
-/// and strands of chosen lengths.
+/// Shared by all tests: a host whose memory is counted and can run out, a log that keeps the last message, and
+/// strands of chosen lengths.
 #pragma once
 
 #include "unit.h"
@@ -11,8 +11,8 @@
 
 // ---- memory ----
 
-/// A host that counts what it allocates, fills it with rubbish, checks what is released, and can refuse one request
-/// or all from one on. Zero-initialised refuses nothing.
+/// A host that counts its allocations, fills them with a pattern, checks releases, and can refuse one request or all
+/// from one on. Zero-initialised refuses nothing.
 typedef struct test_host
 {
     _Atomic int64_t queried; ///< requests so far
@@ -20,11 +20,11 @@ typedef struct test_host
     _Atomic int64_t bytes;   ///< allocated now
     _Atomic int faults;      ///< blocks that were released with another size than they were allocated with
     int64_t refuse;          ///< number of the request to refuse, from 1; 0 refuses none
-    bool refuse_rest;        ///< and all behind it
+    bool refuse_rest;        ///< and all later ones
 } test_host;
 
-/// What must be known of a block when it is released. It lies in front of it, so that the block's end stays the end
-/// of the memory that a sanitizer watches.
+/// Data of a block for its release. They are in front of it, so that the block's end stays the end of the memory that
+/// a sanitizer watches.
 typedef struct test_block
 {
     size_t front, size;
@@ -72,14 +72,14 @@ static inline wisp_allocator test_host_allocator( test_host* host )
     return ( wisp_allocator ){ test_host_allocate, test_host_release, host };
 }
 
-/// Refuse the n-th request from now on, or with `rest` that one and all behind it; n = 0 refuses none.
+/// Refuse the n-th request from now on, or with `rest` that one and all later ones; n = 0 refuses none.
 static inline void test_host_refuse( test_host* host, int64_t n, bool rest )
 {
     host->refuse = n > 0 ? atomic_load( &host->queried ) + n : 0;
     host->refuse_rest = rest;
 }
 
-/// The request that test_host_refuse() named has come.
+/// True after the request given to test_host_refuse().
 static inline bool test_host_has_refused( const test_host* host )
 {
     return host->refuse != 0 && atomic_load( &host->queried ) >= host->refuse;
@@ -130,7 +130,7 @@ static inline void expect_refusal( wisp_world* world, wisp_status actual, wisp_s
 
 // ---- numbers ----
 
-/// A number below `count`, the same in every run; (a, b) pick it.
+/// A number below `count`, the same in every run, selected by (a, b).
 static inline int test_random( int a, int b, int count )
 {
     uint64_t bits = wisp_random_bits( wisp_random_make_key( 7, 0, 0 ), (uint32_t)a, (uint32_t)b, 0 );
@@ -152,7 +152,7 @@ static inline double vec_distance( wisp_vec3 a, wisp_vec3 b )
 
 // ---- strands ----
 
-/// Strands as a user hands them over.
+/// Strands as a user provides them.
 typedef struct test_strands
 {
     int strand_count, vertex_count;
@@ -160,7 +160,7 @@ typedef struct test_strands
     wisp_vec3* points;
 } test_strands;
 
-/// Strands of the given lengths, a millimetre apart, a centimetre a segment, a little crooked. Free with
+/// Strands of the given lengths, a millimetre apart, a centimetre per segment, a little crooked. Free with
 /// test_strands_free().
 static inline test_strands test_strands_make( const int* lengths, int strand_count )
 {

@@ -1,4 +1,4 @@
-/// What every file of tests includes: cmocka with the headers that it needs, and the usual ones of the C library.
+/// Included by every test file: cmocka with the headers that it needs, and the usual ones of the C library.
 #pragma once
 
 #include <setjmp.h>
@@ -13,12 +13,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// Where the tree is, for tests that read files of it.
+/// Folder of the tree, for tests that read its files.
 #ifndef WISP_SOURCE_ROOT
 #define WISP_SOURCE_ROOT "."
 #endif
 
-// ---- memory, which must be there ----
+// ---- checked allocation ----
 
 static inline void* checked_malloc( size_t size )
 {
@@ -46,7 +46,7 @@ static inline void* checked_calloc( size_t count, size_t size )
         }                                                                                                            \
     } while ( 0 )
 
-/// A text, which may be null, has these words in it.
+/// A text, which may be null, contains these words.
 static inline void assert_contains( const char* text, const char* words )
 {
     if ( text == NULL || strstr( text, words ) == NULL )

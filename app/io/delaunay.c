@@ -1,4 +1,4 @@
-// From points to triangles: they are snapped to a lattice, checked and inserted, and the outline is enforced.
+// From points to triangles: points are snapped to a lattice, checked and inserted, and the outline is enforced.
 #include "delaunay_internal.h"
 
 #include <math.h>
@@ -26,7 +26,7 @@ wisp_status delaunay_snap( const double* coordinates, int count, delaunay_point*
     }
     double side = count > 0 ? fmax( high[0] - low[0], high[1] - low[1] ) : 0.0;
     double scale = ( DELAUNAY_SIDE - 1 ) / side;
-    // Also false where the side overflows or is so small that its inverse does.
+    // Also false if the side overflows or is so small that its inverse does.
     if ( !( side > 0.0 && isfinite( side ) && isfinite( scale ) ) )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: the %d points span %g, which no lattice fits", name, count,
@@ -41,7 +41,7 @@ wisp_status delaunay_snap( const double* coordinates, int count, delaunay_point*
     return WISP_OK;
 }
 
-// ---- the whole -------------------------------------------------------------------------------------------------
+// ---- triangulation ---------------------------------------------------------------------------------------------
 
 static wisp_status check( const delaunay_point* points, int count, int outline_count, const char* name,
                           wisp_error* error )

@@ -15,7 +15,7 @@ static void push( delaunay* d, int32_t half )
     }
 }
 
-// Half-edge `half` takes over what lies beyond it from the triangle that had it before.
+// Half-edge `half` takes over the neighbour beyond it from the triangle that had it before.
 static void join( delaunay* d, int32_t half, int32_t twin, bool is_locked )
 {
     d->twins[half] = twin;
@@ -44,7 +44,7 @@ static void put_triangle( delaunay* d, int32_t first_half, int32_t a, int32_t b,
     d->leaving[c] = first_half + 2;
 }
 
-// The edge p-q of the triangles p q r and q p o gives way to o-r.
+// Flip the edge p-q of the triangles p q r and q p o to o-r.
 void delaunay_flip( delaunay* d, int32_t half )
 {
     int32_t twin = d->twins[half];
@@ -107,8 +107,8 @@ static void put_frame( delaunay* d )
     d->triangle_count = 2;
 }
 
-// From triangle to triangle across an edge that the point lies behind. In a Delaunay triangulation this way has no
-// loops (Edelsbrunner 1990), and the frame holds every point, so that it ends.
+// From triangle to triangle across an edge that has the point behind it. In a Delaunay triangulation this walk has no
+// loops (Edelsbrunner 1990), and the frame contains every point, so it ends.
 static int32_t find_triangle( const delaunay* d, int32_t first_half, delaunay_point p )
 {
     for ( ;; )
@@ -128,7 +128,7 @@ static int32_t find_triangle( const delaunay* d, int32_t first_half, delaunay_po
     }
 }
 
-// Three triangles in place of one. A point on an edge leaves one of them flat, until that edge gives way at once.
+// Replace one triangle by three. A point on an edge leaves one of them flat, until that edge is flipped at once.
 static void insert( delaunay* d, int32_t t, int32_t point )
 {
     int32_t a = d->corners[t], b = d->corners[t + 1], c = d->corners[t + 2];
@@ -191,7 +191,7 @@ static int compare_visits( const void* left, const void* right )
     return a->point < b->point ? -1 : a->point > b->point;
 }
 
-// Points at one place are neighbours on the curve.
+// Points at one position are neighbours on the curve.
 wisp_status delaunay_insert( delaunay* d, wisp_error* error )
 {
     put_frame( d );

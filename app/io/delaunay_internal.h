@@ -1,4 +1,4 @@
-/// What the files of the triangulation share: the questions that decide, and the triangles with their neighbours.
+/// Shared by the files of the triangulation: predicates, and triangles with their neighbours.
 #pragma once
 
 #include "delaunay.h"
@@ -14,7 +14,7 @@ enum
 /// Half-edge 3 * t + k runs from corner k of triangle t to the next. Triangles are counter-clockwise.
 typedef struct delaunay
 {
-    const char* name;       // what messages call the points
+    const char* name;       // for messages
     delaunay_point* points; // [point_count + DELAUNAY_FRAME]
     int32_t* corners;       // [3 * triangle_room] where each half-edge begins
     int32_t* twins;         // [3 * triangle_room] the half-edge across
@@ -25,7 +25,7 @@ typedef struct delaunay
     int point_count, triangle_count, stack_count;
 } delaunay;
 
-// ---- questions -------------------------------------------------------------------------------------------------
+// ---- predicates ------------------------------------------------------------------------------------------------
 
 // The frame reaches one side of the lattice beyond it, so that differences of coordinates are at most 3 * 2^26, which
 // is below 2^28. A product of two is below 2^56, a sum or a difference of two products below 2^57: 64 bits hold it.
@@ -76,12 +76,12 @@ static inline int32_t delaunay_to( const delaunay* d, int32_t half )
 
 // ---- delaunay_insert.c -----------------------------------------------------------------------------------------
 
-/// The edge between two triangles gives way to the other diagonal of their quadrilateral. The four edges around go on
-/// the stack.
+/// Flip the edge between two triangles to the other diagonal of their quadrilateral. The four edges around go on the
+/// stack.
 void delaunay_flip( delaunay* d, int32_t half );
 
-/// Put all points, of which the memory is there, into a square around them.
-/// @return WISP_BAD_INPUT two points lie at one place; WISP_NO_MEMORY
+/// Insert all points, whose memory is allocated, into a square around them.
+/// @return WISP_BAD_INPUT two points are at one position; WISP_NO_MEMORY
 wisp_status delaunay_insert( delaunay* d, wisp_error* error );
 
 /// Flip until no unlocked edge on the stack has a point inside a neighbour's circle (Lawson 1977).

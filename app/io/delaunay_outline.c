@@ -1,4 +1,4 @@
-// The outline: its edges become edges of triangles, and what lies outside of it is left out.
+// The outline: its edges become edges of triangles, and triangles outside of it are left out.
 #include "delaunay_internal.h"
 
 #include <stdlib.h>
@@ -6,12 +6,12 @@
 
 // ---- edges -----------------------------------------------------------------------------------------------------
 
-// An edge of the outline on its way through the triangles.
+// State of an edge of the outline on its path through the triangles.
 typedef struct way
 {
     int32_t from, to;
     int32_t edge;  // the half-edge that runs from `from` to `to`, or DELAUNAY_NO_TWIN while there is none
-    int32_t cross; // otherwise the half-edge that the way crosses next: it begins on the right and ends on the left
+    int32_t cross; // otherwise the next half-edge that the path crosses: it begins on the right and ends on the left
 } way;
 
 static wisp_status refuse_point( const delaunay* d, const way* w, int32_t point, wisp_error* error )
@@ -27,13 +27,13 @@ static wisp_status refuse_intersection( const delaunay* d, const way* w, wisp_er
                       d->name, w->from, w->to, delaunay_from( d, w->cross ), delaunay_to( d, w->cross ) );
 }
 
-// Whether b lies ahead and not behind, seen from a towards c, all three on a line.
+// Whether b is ahead and not behind, from a towards c, all three on a line.
 static bool is_ahead( delaunay_point a, delaunay_point b, delaunay_point c )
 {
     return ( (int64_t)b.x - a.x ) * ( (int64_t)c.x - a.x ) + ( (int64_t)b.y - a.y ) * ( (int64_t)c.y - a.y ) > 0;
 }
 
-// Once around the first point, which the frame surrounds: the edge is there, or it leaves between two others.
+// Walk around the first point, which the frame surrounds: the edge exists, or it leaves between two others.
 static wisp_status set_out( const delaunay* d, way* w, wisp_error* error )
 {
     const delaunay_point* points = d->points;
@@ -62,8 +62,8 @@ static wisp_status set_out( const delaunay* d, way* w, wisp_error* error )
     }
 }
 
-// Across the edge at hand, out of the triangle behind it by the one of its two other edges that the way crosses.
-// At the end of the way `cross` is DELAUNAY_NO_TWIN.
+// Step across the current edge, out of the triangle behind it by the one of its two other edges that the path
+// crosses. At the end of the path `cross` is DELAUNAY_NO_TWIN.
 static wisp_status go_on( const delaunay* d, way* w, wisp_error* error )
 {
     int32_t back = d->twins[w->cross], apex = d->corners[delaunay_previous( back )];
@@ -81,10 +81,10 @@ static wisp_status go_on( const delaunay* d, way* w, wisp_error* error )
     return d->locked[w->cross] ? refuse_intersection( d, w, error ) : WISP_OK;
 }
 
-// Of the edges that the way crosses, the one to flip: its left end is the farthest from the way, and of the edges
-// there its right end is; of equals the first. Neighbours of a farthest point lie lower or level on one side, so that
-// the quadrilateral is strictly convex at both ends of the edge and the flip is sound. Each flip takes an edge from
-// the left end, which gets no new ones: at last it is out of the way, and then the next one, hence an end.
+// Of the edges that the path crosses, the one to flip: its left end is the farthest from the path, and of the edges
+// there its right end is; ties go to the first. Neighbours of a farthest point are lower or level on one side, so the
+// quadrilateral is strictly convex at both ends of the edge and the flip is valid. Each flip removes an edge from the
+// left end, which gets no new ones: in the end it is off the path, and then the next one, so the loop ends.
 static wisp_status choose_flip( const delaunay* d, way* w, int32_t* chosen, wisp_error* error )
 {
     delaunay_point a = d->points[w->from], b = d->points[w->to];
@@ -117,8 +117,8 @@ static wisp_status enforce_edge( delaunay* d, int32_t from, int32_t to, wisp_err
         status = choose_flip( d, &w, &chosen, error );
         if ( status == WISP_OK )
         {
-            // The new diagonal need not be Delaunay. The way still crosses a triangle beside it, unless it is the edge
-            // itself, so that a later flip puts it on the stack.
+            // The new diagonal need not be Delaunay. The path still crosses a triangle next to it, unless it is the
+            // edge itself, so a later flip puts it on the stack.
             delaunay_flip( d, chosen );
             status = set_out( d, &w, error );
         }
@@ -143,7 +143,7 @@ wisp_status delaunay_enforce( delaunay* d, int outline_count, wisp_error* error 
 
 // ---- inside and outside ----------------------------------------------------------------------------------------
 
-// From the frame on, across all edges that the outline leaves open.
+// From the frame, across all edges that are not part of the outline.
 static void flood_outside( delaunay* d, bool* outside )
 {
     int32_t t = d->leaving[d->point_count] / 3;
@@ -196,7 +196,7 @@ wisp_status delaunay_take_inside( delaunay* d, int outline_count, int32_t* trian
     wisp_status status = WISP_OK;
     if ( count != requested )
     {
-        // A point that is not a corner of what is left takes two triangles away with it. Nothing waits any more.
+        // A point that is not a corner of a remaining triangle removes two triangles. The stack is empty now.
         status = refuse_outsider( d, outside, d->waiting, error );
     }
     for ( int t = 0, kept = 0; t < d->triangle_count && status == WISP_OK; ++t )

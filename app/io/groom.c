@@ -92,7 +92,7 @@ static wisp_status check_offsets( const wisp_groom* groom, const char* name, wis
     return WISP_OK;
 }
 
-// The numbers of one vertex under the names that messages use.
+// The numbers of one vertex with their names in messages.
 typedef struct vertex_numbers
 {
     const char* name[8];

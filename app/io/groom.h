@@ -1,4 +1,4 @@
-/// Grooms: strands of hair as polylines. Reading, writing, checking, making and describing them.
+/// Grooms: strands of hair as polylines. Reading, writing, checking, generating and describing them.
 ///
 ///     format  read  write  what it is
 ///     .hair   yes   yes    the HAIR files of Cem Yuksel's hair models
@@ -6,10 +6,9 @@
 ///     .usda   no    yes    USD BasisCurves as text
 ///     .obj    no    yes    vertices, and lines of two vertices each
 ///
-/// Files are untrusted bytes: memory is asked for only after the file is known to be long enough to fill it.
-/// Readers refuse what is malformed or not finite. Values that are finite and yet unusable (a coordinate of 1e30, a
-/// colour of 7) are let through so that wisp_groom_info() can point at them: call wisp_groom_check() before
-/// simulating.
+/// Files are untrusted bytes: memory is allocated only after the file is known to be long enough to fill it. Readers
+/// reject malformed and non-finite values. Values that are finite and yet unusable (a coordinate of 1e30, a colour of
+/// 7) are accepted so that wisp_groom_info() can report them: call wisp_groom_check() before simulating.
 #pragma once
 
 #include <stdio.h>
@@ -43,23 +42,23 @@ extern "C"
     /// Free the arrays and leave an empty groom, which may be released again.
     WISP_API void wisp_groom_release( wisp_groom* groom );
 
-    /// Read a file. A file that starts with "HAIR" is a .hair file whatever it is called; otherwise the name decides.
+    /// Read a file. A file that starts with "HAIR" is a .hair file whatever its name; otherwise the name decides.
     /// @param out receives the groom, to be released by the caller; empty on failure
-    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the message names the file, and the byte,
-    ///         strand or vertex; WISP_NO_MEMORY
+    /// @return WISP_IO_ERROR an error of the operating system; WISP_BAD_INPUT the message names the file, and the
+    ///        byte, strand or vertex; WISP_NO_MEMORY
     WISP_API wisp_status wisp_groom_read( const char* path, wisp_groom* out, wisp_error* error );
 
-    /// Read the bytes of a .hair file. The file must be exactly as long as its header says: trailing bytes are
-    /// refused, because they mean that the header and the arrays come from different files. Bits 5 to 31 of the
-    /// header's flags are refused too: an array that nobody knows shifts the ones behind it. A strand of 0 segments
+    /// Read the bytes of a .hair file. The file must be exactly as long as its header states: trailing bytes are
+    /// rejected, because they mean that the header and the arrays come from different files. Bits 5 to 31 of the
+    /// header's flags are rejected too, because an unknown array shifts the following ones. A strand of 0 segments
     /// has one vertex. The header's default segment count applies where the array is missing. Its other defaults and
     /// its text are not kept: a missing array stays null.
-    /// @param name what the message calls the file
+    /// @param name of the file in messages
     WISP_API wisp_status wisp_groom_read_hair( const void* bytes, size_t size, const char* name, wisp_groom* out,
                                                wisp_error* error );
 
-    /// Read the bytes of a .tfx file, version 4 or 5. Thickness (a strand) and colour (a vertex) are kept where
-    /// present; inverse masses, alpha and texture coordinates are not. Bytes that no section claims are allowed:
+    /// Read the bytes of a .tfx file, version 4 or 5. Thickness (per strand) and colour (per vertex) are kept where
+    /// present; inverse masses, alpha and texture coordinates are not. Bytes outside all sections are allowed:
     /// sections are found by offset, and exporters align them.
     WISP_API wisp_status wisp_groom_read_tfx( const void* bytes, size_t size, const char* name, wisp_groom* out,
                                               wisp_error* error );
@@ -71,10 +70,10 @@ extern "C"
     WISP_API wisp_status wisp_groom_write( const char* path, const wisp_groom* groom, wisp_error* error );
 
     /// Write to a stream. Errors of the stream itself are left to the caller's ferror().
-    /// @param name what the message calls the file
-    /// @return WISP_BAD_INPUT the groom is malformed or not finite, or the format cannot hold a strand: .hair needs
-    ///         1 to 65536 vertices a strand, .usda at least 2; nothing is written then. .obj keeps strands of one
-    ///         vertex as vertices without a line.
+    /// @param name of the file in messages
+    /// @return WISP_BAD_INPUT the groom is malformed or not finite, or the format cannot hold a strand: .hair needs 1
+    ///        to 65536 vertices per strand, .usda at least 2; nothing is written then. .obj keeps strands of one
+    ///        vertex as vertices without a line.
     WISP_API wisp_status wisp_groom_write_hair( FILE* out, const wisp_groom* groom, const char* name,
                                                 wisp_error* error );
     WISP_API wisp_status wisp_groom_write_usda( FILE* out, const wisp_groom* groom, const char* name,
@@ -88,7 +87,7 @@ extern "C"
     /// @return WISP_BAD_INPUT the message names the first strand and vertex
     WISP_API wisp_status wisp_groom_check( const wisp_groom* groom, wisp_error* error );
 
-    /// What a strand does on its way down.
+    /// Shape of a strand along its length.
     typedef enum wisp_groom_shape
     {
         WISP_GROOM_STRAIGHT,
@@ -96,7 +95,7 @@ extern "C"
         WISP_GROOM_CURLY, ///< winds: a helix in three dimensions, a looping cycloid in two
     } wisp_groom_shape;
 
-    /// A groom to be made. Fill from wisp_default_groom_generator().
+    /// A groom to generate. Fill from wisp_default_groom_generator().
     typedef struct wisp_groom_generator
     {
         wisp_groom_shape shape;
@@ -114,25 +113,25 @@ extern "C"
         uint64_t seed;           ///< of lengths and phases
     } wisp_groom_generator;
 
-    /// Hair of 25 cm that looks like hair: 2000 strands on a head in three dimensions, 64 strands 2 mm apart in two;
-    /// 24 vertices a strand, 64 where it curls; waves of 6 mm every 7 cm, curls of 8 mm every 4 cm; lengths vary by 8
-    /// percent; 0.08 mm thick.
-    /// @param dimension 2 or 3; anything else is kept and then refused by wisp_groom_generate()
+    /// Typical hair of 25 cm: 2000 strands on a head in three dimensions, 64 strands 2 mm apart in two; 24 vertices
+    /// per strand, 64 for curls; waves of 6 mm every 7 cm, curls of 8 mm every 4 cm; lengths vary by 8 percent; 0.08
+    /// mm thick.
+    /// @param dimension 2 or 3; anything else is kept and then rejected by wisp_groom_generate()
     WISP_API wisp_groom_generator wisp_default_groom_generator( wisp_groom_shape shape, int dimension );
 
 /// Most vertices that wisp_groom_generate() makes.
 #define WISP_GROOM_MAX_GENERATED ( 1 << 27 )
 
-    /// Make a groom. The same recipe gives the same bits on every machine. Straight strands in two dimensions have
-    /// exactly one x each. Vertices are evenly spaced along the centre line.
-    /// @return WISP_BAD_INPUT the message names the recipe's value; WISP_NO_MEMORY
+    /// Generate a groom. The same definition gives the same bits on every machine. Straight strands in two dimensions
+    /// have exactly one x each. Vertices are evenly spaced along the centre line.
+    /// @return WISP_BAD_INPUT the message names the invalid value; WISP_NO_MEMORY
     WISP_API wisp_status wisp_groom_generate( const wisp_groom_generator* generator, wisp_groom* out,
                                               wisp_error* error );
 
-    /// Print what is in a groom (counts, vertices a strand, bounds, lengths, thickness) and what is wrong with it, by
+    /// Print the contents of a groom (counts, vertices per strand, bounds, lengths, thickness) and its defects, by
     /// element: segments of zero length, strands without a segment, strands that share a root, coordinates beyond
-    /// WISP_GROOM_MAX_COORDINATE; the first ten of each kind and how many there are.
-    /// @param name what the text calls the groom
+    /// WISP_GROOM_MAX_COORDINATE; the first ten of each kind and their number.
+    /// @param name of the groom in the text
     /// @return WISP_BAD_INPUT the groom is malformed or not finite, which is then the only thing printed;
     ///         WISP_NO_MEMORY
     WISP_API wisp_status wisp_groom_info( FILE* out, const wisp_groom* groom, const char* name );

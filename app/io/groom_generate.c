@@ -1,5 +1,5 @@
 // Procedural grooms. Only + - * /, square roots, the engine's own sine and counter-based random numbers: the same
-// recipe gives the same bits with every compiler and C library.
+// definition gives the same bits with every compiler and C library.
 #include "groom_internal.h"
 
 #include <math.h>
@@ -16,7 +16,7 @@ static const double CAP_HEIGHT = 0.2;
 // A strand has bent from its root's normal to straight down after this many scalp radii.
 static const float BEND_LENGTH = 0.6f;
 
-// The share of a turn over which neighbours differ: waves of one head of hair go together, curls do not.
+// The fraction of a turn by which neighbours differ: waves of one head of hair are in phase, curls are not.
 static const float WAVE_PHASES = 0.25f;
 static const float CURL_PHASES = 1.0f;
 
@@ -24,7 +24,7 @@ static const float MAX_WAVES = 10000.0f;
 
 enum
 {
-    RANDOM_STREAM = 0x67726f6f, // any number that no other stream of the program has
+    RANDOM_STREAM = 0x67726f6f, // any number that no other stream of the program uses
     DRAW_LENGTH = 0,
     DRAW_PHASE = 1,
 };
@@ -48,7 +48,7 @@ wisp_groom_generator wisp_default_groom_generator( wisp_groom_shape shape, int d
     };
 }
 
-// ---- the recipe ------------------------------------------------------------------------------------------------
+// ---- checks ----------------------------------------------------------------------------------------------------
 
 static wisp_status check_counts( const wisp_groom_generator* r, wisp_error* error )
 {
@@ -118,7 +118,7 @@ static wisp_status check_values( const wisp_groom_generator* r, wisp_error* erro
 
 // ---- a strand --------------------------------------------------------------------------------------------------
 
-// What a strand has of its own.
+// Data of a single strand.
 typedef struct strand_draw
 {
     float length; // m
@@ -135,7 +135,7 @@ static strand_draw draw_strand( const wisp_groom_generator* r, wisp_random_key k
     };
 }
 
-// Offset from the centre line at arc length t: aside, and away from the head.
+// Offset from the centre line at arc length t: sideways, and away from the head.
 typedef struct wave_offset
 {
     float aside, away; // m
@@ -170,7 +170,7 @@ static void make_flat_strand( const wisp_groom_generator* r, const strand_draw* 
     {
         float t = draw->length * ( (float)k / (float)( r->vertices_per_strand - 1 ) );
         wave_offset offset = wave_at( r, draw, t );
-        // In the plane there is no "away from the head": a curl runs ahead and comes back, a cycloid.
+        // In the plane there is no direction away from the head: a curl runs ahead and returns, a cycloid.
         points[k] = ( wisp_vec3 ){ root + offset.aside, 0.0f - t - offset.away, 0.0f };
     }
 }
@@ -187,7 +187,7 @@ static meridian normalised( meridian v )
     return ( meridian ){ v.out / length, v.up / length };
 }
 
-// Whether a step from `place` comes nearer to the centre of the head than the scalp is: the nearest point of the
+// Whether a step from `place` comes closer to the centre of the head than the scalp: the nearest point of the
 // segment, not only its end, because a long segment can cut through and come out again.
 static bool enters_scalp( float scalp_radius, meridian place, meridian direction, float step )
 {
@@ -198,9 +198,9 @@ static bool enters_scalp( float scalp_radius, meridian place, meridian direction
     return nearest > 0.0f && out * out + up * up < scalp_radius * scalp_radius;
 }
 
-// Where the centre line heads from `place`, t from the root: from the root's normal over outwards to down. Outwards
-// keeps the strand of the crown from turning back into itself. Where that leads into the scalp it runs along a
-// tangent instead, outwards and down.
+// Direction of the centre line at `place`, t from the root: from the root's normal over outwards to down. The outward
+// direction keeps the strand of the crown from turning back into itself. Where the direction leads into the scalp it
+// follows a tangent instead, outwards and down.
 static meridian heading( const wisp_groom_generator* r, meridian normal, meridian place, float t, float step )
 {
     float bend = t / ( BEND_LENGTH * r->scalp_radius );

@@ -28,7 +28,7 @@ enum
     MAX_VERTICES_A_STRAND = 65536, // segments are counted in 16 bits
 };
 
-// What the header says, and where each array starts; an array that is not there starts at 0.
+// Contents of the header, and the start of each array; a missing array starts at 0.
 typedef struct hair_layout
 {
     const unsigned char* bytes;
@@ -103,8 +103,8 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, hair_la
     return WISP_OK;
 }
 
-// Finds every array, and refuses a file that is shorter or longer than they need. After this the counts are bounded
-// by the size of the file, so memory may be asked for.
+// Finds every array, and rejects a file that is shorter or longer than they need. After this the counts are bounded
+// by the size of the file, so memory may be allocated.
 static wisp_status place_arrays( hair_layout* layout, size_t size, wisp_error* error )
 {
     const struct

@@ -1,4 +1,4 @@
-// What `wisp info` says about a groom: its figures, then what is wrong with it, by element.
+// Output of `wisp info` for a groom: its statistics, then its defects, by element.
 #include "groom_internal.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 enum
 {
-    LISTED = 10, // elements of one kind that are named; the others are counted
+    LISTED = 10, // limit of listed elements of one kind; the others are counted
 };
 
 // ---- figures ---------------------------------------------------------------------------------------------------
@@ -104,7 +104,7 @@ static void print_stats( FILE* out, const wisp_groom* groom, const char* name )
 
 // ---- findings --------------------------------------------------------------------------------------------------
 
-// Elements that are wrong in one way.
+// Elements with one kind of defect.
 typedef struct finding
 {
     int count;
@@ -200,7 +200,7 @@ static int compare_floats( float a, float b )
     return ( a > b ) - ( a < b );
 }
 
-// By place; strands break ties, so that the first of equals is the one with the lowest number.
+// By position; strands break ties, so the first of equals has the lowest index.
 static int compare_roots( const void* left, const void* right )
 {
     const root* a = left;
@@ -270,7 +270,8 @@ static void print_findings( FILE* out, const wisp_groom* groom, const finding* s
     print_finding( out, shared, "strands that repeat a root", "the root of strand" );
     print_finding( out, &far, "vertices beyond 1e+06 m", "vertex" );
 
-    // What remains is of one vertex only: the range of thickness, transparency and colour, and z in two dimensions.
+    // The remaining checks concern one vertex only: the range of thickness, transparency and colour, and z in two
+    // dimensions.
     wisp_error error = { .status = WISP_OK };
     bool found = zero.count + brief.count + shared->count + far.count > 0;
     if ( far.count == 0 && wisp_groom_check( groom, &error ) != WISP_OK )

@@ -1,4 +1,4 @@
-/// What the groom files share and nobody else sees.
+/// Private to the groom files.
 #pragma once
 
 #include <string.h>
@@ -19,7 +19,7 @@ enum
 wisp_status groom_allocate( wisp_groom* groom, int strand_count, int vertex_count, int columns, const char* name,
                             wisp_error* error );
 
-/// Malformed or not finite: what readers and writers refuse. wisp_groom_check() asks for more.
+/// Malformed or not finite: rejected by readers and writers. wisp_groom_check() is stricter.
 wisp_status groom_check_finite( const wisp_groom* groom, const char* name, wisp_error* error );
 
 /// 2 when every z is zero, else 3.

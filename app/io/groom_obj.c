@@ -22,7 +22,7 @@ wisp_status wisp_groom_write_obj( FILE* out, const wisp_groom* groom, const char
     for ( int v = 0; v < groom->vertex_count; ++v )
     {
         wisp_vec3 p = groom->points[v];
-        // Nine digits bring every float back bit for bit.
+        // Nine digits restore every float bit for bit.
         fprintf( out, "v %.9g %.9g %.9g\n", (double)p.x, (double)p.y, (double)p.z );
     }
     for ( int s = 0; s < groom->strand_count; ++s )

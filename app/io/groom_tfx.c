@@ -1,7 +1,7 @@
 // Guide strands of AMD TressFX 4 and 5. Little-endian: a header of 160 bytes whose offsets, in bytes from the start
-// of the file, say where each array is; 0 means that there is none. All strands have the same number of vertices,
-// strand after strand, root first. The format's own limit (4 to 64 vertices, a power of two) belongs to its GPU
-// kernels and is not asked for here.
+// of the file, give the position of each array; 0 means that there is none. All strands have the same number of
+// vertices, strand after strand, root first. The format's own limit (4 to 64 vertices, a power of two) belongs to its
+// GPU kernels and is not enforced here.
 #include "groom_internal.h"
 
 #include <limits.h>
@@ -61,7 +61,7 @@ static wisp_status read_header( const unsigned char* bytes, size_t size, tfx_lay
     return WISP_OK;
 }
 
-// Texture coordinates are not kept, but where they do not fit the file is cut, and so are they.
+// Texture coordinates are not kept, but if they do not fit the file is truncated, so they are checked.
 static wisp_status place_arrays( tfx_layout* layout, size_t size, wisp_error* error )
 {
     // At most 2^64 - 2^33 + 1, and a product with 16 would not fit: the positions are bounded by division.

@@ -5,7 +5,7 @@
 
 #include "io_file.h"
 
-// A linear curve of one vertex has no segment: USD calls it invalid, so it is refused here rather than dropped.
+// A linear curve of one vertex has no segment: USD calls it invalid, so it is rejected here rather than dropped.
 static wisp_status check_fits( const wisp_groom* groom, const char* name, wisp_error* error )
 {
     wisp_status status = groom_check_finite( groom, name, error );
@@ -32,13 +32,13 @@ static void write_counts( FILE* out, const wisp_groom* groom )
     fputs( "]\n", out );
 }
 
-// Nine digits bring every float back bit for bit.
+// Nine digits restore every float bit for bit.
 static void write_vector( FILE* out, wisp_vec3 v )
 {
     fprintf( out, "(%.9g, %.9g, %.9g)", (double)v.x, (double)v.y, (double)v.z );
 }
 
-// A line a strand: files of one endless line stop editors.
+// One line per strand: files with a single very long line stop editors.
 static void write_vectors( FILE* out, const wisp_groom* groom, const char* type_and_name, const wisp_vec3* values )
 {
     fprintf( out, "    %s = [\n", type_and_name );

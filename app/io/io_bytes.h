@@ -1,5 +1,5 @@
-/// Little-endian numbers in files. Bytes are put together one by one: a file may start at any address, and the machine
-/// that reads it may be big-endian.
+/// Little-endian numbers in files. Bytes are combined one by one: a file may start at any address, and the machine
+/// may be big-endian.
 #pragma once
 
 #include <string.h>

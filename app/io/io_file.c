@@ -35,7 +35,7 @@ bool io_has_extension( const char* path, const char* extension )
     }
     for ( size_t i = 0; i < requested; ++i )
     {
-        // Not tolower(): the host's locale has no say in what a file is.
+        // Not tolower(): the host's locale must not decide the kind of a file.
         char c = path[length - requested + i];
         char lower = c >= 'A' && c <= 'Z' ? (char)( c - 'A' + 'a' ) : c;
         if ( lower != extension[i] )
@@ -58,7 +58,7 @@ static wisp_status too_long( wisp_error* error, const char* path, size_t size_ca
 
 // ---- reading ---------------------------------------------------------------------------------------------------
 
-// A regular file announces its size, so that one block is enough. The extra byte is where the end of the file shows.
+// A regular file has a size, so one block is enough. The extra byte detects the end of the file.
 static wisp_status first_capacity( FILE* file, const char* path, size_t size_cap, size_t* capacity,
                                    wisp_error* error )
 {
@@ -83,7 +83,7 @@ static wisp_status first_capacity( FILE* file, const char* path, size_t size_cap
     return WISP_OK;
 }
 
-// Doubles the block when it is full. The file is over the cap when a byte more than the cap has arrived.
+// Doubles the block when it is full. The file is over the cap when one byte more than the cap has arrived.
 static wisp_status read_all( FILE* file, const char* path, size_t size_cap, size_t capacity, unsigned char** bytes,
                              size_t* size, wisp_error* error )
 {
@@ -125,7 +125,7 @@ static wisp_status read_all( FILE* file, const char* path, size_t size_cap, size
     return WISP_OK;
 }
 
-// A block as long as the file, so that a checker sees the first read past its end.
+// A block as long as the file, so that a sanitizer detects a read beyond its end.
 static void trim( unsigned char** bytes, size_t size )
 {
     if ( size == 0 )
@@ -186,7 +186,7 @@ static char* partial_name( const char* path, int attempt )
     return name;
 }
 
-// O_EXCL: a name that exists belongs to another writer, or to a symbolic link that somebody laid out for us.
+// O_EXCL: an existing name belongs to another writer, or to a malicious symbolic link.
 static wisp_status open_partial( const char* path, io_output* output, int* descriptor, wisp_error* error )
 {
     for ( int attempt = 0; attempt < PARTIAL_ATTEMPTS; ++attempt )
@@ -213,7 +213,7 @@ static wisp_status open_partial( const char* path, io_output* output, int* descr
     return system_refused( error, path, "create a file beside it" );
 }
 
-// Where the bytes go first. A device or a pipe is written in place: renaming over /dev/stdout would destroy it.
+// Initial target of the bytes. A device or a pipe is written in place: renaming over /dev/stdout would destroy it.
 static wisp_status open_descriptor( const char* path, io_output* output, int* descriptor, wisp_error* error )
 {
     struct stat info;
@@ -285,11 +285,11 @@ wisp_status io_output_commit( io_output* output, wisp_error* error )
 {
     const char* path = output->path;
 
-    // errno of a write that failed long ago is gone, hence the zero: strerror must not blame something unrelated.
+    // errno of an earlier failed write is lost, hence the zero: strerror must not report something unrelated.
     errno = 0;
     bool failed = ferror( output->stream ) != 0;
     failed = fflush( output->stream ) != 0 || failed;
-    // Without fsync a power cut after the rename can leave the new name with no content.
+    // Without fsync a power failure after the rename can leave the new name with no content.
     failed = failed || ( output->partial != NULL && fsync( fileno( output->stream ) ) != 0 );
     int reason = errno;
     if ( fclose( output->stream ) != 0 && !failed )

@@ -1,4 +1,4 @@
-// The container: memory, checks, and triangles that arrive one by one.
+// The container: memory, checks, and triangles added one by one.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -8,7 +8,7 @@
 
 enum
 {
-    FIRST_TRIANGLES = 256, // room that the first triangle of a file brings with it
+    FIRST_TRIANGLES = 256, // initial capacity for the triangles of a file
 };
 
 // ---- memory ----------------------------------------------------------------------------------------------------

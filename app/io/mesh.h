@@ -1,13 +1,13 @@
-/// Triangle meshes as the user has them: vertices and triangles in the order of the file, never reordered.
-/// Reading, writing, making, examining, repairing and describing them.
+/// Triangle meshes of the user: vertices and triangles in the order of the file, never reordered. Reading, writing,
+/// generating, examining, repairing and describing them.
 ///
 ///     format  read  write  what it is
-///     .obj    yes   yes    Wavefront OBJ: positions and faces; everything else is passed over
+///     .obj    yes   yes    Wavefront OBJ: positions and faces; everything else is skipped
 ///     .ply    yes   yes    Stanford PLY: text, little-endian and big-endian in, little-endian out
 ///
-/// Files are untrusted bytes: memory is asked for only after the file is known to be long enough to fill it. Readers
-/// refuse what is malformed, out of range or not finite. A mesh that is well-formed and yet ill (holes, triangles
-/// that are turned over, triangles without area) is read, so that wisp_mesh_examine() can point at it.
+/// Files are untrusted bytes: memory is allocated only after the file is known to be long enough to fill it. Readers
+/// reject malformed, out-of-range and non-finite values. A well-formed mesh with defects (holes, reversed triangles,
+/// triangles without area) is accepted, so that wisp_mesh_examine() can report them.
 #pragma once
 
 #include <stdio.h>
@@ -34,38 +34,39 @@ extern "C"
 /// Bytes of the longest file that is read.
 #define WISP_MESH_FILE_CAP ( (size_t)1 << 31 )
 
-/// Most vertices and triangles of a mesh that is read or made.
+/// Limit of vertices and triangles of a mesh that is read or generated.
 #define WISP_MESH_VERTEX_CAP ( 1 << 26 )
 #define WISP_MESH_TRIANGLE_CAP ( 1 << 27 )
 
-/// Most corners of a polygon in a file.
+/// Limit of corners of a polygon in a file.
 #define WISP_MESH_CORNER_CAP 65536
 
     // ---- files ----
 
     /// Read a file; its name decides on the format.
     /// @param out receives the mesh, to be released by the caller; empty on failure
-    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the message names the file, and the line,
+    /// @return WISP_IO_ERROR an error of the operating system; WISP_BAD_INPUT the message names the file, and the
+    ///        line,
     ///         byte, vertex or face; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_read( const char* path, wisp_mesh* out, wisp_error* error );
 
     /// Read the bytes of an OBJ file. A `v` line has 3, 4, 6 or 7 numbers, of which the first three count. Face
     /// corners are v, v/t, v//n or v/t/n; negative ones count backwards from the last vertex before the line. A
     /// polygon is cut into a fan around its first corner, which is right for convex ones. Texture and normal indices
-    /// are syntax only. Every other line is passed over.
-    /// @param name what the message calls the file
+    /// are only checked for syntax. Every other line is skipped.
+    /// @param name of the file in messages
     WISP_API wisp_status wisp_mesh_read_obj( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
-    /// Read the bytes of a PLY file: x, y, z of `vertex` and the list vertex_indices or vertex_index of `face`,
-    /// whatever their types; other elements and properties are passed over. In text, a row is a line. Polygons are
-    /// cut into fans as in OBJ. Nothing but white space may follow the last element.
-    /// @param name what the message calls the file
+    /// Read the bytes of a PLY file: x, y, z of `vertex` and the list vertex_indices or vertex_index of `face`, of
+    /// any type; other elements and properties are skipped. In text, a row is a line. Polygons are cut into fans as
+    /// in OBJ. Only white space may follow the last element.
+    /// @param name of the file in messages
     WISP_API wisp_status wisp_mesh_read_ply( const void* bytes, size_t size, const char* name, wisp_mesh* out,
                                              wisp_error* error );
 
-    /// Write a file in the format of its extension, or in a named one: OBJ with nine digits, which bring every float
-    /// back bit for bit, or little-endian PLY. The old file, if there is one, is replaced only when the new one is
+    /// Write a file in the format of its extension, or in a given one: OBJ with nine digits, which restore every
+    /// float bit for bit, or little-endian PLY. The old file, if there is one, is replaced only when the new one is
     /// complete.
     /// @return WISP_BAD_INPUT the mesh is malformed or not finite, or the extension is unknown; WISP_IO_ERROR;
     ///         WISP_NO_MEMORY
@@ -83,37 +84,37 @@ extern "C"
         int edge_count;
         const float* points;        ///< [point_count][4] m; the fourth is the element as int bits: an edge, or
                                     ///< edge_count + a triangle
-        const float* point_normals; ///< [point_count][4] unit; the fourth is not looked at
+        const float* point_normals; ///< [point_count][4] unit; the fourth is not read
         int point_count;
     } wisp_mesh_layer;
 
     /// Write a mesh with points on it as little-endian PLY: the vertices, then the points, each with its normal (nx,
-    /// ny, nz) and the number of its element, which is -1 of a vertex; the triangles; the edges as vertex1 and vertex2.
-    /// It is read back as a mesh with vertices of no triangle.
-    /// @return as wisp_mesh_write(); also WISP_BAD_INPUT a point, a normal or an element that cannot be (the message
+    /// ny, nz) and the number of its element, which is -1 for a vertex; the triangles; the edges as vertex1 and
+    /// vertex2. Reading it gives a mesh with unreferenced vertices.
+    /// @return as wisp_mesh_write(); also WISP_BAD_INPUT an invalid point, normal or element (the message names it)
     ///         names it)
     WISP_API wisp_status wisp_mesh_write_layer( const char* path, const wisp_mesh* mesh, const wisp_mesh_layer* layer,
                                                 wisp_error* error );
 
-    // ---- recipes ----
+    // ---- generators ----
 
     typedef enum wisp_mesh_shape
     {
         WISP_MESH_PLANE_REGULAR,     ///< every diagonal from (i, j) to (i + 1, j + 1)
-        WISP_MESH_PLANE_ALTERNATING, ///< so where i + j is even, the other diagonal where it is odd
+        WISP_MESH_PLANE_ALTERNATING, ///< the same where i + j is even, the other diagonal where it is odd
         WISP_MESH_PLANE_IRREGULAR,   ///< shifted at random, then Delaunay
-        WISP_MESH_DELAUNAY,          ///< a rectangle by wisp_mesh_generate_flat(): no rows, valences that differ
-        WISP_MESH_GARMENT,           ///< the front panel of a shirt by the same, denser at armholes and neckline
+        WISP_MESH_DELAUNAY,          ///< a rectangle by wisp_mesh_generate_flat(): no rows, varying valences
+        WISP_MESH_GARMENT,           ///< the front panel of a shirt likewise, denser at armholes and neckline
         WISP_MESH_ICOSPHERE,         ///< 10 * 4^level + 2 vertices
         WISP_MESH_UV_SPHERE,
         WISP_MESH_TORUS,
         WISP_MESH_CAPSULE, ///< a cylinder along y between two half spheres
         WISP_MESH_TUBE,    ///< a cylinder along y without ends
-        WISP_MESH_PEAR,    ///< closed, genus 0, no symmetry but one mirror: an icosphere tapered, bent and flattened
+        WISP_MESH_PEAR,    ///< closed, genus 0, a single mirror symmetry: an icosphere tapered, bent and flattened
         WISP_MESH_SHAPE_COUNT
     } wisp_mesh_shape;
 
-    /// A mesh to be made. Fill from wisp_default_mesh_generator().
+    /// A mesh to generate. Fill from wisp_default_mesh_generator().
     typedef struct wisp_mesh_generator
     {
         wisp_mesh_shape shape;
@@ -140,9 +141,9 @@ extern "C"
     /// pieces of 958 vertices in a square of 1 m x 1 m or a shirt of 0.55 m x 0.7 m.
     WISP_API wisp_mesh_generator wisp_default_mesh_generator( wisp_mesh_shape shape );
 
-    /// Make a mesh around the origin. Planes lie in y = 0 and look along +y; closed shapes and the tube look
-    /// outwards. The same recipe gives the same bits on every machine.
-    /// @return WISP_BAD_INPUT the message names the recipe's value; WISP_NO_MEMORY
+    /// Generate a mesh around the origin. Planes are in y = 0 with normals along +y; closed shapes and the tube have
+    /// outward normals. The same definition gives the same bits on every machine.
+    /// @return WISP_BAD_INPUT the message names the invalid value; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out,
                                              wisp_error* error );
 
@@ -150,15 +151,16 @@ extern "C"
     typedef struct wisp_mesh_corner
     {
         float x, z;    ///< m
-        float density; ///< 1..16, how many times closer than elsewhere the vertices on the edge are
+        float density; ///< 1..16, factor of the density of vertices on the edge
     } wisp_mesh_corner;
 
-    /// Make a flat piece of any outline in y = 0 that looks along +y, of exactly so many vertices: evenly along the
-    /// border and at random, well spaced, inside, joined by a Delaunay triangulation within the border. The border
-    /// comes first, corner 0 being vertex 0; the inside follows along Hilbert's curve. Where density asks the border
-    /// for more vertices than there are, all edges get fewer. The same call gives the same bits on every machine.
-    /// @param corners [corner_count] counter-clockwise seen from above, where +y points at the eye and x to the right
-    ///                z points down; not intersection or touching itself
+    /// Generate a flat piece of any outline in y = 0 with normals along +y, with exactly this number of vertices:
+    /// evenly along the border and at random, well spaced, inside, joined by a Delaunay triangulation within the
+    /// border. The border comes first, corner 0 being vertex 0; the inside follows along Hilbert's curve. If the
+    /// densities require more border vertices than there are vertices, all edges get fewer. The same call gives the
+    /// same bits on every machine.
+    /// @param corners [corner_count] counter-clockwise seen from above, where +y points at the viewer, x to the
+    ///                right and z down; without intersections or contact with itself
     /// @param corner_count >= 3
     /// @param vertex_count >= corner_count
     /// @return WISP_BAD_INPUT the message names the corner, or the value; WISP_NO_MEMORY
@@ -176,7 +178,8 @@ extern "C"
         int bend_count; ///< 0 where both sides have two vertices
     } wisp_quad_pairs;
 
-    /// The links of cloth made of quads (Choi and Ko), such as a plane as a grid of vertices without its triangles.
+    /// The links of cloth made of quads (Choi and Ko), for example of a plane as a grid of vertices without its
+    /// triangles.
     /// @param columns, rows each >= 2, at most WISP_MESH_VERTEX_CAP vertices
     /// @param out receives the pairs, to be released; empty on failure
     /// @return WISP_BAD_INPUT too few or too many vertices; WISP_NO_MEMORY
@@ -187,12 +190,11 @@ extern "C"
 
     // ---- the doctor ----
 
-/// Elements of one kind that a report names; the others are counted.
+/// Limit of elements of one kind that a report lists; the others are counted.
 #define WISP_MESH_LISTED 8
 
-    /// What is wrong in one way. `first` and `second` are: of an edge its two vertices; of a duplicate the triangle
-    /// and the earlier one that it repeats; of a vertex its number and how many fans meet there; else the number and
-    /// 0.
+    /// One kind of defect. `first` and `second` are: of an edge its two vertices; of a duplicate the triangle and the
+    /// earlier one that it repeats; of a vertex its index and the number of its fans; else the index and 0.
     typedef struct wisp_mesh_finding
     {
         int count;
@@ -200,13 +202,13 @@ extern "C"
         int second[WISP_MESH_LISTED];
     } wisp_mesh_finding;
 
-    /// Triangles that hang together by edges.
+    /// Triangles connected by edges.
     typedef struct wisp_mesh_component
     {
         int first_triangle; ///< the lowest number
         int triangle_count;
         bool closed;     ///< every edge has an even number of triangles, at least two
-        bool consistent; ///< as many triangles run along each edge of two or more one way as the other
+        bool consistent; ///< equal numbers of triangles in both directions along each edge of two or more
         double area;     ///< m^2
         double volume;   ///< m^3, negative inside out; 0 unless closed and consistent
     } wisp_mesh_component;
@@ -215,7 +217,7 @@ extern "C"
     {
         int vertex_count, triangle_count, edge_count;
         int euler_characteristic; ///< vertices in use - edges + triangles: sphere 2, torus 0, disc 1
-        int open_loop_count;      ///< pieces that the border edges hang together in
+        int open_loop_count;      ///< connected components of the open edges
         int component_count;
         wisp_mesh_component components[WISP_MESH_LISTED]; ///< the first ones
         bool closed;                                      ///< all shells are
@@ -229,36 +231,36 @@ extern "C"
         wisp_mesh_finding nonmanifold_edges;    ///< edges of three or more triangles
         wisp_mesh_finding nonmanifold_vertices; ///< vertices where more than one fan of triangles meets
         wisp_mesh_finding duplicates;           ///< triangles with the vertices of an earlier one, in any order
-        wisp_mesh_finding degenerates;          ///< triangles that name a vertex twice or have no area
-        wisp_mesh_finding unreferenced;         ///< vertices that no triangle names
+        wisp_mesh_finding degenerates;          ///< triangles with a repeated vertex or without area
+        wisp_mesh_finding unreferenced;         ///< unreferenced vertices
     } wisp_mesh_diagnostics;
 
-/// A triangle has no area when its height is at most this part of its longest edge: what rounding to floats leaves.
+/// A triangle has no area when its height is at most this fraction of its longest edge, the size of float rounding.
 #define WISP_MESH_FLAT 1e-7
 
-    /// Examine a mesh. Triangles that name a vertex twice count as degenerate and as nothing else. Time grows as the
-    /// number of elements, also for hostile meshes.
+    /// Examine a mesh. Triangles with a repeated vertex count as degenerate and as nothing else. Time is linear in
+    /// the number of elements, also for hostile meshes.
     /// @return WISP_BAD_INPUT the mesh is malformed (an index out of range) or not finite, the message names the
-    ///         element; WISP_NO_MEMORY
+    ///        element; WISP_NO_MEMORY
     WISP_API wisp_status wisp_mesh_examine( const wisp_mesh* mesh, wisp_mesh_diagnostics* report, wisp_error* error );
 
-    /// What a user of a mesh may demand of it, or-ed.
+    /// Demands on a mesh, or-ed.
     enum
     {
         WISP_MESH_CLOSED = 1,
         WISP_MESH_ORIENTED = 2, ///< consistent winding, no shell inside out
         WISP_MESH_MANIFOLD = 4, ///< no edge of three triangles, no vertex of two fans
-        WISP_MESH_CLEAN = 8,    ///< no duplicate, degenerate or loose element
+        WISP_MESH_CLEAN = 8,    ///< no duplicate, degenerate or unreferenced element
         WISP_MESH_ONE_COMPONENT = 16,
     };
 
-    /// Refuse a mesh that does not meet the demands.
-    /// @param name what the message calls the mesh
-    /// @return WISP_BAD_INPUT the message names the first element that is wrong
+    /// Reject a mesh that does not meet the demands.
+    /// @param name of the mesh in messages
+    /// @return WISP_BAD_INPUT the message names the first element with a defect
     WISP_API wisp_status wisp_mesh_require( const wisp_mesh_diagnostics* report, int demands, const char* name,
                                             wisp_error* error );
 
-    /// What wisp_mesh_repair() may do, or-ed. Done in this order.
+    /// Permitted repairs of wisp_mesh_repair(), or-ed. Done in this order.
     enum
     {
         WISP_MESH_DROP_DEGENERATES = 1,
@@ -270,35 +272,35 @@ extern "C"
         WISP_MESH_REPAIR_ALL = 15,
     };
 
-    /// What was done. Release with wisp_mesh_repairs_release().
+    /// The repairs that were done. Release with wisp_mesh_repairs_release().
     typedef struct wisp_mesh_repairs
     {
         int degenerates_dropped;
         int duplicates_dropped;
         int triangles_turned;
         int unreferenced_dropped;
-        int32_t* kept; ///< [kept_count] number before the repair of each vertex that is left, rising
+        int32_t* kept; ///< [kept_count] original index of each vertex that is kept, ascending
         int kept_count;
     } wisp_mesh_repairs;
 
     /// Null and zero repairs are allowed; the struct is zero afterwards.
     WISP_API void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs );
 
-    /// Repair a mesh in place. What stays keeps its order. Dropping a triangle without area may open a border:
-    /// examine again.
-    /// @param repairs receives what was done; empty on failure
-    /// @return WISP_BAD_INPUT malformed, or with WISP_MESH_TURN_TRIANGLES one-sided like a Moebius strip (the
-    ///         message names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the
-    ///         mesh is unchanged
+    /// Repair a mesh in place. The remaining elements keep their order. Removing a triangle without area may open a
+    /// border: examine again.
+    /// @param repairs receives the repairs; empty on failure
+    /// @return WISP_BAD_INPUT malformed, or with WISP_MESH_TURN_TRIANGLES one-sided like a Moebius strip (the message
+    ///        names the edge where the flood meets itself), or nothing would be left; WISP_NO_MEMORY; the mesh is
+    ///        unchanged
     WISP_API wisp_status wisp_mesh_repair( wisp_mesh* mesh, int what, wisp_mesh_repairs* repairs, wisp_error* error );
 
-    // ---- words ----
+    // ---- text ----
 
-    /// Print what `wisp info` says: figures, then what is wrong, by element.
-    /// @param name what the text calls the mesh
+    /// Print the text of `wisp info`: statistics, then defects, by element.
+    /// @param name of the mesh in the text
     WISP_API void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name );
 
-    /// A message for each repair that was done, or one that says that none was needed.
+    /// Print a message for each repair that was done, or one that none was needed.
     WISP_API void wisp_mesh_print_repairs( FILE* out, const wisp_mesh_repairs* repairs, const char* name );
 
     /// Examine and print.

@@ -1,5 +1,5 @@
-// What is wrong with a mesh, by element. Half-edges sorted by their vertices tell everything: an edge is a run, its
-// length says border, manifold or not, its directions say whether the winding agrees.
+// Defects of a mesh, by element. Half-edges sorted by their vertices show everything: an edge is a run, its length
+// gives open, manifold or nonmanifold, its directions show whether the winding agrees.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -16,9 +16,9 @@ typedef struct examination
     int32_t* fan_sets;               // of corners 3 * t + k whose triangles share an edge at the corner's vertex
     int32_t* border_sets;            // of vertices joined by open edges
     int32_t* first_of;               // [triangle_count] of duplicates
-    int32_t* component_number;       // [triangle_count] of the shell of a triangle that stands for its set
-    int32_t* vertex_count;           // [vertex_count] of fans
-    bool* flags;                     // [vertex_count] named by a triangle, lies on a border
+    int32_t* component_number;       // [triangle_count] representative triangle of a shell
+    int32_t* vertex_count;           // [vertex_count] number of fans
+    bool* flags;                     // [vertex_count] referenced by a triangle, on a border
     wisp_mesh_component* components; // [report->shell_count]
 } examination;
 
@@ -128,7 +128,7 @@ static void examine_triangles( examination* x )
         for ( int32_t c = 3 * t; c < 3 * t + 3; ++c )
         {
             x->flags[VERTEX_FLAGS * (size_t)mesh->triangles[c] + VERTEX_NAMED] = true;
-            // A corner that stands for its set stands for a fan.
+            // A corner that represents its set represents a fan.
             x->vertex_count[mesh->triangles[c]] += !mesh_names_twice( mesh, t ) && x->fan_sets[c] == c;
         }
     }
@@ -189,7 +189,7 @@ static wisp_mesh_component* component_of( examination* x, int t )
     return x->components + x->component_number[mesh_sets_find( x->component_sets, t )];
 }
 
-// Volume is summed over tetrahedra whose tip is a vertex of the shell itself: far from the origin nothing cancels.
+// Volume is summed over tetrahedra whose apex is a vertex of the shell itself: far from the origin nothing cancels.
 static void measure_triangle( examination* x, int t )
 {
     const wisp_mesh* mesh = x->mesh;
@@ -258,7 +258,7 @@ static void examine_shells( examination* x )
     }
 }
 
-// ---- the whole -------------------------------------------------------------------------------------------------
+// ---- examination -----------------------------------------------------------------------------------------------
 
 static wisp_status ask_for_memory( examination* x, wisp_error* error )
 {
@@ -290,7 +290,7 @@ static void give_back( examination* x )
     free( x->components );
 }
 
-// Triangles that name a vertex twice are no duplicates of each other: they are worse things already.
+// Triangles with a repeated vertex are no duplicates of each other: they have a defect of their own.
 static wisp_status find_duplicates( examination* x, wisp_error* error )
 {
     int count = x->mesh->triangle_count;

@@ -1,5 +1,5 @@
-// Who is whose neighbour. Everything is sorted by counting: time grows as the number of elements, whatever a hostile
-// mesh looks like, and equals keep the order of their numbers.
+// Neighbours of elements. Everything is sorted by counting: time is linear in the number of elements, also for a
+// hostile mesh, and equals keep their order.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -43,7 +43,7 @@ bool mesh_is_degenerate( const wisp_mesh* mesh, int t )
 
 // ---- sorting by counting ---------------------------------------------------------------------------------------
 
-// Items in the order of their keys, equals in the order in which they came. `first` has room for key_count + 1.
+// Items in the order of their keys; equals keep their order. `first` has room for key_count + 1.
 static void sort_by_key( const int32_t* in, int32_t* out, int count, const int32_t* key_of, int key_count,
                          int32_t* first )
 {

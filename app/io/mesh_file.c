@@ -1,4 +1,4 @@
-// Which format a path means, and whole files in and out.
+// The format of a path; reading and writing of whole files.
 #include "mesh_internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,6 @@
-// Recipes: what may be asked for, and the planes that are grids. Only + - * /, square roots, the engine's own sine
-// and counter-based random numbers: the same recipe gives the same bits with every compiler and C library.
+// Generated meshes: checks of a definition, and the planes that are grids. Only + - * /, square roots, the engine's
+// own sine and counter-based random numbers: the same definition gives the same bits with every compiler and C
+// library.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ enum
     MIN_GARMENT = 64, // vertices: its corners alone are 21
 };
 
-static const float LARGEST_SIZE = 1e6f;   // m, as far as a groom may reach
+static const float LARGEST_SIZE = 1e6f;   // m, the same limit as for a groom
 static const float SMALLEST_SIZE = 1e-6f; // m
 static const float MAX_JITTER = 0.2f;     // more can turn a triangle over before the flips begin
 static const float MAX_SLENDER = 1e3f;    // of one side of a Delaunay piece to the other
@@ -40,7 +41,7 @@ wisp_mesh_generator wisp_default_mesh_generator( wisp_mesh_shape shape )
     };
 }
 
-// ---- the recipe ------------------------------------------------------------------------------------------------
+// ---- checks ----------------------------------------------------------------------------------------------------
 
 static wisp_status check_shape( const wisp_mesh_generator* r, wisp_error* error )
 {
@@ -166,7 +167,7 @@ static wisp_status check_sizes( const wisp_mesh_generator* r, wisp_error* error 
 
 static void put_cell( int32_t* t, int32_t corner, int32_t columns, bool other_diagonal )
 {
-    // Two corners of each of two rows; counter-clockwise seen from above, where y points at the eye.
+    // Two corners of each of two rows; counter-clockwise seen from above, where y points at the viewer.
     int32_t a = corner, b = corner + 1, c = corner + columns, d = corner + columns + 1;
     const int32_t first[] = { a, c, d, a, d, b };
     const int32_t second[] = { a, c, b, b, c, d };
@@ -204,7 +205,7 @@ wisp_status mesh_generate_plane( const wisp_mesh_generator* r, wisp_mesh* out, w
     return WISP_OK;
 }
 
-// ---- the whole -------------------------------------------------------------------------------------------------
+// ---- generation ------------------------------------------------------------------------------------------------
 
 wisp_status wisp_mesh_generate( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error )
 {

@@ -1,4 +1,4 @@
-// Recipes of flat pieces with a Delaunay triangulation: their outlines.
+// Generators of flat pieces with a Delaunay triangulation: their outlines.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 enum
 {
-    MIN_BENDS = 4, // straight pieces that a curve of the garment is made of
+    MIN_BENDS = 4, // straight segments of a curve of the garment
     MAX_BENDS = 256,
     CURVES = 4,
     STRAIGHT_CORNERS = 5,
@@ -23,8 +23,8 @@ static wisp_status make_rectangle( const wisp_mesh_generator* r, wisp_mesh* out,
 
 // ---- a garment -------------------------------------------------------------------------------------------------
 
-// The front panel of a shirt as it is drawn on paper, in parts of its width and its length, from the hem's middle:
-// only the right half, the left one is its mirror image. Its curves are Bezier's.
+// The front panel of a shirt as drawn on paper, in fractions of its width and its length, from the hem's middle: only
+// the right half, the left one is its mirror image. Its curves are Bezier curves.
 typedef struct pattern_point
 {
     double x, up;
@@ -43,7 +43,7 @@ static pattern_point on_curve( const pattern_point* p, double t )
                               a * p[0].up + b * p[1].up + c * p[2].up + d * p[3].up };
 }
 
-// Paper lies with its upper edge towards -z, so that what is counter-clockwise on paper is so seen from above.
+// The paper's upper edge points towards -z, so that counter-clockwise on paper is counter-clockwise seen from above.
 static wisp_mesh_corner lay( const wisp_mesh_generator* r, pattern_point p, float density )
 {
     return ( wisp_mesh_corner ){ .x = (float)( p.x * (double)r->width ),
@@ -51,7 +51,7 @@ static wisp_mesh_corner lay( const wisp_mesh_generator* r, pattern_point p, floa
                                  .density = density };
 }
 
-// From the right end of the hem up to the middle of the neckline. @return how many corners
+// From the right end of the hem up to the middle of the neckline. @return number of corners
 static int put_right_half( const wisp_mesh_generator* r, int bends, wisp_mesh_corner* corners )
 {
     int count = 0;
@@ -83,7 +83,7 @@ static int put_left_half( wisp_mesh_corner* corners, int right_count )
 
 static wisp_status make_garment( const wisp_mesh_generator* r, wisp_mesh* out, wisp_error* error )
 {
-    // About three vertices to a bend, whatever their number: the finer the mesh, the rounder its curves.
+    // About three vertices per bend, whatever their number: the finer the mesh, the rounder its curves.
     int bends = (int)fmin( fmax( sqrt( (double)r->vertex_count ) / 3.0, MIN_BENDS ), MAX_BENDS );
     wisp_mesh_corner corners[CURVES * MAX_BENDS + STRAIGHT_CORNERS];
     int count = put_left_half( corners, put_right_half( r, bends, corners ) );

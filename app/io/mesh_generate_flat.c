@@ -1,6 +1,6 @@
-// A flat piece of any outline: vertices along the border, well spaced ones thrown into the inside, exactly as many as
-// were asked for, and a Delaunay triangulation of them. Only + - * /, square roots and the engine's counter-based
-// random numbers, so that the same outline gives the same bits on every machine.
+// A flat piece of any outline: vertices along the border, well spaced ones at random inside, exactly the given
+// number, and a Delaunay triangulation of them. Only + - * /, square roots and the engine's counter-based random
+// numbers, so that the same outline gives the same bits on every machine.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -11,23 +11,24 @@
 
 enum
 {
-    RANDOM_STREAM = 0x64617274, // any number that no other stream of the program has
+    RANDOM_STREAM = 0x64617274, // any number that no other stream of the program uses
     SPACING_STEPS = 100,        // halvings, more than a double has digits
-    THROWS_EACH = 4,            // darts for each vertex that is missing, before the distance between them shrinks
+    THROWS_EACH = 4,            // darts per missing vertex before the distance between them shrinks
     THROWS_MORE = 64,
     NOBODY = -1,
 };
 
 static const char NAME[] = "mesh outline";
-static const float FARTHEST = 1e6f; // m, as far as a groom may reach
+static const float FARTHEST = 1e6f; // m, the same limit as for a groom
 static const float MIN_DENSITY = 1.0f, MAX_DENSITY = 16.0f;
 static const double MAX_SLENDER = 1000.0;    // of box to area, and of the box's sides
 static const double EQUILATERAL = 0.4330127; // area of the triangle whose sides are 1
-static const double SHRINK = 0.96;           // of the distance that darts keep
-static const double NO_ROOM = 1e-6;          // of the spacing: nobody wants vertices as near as this
-static const double BORDER_DISTANCE = 0.5; // that darts keep from the border, in distances that they keep from others
+static const double SHRINK = 0.96;           // of the minimum distance of darts
+static const double NO_ROOM = 1e-6;          // of the spacing: closer vertices are useless
+static const double BORDER_DISTANCE = 0.5; // minimum distance of darts from the border, relative to that from others
 
-// Coordinates 0 and 1 are the mesh's z and x: so counter-clockwise in the plane is counter-clockwise seen from above.
+// Coordinates 0 and 1 are the mesh's z and x, so that counter-clockwise in the plane is counter-clockwise seen from
+// above.
 typedef struct flat
 {
     const wisp_mesh_corner* corners;
@@ -35,7 +36,7 @@ typedef struct flat
     int count;      // points so far
     double* points; // [total][2]
     double lower[2], upper[2], area;
-    double spacing;       // m, of a triangulation with so many vertices
+    double spacing;       // m, of a triangulation with this number of vertices
     int long_axis;        // of the box
     double cell;          // m, at least the spacing
     int cells[2];         // along the coordinates
@@ -106,7 +107,7 @@ static wisp_status measure( flat* f, wisp_error* error )
     return WISP_OK;
 }
 
-// The corners alone say whether the outline can be filled, and with their numbers.
+// Whether the outline can be filled follows from the corners alone, with their indices for the message.
 static wisp_status check_outline( const flat* f, wisp_error* error )
 {
     int count = f->corner_count;
@@ -138,7 +139,8 @@ static wisp_status check_outline( const flat* f, wisp_error* error )
 
 // ---- the border ------------------------------------------------------------------------------------------------
 
-// Pieces of the edge behind corner i, none longer than the spacing. Not yet an int: a tiny spacing asks for many.
+// Number of pieces of the edge behind corner i, none longer than the spacing. Not yet an int: a tiny spacing gives
+// many.
 static double edge_primitives( const flat* f, int i, double spacing )
 {
     double p[2], q[2];
@@ -349,7 +351,7 @@ static bool is_far_from_border( const flat* f, const double p[2], double distanc
     return true;
 }
 
-// Darts that come too near to something are thrown away.
+// Darts too close to another vertex or the border are discarded.
 static void throw_darts( flat* f, wisp_random_key key, double distance )
 {
     double size[] = { f->upper[0] - f->lower[0], f->upper[1] - f->lower[1] };
@@ -370,8 +372,8 @@ static void throw_darts( flat* f, wisp_random_key key, double distance )
     }
 }
 
-// The distance begins at what only a perfect pattern could keep, and shrinks until the last vertex has found its
-// place: the first ones are far apart, and the later ones fill the gaps between them (McCool and Fiume 1992).
+// The distance starts at that of a perfect pattern, and shrinks until the last vertex is placed: the first ones are
+// far apart, and the later ones fill the gaps between them (McCool and Fiume 1992).
 static wisp_status put_inside( flat* f, uint64_t seed, wisp_error* error )
 {
     uint64_t round = 0;
@@ -401,7 +403,7 @@ static int compare_placed( const void* left, const void* right )
     return a->along < b->along ? -1 : a->along > b->along;
 }
 
-// Vertices are floats, and the lattice is made of those, so that the triangles are Delaunay for what the mesh holds.
+// Vertices are floats, and the lattice is made from those, so that the triangles are Delaunay for the stored mesh.
 // The inside is numbered along Hilbert's curve: neighbours in the plane are near in memory.
 static wisp_status put_vertices( flat* f, wisp_mesh* out, delaunay_point* lattice, wisp_error* error )
 {
@@ -414,7 +416,7 @@ static wisp_status put_vertices( flat* f, wisp_mesh* out, delaunay_point* lattic
     {
         out->points[i] = ( wisp_vec3 ){ .x = (float)at( f, i )[1], .z = (float)at( f, i )[0] };
     }
-    // In a loop of its own: gcc 12 vectorises a rounding to float and back to double within one loop into nothing.
+    // In a separate loop: gcc 12 removes a rounding to float and back to double when it vectorises them in one loop.
     for ( int i = 0; i < f->total; ++i )
     {
         f->points[2 * (size_t)i] = (double)out->points[i].z;

@@ -1,6 +1,6 @@
 // The irregular plane: rows of points, shifted at random, joined row by row, and then flipped until it is Delaunay
-// (Lawson 1977): no vertex lies inside the circle around a neighbour's triangle. The outline is a rectangle, so that
-// what is so for neighbours is so for all.
+// (Lawson 1977): no vertex is inside the circle around a neighbour's triangle. The outline is a rectangle, so the
+// property for neighbours implies it for all.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@
 
 enum
 {
-    RANDOM_STREAM = 0x6d657368, // any number that no other stream of the program has
+    RANDOM_STREAM = 0x6d657368, // any number that no other stream of the program uses
     DRAW_X = 0,
     DRAW_Z = 1,
     NO_TWIN = -1,
@@ -22,7 +22,7 @@ static const double ON_CIRCLE = 1e-9;
 
 // ---- points ----------------------------------------------------------------------------------------------------
 
-// Where row j begins; whole rows share what is left over as evenly as numbers allow.
+// Start of row j; the remainder is distributed over whole rows as evenly as integers allow.
 static int row_start( const wisp_mesh_generator* r, int total, int j )
 {
     return (int)( (int64_t)total * j / r->rows );
@@ -56,8 +56,8 @@ static void put_points( const wisp_mesh_generator* r, wisp_mesh* out )
 
 // ---- the first triangles ---------------------------------------------------------------------------------------
 
-// Between two rows, always with the steeper of the two edges that come next: with shifts of a fifth no triangle can
-// turn over then.
+// Between two rows, always with the steeper of the two next edges: with shifts of a fifth no triangle can be reversed
+// then.
 static int32_t* join_rows( const wisp_vec3* points, int p, int p_end, int q, int q_end, int32_t* t )
 {
     while ( p < p_end || q < q_end )
@@ -131,7 +131,7 @@ static void join_halves( flips* f, int32_t half, int32_t twin )
     push( f, half );
 }
 
-// The edge a-b of the triangles a b c and b a d gives way to c-d.
+// Flip the edge a-b of the triangles a b c and b a d to c-d.
 static void flip( flips* f, int32_t half, int32_t twin )
 {
     int32_t* corners = f->mesh->triangles;
@@ -165,7 +165,7 @@ static void find_twins( flips* f, const mesh_edges* edges )
     }
 }
 
-// Every flip makes the smallest angles larger, hence an end.
+// Every flip increases the smallest angles, so the loop ends.
 static void flip_all( flips* f )
 {
     while ( f->stack_count > 0 )

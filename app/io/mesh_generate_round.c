@@ -1,4 +1,4 @@
-// Round shapes: those that grow from an icosahedron, and those that a profile sweeps out around the axis y.
+// Round shapes: subdivided icosahedra, and profiles swept around the axis y.
 #include "mesh_internal.h"
 
 #include <math.h>
@@ -50,7 +50,7 @@ static void put_icosahedron( ico* s )
     s->mesh.triangle_count = ICO_TRIANGLES;
 }
 
-// A new vertex in the middle of each edge, numbered behind the old ones in the order of edges.
+// A new vertex in the middle of each edge, numbered after the old ones in the order of edges.
 static void put_middles( ico* s, const mesh_edges* edges, int32_t* middle )
 {
     for ( int e = 0; e < edges->edge_count; ++e )
@@ -66,7 +66,7 @@ static void put_middles( ico* s, const mesh_edges* edges, int32_t* middle )
     s->mesh.vertex_count += edges->edge_count;
 }
 
-// Four triangles in the place of one. From the last to the first, so that none is overwritten before it is read.
+// Replace each triangle by four. From the last to the first, so that none is overwritten before it is read.
 static void split_triangles( ico* s, const int32_t* middle )
 {
     for ( int t = s->mesh.triangle_count - 1; t >= 0; --t )
@@ -107,7 +107,7 @@ static wisp_status subdivide( ico* s, wisp_error* error )
 }
 
 // Narrow above, bent along x, flattened along z. y grows with y, and in each slice of constant y, x grows with x and
-// z with z, so that nothing meets itself; of all symmetries only the mirror z = 0 remains.
+// z with z, so that the surface has no intersections; of all symmetries only the mirror z = 0 remains.
 static mesh_vector shape_pear( mesh_vector d )
 {
     double taper = 0.85 - 0.35 * d.y + 0.1 * d.x;
@@ -173,8 +173,8 @@ typedef struct profile_point
     double out, up; // m, from the axis and along it
 } profile_point;
 
-// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry says so, on
-// the unit circle to double precision.
+// Cosine and sine of part / whole of a turn, 0 <= part <= whole: exact at the quarters, equal where symmetry requires
+// it, on the unit circle to double precision.
 static void turn( int part, int whole, double* cosine, double* sine )
 {
     // Down to an eighth of a turn in whole numbers, so that opposite and mirrored points are so exactly.
@@ -183,7 +183,7 @@ static void turn( int part, int whole, double* cosine, double* sine )
     int64_t small = mirrored ? whole - rest : rest;
     float s, c;
     trig_sincos( (float)( 1.5707963267948966 * (double)small / (double)whole ), &s, &c );
-    // The engine's sine is good to seven digits; the circle shall be round to sixteen.
+    // The engine's sine is exact to seven digits; the circle needs sixteen.
     double length = sqrt( (double)c * (double)c + (double)s * (double)s );
     double x = ( mirrored ? (double)s : (double)c ) / length, y = ( mirrored ? (double)c : (double)s ) / length;
     if ( 2 * small == whole )

@@ -1,4 +1,4 @@
-// What the doctor says, in words: `wisp info` for a mesh, refusals, and what a repair has done.
+// Text of the doctor: `wisp info` for a mesh, rejections, and repairs that were done.
 #include "mesh_internal.h"
 
 #include "io_file.h"
@@ -15,7 +15,7 @@ typedef enum element_kind
     ELEMENT_VERTEX,
 } element_kind;
 
-// The kinds of finding, in the order in which they are told, and the demand that each of them breaks.
+// The kinds of defect, in the order of the text, and the demand that each of them violates.
 typedef struct finding_kind
 {
     size_t at; // of the finding in a report
@@ -167,7 +167,7 @@ static void print_finding( FILE* out, const wisp_mesh_diagnostics* r, const find
 
 void wisp_mesh_print( FILE* out, const wisp_mesh_diagnostics* report, const char* name )
 {
-    // A host's decimal comma is a matter of looks: where memory fails even for a locale, it is printed.
+    // A host's decimal comma is a matter of appearance: if memory for a locale is missing, it is printed.
     io_numbers numbers = { 0 };
     wisp_status plain = io_numbers_begin( &numbers, NULL );
     print_stats( out, report, name );

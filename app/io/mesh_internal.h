@@ -1,4 +1,4 @@
-/// What the mesh files share and nobody else sees.
+/// Private to the mesh files.
 #pragma once
 
 #include "mesh.h"
@@ -15,7 +15,7 @@ extern "C"
     wisp_status mesh_allocate( wisp_mesh* mesh, int vertex_count, int triangle_count, const char* name,
                                wisp_error* error );
 
-    /// Malformed or not finite: what no reader lets through and what writers and the doctor refuse.
+    /// Malformed or not finite: rejected by readers, writers and the doctor.
     wisp_status mesh_check( const wisp_mesh* mesh, const char* name, wisp_error* error );
 
     /// The first coordinate of vertex v that is not finite, as a message.
@@ -28,22 +28,22 @@ extern "C"
     /// Rows of `property list uchar int`.
     void mesh_put_triangles( FILE* out, const wisp_mesh* mesh );
 
-    // ---- mesh.c: triangles that arrive one by one ----
+    // ---- mesh.c: triangles added one by one ----
 
-    /// A polygon becomes a fan around its first corner while its corners arrive; memory grows with what came.
+    /// A polygon becomes a fan around its first corner as its corners arrive; memory grows with the triangles.
     typedef struct mesh_fan
     {
         wisp_mesh* mesh;  ///< receives the triangles
-        const char* name; ///< what messages call the file
-        int capacity;     ///< triangles that there is room for
-        int corner_count; ///< of the polygon at hand
+        const char* name; ///< for messages
+        int capacity;     ///< capacity in triangles
+        int corner_count; ///< of the current polygon
         int32_t first, previous;
     } mesh_fan;
 
     /// @return WISP_BAD_INPUT more than WISP_MESH_TRIANGLE_CAP; WISP_NO_MEMORY
     wisp_status mesh_fan_corner( mesh_fan* fan, int32_t vertex, wisp_error* error );
 
-    /// Give back what room is left over.
+    /// Release the unused capacity.
     void mesh_fan_finish( mesh_fan* fan );
 
     // ---- mesh_text.c: text of untrusted files ----
@@ -55,7 +55,7 @@ extern "C"
         size_t length;
     } mesh_word;
 
-    /// The next word of a line and the rest behind it; words are parted by spaces and tabs.
+    /// The next word of a line and the rest after it; words are separated by spaces and tabs.
     mesh_word mesh_next_word( mesh_word* line );
 
     /// The next line without its end, which is \n, \r or \r\n; false at the end of the text.
@@ -63,13 +63,13 @@ extern "C"
 
     bool mesh_word_is( mesh_word word, const char* expected );
 
-    /// [+-] digits [. digits] [e [+-] digits], with a digit before or behind the point, at most four in the exponent.
+    /// [+-] digits [. digits] [e [+-] digits], with a digit before or after the point, at most four in the exponent.
     bool mesh_word_is_number( mesh_word word );
 
     /// [+-] digits, within int32_t.
     bool mesh_word_is_integer( mesh_word word, int32_t* value );
 
-    /// A word for a message: at most 24 characters, none of which a terminal takes for a command.
+    /// A word for a message: at most 24 characters, without control characters of a terminal.
     typedef struct mesh_quote
     {
         char text[32];
@@ -77,7 +77,7 @@ extern "C"
 
     mesh_quote mesh_quote_word( mesh_word word );
 
-    // ---- mesh_obj.cc: the one file that knows tinyobjloader ----
+    // ---- mesh_obj.cc: the only file that uses tinyobjloader ----
 
     /// Lines in, vertices and faces out.
     typedef struct mesh_obj_feed
@@ -91,10 +91,9 @@ extern "C"
     /// @return WISP_BAD_INPUT the library refused; WISP_NO_MEMORY; WISP_OK also when a callback stopped it
     wisp_status mesh_obj_parse( const mesh_obj_feed* feed, const char* name, wisp_error* error );
 
-    // ---- mesh_edges.c: who is whose neighbour ----
+    // ---- mesh_edges.c: neighbours ----
 
-    /// Half-edge 3 * t + k runs from corner k of triangle t to the next. Triangles that name a vertex twice have
-    /// none.
+    /// Half-edge 3 * t + k runs from corner k of triangle t to the next. Triangles with a repeated vertex have none.
     typedef struct mesh_edges
     {
         int half_count;  ///< entries of half
@@ -122,10 +121,10 @@ extern "C"
         return mesh->triangles[mesh_next_half( half )];
     }
 
-    /// Whether triangle t names a vertex twice.
+    /// Whether triangle t has a repeated vertex.
     bool mesh_names_twice( const wisp_mesh* mesh, int t );
 
-    /// Whether triangle t names a vertex twice or has no area.
+    /// Whether triangle t has a repeated vertex or no area.
     bool mesh_is_degenerate( const wisp_mesh* mesh, int t );
 
     /// first_of[t] becomes the lowest triangle with the same vertices as t, t itself as a rule.
@@ -133,7 +132,7 @@ extern "C"
     /// @return WISP_NO_MEMORY
     wisp_status mesh_find_duplicates( const wisp_mesh* mesh, const bool* skip, int32_t* first_of, wisp_error* error );
 
-    /// Sets that merge. The lowest member stands for its set.
+    /// Disjoint sets. The lowest member represents its set.
     int32_t* mesh_sets_make( int count );
     int32_t mesh_sets_find( int32_t* sets, int32_t member );
     void mesh_sets_merge( int32_t* sets, int32_t a, int32_t b );
@@ -150,7 +149,7 @@ extern "C"
 
     // ---- mesh_generate_*.c: shapes ----
 
-    /// All take a recipe that was checked.
+    /// All take a checked definition.
     wisp_status mesh_generate_plane( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_generate_irregular( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );
     wisp_status mesh_generate_delaunay( const wisp_mesh_generator* generator, wisp_mesh* out, wisp_error* error );

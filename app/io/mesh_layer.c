@@ -1,5 +1,5 @@
-// A mesh with points on its edges and inside its triangles, out: PLY, which has room for normals and for numbers of
-// elements, and which readers that look for a mesh alone still read.
+// Writes a mesh with points on its edges and inside its triangles as PLY, which has room for normals and element
+// numbers, and which readers of plain meshes can still read.
 #include "mesh_internal.h"
 
 #include <math.h>

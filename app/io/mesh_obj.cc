@@ -1,6 +1,6 @@
-// tinyobjloader, and nothing else. It takes words that are no numbers for 0 and indices as they come, so it is given
-// only lines that mesh_obj_text.c has checked, one at a time, and what it makes of them is checked again there.
-// The library is compiled in rather than linked, so that checkers and the fuzzer see into it.
+// tinyobjloader alone. It reads words that are no numbers as 0 and accepts any index, so it gets only lines that
+// mesh_obj_text.c has checked, one at a time, and its results are checked again there. The library is compiled in
+// rather than linked, so that sanitizers and the fuzzer cover it.
 #include "mesh_internal.h"
 
 #include <exception>
@@ -14,7 +14,7 @@
 namespace
 {
 
-// The library reads a stream; this one holds a single line of the file where it lies.
+// The library reads a stream; this one contains a single line of the file in place.
 class line_buffer : public std::streambuf
 {
   public:
@@ -43,13 +43,13 @@ class line_buffer : public std::streambuf
         static const char newline[] = "\n";
         const char* text = newline;
         size_t length = 1;
-        // A line and its end come apart, so that the library never looks past the line that it is busy with.
+        // A line and its end are delivered separately, so that the library never reads past the current line.
         if ( !inside_line_ && ( stopped_ || !feed_.next_line( feed_.user, &text, &length ) || length == 0 ) )
         {
             return traits_type::eof();
         }
         inside_line_ = !inside_line_;
-        // The interface wants pointers to what may be written; reading never does.
+        // The interface requires writable pointers; reading never writes.
         char* begin = const_cast<char*>( text );
         setg( begin, begin, begin + length );
         return traits_type::to_int_type( *begin );
@@ -99,7 +99,7 @@ wisp_status parse( const mesh_obj_feed& feed, const char* name, wisp_error* erro
 
 } // namespace
 
-// No exception leaves this file: above it is C, which has no way to clean up behind one.
+// No exception leaves this file: its callers are C, which cannot clean up after one.
 wisp_status mesh_obj_parse( const mesh_obj_feed* feed, const char* name, wisp_error* error )
 {
     try

@@ -1,6 +1,5 @@
-// Wavefront OBJ. The text is gone through once: lines of vertices and faces must be well-formed, and are counted, so
-// that memory is bounded by the file. Then tinyobjloader reads those lines and no others, and every number that comes
-// out of it is checked against the counts.
+// Wavefront OBJ. The first pass checks and counts lines of vertices and faces, so that memory is bounded by the file.
+// Then tinyobjloader reads those lines and no others, and every number from it is checked against the counts.
 #include "mesh_internal.h"
 
 #include <stdlib.h>
@@ -15,21 +14,21 @@ typedef enum line_kind
     LINE_FACE,
 } line_kind;
 
-// The checked text on its way through the library.
+// The state of the checked text while the library reads it.
 typedef struct obj_reading
 {
-    mesh_word rest; // lines that the library has not had
+    mesh_word rest; // lines not yet read by the library
     const char* name;
     wisp_error* error;
-    wisp_status status; // why it was stopped
+    wisp_status status; // the reason for stopping
     wisp_mesh* mesh;
     mesh_fan fan;
     int vertex_count; // announced by the first pass; mesh->vertex_count counts what arrived
     int face_count, faces_seen;
-    int line; // of what the library has at the moment, from 1
+    int line; // of the library's current line, from 1
 } obj_reading;
 
-// Cuts off what follows a #, which the library would take for an index.
+// Cuts off the text after a #, which the library would read as an index.
 static line_kind kind_of( mesh_word* whole )
 {
     const char* comment = whole->length > 0 ? memchr( whole->text, '#', whole->length ) : NULL;
@@ -119,7 +118,7 @@ static wisp_status check_face_line( mesh_word line, int number, const char* name
     return WISP_OK;
 }
 
-// A zero byte would end a line for the library and not for us.
+// A zero byte would end a line for the library but not here.
 static wisp_status check_is_text( const char* bytes, size_t size, const char* name, wisp_error* error )
 {
     if ( size == 0 )

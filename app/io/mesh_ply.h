@@ -1,4 +1,4 @@
-/// What a PLY header says. Shared by the two files that read PLY.
+/// Contents of a PLY header. Shared by the two files that read PLY.
 #pragma once
 
 #include "mesh_internal.h"
@@ -30,7 +30,7 @@ typedef enum ply_type
     PLY_DOUBLE,
 } ply_type;
 
-/// What a property is to a mesh.
+/// Meaning of a property for a mesh.
 typedef enum ply_role
 {
     PLY_X,
@@ -57,7 +57,7 @@ typedef struct ply_element
 
 typedef struct ply_header
 {
-    const char* name; ///< what messages call the file
+    const char* name; ///< for messages
     ply_encoding encoding;
     int element_count, property_count;
     ply_element elements[PLY_MAX_ELEMENTS];

@@ -6,7 +6,7 @@
 
 #include "io_file.h"
 
-// The lines of the header and what they have said so far.
+// The lines of the header and the state so far.
 typedef struct header_reading
 {
     ply_header* header;
@@ -69,7 +69,8 @@ static wisp_status refuse_line( const header_reading* r, const char* problem )
     return wisp_fail( r->error, WISP_BAD_INPUT, "%s: line %d: %s", r->header->name, r->header->line_count, problem );
 }
 
-// Ends in \n or \r\n only: a lone \r in front of binary rows could not be told from their first byte.
+// Ends in
+// or \r\n only: a lone \r before binary rows could not be distinguished from their first byte.
 static wisp_status next_header_line( header_reading* r, mesh_word* line )
 {
     ++r->header->line_count;
@@ -157,7 +158,7 @@ static wisp_status read_element( header_reading* r, mesh_word line )
     return demand_end( r, line );
 }
 
-// Which of the numbers that make a mesh this is.
+// The number of a mesh that this property holds.
 static ply_role role_of( const header_reading* r, mesh_word name )
 {
     static const char* const names[] = { "x", "y", "z", "vertex_indices", "vertex_index" };
@@ -243,7 +244,7 @@ static wisp_status read_property( header_reading* r, mesh_word line )
     return status;
 }
 
-// ---- the whole -------------------------------------------------------------------------------------------------
+// ---- whole header ----------------------------------------------------------------------------------------------
 
 static wisp_status read_line( header_reading* r, mesh_word line, bool* ended )
 {
@@ -285,7 +286,7 @@ static bool element_has( const ply_header* header, int element, ply_role role )
     return false;
 }
 
-// What a mesh needs, and what a later loop relies on: rows that have something in them.
+// Requirements of a mesh, and of a later loop: rows that are not empty.
 static wisp_status check_header( const header_reading* r )
 {
     const ply_header* header = r->header;

@@ -18,7 +18,7 @@ typedef struct row_reading
     const ply_header* header;
     const unsigned char* bytes;
     size_t size, at; // of the whole file
-    mesh_word row;   // what is left of the line, in text
+    mesh_word row;   // the rest of the line, in text
     int line;        // in text, from 1
     const ply_element* element;
     int64_t row_number;
@@ -29,7 +29,7 @@ typedef struct row_reading
 
 // ---- messages -------------------------------------------------------------------------------------------------
 
-// Where a row is wrong: its element, its number, and the line or the byte.
+// Position of an error: its element, its number, and the line or the byte.
 static wisp_status refuse( const row_reading* r, const ply_property* property, const char* problem )
 {
     bool is_text = r->header->encoding == PLY_TEXT;
@@ -48,7 +48,7 @@ static wisp_status next_text_value( row_reading* r, const ply_property* property
     {
         return refuse( r, property, "is missing" );
     }
-    // strtod wants a zero behind the number, and the file has none to spare.
+    // strtod needs a zero after the number, and the file has none.
     char text[LONGEST_NUMBER + 1] = { 0 };
     if ( !mesh_word_is_number( word ) || word.length > LONGEST_NUMBER )
     {
@@ -115,7 +115,7 @@ static wisp_status next_value( row_reading* r, const ply_property* property, ply
 
 // ---- properties ------------------------------------------------------------------------------------------------
 
-// A count is believed only as far as the file goes on: a value has a byte at least.
+// A count is accepted only up to the rest of the file: a value has at least one byte.
 static wisp_status next_count( row_reading* r, const ply_property* property, int64_t* count )
 {
     double value = 0.0;
@@ -203,7 +203,7 @@ static wisp_status read_scalar( row_reading* r, const ply_property* property )
 
 // ---- rows ------------------------------------------------------------------------------------------------------
 
-// Blank lines between rows are passed over.
+// Blank lines between rows are skipped.
 static wisp_status begin_text_row( row_reading* r, const ply_property* property )
 {
     mesh_word rest = { (const char*)r->bytes + r->at, r->size - r->at }, line;
@@ -242,7 +242,7 @@ static wisp_status read_row( row_reading* r )
     return status == WISP_OK && is_text ? end_text_row( r ) : status;
 }
 
-// Bytes that a row has at least, lists being empty.
+// Minimum bytes of a row, with empty lists.
 static uint64_t min_row( const ply_header* header, const ply_element* element )
 {
     uint64_t sum = 0;
@@ -250,13 +250,13 @@ static uint64_t min_row( const ply_header* header, const ply_element* element )
     {
         const ply_property* property = &header->properties[element->first_property + p];
         ply_type type = property->count_type != PLY_NONE ? property->count_type : property->type;
-        // In text a digit and what parts it from the next.
+        // In text a digit and a separator.
         sum += header->encoding == PLY_TEXT ? 2 : (uint64_t)ply_width( type );
     }
     return sum;
 }
 
-// Before memory is asked for: the file must be long enough for all rows that it announces.
+// Before memory is allocated: the file must be long enough for all rows in its header.
 static wisp_status check_length( const row_reading* r )
 {
     const ply_header* header = r->header;
@@ -306,7 +306,7 @@ static wisp_status read_elements( row_reading* r )
     return check_rest( r );
 }
 
-// What `out` holds on failure is the caller's to release.
+// The caller releases the contents of `out` after a failure.
 static wisp_status read_rows( const ply_header* header, const unsigned char* bytes, size_t size, wisp_mesh* out,
                               wisp_error* error )
 {

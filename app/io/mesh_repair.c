@@ -20,7 +20,7 @@ static wisp_status find_dropped( const wisp_mesh* mesh, int what, bool* drop, in
     {
         drop[t] = ( what & WISP_MESH_DROP_DEGENERATES ) != 0 && mesh_is_degenerate( mesh, t );
         repairs->degenerates_dropped += drop[t];
-        // Without the first repair a triangle that names a vertex twice stays; it is no duplicate of anything.
+        // Without the first repair a triangle with a repeated vertex stays; it is no duplicate of anything.
         first_of[t] = t;
     }
     if ( ( what & WISP_MESH_DROP_DUPLICATES ) == 0 )
@@ -86,7 +86,7 @@ typedef struct flood
     int32_t* twin;      // [3 * triangle_count] the half-edge across an edge of two triangles, else UNSEEN
     int32_t* primitive; // [triangle_count] first triangle of the piece that it belongs to
     int32_t* queue;     // [triangle_count] triangles, piece after piece
-    bool* turned;       // [triangle_count] against how it came
+    bool* turned;       // [triangle_count] relative to its input winding
     bool* open;         // [triangle_count] of a piece's first triangle: its edges do not close it
     bool* odd;          // [triangle_count] scratch
 } flood;
@@ -109,8 +109,8 @@ static void find_twins( flood* f )
     }
 }
 
-// Carries the winding of triangle t over its edge. Two neighbours agree when they run along their edge in opposite
-// directions, or one of them will be turned and they run the same way.
+// Propagates the winding of triangle t over its edge. Two neighbours agree when they run along their edge in opposite
+// directions, or when one of them will be turned and they run in the same direction.
 static wisp_status carry_over( flood* f, int32_t half, int* queued, wisp_error* error )
 {
     int t = half / 3;
@@ -154,8 +154,8 @@ static wisp_status fill_primitive( flood* f, int first, int* queued, wisp_error*
     return status;
 }
 
-// A piece is closed when it has an even number of triangles along each edge, and its own at that: two cubes that
-// share an edge are two closed pieces.
+// A piece is closed when each edge has an even number of triangles, and an even number of the piece's own: two cubes
+// that share an edge are two closed pieces.
 static void find_open_primitives( flood* f )
 {
     const mesh_edges* edges = &f->edges;
@@ -179,7 +179,7 @@ static void find_open_primitives( flood* f )
     }
 }
 
-// Six times the volume behind a piece once its triangles are turned.
+// Six times the volume of a piece once its triangles are turned.
 static double signed_volume( const flood* f, int begin, int end )
 {
     const wisp_vec3* points = f->mesh->points;
@@ -196,7 +196,7 @@ static double signed_volume( const flood* f, int begin, int end )
     return sum;
 }
 
-// Which of the two windings a piece gets: outwards if it is closed, else the one that turns fewer triangles.
+// Choice of the winding of a piece: outwards if it is closed, else the one that turns fewer triangles.
 static void choose_side( flood* f, int begin, int end )
 {
     int turned = 0;
@@ -240,7 +240,7 @@ static wisp_status fill( flood* f, wisp_error* error )
     return WISP_OK;
 }
 
-// The first corner stays where it is, so that a turned triangle still begins with the vertex that its user knows.
+// The first corner stays, so that a turned triangle still begins with the same vertex.
 static void turn_triangles( flood* f, wisp_mesh_repairs* repairs )
 {
     for ( int t = 0; t < f->mesh->triangle_count; ++t )
@@ -292,7 +292,7 @@ static wisp_status repair_winding( wisp_mesh* mesh, wisp_mesh_repairs* repairs, 
 
 // ---- dropping vertices -----------------------------------------------------------------------------------------
 
-// Fills repairs->kept; new_number[v] is where a vertex goes, or UNSEEN.
+// Fills repairs->kept; new_number[v] is the new index of a vertex, or UNSEEN.
 static void number_vertices( const wisp_mesh* mesh, int what, int32_t* new_number, wisp_mesh_repairs* repairs )
 {
     bool keep_all = ( what & WISP_MESH_DROP_UNREFERENCED ) == 0;
@@ -339,7 +339,7 @@ static wisp_status drop_vertices( wisp_mesh* mesh, int what, wisp_mesh_repairs* 
     return WISP_OK;
 }
 
-// ---- the whole -------------------------------------------------------------------------------------------------
+// ---- repair ----------------------------------------------------------------------------------------------------
 
 void wisp_mesh_repairs_release( wisp_mesh_repairs* repairs )
 {

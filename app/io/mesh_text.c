@@ -1,11 +1,11 @@
-// Lines, words and numbers of files that nobody vouches for. Knows no locale and needs no zero at the end.
+// Lines, words and numbers of untrusted files. Independent of the locale, and needs no zero at the end.
 #include "mesh_internal.h"
 
 #include <string.h>
 
 enum
 {
-    SHOWN = 24, // characters of a word that a message shows
+    SHOWN = 24, // limit of characters of a word in a message
     MAX_EXPONENT_DIGITS = 4,
 };
 

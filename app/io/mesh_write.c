@@ -1,4 +1,4 @@
-// Meshes out: OBJ for people and modellers, little-endian PLY for size and speed.
+// Writes meshes: OBJ for readers and modelling programs, little-endian PLY for size and speed.
 #include "mesh_internal.h"
 
 #include "io_bytes.h"
@@ -22,7 +22,7 @@ wisp_status mesh_put_obj( FILE* out, const wisp_mesh* mesh, const char* name, wi
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         wisp_vec3 p = mesh->points[v];
-        // Nine digits bring every float back bit for bit.
+        // Nine digits restore every float bit for bit.
         fprintf( out, "v %.9g %.9g %.9g\n", (double)p.x, (double)p.y, (double)p.z );
     }
     for ( int t = 0; t < mesh->triangle_count; ++t )

@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <string.h>
 
-// Longer words are near nothing. The cap keeps a hostile key of megabytes from costing more than its first letters.
+// Longer words match nothing. The cap keeps a hostile key of megabytes from costing more than its first letters.
 #define LONGEST 64
 #define FARTHEST 3
 
@@ -21,7 +21,7 @@ static int least( int a, int b )
 }
 
 // Optimal string alignment: insertions, deletions, changes and swaps of neighbours cost one each. Three rows of the
-// table are kept, because a swap looks two rows back.
+// table are kept, because a swap refers to two rows before.
 static int distance( const char* a, int a_length, const char* b, int b_length )
 {
     int rows[3][LONGEST + 1];

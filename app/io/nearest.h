@@ -1,4 +1,4 @@
-/// The known word a mistyped one was probably meant to be: for keys of scenes and verbs of the command line.
+/// Suggestion of a known word for a mistyped one: for keys of scenes and commands of the command line.
 #pragma once
 
 #ifdef __cplusplus

@@ -1,14 +1,15 @@
-/// Recordings: where every vertex of a scene is, frame by frame. Written while a scene runs, read back to replay it.
+/// Recordings: the position of every vertex of a scene, frame by frame. Written while a scene runs, read back to
+/// replay it.
 ///
 ///     extension  read  write  what it is
 ///     .wisp      yes   yes    our own: every bit of every frame, checksums, survives a crash
-///     .pc2       yes   yes    point cache 2, for modifiers of modelling programs; one body a file
-///     .pvd       no    yes    ParaView's list of times; frames are .vtp files in a folder beside it
-///     .obj       no    yes    one numbered file a frame
+///     .pc2       yes   yes    point cache 2, for modifiers of modelling programs; one body per file
+///     .pvd       no    yes    ParaView's list of times; frames are .vtp files in a folder next to it
+///     .obj       no    yes    one numbered file per frame
 ///     .usda      no    yes    USD text: meshes and curves with time samples
 ///
 /// A recording has a list of bodies that is fixed when it starts, and frames that hold the points of all of them.
-/// Files are untrusted bytes: memory is asked for only after the file is known to be long enough to fill it.
+/// Files are untrusted bytes: memory is allocated only after the file is known to be long enough to fill it.
 #pragma once
 
 #include <stdio.h>
@@ -52,7 +53,7 @@ extern "C"
         WISP_RECORD_USDA,
     } wisp_record_format;
 
-    /// What is recorded. Copied; may die after the call.
+    /// The bodies of a recording. Copied; need not outlive the call.
     typedef struct wisp_recorder_def
     {
         const wisp_record_body* bodies;
@@ -62,33 +63,33 @@ extern "C"
 
     typedef struct wisp_recorder wisp_recorder;
 
-    /// Start a recording. What appears where, and when:
+    /// Start a recording. The files of each format:
     /// - .wisp: `path` at once, with the list of bodies; a frame is in the file when wisp_recorder_frame() returns.
-    /// - .pc2: `path` when the recorder is closed. Several bodies are a file each: `drape_<body>.pc2` of `drape.pc2`.
-    /// - .pvd: `path` when the recorder is closed, a file `drape/<body>_0001.vtp` a body and frame at once.
-    /// - .obj: `drape_0001.obj` a frame at once, for `drape.obj`. Frames count from 1.
-    /// - .usda: `path` when the recorder is closed; until then the frames wait in a hidden file beside it.
-    /// A file that is there already is replaced in one step. Numbered files of a longer recording under the same name
-    /// stay beyond the last frame.
+    /// - .pc2: `path` when the recorder is closed. Several bodies are one file each: `drape_<body>.pc2`.
+    /// - .pvd: `path` when the recorder is closed, a file `drape/<body>_0001.vtp` per body and frame at once.
+    /// - .obj: `drape_0001.obj` per frame at once, for `drape.obj`. Frames count from 1.
+    /// - .usda: `path` when the recorder is closed; until then the frames are in a hidden file next to it.
+    /// An existing file is replaced in one step. Numbered files of a longer recording under the same name remain
+    /// beyond the last frame.
     /// @param out receives the recorder, for wisp_recorder_close(); null on failure
-    /// @return WISP_BAD_INPUT an extension that is not known, or a body (the message names it) that is malformed or
-    ///         does not fit the format; WISP_IO_ERROR; WISP_NO_MEMORY
+    /// @return WISP_BAD_INPUT an unknown extension, or a body (the message names it) that is malformed or does not
+    ///        fit the format; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recorder_open( const char* path, wisp_record_format format,
                                              const wisp_recorder_def* def, wisp_recorder** out, wisp_error* error );
 
     /// Add a frame.
     /// @param time s, finite, greater than that of the frame before
-    /// @param hash of the world's state, to be compared by a replay; 0 where there is none. Only .wisp keeps it.
+    /// @param hash of the world's state, to be compared by a replay; 0: none. Only .wisp keeps it.
     /// @param points [body_count][vertex_count], m, finite
-    /// @return WISP_BAD_INPUT the time, or a vertex that is not finite: nothing is written and the recording goes on.
-    ///         WISP_IO_ERROR: .wisp, .pvd and .obj keep the frames before, and the call may be repeated; .pc2 and
-    ///         .usda are lost, and wisp_recorder_close() says so again.
+    /// @return WISP_BAD_INPUT the time, or a vertex that is not finite: nothing is written and the recording
+    ///        continues. WISP_IO_ERROR: .wisp, .pvd and .obj keep the frames before, and the call may be repeated;
+    ///        .pc2 and .usda are lost, and wisp_recorder_close() reports it again.
     WISP_API wisp_status wisp_recorder_frame( wisp_recorder* recorder, double time, uint64_t hash,
                                               const wisp_vec3* const* points, wisp_error* error );
 
-    /// Finish the files and free the recorder, whatever happens. Null is allowed.
-    /// @return WISP_IO_ERROR the first file that could not be finished: the old one, if there was one, is untouched,
-    ///         except for .wisp, which keeps its whole frames and lacks only the mark of its end
+    /// Finish the files and free the recorder, after any failure too. Null is allowed.
+    /// @return WISP_IO_ERROR the first file that could not be finished: the old one, if there was one, is unchanged,
+    ///        except for .wisp, which keeps its whole frames and lacks only the mark of its end
     WISP_API wisp_status wisp_recorder_close( wisp_recorder* recorder, wisp_error* error );
 
     // ---- reading .wisp -----------------------------------------------------------------------------------------
@@ -99,22 +100,22 @@ extern "C"
     {
         double dt;            ///< s, between two frames
         int body_count;       ///< >= 1
-        int frame_count;      ///< whole frames, damaged ones among them
-        uint64_t frame_bytes; ///< of one frame; all are equally long
+        int frame_count;      ///< whole frames, including damaged ones
+        uint64_t frame_bytes; ///< of one frame; all have the same length
         uint64_t first_byte;  ///< where frame 0 starts
-        uint64_t tail_bytes;  ///< what follows the last whole frame and is not the mark of the end: a frame cut short
-        bool complete;        ///< the recorder was closed: the mark of the end is there, and nothing behind it
+        uint64_t tail_bytes;  ///< bytes after the last whole frame, apart from the mark of the end: a truncated frame
+        bool complete;        ///< the recorder was closed: the mark of the end is there, followed by nothing
     } wisp_recording_info;
 
-    /// Open a file and read its list of bodies. Frames are read and checked one by one when they are asked for. A
-    /// recording that was cut opens with its whole frames; wisp_recording_describe() tells that it was.
+    /// Open a file and read its list of bodies. Frames are read and checked one by one on request. A truncated
+    /// recording opens with its whole frames; wisp_recording_describe() reports the truncation.
     /// @param out receives the recording, for wisp_recording_close(); null on failure
-    /// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT not a recording, or its list of bodies is
-    ///         damaged (the message names the byte); WISP_NO_MEMORY
+    /// @return WISP_IO_ERROR an error of the operating system; WISP_BAD_INPUT not a recording, or its list of bodies
+    ///        is damaged (the message names the byte); WISP_NO_MEMORY
     WISP_API wisp_status wisp_recording_open( const char* path, wisp_recording** out, wisp_error* error );
 
     /// The same for bytes in memory, which are not copied and must outlive the recording.
-    /// @param name what messages call it
+    /// @param name for messages
     WISP_API wisp_status wisp_recording_open_memory( const void* bytes, size_t size, const char* name,
                                                      wisp_recording** out, wisp_error* error );
 
@@ -124,25 +125,24 @@ extern "C"
     WISP_API wisp_recording_info wisp_recording_describe( const wisp_recording* recording );
 
     /// @param body 0 .. body_count - 1
-    /// @return belongs to the recording. A recording without a frame proves nothing about vertex_count: ask for
-    ///         memory only if there is a frame, which the file is then long enough to fill.
+    /// @return belongs to the recording. Without a frame nothing confirms vertex_count: allocate memory only if there
+    ///        is a frame, which the file is then long enough to fill.
     WISP_API const wisp_record_body* wisp_recording_body( const wisp_recording* recording, int body );
 
-    /// Read a frame, in any order. The bits are those that were recorded. Not thread-safe: one recording has one
-    /// buffer.
+    /// Read a frame, in any order. The bits are the recorded ones. Not thread-safe: one recording has one buffer.
     /// @param index 0 .. frame_count - 1
-    /// @param points [body_count][vertex_count] to be filled; null, or null for a body, where they are not wanted
+    /// @param points [body_count][vertex_count] to be filled; null, or null for a body, if not needed
     /// @param time, hash may be null
     /// @return WISP_BAD_INPUT no such frame, or a damaged one: the message names its number and the byte where it
     ///         starts, and nothing is filled; WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recording_frame( wisp_recording* recording, int index, wisp_vec3* const* points,
                                                double* time, uint64_t* hash, wisp_error* error );
 
-    /// Read every frame; print what is in the recording and what is wrong with it.
-    /// @param name what the text calls it
-    /// @return WISP_BAD_INPUT a frame is damaged, or its time is not after the one before: everything is printed
-    ///         nevertheless, and the error has the first. A recording that was cut is told, not refused.
-    ///         WISP_IO_ERROR; WISP_NO_MEMORY
+    /// Read every frame; print the contents of the recording and its defects.
+    /// @param name of the recording in the text
+    /// @return WISP_BAD_INPUT a frame is damaged, or its time is not after the previous one: everything is printed
+    ///        nevertheless, and the error has the first. A truncated recording is reported, not rejected.
+    ///        WISP_IO_ERROR; WISP_NO_MEMORY
     WISP_API wisp_status wisp_recording_print( FILE* out, wisp_recording* recording, const char* name,
                                                wisp_error* error );
 
@@ -154,13 +154,13 @@ extern "C"
     typedef struct wisp_pc2_info
     {
         int point_count;   ///< >= 1
-        int frame_count;   ///< >= 0, what the format calls samples
-        float start_frame; ///< frame of the host's time line that the first sample belongs to
+        int frame_count;   ///< >= 0, called samples in the format
+        float start_frame; ///< frame of the host's time line of the first sample
         float sample_rate; ///< > 0, frames of the host's time line between two samples
     } wisp_pc2_info;
 
-    /// Open a point cache. The file must be exactly as long as its header says: it has no checksum, so its length is
-    /// all that tells a whole one from another.
+    /// Open a point cache. The file must be exactly as long as its header states: it has no checksum, so only its
+    /// length can show a defect.
     /// @return as wisp_recording_open()
     WISP_API wisp_status wisp_pc2_open( const char* path, wisp_pc2** out, wisp_error* error );
     WISP_API wisp_status wisp_pc2_open_memory( const void* bytes, size_t size, const char* name, wisp_pc2** out,
@@ -195,11 +195,11 @@ extern "C"
 
     typedef struct wisp_track wisp_track;
 
-    /// Write where a few vertices go, as a table of comma-separated values: a line of names, `time,cloth.0.x,...`,
-    /// then a line a frame. Numbers have as many digits as bring every bit back. The table takes the place of an old
-    /// one when it is closed.
-    /// @param def copied as far as it is needed; may die after the call
-    /// @return WISP_BAD_INPUT a point that does not exist, named by its place in the list; WISP_IO_ERROR;
+    /// Write the positions of a few vertices, as a table of comma-separated values: a line of names,
+    /// `time,cloth.0.x,...`, then one line per frame. Numbers have enough digits to restore every bit. The table
+    /// replaces an old one when it is closed.
+    /// @param def copied as far as needed; need not outlive the call
+    /// @return WISP_BAD_INPUT a point that does not exist, identified by its index in the list; WISP_IO_ERROR;
     ///         WISP_NO_MEMORY
     WISP_API wisp_status wisp_track_open( const char* path, const wisp_track_def* def, wisp_track** out,
                                           wisp_error* error );
@@ -209,7 +209,7 @@ extern "C"
     WISP_API wisp_status wisp_track_frame( wisp_track* track, double time, const wisp_vec3* const* points,
                                            wisp_error* error );
 
-    /// Finish the table and free the track, whatever happens. Null is allowed.
+    /// Finish the table and free the track, after any failure too. Null is allowed.
     WISP_API wisp_status wisp_track_close( wisp_track* track, wisp_error* error );
 
 #ifdef __cplusplus

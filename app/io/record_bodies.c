@@ -12,7 +12,7 @@ static bool is_letter( char c )
     return ( c >= 'a' && c <= 'z' ) || ( c >= 'A' && c <= 'Z' ) || ( c >= '0' && c <= '9' ) || c == '_' || c == '-';
 }
 
-// Names become parts of paths, so that a slash or a leading dot must not come through.
+// Names become parts of paths, so a slash or a leading dot must not be accepted.
 static bool is_name( const char* text )
 {
     size_t length = 0;
@@ -179,7 +179,7 @@ void record_release_bodies( record_bodies* bodies )
 {
     for ( int b = 0; bodies->list != NULL && b < bodies->count; ++b )
     {
-        // The struct is read-only for those who are handed it, and owned here.
+        // The struct is read-only for callers, and owned here.
         free( (void*)(uintptr_t)bodies->list[b].name );
         free( (void*)(uintptr_t)bodies->list[b].triangles );
         free( (void*)(uintptr_t)bodies->list[b].offsets );

@@ -1,4 +1,4 @@
-// What all files of recordings need: messages, and paths beside a path.
+// Shared by all files of recordings: messages, and paths next to a path.
 #include "record_internal.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-// What `wisp info` says about recordings and point caches: their figures, then what is wrong with them, by frame.
+// Output of `wisp info` for recordings and point caches: their statistics, then their defects, by frame.
 #include "record_internal.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 enum
 {
-    LISTED = 10, // damaged frames that are named; the others are counted
+    LISTED = 10, // limit of listed damaged frames; the others are counted
 };
 
 void record_extend_bounds( record_bounds* bounds, const wisp_vec3* points, int count )
@@ -66,7 +66,7 @@ static wisp_status print_findings( FILE* out, const findings* f, wisp_error* err
 
 // ---- recordings ------------------------------------------------------------------------------------------------
 
-// What reading every frame shows.
+// Results of reading every frame.
 typedef struct survey
 {
     wisp_vec3** points;    // [body_count], null without a frame
@@ -88,7 +88,7 @@ static void release_survey( survey* s, int body_count )
     free( s );
 }
 
-// Vertex counts are believed only when there is a frame: the file is long enough to fill the memory then.
+// Vertex counts are used only if there is a frame: the file is then long enough to fill the memory.
 static bool allocate_points( survey* s, const wisp_recording* recording, const wisp_recording_info* info )
 {
     bool enough = true;
@@ -131,7 +131,7 @@ static void add_frame( survey* s, const wisp_recording* recording, int body_coun
     }
 }
 
-// Damage of one frame is noted and the next one read; what the operating system refuses ends it.
+// Damage of one frame is noted and the next one read; an error of the operating system ends it.
 static wisp_status read_frames( survey* s, wisp_recording* recording, const wisp_recording_info* info,
                                 const char* name, wisp_error* error )
 {
@@ -186,7 +186,7 @@ static void print_stats( FILE* out, const survey* s, const wisp_recording* recor
     }
 }
 
-// A recording that was not closed is whole as far as it goes, and its reader must know how far that is.
+// A recording that was not closed is valid up to its end, and the reader must know that end.
 static void print_end( FILE* out, const wisp_recording_info* info )
 {
     uint64_t end = info->first_byte + (uint64_t)info->frame_count * info->frame_bytes;

@@ -1,4 +1,4 @@
-/// What the recording files share and nobody else sees.
+/// Private to the recording files.
 #pragma once
 
 #include <string.h>
@@ -19,8 +19,8 @@
 //             u64 checksum of all before
 //     end     "WISPEND\n", u64 frames, u64 checksum of all before
 //
-// Checksums of frames and of the end start from the header's, so that a frame of another recording does not pass. The
-// line ends in the first bytes change when a transfer takes the file for text.
+// Checksums of frames and of the end start from the header's, so that a frame of another recording is rejected. The
+// line ends in the first bytes change if a transfer treats the file as text.
 
 enum
 {
@@ -55,7 +55,7 @@ enum
 #define RECORD_FRAME_MAGIC "WISPFRAM"
 #define RECORD_END_MAGIC "WISPEND\n"
 
-/// Every step is a bijection of the hash and of the word, so that damage within one word never goes unseen.
+/// Every step is a bijection of the hash and of the word, so that damage within one word is always detected.
 uint64_t record_checksum( uint64_t seed, const unsigned char* bytes, size_t size );
 
 /// Little-endian floats out of and into bytes.
@@ -64,15 +64,15 @@ void record_put_points( unsigned char* bytes, const wisp_vec3* points, int count
 
 // ---- bodies ----
 
-/// Bodies that own what they point at.
+/// Bodies that own their arrays.
 typedef struct record_bodies
 {
     wisp_record_body* list;
     int count;
 } record_bodies;
 
-/// All that record.h says of bodies.
-/// @param name what the message calls the file
+/// Check all requirements of record.h on bodies.
+/// @param name of the file in messages
 wisp_status record_check_bodies( const wisp_record_body* bodies, int count, const char* name, wisp_error* error );
 
 wisp_status record_copy_bodies( const wisp_record_body* bodies, int count, const char* name, record_bodies* out,
@@ -104,17 +104,17 @@ struct wisp_recorder
     record_bodies bodies;
     char* path;
     double dt;
-    double last_time; ///< of the frame before, where there is one
+    double last_time; ///< of the previous frame, if there is one
     int frame_count;
-    bool lost;  ///< a write failed that cannot be taken back
+    bool lost;  ///< a write failed that cannot be undone
     void* file; ///< the format's own
 };
 
-/// How a format is written. Frames come checked.
+/// Functions of a format. Frames are checked before.
 struct record_format
 {
     const char* extension;
-    /// Fill recorder->file; on failure nothing is left behind.
+    /// Fill recorder->file; a failure leaves nothing behind.
     wisp_status ( *open )( wisp_recorder* recorder, wisp_error* error );
     wisp_status ( *frame )( wisp_recorder* recorder, const record_frame* frame, wisp_error* error );
     /// Finish and free recorder->file, or discard it where recorder->lost.
@@ -128,12 +128,12 @@ extern const record_format record_format_wisp, record_format_pc2, record_format_
 /// @return for free(); null without memory
 char* record_path_with( const char* path, const char* insert );
 
-/// Where the extension starts; the end of the path where it has none.
+/// Position of the extension; the end of the path if there is none.
 size_t record_stem_length( const char* path );
 
 wisp_status record_no_memory( const char* name, wisp_error* error );
 
-/// The operating system said no, for the reason in errno.
+/// An error of the operating system, with the reason in errno.
 wisp_status record_refused( const char* path, const char* what, wisp_error* error );
 
 // ---- readers ----
@@ -142,14 +142,14 @@ wisp_status record_refused( const char* path, const char* what, wisp_error* erro
 typedef struct record_source
 {
     const unsigned char* bytes; ///< null: of a file
-    unsigned char* buffer;      ///< of a file: what was read last
+    unsigned char* buffer;      ///< of a file: the last bytes read
     size_t buffer_size;
     uint64_t size;
     int descriptor;
     char* name; ///< short, for messages
 } record_source;
 
-/// @return WISP_IO_ERROR; WISP_BAD_INPUT not a regular file: only those can be read from anywhere; WISP_NO_MEMORY
+/// @return WISP_IO_ERROR; WISP_BAD_INPUT not a regular file, which random access requires; WISP_NO_MEMORY
 wisp_status record_source_open( const char* path, record_source* source, wisp_error* error );
 wisp_status record_source_open_memory( const void* bytes, size_t size, const char* name, record_source* source,
                                        wisp_error* error );

@@ -1,6 +1,5 @@
-// Wavefront OBJ, a file a frame: the way in for programs that know nothing about time. A segment of a strand is an
-// `l` line of its own, although the format allows a whole strand in one: Blender reads only the first segment of a
-// longer line.
+// Wavefront OBJ, one file per frame: for programs without a notion of time. A segment of a strand is an `l` line of
+// its own, although the format allows a whole strand in one: Blender reads only the first segment of a longer line.
 #include "record_internal.h"
 
 #include <stdlib.h>
@@ -34,7 +33,7 @@ static void write_frame( FILE* out, const wisp_recorder* recorder, const record_
         for ( int v = 0; v < body->vertex_count; ++v )
         {
             wisp_vec3 p = frame->points[b][v];
-            // Nine digits bring every float back bit for bit.
+            // Nine digits restore every float bit for bit.
             fprintf( out, "v %.9g %.9g %.9g\n", (double)p.x, (double)p.y, (double)p.z );
         }
         write_elements( out, body, first );

@@ -1,6 +1,6 @@
 // Point caches. Little-endian: a header of 32 bytes ("POINTCACHE2", zero, i32 version, i32 points, f32 start frame,
-// f32 sample rate, i32 samples), then three floats a point, sample after sample. Times have no place in it: a sample
-// belongs to the frame start + sample rate * number of the host's time line.
+// f32 sample rate, i32 samples), then three floats per point, sample after sample. It has no times: a sample belongs
+// to the frame start + sample rate * number of the host's time line.
 #include "record_internal.h"
 
 #include <errno.h>
@@ -23,7 +23,7 @@ static const char magic[12] = "POINTCACHE2";
 
 // ---- writing ---------------------------------------------------------------------------------------------------
 
-// One file a body, because the format knows of one mesh only.
+// One file per body, because the format has one mesh only.
 typedef struct pc2_files
 {
     io_output* outputs; // [body_count]
@@ -140,7 +140,7 @@ static wisp_status pc2_finish( wisp_recorder* recorder, wisp_error* error )
     wisp_status status = WISP_OK;
     for ( int b = 0; b < recorder->bodies.count; ++b )
     {
-        // A body whose file fails does not take the files of the others with it; the first failure is told.
+        // A failure of one body's file does not end the files of the others; the first failure is reported.
         wisp_status finished =
             finish_file( &files->outputs[b], recorder->frame_count, status == WISP_OK ? error : NULL );
         status = status == WISP_OK ? finished : status;

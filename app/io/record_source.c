@@ -1,5 +1,5 @@
 // Bytes of a recording, from a file or from memory. Files are read piece by piece: a recording may be larger than
-// memory. They are not mapped, because a mapped file that is cut while it is read kills the process.
+// memory. They are not mapped, because truncating a mapped file during a read kills the process.
 #define _XOPEN_SOURCE 700
 
 #include "record_internal.h"
@@ -30,7 +30,7 @@ static wisp_status examine( const char* path, record_source* source, wisp_error*
 wisp_status record_source_open( const char* path, record_source* source, wisp_error* error )
 {
     *source = ( record_source ){ .descriptor = -1 };
-    // Without O_NONBLOCK a pipe that nobody writes to would hold the caller before it can be refused.
+    // Without O_NONBLOCK a pipe without a writer would block the caller before it can be rejected.
     source->descriptor = open( path, O_RDONLY | O_CLOEXEC | O_NONBLOCK );
     if ( source->descriptor < 0 )
     {
@@ -47,7 +47,7 @@ wisp_status record_source_open( const char* path, record_source* source, wisp_er
 wisp_status record_source_open_memory( const void* bytes, size_t size, const char* name, record_source* source,
                                        wisp_error* error )
 {
-    // Null is the mark of a file, so that nothing at all needs an address too.
+    // Null marks a file, so empty memory needs an address too.
     static const unsigned char nothing[1];
     *source = ( record_source ){
         .bytes = size > 0 ? bytes : nothing,

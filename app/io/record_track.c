@@ -124,7 +124,7 @@ wisp_status wisp_track_frame( wisp_track* track, double time, const wisp_vec3* c
     }
     FILE* out = track->output.stream;
     errno = 0;
-    // Seventeen digits bring every double back bit for bit, nine every float.
+    // Seventeen digits restore every double bit for bit, nine every float.
     fprintf( out, "%.17g", time );
     for ( int i = 0; i < track->point_count; ++i )
     {

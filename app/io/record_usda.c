@@ -1,5 +1,5 @@
-// USD text: a mesh or linear curves a body, points as time samples. All samples of a body stand together in the file,
-// while frames come with all bodies together: they wait in a file without a name and are told at the end.
+// USD text: a mesh or linear curves per body, points as time samples. All samples of a body are together in the file,
+// while frames arrive with all bodies together: they are kept in a file without a name and written at the end.
 #define _XOPEN_SOURCE 700
 
 #include "record_internal.h"
@@ -23,7 +23,7 @@ typedef struct usda_file
 
 // ---- opening ---------------------------------------------------------------------------------------------------
 
-// USD's names know neither a dash nor a leading digit.
+// USD's names allow neither a dash nor a leading digit.
 static void make_name( const char* name, char* out )
 {
     size_t at = 0;
@@ -59,7 +59,7 @@ static wisp_status check_names( const wisp_recorder* recorder, wisp_error* error
     return WISP_OK;
 }
 
-// A linear curve of one vertex has no segment: USD calls it invalid, so it is refused here rather than dropped.
+// A linear curve of one vertex has no segment: USD calls it invalid, so it is rejected here rather than dropped.
 static wisp_status check_strands( const wisp_recorder* recorder, wisp_error* error )
 {
     for ( int b = 0; b < recorder->bodies.count; ++b )
@@ -79,7 +79,7 @@ static wisp_status check_strands( const wisp_recorder* recorder, wisp_error* err
     return WISP_OK;
 }
 
-// Beside the recording, where there is room for it; without a name, so that a crash leaves nothing behind.
+// Next to the recording, where there is space for it; without a name, so that a crash leaves nothing behind.
 static wisp_status open_waiting( const char* path, FILE** waiting, wisp_error* error )
 {
     static const char hidden[] = ".wisp-XXXXXX";
@@ -168,7 +168,7 @@ static wisp_status usda_open( wisp_recorder* recorder, wisp_error* error )
 
 // ---- frames ----------------------------------------------------------------------------------------------------
 
-// A whole number wherever the time is one up to rounding: programs show samples at whole frames.
+// A whole number if the time is one up to rounding: programs show samples at whole frames.
 static double to_code( double time, double dt )
 {
     double code = time / dt;
@@ -221,7 +221,7 @@ static wisp_status usda_frame( wisp_recorder* recorder, const record_frame* fram
 
 static void write_vector( FILE* out, wisp_vec3 v )
 {
-    // Nine digits bring every float back bit for bit.
+    // Nine digits restore every float bit for bit.
     fprintf( out, "(%.9g, %.9g, %.9g)", (double)v.x, (double)v.y, (double)v.z );
 }
 
@@ -248,7 +248,7 @@ static void write_points( FILE* out, const wisp_record_body* body, const wisp_ve
 
 typedef void sample_writer( FILE* out, const wisp_record_body* body, const wisp_vec3* points );
 
-// Goes through the waiting frames for one body and one attribute.
+// Read the stored frames for one body and one attribute.
 static wisp_status write_samples( const wisp_recorder* recorder, int b, const char* type_and_name,
                                   sample_writer* write, wisp_error* error )
 {
@@ -332,7 +332,7 @@ static wisp_status write_body( const wisp_recorder* recorder, int b, wisp_error*
     return status;
 }
 
-// 1/60 as a float is not quite a sixtieth; programs want 60 frames a second.
+// 1/60 as a float is not exact; programs expect 60 frames a second.
 static double rate_of( double dt )
 {
     double rate = 1.0 / dt;
@@ -382,7 +382,7 @@ static wisp_status usda_finish( const wisp_recorder* recorder, wisp_error* error
     }
     status = write_stage( recorder, error );
     io_numbers_end( &numbers );
-    // Committing ends the output, whatever comes of it.
+    // Committing ends the output, with success or without.
     return status == WISP_OK ? io_output_commit( &file->output, error ) : status;
 }
 

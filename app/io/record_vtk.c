@@ -1,6 +1,6 @@
-// ParaView: a .vtp file a body and frame, and a .pvd file that lists them with their times. Arrays are base64 inside
-// the XML: exact as raw bytes are, and still XML for every other reader. The array's length in bytes and its numbers
-// are one base64 stream, as VTK's own writer has it.
+// ParaView: a .vtp file per body and frame, and a .pvd file that lists them with their times. Arrays are base64
+// inside the XML: exact like raw bytes, and still XML for every other reader. The array's length in bytes and its
+// numbers are one base64 stream, as in VTK's own writer.
 
 #include "record_internal.h"
 

@@ -1,5 +1,5 @@
-// Our own recording, read. Frames are equally long, so that the place of each is known without a walk; a frame is
-// believed only after its checksum, its number and its numbers have been looked at.
+// Reader of our own recordings. Frames have equal length, so the position of each is known without a walk; a frame is
+// accepted only after its checksum, its index and its numbers have been checked.
 #include "record_internal.h"
 
 #include <limits.h>
@@ -8,8 +8,8 @@
 
 enum
 {
-    // Frames of zeros at the end: blocks that a power cut left allocated and unwritten. More of them than any disk
-    // keeps waiting are not that, and looking at each would let a short hole of a file take hours.
+    // Frames of zeros at the end: blocks that a power failure left allocated and unwritten. More of them than any
+    // disk buffers have another cause, and reading each would let a short hole of a file take hours.
     MAX_UNWRITTEN = 1 << 16,
 };
 
@@ -23,7 +23,7 @@ struct wisp_recording
 
 // ---- the header ------------------------------------------------------------------------------------------------
 
-// A reader of the header's bytes that are known to be there.
+// A reader of header bytes that exist.
 typedef struct header_cursor
 {
     const unsigned char* bytes;
@@ -49,7 +49,7 @@ static wisp_status check_magic( const unsigned char* bytes, uint64_t size, const
     return WISP_OK;
 }
 
-// How long the header is, bounded by the file. The checksum is not looked at yet, nothing here is believed.
+// Length of the header, bounded by the file. The checksum is not verified yet, so nothing here is trusted.
 static wisp_status find_header( wisp_recording* recording, wisp_error* error )
 {
     record_source* source = &recording->source;
@@ -250,7 +250,7 @@ static uint64_t frame_byte( const wisp_recording* recording, int index )
     return recording->info.first_byte + (uint64_t)index * recording->info.frame_bytes;
 }
 
-// The mark of the end is believed only where it stands exactly behind the last whole frame.
+// The mark of the end is accepted only directly after the last whole frame.
 static wisp_status read_end( wisp_recording* recording, wisp_error* error )
 {
     wisp_recording_info* info = &recording->info;

@@ -1,6 +1,6 @@
-// Our own recording, written. The file has its final name from the start, with a whole list of bodies in it, and then
-// only grows: whatever kills the program leaves every frame that was handed over. Frames go to the operating system
-// in one write each, without a buffer in between.
+// Writer of our own recordings. The file has its final name from the start, with a whole list of bodies in it, and
+// then only grows, so every delivered frame survives the end of the program. Frames go to the operating system in one
+// write each, without a buffer in between.
 #define _XOPEN_SOURCE 700
 
 #include "record_internal.h"
@@ -78,7 +78,7 @@ static void put_header( unsigned char* bytes, size_t size, const wisp_recorder* 
     io_put_u64( at, file->seed );
 }
 
-// Puts the header in the place of an old recording in one step, and keeps the new file open behind it.
+// Replaces an old recording by the header in one step, and keeps the new file open after it.
 static wisp_status write_header( const wisp_recorder* recorder, const unsigned char* bytes, own_file* file,
                                  wisp_error* error )
 {
@@ -166,7 +166,7 @@ static bool write_all( int descriptor, const unsigned char* bytes, size_t size )
     return true;
 }
 
-// A piece of a frame is taken back, so that the next attempt starts where this one did.
+// A partial frame is removed, so that the next attempt starts where this one did.
 static wisp_status append( wisp_recorder* recorder, const unsigned char* bytes, size_t size, wisp_error* error )
 {
     own_file* file = recorder->file;
@@ -201,7 +201,7 @@ static wisp_status own_frame( wisp_recorder* recorder, const record_frame* frame
     return append( recorder, bytes, file->frame_bytes, error );
 }
 
-// Without the mark of the end nobody could tell a recording that was cut between two frames from a whole one.
+// Without the mark of the end, a recording truncated between two frames would look complete.
 static wisp_status write_end( wisp_recorder* recorder, wisp_error* error )
 {
     own_file* file = recorder->file;
@@ -211,7 +211,7 @@ static wisp_status write_end( wisp_recorder* recorder, wisp_error* error )
     uint64_t checksum = record_checksum( file->seed, bytes, sizeof bytes - RECORD_CHECKSUM_SIZE );
     io_put_u64( bytes + sizeof bytes - RECORD_CHECKSUM_SIZE, checksum );
     wisp_status status = append( recorder, bytes, sizeof bytes, error );
-    // Devices and pipes have nothing to bring to a disk, and say so with EINVAL.
+    // Devices and pipes have nothing to flush to a disk, and return EINVAL.
     if ( status == WISP_OK && fsync( file->descriptor ) != 0 && errno != EINVAL && errno != EROFS )
     {
         status = record_refused( recorder->path, "write", error );

@@ -1,4 +1,4 @@
-// Bounds, and the camera that has them in the picture.
+// Bounds, and the camera that frames them.
 #include "check.h"
 
 #include "vec.h"
@@ -32,7 +32,7 @@ render_bounds render_bounds_union( render_bounds a, render_bounds b )
     };
 }
 
-// Vertices that no triangle names are not seen, and must not push the camera away.
+// Unreferenced vertices are invisible and must not move the camera away.
 static void grow_by_mesh( render_bounds* bounds, const render_mesh* mesh )
 {
     for ( size_t k = 0; k < 3 * (size_t)mesh->triangle_count; ++k )
@@ -126,7 +126,7 @@ static wisp_status check_view( const render_bounds* bounds, const render_view* v
     return WISP_OK;
 }
 
-// Directions of the picture: towards its right edge, its upper edge, and the eye.
+// Directions of the picture: towards its right edge, its upper edge, and the camera.
 typedef struct view_frame
 {
     wisp_vec3 right, up, back;
@@ -140,7 +140,7 @@ static view_frame frame_of( const render_view* view )
     return ( view_frame ){ { c, 0.0f, -s }, { -s * se, ce, -c * se }, { s * ce, se, c * ce } };
 }
 
-// What must be in the picture, around the middle of the box: its corners, or two circles where it will turn.
+// Bounds of the content, around the middle of the box: its corners, or two circles if it will turn.
 static int outline( const render_bounds* box, bool is_turntable, wisp_vec3* points )
 {
     wisp_vec3 half = v3_scale( v3_sub( box->upper, box->lower ), 0.5f );
@@ -163,8 +163,8 @@ static int outline( const render_bounds* box, bool is_turntable, wisp_vec3* poin
     return 2 * SWEEP_POINTS;
 }
 
-// One axis of the picture. A point x aside and z nearer to the eye is inside if |x - c| <= (D - z) t. The least D is
-// where both edges touch: A = max( x/t + z ), B = max( -x/t + z ), D = (A + B)/2 and c = t (A - B)/2.
+// One axis of the picture. A point at x sideways and z towards the camera is inside if |x - c| <= (D - z) t. The
+// smallest D is where both edges touch: A = max( x/t + z ), B = max( -x/t + z ), D = (A + B)/2 and c = t (A - B)/2.
 typedef struct axis_fit
 {
     float distance, centre;
@@ -202,7 +202,7 @@ wisp_status render_frame_camera( const render_bounds* bounds, const render_view*
     axis_fit across = fit_axis( points, count, frame.right, frame.back, tangent * aspect );
     axis_fit along = fit_axis( points, count, frame.up, frame.back, tangent );
 
-    // A single point has no size; the eye keeps away from it all the same.
+    // A single point has no size; the camera keeps a distance all the same.
     float distance = fmaxf( fmaxf( across.distance, along.distance ), 1e-3f );
     wisp_vec3 middle = v3_scale( v3_add( box.lower, box.upper ), 0.5f );
     wisp_vec3 target = v3_mul_add( v3_mul_add( middle, across.centre, frame.right ), along.centre, frame.up );

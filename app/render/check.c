@@ -6,11 +6,11 @@
 
 enum
 {
-    NAME_SHOWN = 80, // characters of a body's name that a message shows
+    NAME_SHOWN = 80, // limit of characters of a body's name in a message
     BODIES_MAX = 1 << 20,
 };
 
-// How messages call a body: mesh "flag", or mesh 3.
+// Name of a body in messages: mesh "flag", or mesh 3.
 typedef struct body_name
 {
     char text[NAME_SHOWN + 24];
@@ -46,7 +46,7 @@ static bool is_colour( wisp_vec3 c )
     return c.x >= 0.0f && c.y >= 0.0f && c.z >= 0.0f && c.x <= 10.0f && c.y <= 10.0f && c.z <= 10.0f;
 }
 
-// ---- what meshes and curves share ------------------------------------------------------------------------------
+// ---- shared by meshes and curves -------------------------------------------------------------------------------
 
 static wisp_status check_points( const body_name* body, const wisp_vec3* points, int count, wisp_error* error )
 {

@@ -1,4 +1,4 @@
-/// What can be wrong with a scene, found before anything is built.
+/// Checks of a scene before anything is built.
 #pragma once
 
 #include "render.h"

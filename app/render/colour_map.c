@@ -31,14 +31,14 @@ static wisp_vec3 cut( wisp_vec3 c )
                           fminf( 1.0f, fmaxf( 0.0f, c.z ) ) };
 }
 
-// Lightness and hue run evenly. Chroma sags in the middle, where blue-greens of the screen are at their palest.
+// Lightness and hue are linear. Chroma is lower in the middle, where blue-greens of the screen are least saturated.
 static lch rising( float t )
 {
     float middle = 1.0f - fabsf( 2.0f * t - 0.82f );
     return ( lch ){ 0.30f + 0.60f * t, 0.126f - 0.05f * middle + 0.03f * t, 5.20f - 3.40f * t };
 }
 
-// Both arms have the same lightness at the same distance from the middle, so neither sign looks larger.
+// Both arms have the same lightness at the same distance from the middle, so that no sign appears larger.
 static lch diverging( float t )
 {
     float side = 2.0f * t - 1.0f, far = fabsf( side );

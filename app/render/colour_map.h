@@ -6,11 +6,11 @@
 
 typedef enum colour_map
 {
-    COLOUR_MAP_RISING, ///< dark violet, blue, green, yellow: lightness grows evenly, so it survives black and white
+    COLOUR_MAP_RISING,    ///< dark violet, blue, green, yellow: lightness increases evenly, also in black and white
     COLOUR_MAP_DIVERGING, ///< blue, light grey in the middle, red: for values with a sign
 } colour_map;
 
-/// @param share in [0, 1]; outside it is cut. NaN is a mid grey, which neither map has.
+/// @param share in [0, 1], clamped. NaN is a mid grey, which neither map contains.
 /// @return linear RGB in [0, 1]
 wisp_vec3 colour_map_at( colour_map map, float fraction );
 

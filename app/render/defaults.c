@@ -1,4 +1,4 @@
-// What a definition is before the caller fills it.
+// Default values of definitions.
 #include "render.h"
 
 static const wisp_vec3 PALETTE[] = {

@@ -41,7 +41,7 @@ static inline void embree_occluded( RTCScene scene, struct RTCRay* ray )
 
 #endif
 
-// Embree 3 sees a geometry under every mask by default, Embree 4 under the first bit only.
+// Embree 3 shows a geometry under every mask by default, Embree 4 under the first bit only.
 static inline void embree_show_always( RTCGeometry geometry )
 {
     rtcSetGeometryMask( geometry, 0xFFFFFFFFu );

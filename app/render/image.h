@@ -1,4 +1,4 @@
-/// Pictures in memory: eight bits a channel, sRGB, rows from the top. They become files and contact sheets here.
+/// Pictures in memory: eight bits per channel, sRGB, rows from the top. They become files and contact sheets here.
 #pragma once
 
 #include "colour_map.h"
@@ -14,7 +14,7 @@ typedef struct image
     uint8_t* rgb; ///< [height][width][3]
 } image;
 
-/// A colour as the bytes of a picture have it.
+/// A colour as bytes of a picture.
 typedef struct image_colour
 {
     uint8_t r, g, b;
@@ -27,21 +27,21 @@ wisp_status image_make( int width, int height, image_colour colour, image* out, 
 /// Null and an empty image are allowed; the image is empty afterwards.
 void image_release( image* picture );
 
-/// The sRGB byte of a linear value; values outside [0, 1] and NaN are cut.
+/// The sRGB byte of a linear value; values outside [0, 1] are clamped, NaN is 0.
 uint8_t image_byte_of_linear( float linear );
 
-/// Write a PNG file. It takes the place of an old one in a single step: a write that fails leaves the old file.
-/// @return WISP_IO_ERROR the operating system refused; WISP_BAD_INPUT the image is empty; WISP_NO_MEMORY
+/// Write a PNG file. It replaces an old one in a single step: a failed write leaves the old file.
+/// @return WISP_IO_ERROR an error of the operating system; WISP_BAD_INPUT the image is empty; WISP_NO_MEMORY
 wisp_status image_write_png( const char* path, const image* picture, wisp_error* error );
 
-/// Pictures side by side, in rows from the top, with gaps. Smaller pictures stand in the middle of their cell.
+/// Arrange pictures side by side, in rows from the top, with gaps. Smaller pictures are centred in their cell.
 /// @param columns 0: as many as make the sheet nearly square
 /// @param labels [count] one line below each picture (null: none), or null
 /// @return WISP_BAD_INPUT no picture, an empty one, negative columns, or a sheet beyond the limits; WISP_NO_MEMORY
 wisp_status image_sheet( const image* pictures, int count, int columns, const char* const* labels, image* out,
                          wisp_error* error );
 
-// ---- drawing; whatever lies outside the picture is not drawn ----
+// ---- drawing; parts outside the picture are skipped ----
 
 /// Letters of 5 x 7 squares in cells of 6 x 8, each square `scale` pixels wide. Characters other than printable ASCII
 /// are drawn as a box.
@@ -54,7 +54,7 @@ int image_text_width( const char* text, int scale );
 /// The size of letters that suits a picture. @return scale, at least 1
 int image_text_scale( const image* picture );
 
-/// @param opacity in [0, 1] mixes the colour with what is there
+/// @param opacity in [0, 1] blends the colour with the picture
 void image_fill( image* picture, int x, int y, int width, int height, image_colour colour, float opacity );
 
 /// A bar with the colours of a map, its ends in numbers and a title above it, in the lower left corner.

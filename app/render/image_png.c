@@ -4,7 +4,7 @@
 
 #include <png.h>
 
-// libpng's own plain interface: it catches what goes wrong inside and hands a message back.
+// libpng's simplified interface: it catches internal errors and returns a message.
 static wisp_status write_to( FILE* stream, const char* path, const image* picture, wisp_error* error )
 {
     png_image png = { .version = PNG_IMAGE_VERSION };

@@ -30,7 +30,7 @@ static wisp_status check_pictures( const image* pictures, int count, int columns
     return WISP_OK;
 }
 
-// The sheet is as wide as high, as nearly as whole cells allow.
+// The sheet is as close to a square as whole cells allow.
 static int square_columns( int count, int cell_width, int cell_height )
 {
     double columns = sqrt( (double)count * cell_height / cell_width );
@@ -64,7 +64,7 @@ static void paste( const image* from, image* to, int x, int y )
     }
 }
 
-// A label wider than its picture loses its end, not the room of its neighbour.
+// A label wider than its picture is cut, so that it does not overlap its neighbour.
 static void put_label( image* to, const sheet* s, int x, int y, const char* label )
 {
     char shown[256];

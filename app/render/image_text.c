@@ -1,4 +1,4 @@
-// A small alphabet of squares, so that a picture can say what it shows without any library of letters.
+// A small pixel font, so that a picture can have labels without a font library.
 #include "image.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-// The bar that says which colour is which number.
+// The bar that relates colours to numbers.
 #include "image.h"
 
 #include <stdio.h>

@@ -1,15 +1,15 @@
-// The lamps, and what stands between them and a place.
+// The lamps, and visibility between them and a point.
 #include "shade.h"
 
 const float light_key_strength = 1.30f;
 const float light_sky_strength = 0.40f;
 
-// Tangent of the key light's half angle: about seven degrees, a window rather than the sun.
+// Tangent of the key light's half angle: about seven degrees, like a window rather than the sun.
 static const float KEY_WIDTH = 0.12f;
 
 enum
 {
-    SKINS_MAX = 8, // bodies that light passes before nothing is left of it
+    SKINS_MAX = 8, // limit of bodies that light passes through
 };
 
 // Colours of the sky in the upper half, and of the floor of the room in the lower one, where there is no ground.
@@ -17,7 +17,7 @@ static const wisp_vec3 ZENITH = { 0.86f, 0.95f, 1.12f };
 static const wisp_vec3 HORIZON = { 1.06f, 1.02f, 0.97f };
 static const wisp_vec3 FLOOR = { 0.52f, 0.49f, 0.46f };
 
-// The share of light that a body in shadow still has from everywhere: bounces that are not followed.
+// The fraction of light that a shadowed body still receives from everywhere: bounces that are not followed.
 static const float BOUNCE = 0.36f;
 
 // ---- directions ------------------------------------------------------------------------------------------------
@@ -76,7 +76,7 @@ wisp_vec3 light_of_key( const stage* s, wisp_vec3 place, wisp_vec3 towards, floa
         {
             return rgb_grey( 0.0f );
         }
-        // Past the whole strand, so that it counts once; past the skin of a mesh by a hair's breadth.
+        // Past the whole strand, so that it counts once; past the skin of a mesh by a small offset.
         float step = s->lift;
         if ( stage_is_curve( s, hit.body ) )
         {
@@ -125,8 +125,8 @@ static float ground_distance( const stage* s, const trace_ray* ray )
     return s->ground.is_there && fall > 1e-6f && height >= 0.0f ? height / fall : INFINITY;
 }
 
-// Near a body the ground lies in its shadow, so what it sends back is less the nearer it is. The shadow itself is not
-// followed: that would be two rays more.
+// Near a body the ground is in its shadow, so it reflects less the nearer it is. The shadow itself is not computed:
+// that would take two more rays.
 static wisp_vec3 ground_light( const stage* s, float distance )
 {
     float open = 0.25f + 0.75f * smooth_step( 0.0f, 0.9f, distance / s->size );

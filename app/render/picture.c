@@ -8,11 +8,11 @@
 
 enum
 {
-    TILE = 16,                  // pixels, each side of what a thread takes at once
-    RANDOM_STREAM = 0x70696374, // any number that no other stream of the program has
+    TILE = 16,                  // pixels, side of a tile of one thread
+    RANDOM_STREAM = 0x70696374, // any number that no other stream of the program uses
 };
 
-// The camera, ready for rays: pixel (x, y) is corner + x right + y down, at a metre before the eye.
+// The camera, prepared for rays: pixel (x, y) is corner + x right + y down, at a metre in front of it.
 typedef struct lens
 {
     wisp_vec3 eye, corner, right, down;
@@ -30,7 +30,7 @@ typedef struct picture
     _Atomic int done;   // tiles
 } picture;
 
-// What a pixel spans at a metre before the eye.
+// Width of a pixel at a metre in front of the camera.
 static float pixel_size( const render_camera* camera, int height )
 {
     const float half_degree = 0.00872664626f;
@@ -55,7 +55,7 @@ static lens make_lens( const render_camera* camera, const render_options* option
 
 // ---- light -----------------------------------------------------------------------------------------------------
 
-// By the height in the picture and not by direction: so the horizon of a ground that fades has nothing to meet.
+// By the height in the picture and not by direction, so that a fading ground needs no horizon.
 static wisp_vec3 background_at( const picture* p, float y )
 {
     float fraction = y / (float)p->options->height;
@@ -83,13 +83,14 @@ static wisp_vec3 light_along( const picture* p, const trace_ray* ray, float y, s
     return isfinite( ground ) ? shade_ground( s, ray, ground, background, sample ) : background;
 }
 
-// A tent as wide as two pixels, drawn by its own density so that every sample weighs the same: edges without stairs.
+// A tent filter as wide as two pixels, sampled by its own density so that every sample has the same weight: edges
+// without aliasing.
 static float tent( float u )
 {
     return u < 0.5f ? sqrtf( 2.0f * u ) - 0.5f : 1.5f - sqrtf( 2.0f - 2.0f * u );
 }
 
-// One sample that meets a lamp in a mirror must not outshine the pixel's others: that would be a lonely white dot.
+// One sample that hits a lamp in a mirror must not outshine the pixel's others: that would be a single white dot.
 static wisp_vec3 tamed( wisp_vec3 light )
 {
     const float most = 6.0f;
@@ -140,7 +141,7 @@ static void store( picture* p, int column, int row, wisp_vec3 light )
     rgb[2] = image_byte_of_linear( shown.z );
 }
 
-// Worker 0 tells the progress of all: one voice, and no lock.
+// Worker 0 reports the progress of all, without a lock.
 static void draw_tile( void* context, int tile, int worker )
 {
     picture* p = context;

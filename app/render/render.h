@@ -75,7 +75,7 @@ render_curves render_default_curves( void );
 render_points render_default_points( void );
 render_scene render_default_scene( void );
 
-/// Colours that go well beside each other, for the bodies of one scene. @param body any number, counted round
+/// Colours that suit each other, for the bodies of one scene. @param body any number, taken modulo their count
 wisp_vec3 render_palette( int body );
 
 // ---- camera ----
@@ -88,7 +88,7 @@ typedef struct render_bounds
 } render_bounds;
 
 /// The box of all bodies, without the ground.
-/// @return WISP_BAD_INPUT as render_picture() for the scene; the box is then as it was
+/// @return WISP_BAD_INPUT as render_picture() for the scene; the box is then unchanged
 wisp_status render_scene_bounds( const render_scene* scene, render_bounds* bounds, wisp_error* error );
 
 /// The box around both: over all frames of a recording it keeps the camera still.
@@ -101,19 +101,19 @@ typedef struct render_camera
     float fov_degrees;     ///< from the lower to the upper edge, in [1, 150]
 } render_camera;
 
-/// From where an automatic camera looks. Fill from render_default_view().
+/// Direction of an automatic camera. Fill from render_default_view().
 typedef struct render_view
 {
     float azimuth_degrees;   ///< about y, from +z towards +x: the angle of a turntable. Default 32: three quarters
     float elevation_degrees; ///< above the horizon, in [-89, 89], default 16
     float fov_degrees;       ///< default 28, a portrait lens
-    float margin;            ///< empty share of the picture at each edge, in [0, 0.4], default 0.04
-    bool is_turntable;       ///< fit what the box sweeps when it turns, so that the distance is that of all angles
+    float margin;            ///< empty fraction of the picture at each edge, in [0, 0.4], default 0.04
+    bool is_turntable;       ///< fit the space that the box sweeps when it turns: one distance for all angles
 } render_view;
 
 render_view render_default_view( void );
 
-/// A camera that has the whole box in the picture, as near as that allows. An empty box counts as a cube of 1 m.
+/// The closest camera that shows the whole box. An empty box counts as a cube of 1 m.
 /// @param aspect width / height, in [0.01, 100]
 /// @return WISP_BAD_INPUT a number is not finite or outside its range
 wisp_status render_frame_camera( const render_bounds* bounds, const render_view* view, float aspect,
@@ -124,7 +124,7 @@ wisp_status render_frame_camera( const render_bounds* bounds, const render_view*
 typedef enum render_tone
 {
     RENDER_TONE_FILMIC, ///< highlights roll off to white and colours below stay as they are; default
-    RENDER_TONE_SRGB,   ///< what is brighter than white is cut
+    RENDER_TONE_SRGB,   ///< values brighter than white are cut
 } render_tone;
 
 /// @param share of the picture that is done, in [0, 1]; never called by two threads at once
@@ -136,15 +136,15 @@ typedef void render_progress_fn( void* user, double fraction );
 /// Fill from render_default_options().
 typedef struct render_options
 {
-    int width, height;      ///< pixels, in [1, RENDER_MAX_SIDE], default 640 x 480
-    int samples;            ///< a pixel, in [1, RENDER_MAX_SAMPLES], best a power of two, default 16
-    int threads;            ///< in [1, WISP_MAX_WORKERS], default 1; unused with parallel_for
-    uint64_t seed;          ///< of the noise, default 1
-    float exposure;         ///< brightness, > 0, default 1
-    render_tone tone;       ///<
-    float min_curve_pixels; ///< strands are drawn at least so wide, in [0, 8], default 0.7
-    wisp_vec3 light;        ///< towards the key light in the world; zero (default): it goes with the camera
-    wisp_parallel_for_fn* parallel_for; ///< the host's own loop instead of threads of ours, or null
+    int width, height;                  ///< pixels, in [1, RENDER_MAX_SIDE], default 640 x 480
+    int samples;                        ///< per pixel, in [1, RENDER_MAX_SAMPLES], best a power of two, default 16
+    int threads;                        ///< in [1, WISP_MAX_WORKERS], default 1; unused with parallel_for
+    uint64_t seed;                      ///< of the noise, default 1
+    float exposure;                     ///< brightness, > 0, default 1
+    render_tone tone;                   ///<
+    float min_curve_pixels;             ///< minimum width of strands, in [0, 8], default 0.7
+    wisp_vec3 light;                    ///< towards the key light in the world; zero (default): it follows the camera
+    wisp_parallel_for_fn* parallel_for; ///< the host's own loop instead of internal threads, or null
     void* parallel_user;                ///< for parallel_for
     render_progress_fn* progress;       ///< or null
     void* progress_user;                ///< for progress
@@ -152,9 +152,9 @@ typedef struct render_options
 
 render_options render_default_options( void );
 
-/// Render. An infinite or missing number in the scene is refused before anything is built.
-/// @param out zero or an image to be replaced; as it was on failure. Release with image_release().
-/// @return WISP_BAD_INPUT an element is wrong (the message names body and vertex, triangle or strand), or an option or
-///         the camera; WISP_NO_MEMORY; WISP_CONFLICT the ray tracer refused, with its reason
+/// Render. An infinite or missing number in the scene is rejected before anything is built.
+/// @param out zero or an image to be replaced; unchanged on failure. Release with image_release().
+/// @return WISP_BAD_INPUT an element is invalid (the message names body and vertex, triangle or strand), or an option
+///        or the camera; WISP_NO_MEMORY; WISP_CONFLICT the ray tracer failed, with its reason
 wisp_status render_picture( const render_scene* scene, const render_camera* camera, const render_options* options,
                             image* out, wisp_error* error );

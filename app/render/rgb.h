@@ -1,4 +1,4 @@
-/// Colours are vectors with a product of their own.
+/// Colours: vectors with a componentwise product.
 #pragma once
 
 #include "vec.h"

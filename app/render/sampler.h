@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/// What a pair of numbers is for. Two purposes never share their scrambling.
+/// The use of a pair of numbers. Two uses never share their scrambling.
 typedef enum sampler_purpose
 {
     SAMPLER_PIXEL,

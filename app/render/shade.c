@@ -1,11 +1,11 @@
-// Materials. Each adds three things: the key light, the light from all around, and what it mirrors.
+// Materials. Each adds three terms: the key light, the light from all around, and reflections.
 #include "shade.h"
 
 static wisp_vec3 sky_on( const stage* s, const surface* at, shade_sample sample )
 {
     wisp_vec3 d = light_sky_direction( at->normal, sample );
 
-    // A smooth normal lets directions through that lead into the flat triangle; they are mirrored out of it.
+    // A smooth normal allows directions that lead into the flat triangle; they are mirrored out of it.
     float depth = v3_dot( d, at->face );
     if ( depth < 0.0f && !at->is_curve )
     {
@@ -23,7 +23,7 @@ static float fresnel( float base, float cosine )
     return base + ( 1.0f - base ) * squared * squared * away;
 }
 
-// What a gloss shows, spread over a disc as wide as the surface is rough.
+// Glossy reflection, spread over a disc according to the roughness.
 static wisp_vec3 mirror( const stage* s, const trace_ray* ray, const surface* at, float rough, shade_sample sample )
 {
     float cosine = -v3_dot( ray->direction, at->normal );
@@ -85,19 +85,19 @@ static wisp_vec3 shade_cloth( const stage* s, const trace_ray* ray, const surfac
     }
     else
     {
-        // The lamp is behind the cloth: the ray starts on the lit side, and a little of the light comes through.
+        // The lamp is behind the cloth: the ray starts on the lit side, and a little of the light passes through.
         wisp_vec3 behind = v3_mul_add( at->place, -2.0f * s->lift, at->face );
         wisp_vec3 key = light_of_key( s, behind, towards, INFINITY );
         sum = v3_add( sum, rgb_mul( at->colour, v3_scale( key, -0.14f * facing ) ) );
     }
-    // Fuzz: fibres that stand up shine where they are seen from the side.
+    // Fuzz: raised fibres shine at grazing angles.
     float rim = 1.0f - seen;
     float fuzz = 0.22f * rim * rim * rim;
     return v3_mul_add( sum, fuzz, rgb_mul( sky, rgb_mix( rgb_grey( 1.0f ), at->colour, 0.5f ) ) );
 }
 
-// Light goes into latex and comes out elsewhere: the shadow's edge is soft and the far side glows. At the rim the skin
-// is seen edge on, so its colour is deeper there.
+// Light enters latex and leaves elsewhere: the shadow's edge is soft and the far side glows. At the rim the skin is
+// thicker along the view, so its colour is deeper there.
 static wisp_vec3 shade_latex( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample )
 {
     wisp_vec3 towards = light_key_direction( s, sample );
@@ -111,7 +111,7 @@ static wisp_vec3 shade_latex( const stage* s, const trace_ray* ray, const surfac
     wisp_vec3 key = light_of_key( s, at->lifted, towards, INFINITY );
     wisp_vec3 sum = rgb_mul( colour, v3_mul_add( sky_on( s, at, sample ), amount, key ) );
 
-    // What shines through from behind, from the lamp on the other side and from the bright room.
+    // Light transmitted from behind, from the lamp on the other side and from the bright room.
     float through = clamp01( 0.5f - 0.5f * facing );
     wisp_vec3 glow = v3_scale( key, 0.30f * through );
     glow = v3_add( glow, rgb_grey( 0.10f * light_sky_strength ) );
@@ -184,7 +184,7 @@ static float checker( const stage* s, wisp_vec3 place )
     return fmodf( fabsf( x + z ), 2.0f ) < 0.5f ? 1.0f : 0.95f;
 }
 
-// The share of all light that reaches a place of the ground.
+// The fraction of all light that reaches a point of the ground.
 static wisp_vec3 ground_fraction( const stage* s, wisp_vec3 place, shade_sample sample )
 {
     wisp_vec3 up = { 0.0f, 1.0f, 0.0f }, start = v3_mul_add( place, s->lift, up );
@@ -201,8 +201,8 @@ static wisp_vec3 ground_fraction( const stage* s, wisp_vec3 place, shade_sample 
     return v3_scale( v3_add( key, sky ), 1.0f / ( light_key_strength * facing + light_sky_strength ) );
 }
 
-// The ground has no colour of its own. It takes from the background what bodies keep from it, so that it runs out into
-// the background without an edge.
+// The ground has no colour of its own. It darkens the background by the light that bodies block, so it fades into the
+// background without an edge.
 wisp_vec3 shade_ground( const stage* s, const trace_ray* ray, float distance, wisp_vec3 background,
                         shade_sample sample )
 {

@@ -1,38 +1,38 @@
-/// Light: from the lamps to a surface, and from the surface to the eye.
+/// Light: from the lamps to a surface, and from the surface to the camera.
 #pragma once
 
 #include "stage.h"
 
-/// The samples of one ray from the eye.
+/// The samples of one camera ray.
 typedef struct shade_sample
 {
     const sampler* pixel;
     int number;
 } shade_sample;
 
-/// What the key light sends to a place, through whatever lets light through on the way.
+/// Light from the key light at a point, through all translucent bodies in between.
 /// @param towards unit length @param far m, may be infinite
 wisp_vec3 light_of_key( const stage* s, wisp_vec3 place, wisp_vec3 towards, float far );
 
 /// A direction towards a point of the key light.
 wisp_vec3 light_key_direction( const stage* s, shade_sample sample );
 
-/// What comes from the sky or from the nearest body in a direction, by one ray.
+/// Light from the sky or from the nearest body in a direction, by one ray.
 wisp_vec3 light_of_surroundings( const stage* s, const trace_ray* ray );
 
-/// The same with the lamps as a mirror sees them.
+/// The same with the lamps as seen in a mirror.
 wisp_vec3 light_in_mirror( const stage* s, const trace_ray* ray );
 
-/// A direction around a normal, as often as light from there counts: by the cosine.
+/// A direction around a normal, distributed by the cosine.
 wisp_vec3 light_sky_direction( wisp_vec3 normal, shade_sample sample );
 
-/// The brightness of the key light on a surface that faces it, and of the whole sky on one that sees nothing else.
+/// The brightness of the key light on a surface that faces it, and of the whole sky without occlusion.
 extern const float light_key_strength, light_sky_strength;
 
-/// What a surface sends back along the ray that hit it.
+/// Light that a surface reflects along the ray that hit it.
 wisp_vec3 shade_surface( const stage* s, const trace_ray* ray, const surface* at, shade_sample sample );
 
-/// The ground: the background behind it, in the shadow of what stands there.
+/// The ground: the background behind it, in the shadow of the bodies on it.
 /// @param background the colour of the background behind that pixel
 /// @param distance m along the ray
 wisp_vec3 shade_ground( const stage* s, const trace_ray* ray, float distance, wisp_vec3 background,

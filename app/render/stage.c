@@ -4,13 +4,13 @@
 
 static const wisp_vec3 UP = { 0.0f, 1.0f, 0.0f };
 
-// Lamps stand so, seen from the eye: key at the upper left, the rim box behind at the right.
+// Positions of the lamps relative to the camera: key at the upper left, the rim box behind at the right.
 static const float KEY_AZIMUTH = -0.95f, KEY_HEIGHT = 0.95f; // radians beside the eye; height over one horizontal
 static const float RIM_AZIMUTH = 2.45f, RIM_HEIGHT = 0.35f;
 
 enum
 {
-    SQUARES_ACROSS = 6, // at most about so many squares of the ground under the bodies
+    SQUARES_ACROSS = 6, // approximate limit of ground squares under the bodies
 };
 
 // ---- normals ---------------------------------------------------------------------------------------------------
@@ -73,7 +73,7 @@ static void span_across( wisp_vec3 axis, wisp_vec3* x, wisp_vec3* y )
     *y = v3_cross( axis, *x );
 }
 
-// Lamps go with the eye around the vertical axis, as on a turntable; they do not rise and sink with it.
+// Lamps follow the camera around the vertical axis, as on a turntable, but not its height.
 static wisp_vec3 lamp_direction( wisp_vec3 towards_eye, float azimuth, float height )
 {
     wisp_vec3 turned = v3_rotate( UP, sinf( azimuth ), cosf( azimuth ), towards_eye );
@@ -109,7 +109,7 @@ static void set_lengths( stage* out, const render_scene* scene, const render_bou
     out->size = bounds->is_filled ? 0.5f * v3_length( v3_sub( bounds->upper, bounds->lower ) ) : 1.0f;
     out->size = fmaxf( out->size, 1e-4f );
 
-    // Far from the origin the step of the numbers is what a ray must clear, near it a share of the bodies' size.
+    // Offset of a ray's start: the step of floats far from the origin, a fraction of the bodies' size near it.
     float farthest = fmaxf( fabsf( out->middle.x ), fmaxf( fabsf( out->middle.y ), fabsf( out->middle.z ) ) );
     out->lift = fmaxf( 3e-5f * out->size, 1e-6f * ( farthest + out->size ) );
     out->ground = ( stage_ground ){
@@ -188,8 +188,8 @@ static wisp_vec3 point_colour( const stage* s, const trace_hit* hit )
     return points->colours != NULL ? points->colours[hit->primitive] : points->colour;
 }
 
-// Strands of one colour would run together into one surface: each is a little lighter or darker than the next. The
-// strand is not known, but its root's neighbours are: a hash of the vertex would make every segment another colour.
+// Strands of one colour would merge into one surface, so each is a little lighter or darker than the next. The strand
+// is not known, but its root's neighbours are: a hash of the vertex would give every segment another colour.
 static int strand_of( const render_curves* curves, int vertex )
 {
     int lower = 0, upper = curves->strand_count - 1;
@@ -249,7 +249,7 @@ wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour )
     }
     if ( stage_is_curve( s, body ) )
     {
-        // Brown hair takes blue first; what is left behind several strands is warm.
+        // Brown hair absorbs blue first; light through several strands is warm.
         return ( wisp_vec3 ){ 0.62f * sqrtf( sqrtf( colour.x ) ), 0.62f * sqrtf( sqrtf( colour.y ) ),
                               0.62f * sqrtf( sqrtf( colour.z ) ) };
     }
@@ -270,8 +270,8 @@ static float away( wisp_vec3 place, wisp_vec3 vertex, wisp_vec3 normal )
     return fminf( 0.0f, v3_dot( v3_sub( place, vertex ), normal ) );
 }
 
-// A coarse round body has flat triangles, and the smooth normal makes a lamp rise over them before it has risen over
-// the triangle. The start of the ray is lifted to where the round surface would be (Hanika 2021, "Hacking the Shadow
+// A coarse round body has flat triangles, and with smooth normals a lamp is above the horizon before it is above the
+// triangle. The start of the ray is lifted to the position on the round surface (Hanika 2021, "Hacking the Shadow
 // Terminator").
 static wisp_vec3 lift_to_round( const render_mesh* mesh, const wisp_vec3* normals, const trace_hit* hit, float side,
                                 wisp_vec3 place )
@@ -322,7 +322,7 @@ static void shape_curve( const stage* s, const trace_ray* ray, const trace_hit* 
     out->tangent = v3_normalize_or( tangent, UP );
     out->radius = trace_radius( &s->widening, curves, hit->primitive );
 
-    // A strand is thinner than a pixel, so its own round normal would only be noise: it faces the viewer.
+    // A strand is thinner than a pixel, so its own round normal would only be noise: it faces the camera.
     wisp_vec3 across = v3_mul_add( ray->direction, -v3_dot( ray->direction, out->tangent ), out->tangent );
     out->normal = v3_normalize_or( v3_scale( across, -1.0f ), out->face );
 }
@@ -334,7 +334,7 @@ surface stage_surface( const stage* s, const trace_ray* ray, const trace_hit* hi
     out.face = v3_dot( hit->normal, ray->direction ) > 0.0f ? v3_scale( hit->normal, -1.0f ) : hit->normal;
     out.normal = out.face;
     out.lifted = v3_mul_add( out.place, s->lift, out.face );
-    // A ball is as round as its normal says, and solid, which is what an empty surface is.
+    // A ball has its exact normal, and is solid like an empty surface.
     if ( stage_is_curve( s, hit->body ) )
     {
         shape_curve( s, ray, hit, &out );

@@ -1,4 +1,4 @@
-/// A scene made ready for rays: trees, normals, lamps, and the few lengths that everything else is measured by.
+/// A scene prepared for rays: trees, normals, lamps, and the characteristic lengths.
 #pragma once
 
 #include "rgb.h"
@@ -14,13 +14,13 @@ typedef struct stage_lamps
     wisp_vec3 rim_x, rim_y; ///< across it
 } stage_lamps;
 
-/// What rays hit apart from bodies.
+/// Surfaces apart from bodies.
 typedef struct stage_ground
 {
     bool is_there;
     float height;  ///< m
     float square;  ///< m, side of a square
-    float visible; ///< m, how far from the middle squares and shadows reach before they fade
+    float visible; ///< m, distance from the middle at which squares and shadows fade
 } stage_ground;
 
 typedef struct stage
@@ -28,20 +28,20 @@ typedef struct stage
     const render_scene* scene;
     trace_tree* tree;
     wisp_vec3** normals;     ///< [mesh_count] by vertex; null for faceted meshes
-    bool has_translucent;    ///< some body lets light through, so that shadows have colours
+    bool has_translucent;    ///< some body is translucent, so that shadows have colours
     trace_widening widening; ///<
     stage_lamps lamps;       ///<
     stage_ground ground;     ///<
     wisp_vec3 middle;        ///< m, of all bodies
     float size;              ///< m, half the diagonal of all bodies
-    float lift;              ///< m, how far a ray starts above the surface that it leaves
+    float lift;              ///< m, offset of a ray's start above its surface
 } stage;
 
-/// A point of a body, as light meets it.
+/// A point of a body, with the data for shading.
 typedef struct surface
 {
     wisp_vec3 place;   ///< m
-    wisp_vec3 lifted;  ///< where rays to the lamps begin: above the flat triangle where the body is meant to be round
+    wisp_vec3 lifted;  ///< start of rays to the lamps: above the flat triangle of a round body
     wisp_vec3 face;    ///< the flat normal on the viewer's side
     wisp_vec3 normal;  ///< the smooth one
     wisp_vec3 tangent; ///< of a strand, from root to tip
@@ -53,20 +53,20 @@ typedef struct surface
 } surface;
 
 /// @param scene checked
-/// @param pixel_fraction what a pixel spans at a metre from the eye
+/// @param pixel_fraction width of a pixel at a metre from the camera
 wisp_status stage_build( stage* out, const render_scene* scene, const render_camera* camera,
                          const render_options* options, float pixel_fraction, wisp_error* error );
 
-/// A stage that is zero, or that failed to be built, is allowed.
+/// A zero stage, or one that failed to be built, is allowed.
 void stage_release( stage* s );
 
 /// The colour of a hit body there.
 wisp_vec3 stage_colour( const stage* s, const trace_hit* hit );
 
-/// Light that comes through the skin of a body, once; nothing for solids.
+/// Light transmitted once through the skin of a body; nothing for solids.
 wisp_vec3 stage_passage( const stage* s, int body, wisp_vec3 colour );
 
-/// Which kind of body has this number.
+/// The kind of the body with this number.
 bool stage_is_curve( const stage* s, int body );
 bool stage_is_points( const stage* s, int body );
 

@@ -5,7 +5,7 @@
 
 typedef struct thread_team
 {
-    _Atomic int next; // block that nobody has taken yet
+    _Atomic int next; // next block to run
     int block_count;
     wisp_block_fn* run;
     void* context;

@@ -1,9 +1,9 @@
-/// Threads for those who have no job system at hand.
+/// Threads for callers without a job system.
 #pragma once
 
 #include "wisp/jobs.h"
 
-/// A wisp_parallel_for_fn. Blocks are taken one by one from a common counter; the calling thread is worker 0. A thread
-/// that the system refuses is done without.
+/// A wisp_parallel_for_fn. Blocks are taken one by one from a common counter; the calling thread is worker 0. A
+/// thread that the system refuses is left out.
 /// @param user int*: the number of threads, in [1, WISP_MAX_WORKERS]
 void threads_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context );

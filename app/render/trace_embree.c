@@ -1,4 +1,4 @@
-// The one file that knows Embree.
+// The only file that uses Embree.
 #include "trace.h"
 
 #include "embree_compat.h"
@@ -18,10 +18,10 @@ struct trace_tree
     int mesh_count, curves_count;
     const unsigned** segments; // [curves_count] first vertex of each segment, in Embree's own index buffers
     enum RTCError reason;      // of the first error since the device was made
-    char words[200];           // and what Embree said
+    char words[200];           // with Embree's message
 };
 
-// Embree keeps an error for whoever asks, by thread; the callback is the only place where all of them arrive.
+// Embree keeps an error per thread until it is queried; only the callback receives all of them.
 static void remember_error( void* user, enum RTCError code, const char* words )
 {
     trace_tree* tree = user;
@@ -55,7 +55,7 @@ static void* new_buffer( RTCGeometry geometry, enum RTCBufferType type, enum RTC
     return rtcSetNewGeometryBuffer( geometry, type, 0, format, stride, count );
 }
 
-// Takes the geometry over, whatever happens.
+// Takes ownership of the geometry, also after a failure.
 static void attach( trace_tree* tree, RTCGeometry geometry, int body )
 {
     embree_show_always( geometry );
@@ -206,7 +206,7 @@ static wisp_status add_points( trace_tree* tree, const render_points* points, in
 
 // ---- the tree --------------------------------------------------------------------------------------------------
 
-// One thread builds: trees that several threads build may differ, and where two surfaces meet so would the hits.
+// One thread builds: trees that several threads build may differ, and so would the hits where two surfaces meet.
 static wisp_status open_device( trace_tree* tree, wisp_error* error )
 {
     tree->device = rtcNewDevice( "threads=1" );

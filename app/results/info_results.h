@@ -1,11 +1,11 @@
-/// What `wisp info` says about a result file of ours, and what is wrong with it.
+/// Output of `wisp info` for a result file of ours, and its defects.
 #pragma once
 
 #include "wisp/base.h"
 
 #include <stdio.h>
 
-/// Whether bytes that begin a file look like a result and not like a scene, which may be JSON too.
+/// Whether the first bytes of a file look like a result and not like a scene, which may be JSON too.
 bool info_is_results( const char* bytes, size_t size );
 
 /// Check a result file against the schema and print its facts and rows.

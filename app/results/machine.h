@@ -1,9 +1,9 @@
-/// What a time was measured on: without it, a time means nothing.
+/// The environment of a measurement: without it, a time has no meaning.
 #pragma once
 
 typedef struct machine_info
 {
-    char cpu[128]; ///< model name as the kernel states it
+    char cpu[128]; ///< model name as given by the kernel
     char os[192];  ///< distribution and kernel
     char host[65];
     int cores;           ///< processors that are online
@@ -14,10 +14,10 @@ typedef struct machine_info
     const char* version;    ///< of this program
     const char* commit;     ///< "unknown" outside a git checkout
     const char* compiler;   ///< name and version
-    const char* flags;      ///< that decide about speed and rounding
+    const char* flags;      ///< those that affect speed and rounding
     const char* build_type; ///< meson's
 } machine_info;
 
-/// Read the facts from the running system. What it does not tell is "unknown" or 0.
+/// Read the facts from the running system. Missing ones are "unknown" or 0.
 /// @param isa instruction set in use, as wisp_world_isa() names it
 machine_info machine_describe( const char* isa );

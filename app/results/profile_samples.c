@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Plans have few passes and are nearly always in the same order, so the expected place is looked at first.
+// Plans have few passes and are nearly always in the same order, so the expected position is tried first.
 static profile_pass* find_pass( profile_samples* samples, const char* name, int expected )
 {
     if ( expected < samples->pass_count && strcmp( samples->passes[expected].name, name ) == 0 )

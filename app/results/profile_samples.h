@@ -1,4 +1,4 @@
-/// The profile of a world gathered over many steps: a median a pass instead of the last step's chance.
+/// The profile of a world gathered over many steps: a median per pass instead of the value of the last step.
 #pragma once
 
 #include "wisp/wisp.h"
@@ -14,7 +14,7 @@ typedef struct profile_pass
 /// Zero-initialised means nothing gathered yet.
 typedef struct profile_samples
 {
-    profile_pass* passes; ///< in the order in which they were first seen: plan order unless the plan changed
+    profile_pass* passes; ///< in the order of their first occurrence: plan order unless the plan changed
     int pass_count, pass_capacity;
 } profile_samples;
 

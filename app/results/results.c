@@ -107,7 +107,7 @@ const char* results_cell( const results_table* table, int row, int column )
     return text ? text : "";
 }
 
-// "-" stands for a number that there is not.
+// "-" stands for a missing number.
 bool results_is_numeric_column( const results_table* table, int column )
 {
     for ( int row = 1; row < table->row_count; ++row )

@@ -1,4 +1,4 @@
-/// Measurements in memory: rows for machines, tables and notes for people. results_write.c makes all formats of them.
+/// Measurements in memory: rows for machines, tables and notes for readers. results_write.c writes all formats.
 #pragma once
 
 #include "machine.h"
@@ -27,18 +27,18 @@ typedef struct results_row
 {
     char name[64]; ///< the case, or the scene's name
     char variant[64];
-    results_values size; ///< how large the problem is; the first one names the row in google-benchmark's format
+    results_values size; ///< size of the problem; the first one names the row in google-benchmark's format
     int workers;         ///< 0: unknown
     double ms_median, ms_p10, ms_p90; ///< NaN: unknown
-    int steps;                        ///< samples behind the times
+    int steps;                        ///< number of samples in the times
     results_values stages;            ///< ms, median of each pass
-    char error_reference[200];        ///< what the error is measured against; empty: no error was measured
+    char error_reference[200];        ///< reference of the error; empty: no error was measured
     results_values error;
     uint64_t hash;
     bool has_hash;
 } results_row;
 
-/// A table as people read it; a column whose cells all begin like numbers is aligned to the right.
+/// A table for readers; a column whose cells all begin like numbers is aligned right.
 typedef struct results_table
 {
     char title[160]; ///< empty: a list of labels and values, whose header is not written as text
@@ -50,8 +50,8 @@ typedef struct results_table
 typedef struct results_point
 {
     double x, y;
-    bool is_marked; ///< stands out, as a setting on the Pareto front does
-    char label[64]; ///< what a reader sees who points at it; empty: nothing
+    bool is_marked; ///< highlighted, such as a setting on the Pareto front
+    char label[64]; ///< text shown when a reader points at it; empty: none
 } results_point;
 
 /// Points of one name and colour.
@@ -63,7 +63,7 @@ typedef struct results_series
     int count, capacity;
 } results_series;
 
-/// What a table says, as a picture: two axes and some series.
+/// A chart of a table: two axes and some series.
 typedef struct results_chart
 {
     char title[160];

@@ -1,4 +1,4 @@
-// The case `accuracy`: its scenes one after another, each with its share of the time.
+// The case `accuracy`: its scenes one after another, each with a fraction of the time.
 #include "accuracy_parts.h"
 
 #include "accuracy_compare.h"
@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-// Every scene's function, then the table of them, from the one list. The last item only keeps the table from being empty.
+// Every scene's function, then the table of them, from the same list. The last item only keeps the table from being
+// empty.
 #define ACCURACY_SCENE( name, title, function ) accuracy_scene_fn function;
 #include "scenes.inc"
 #undef ACCURACY_SCENE
@@ -19,10 +20,10 @@ static const accuracy_entry all_entries[] = {
 };
 #undef ACCURACY_SCENE
 
-// What a scene has unless the command line says how long the case may take.
+// Time of a scene unless the command line limits the case.
 #define SCENE_SECONDS 24.0
-// A quick run shares the time of the case, less what dear scenes take beyond their share because everything runs once; a scene
-// that is chosen alone needs no more than the second number.
+// A quick run divides the time of the case, less what expensive scenes take beyond their fraction because every
+// setting runs once. A scene that is chosen alone is limited to the second number.
 #define QUICK_FRACTION 0.75
 #define SCENE_SECONDS_QUICK 7.0
 
@@ -114,7 +115,7 @@ static wisp_status run_scene( accuracy_report* report, double seconds, const ben
     return status;
 }
 
-// Which settings there are, before any of them runs.
+// The settings, before any of them runs.
 static wisp_status choose_and_run( accuracy_report* report, accuracy_scene* scene, double seconds,
                                    const bench_options* options, const double fraction[2], results* out,
                                    wisp_error* error )

@@ -1,4 +1,4 @@
-// The tables as pictures: error against time, and how errors fall with what goes to 0.
+// Charts of the tables: error against time, and error against what tends to 0.
 #include "accuracy_labels.h"
 #include "accuracy_parts.h"
 
@@ -25,7 +25,7 @@ static void make_logarithmic( results* out, int chart, const char* caption )
 
 // ---- error against time ----
 
-// Settings of a name in their order; the empty name is that of settings of no series.
+// Settings of a name in their order; the empty name stands for settings outside any series.
 static void add_times_of( const accuracy_report* report, const char* series_name, int chart, int series,
                           results* out )
 {
@@ -74,9 +74,9 @@ static void add_time_chart( const accuracy_report* report, results* out )
     }
 }
 
-// ---- error against what goes to 0 ----
+// ---- error against what tends to 0 ----
 
-// The next point of a series below a parameter: lines are drawn from coarse to fine. -1: there is none
+// The next point of a series below a parameter: lines are drawn from coarse to fine. -1: none
 static int next_finer( const accuracy_scene* scene, const char* series, int before )
 {
     int next = -1;
@@ -105,7 +105,7 @@ static bool begins_parameter( const accuracy_scene* scene, int setting )
     return begins;
 }
 
-// Series of other parameters have an axis of their own.
+// Series of different parameters have separate axes.
 static void add_parameter_chart( const accuracy_report* report, const char* parameter_name, results* out )
 {
     const accuracy_scene* scene = report->scene;

@@ -4,10 +4,10 @@
 
 #include <math.h>
 
-// Below this slope an error is said to have stopped falling: half the parameter takes away less than an eighth of it.
+// Below this slope an error is considered constant: half the parameter reduces it by less than an eighth.
 #define FLOOR_SLOPE 0.2
 
-// Points of one series; more are never in one.
+// Limit of points per series.
 #define SERIES_POINTS_MAX 64
 
 void accuracy_front( const double* error, const double* ms, int count, bool* on_front )
@@ -31,7 +31,7 @@ typedef struct series_points
     int count;
 } series_points;
 
-// The coarse end first.
+// The coarsest first.
 static void insert_point( series_points* all, double parameter, double error )
 {
     int place = all->count++;
@@ -44,7 +44,7 @@ static void insert_point( series_points* all, double parameter, double error )
     all->error[place] = error;
 }
 
-// Whether a point is clearly nearer than every coarser one.
+// Whether the error of a point is clearly smaller than that of every coarser one.
 static bool still_falls( const series_points* all, int point )
 {
     double least = INFINITY;

@@ -16,8 +16,7 @@ enum
 
 // Recipes are written with nine digits.
 #define FACT_TOLERANCE 1e-8
-// Floats of a mesh that another mathematical library has made differ in their last bits, and so does what is weighed
-// of them.
+// Floats of a mesh from another mathematical library differ in their last bits, and so do values computed from them.
 #define START_TOLERANCE 1e-6
 #define START_NAME "weighted mean of the start, m"
 
@@ -61,7 +60,7 @@ void accuracy_describe_reference( const accuracy_reference* reference, double un
 
 // ---- the recipe ----
 
-// Texts go into tables as they are, so they have nothing but what can be printed.
+// Texts go into tables unchanged, so they must be printable.
 static wisp_status take_text( json_t* root, const char* key, char* to, size_t size, const char* name,
                               wisp_error* error )
 {
@@ -334,7 +333,7 @@ static wisp_status read_numbers( const char* folder, uint64_t hash, accuracy_ref
     unsigned char* bytes = NULL;
     size_t size = 0;
     snprintf( path, sizeof( path ), "%s/%s.reference", folder, out->scene );
-    // one byte more than it should have, so that a longer file is seen to be one
+    // one byte more than expected, to detect a longer file
     wisp_status status = reference_read_bytes( path, file_size( out->number_count ) + 1, &bytes, &size, error );
     status = status == WISP_OK ? accuracy_reference_parse_numbers( bytes, size, path, out->number_count, hash,
                                                                    &out->numbers, error )

@@ -1,13 +1,13 @@
-/// The reference of a scene that has no closed form: a converged run, made by bench/reference and stored in
-/// data/reference as two files. NAME.json is the recipe, for people and for the reader: what ran, in which precision,
-/// how finely, when it counts as converged, what is still missing, the facts of the scene that it was made of, and
-/// the hash of the numbers. NAME.truth has the numbers:
+/// The reference of a scene without a closed form: a converged run, made by bench/reference and stored in
+/// data/reference as two files. NAME.json is the recipe: the run, its precision and resolution, its criterion of
+/// convergence, the remaining uncertainty, facts of the scene and the hash of the numbers. NAME.truth has the
+/// numbers:
 ///
-///     bytes                what, all of it little-endian
+///     bytes                content, little-endian
 ///     8                    "WISPTRUT"
 ///     u32 [2]              version, numbers
-///     f64 [numbers]        as `layout` of the recipe says
-///     u64                  FNV-1a of all bytes before: the hash of the recipe
+///     f64 [numbers]        in the order of `layout` in the recipe
+///     u64                  FNV-1a of all bytes before, as in the recipe
 #pragma once
 
 #include "accuracy.h"
@@ -17,7 +17,7 @@
 #define ACCURACY_REFERENCE_GENERATOR_MAX ( (size_t)1 << 16 ) // bytes
 #define ACCURACY_INFO_MAX 24
 
-/// A number that a reference and a scene must agree in.
+/// A number on which a reference and a scene must agree.
 typedef struct accuracy_fact
 {
     char name[40]; ///< with its unit
@@ -26,13 +26,13 @@ typedef struct accuracy_fact
 
 typedef struct accuracy_reference
 {
-    char scene[32];      ///< as scenes.inc has it; the files are named after it
-    char reference[200]; ///< what the error is measured against, as accuracy_scene has it
-    char solver[200];    ///< what ran
-    char precision[16];  ///< "double", or "float" where nothing else can run the scene
-    int substeps;        ///< of the finest run; what they are of is in `solver`
-    char converged[400]; ///< when it counts as converged, and what was seen of it
-    double doubt;        ///< m, estimated distance to what infinitely many substeps would give
+    char scene[32];      ///< as in scenes.inc; the files are named after it
+    char reference[200]; ///< reference of the error, as in accuracy_scene
+    char solver[200];    ///< method of the run
+    char precision[16];  ///< "double", or "float" if nothing else can run the scene
+    int substeps;        ///< of the finest run; `solver` gives the unit
+    char converged[400]; ///< criterion of convergence, and the observed values
+    double doubt;        ///< m, estimated distance to the limit of infinitely many substeps
     char layout[200];    ///< of the numbers
     accuracy_fact info[ACCURACY_INFO_MAX];
     int fact_count;
@@ -40,32 +40,30 @@ typedef struct accuracy_reference
     int number_count;
 } accuracy_reference;
 
-/// Another fact. @param name with its unit
+/// Add a fact. @param name with its unit
 void accuracy_reference_put( accuracy_reference* reference, const char* name, double value );
-/// Where a scene begins, as one fact: a mean of all coordinates with weights of their own, m. Another mesh has
-/// another one.
+/// Add the start of a scene as one fact: a weighted mean of all coordinates, m, which differs between meshes.
 void accuracy_reference_put_start( accuracy_reference* reference, const wisp_vec3* points, int count );
 void accuracy_reference_free( accuracy_reference* reference );
 
-/// Where the benchmark's references are.
+/// Folder of the benchmark's references.
 const char* accuracy_reference_folder( void );
 
 /// Read the reference of a scene from untrusted files, and check that it belongs to the present scene.
-/// @param wanted scene, facts and number_count
-/// @return WISP_IO_ERROR a file is not there; WISP_BAD_INPUT one is broken, of another version or of another scene;
-///         WISP_NO_MEMORY; out is then empty
+/// @param requested scene, facts and number_count
+/// @return WISP_IO_ERROR a file is missing; WISP_BAD_INPUT one is broken, of another version or of another scene;
+///        WISP_NO_MEMORY; out is then empty
 wisp_status accuracy_reference_read( const char* folder, const accuracy_reference* requested, accuracy_reference* out,
                                      wisp_error* error );
-/// The recipe alone, from bytes; `number_count` and the hash are those that it speaks of. @param name what messages
-/// call them
+/// Parse the recipe alone, from bytes; `number_count` and the hash are read from it. @param name for messages
 wisp_status accuracy_reference_parse_generator( const char* bytes, size_t size, const char* name,
                                                 accuracy_reference* out, uint64_t* hash, wisp_error* error );
-/// The numbers alone, [number_count] of a recipe.
+/// Parse the numbers alone, [number_count] of a recipe.
 wisp_status accuracy_reference_parse_numbers( const unsigned char* bytes, size_t size, const char* name, int count,
                                               uint64_t hash, double** out, wisp_error* error );
 
-/// Both files. @return WISP_IO_ERROR, WISP_NO_MEMORY
+/// Write both files. @return WISP_IO_ERROR, WISP_NO_MEMORY
 wisp_status accuracy_reference_write( const accuracy_reference* reference, const char* folder, wisp_error* error );
 
-/// What a scene says of its reference. @param unit how many of the unit of its error a metre has
+/// Fill in the description of the reference in a scene. @param unit units of its error per metre
 void accuracy_describe_reference( const accuracy_reference* reference, double unit, accuracy_scene* out );

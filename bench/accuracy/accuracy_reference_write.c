@@ -1,4 +1,4 @@
-// The reference of a scene as two files: the numbers, and the recipe that has their hash.
+// Writes the reference of a scene as two files: the numbers, and the recipe with their hash.
 #include "accuracy_reference.h"
 
 #include "reference_bytes.h"
@@ -64,7 +64,7 @@ static json_t* generator_of( const accuracy_reference* reference, uint64_t hash 
     return root;
 }
 
-// jansson's constructors hand on the null of a failed allocation, so one look at the text is enough.
+// jansson's constructors pass on the null of a failed allocation, so one check of the text is enough.
 static wisp_status write_generator( const accuracy_reference* reference, const char* folder, uint64_t hash,
                                     wisp_error* error )
 {
@@ -77,7 +77,7 @@ static wisp_status write_generator( const accuracy_reference* reference, const c
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the recipe", path );
     }
-    // a file of text ends with its last line; the byte behind the text is there, and is a zero
+    // a text file ends with a newline, which replaces the terminating zero
     const size_t length = strlen( text );
     text[length] = '\n';
     const wisp_status status = reference_write_bytes( path, text, length + 1, error );

@@ -1,4 +1,4 @@
-// Runs of all settings of a scene: once to look, then in turns for the times.
+// Runs all settings of a scene: once sampled, then in turns for the times.
 #include "accuracy_parts.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@
 enum
 {
     ROUNDS_MAX = 64,
-    SAMPLES_ENOUGH = 4000, // of a setting and worker count: more say nothing new
+    SAMPLES_ENOUGH = 4000, // per setting and worker count: more do not improve the statistics
 };
 
 /// The times of a setting with a worker count.
@@ -103,7 +103,7 @@ static wisp_status look( contest* c, int setting, wisp_error* error )
     *seen = empty_run();
     wisp_status status = scene->run( scene->context, c->report->numbers[setting], 1, true, seen, error );
     forget_times( seen );
-    // what left its bounds is nowhere near anything
+    // a halted run has no error
     seen->error = seen->halted_at > 0 ? NAN : seen->error;
     return status;
 }
@@ -149,7 +149,7 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
 
 // ---- rounds ----
 
-// Whoever has its share of the time behind it sits out, so that the cheap ones do not wait for the dear ones.
+// A setting that has used its fraction of the time sits out, so that cheap settings do not wait for expensive ones.
 static bool has_turn( const contest* c, int setting, int worker, int round, double fraction )
 {
     const timed_implementation* implementation = &c->implementations[setting * c->report->worker_count + worker];

@@ -1,4 +1,4 @@
-// Who is cheapest at equal error, who is nearest at equal time, and how fast errors fall.
+// The cheapest settings at equal error, the most accurate ones at equal time, and observed orders.
 #include "accuracy_compare.h"
 #include "accuracy_labels.h"
 #include "accuracy_parts.h"
@@ -9,15 +9,15 @@
 
 // ---- at equal error, at equal time ----
 
-/// One of the two tables: what is to be least, and what is limited.
+/// One of the two tables: the value to minimise, and the limited one.
 typedef struct summary
 {
     const accuracy_report* report;
     const double *cost, *limited; // [setting_count]
-    bool is_by_error;             // the error is limited, and the time is to be least
-    bool* takes_part;             // [setting_count] room
-    // [setting_count] room: the best setting of each method within a limit and within the next tighter one, the best
-    // method first
+    bool is_by_error;             // true: the error is limited and the time minimised
+    bool* takes_part;             // [setting_count] buffer
+    // [setting_count] buffers: the best setting of each method within a limit and within the next tighter one, the
+    // best method first
     int *best, *tighter;
 } summary;
 
@@ -44,7 +44,7 @@ static int best_of_method( const summary* s, const char* method, double limit )
     return accuracy_best_within( s->cost, s->limited, limit, s->takes_part, scene->setting_count );
 }
 
-// The best setting of every method that stays within the limit, the best first. @return how many
+// The best setting of every method that stays within the limit, the best first. @return their number
 static int rank_methods( const summary* s, double limit, int* best_of_each )
 {
     int count = 0;
@@ -84,7 +84,7 @@ static int begin_summary( const summary* s, results* out )
     return cells_begin_table( &row, title, out );
 }
 
-// Whose time it is: that of the worker count that is faster.
+// The worker count of that time: the faster one.
 static int workers_of( const accuracy_report* report, int setting )
 {
     int fastest = 0;
@@ -95,7 +95,7 @@ static int workers_of( const accuracy_report* report, int setting )
     return report->workers[fastest];
 }
 
-// @param tighter the next level; one that would say the same as that is left out
+// @param tighter the next level; a level with the same result as that is left out
 static void add_level( const summary* s, double level, double tighter, int table, results* out )
 {
     const int count = rank_methods( s, level, s->best ), tighter_count = rank_methods( s, tighter, s->tighter );
@@ -170,7 +170,7 @@ static accuracy_order order_of( const accuracy_report* report, const char* serie
         if ( strcmp( report->scene->settings[i].series, series ) == 0 )
         {
             parameter[count] = report->scene->settings[i].parameter;
-            // what is nearer than the reference's doubt is at a floor of its own
+            // errors below the reference's uncertainty are not resolved, so they are left out
             error[count++] = report->error[i] > report->scene->doubt ? report->error[i] : NAN;
         }
     }

@@ -5,7 +5,7 @@
 #include <ctype.h>
 #include <math.h>
 
-// ---- for people ----
+// ---- for readers ----
 
 static int begin_table( const accuracy_report* report, results* out )
 {
@@ -51,7 +51,7 @@ static void put_times( const accuracy_report* report, const accuracy_stats* f, c
     }
 }
 
-// The steps behind the times, of the worker count that has fewer.
+// The steps in the times, of the worker count that has fewer.
 static int timed_steps( const accuracy_report* report, const accuracy_stats* f )
 {
     const int first = f->ms[0].count, last = f->ms[report->worker_count - 1].count;
@@ -89,7 +89,7 @@ void accuracy_add_table( const accuracy_report* report, results* out )
 
 // ---- for machines ----
 
-// "distance to the reference, mm" is the value "distance_to_the_reference_mm".
+// "distance to the reference, mm" becomes the value "distance_to_the_reference_mm".
 static void value_name( const char* label, char* name, int size )
 {
     int length = 0;

@@ -1,9 +1,9 @@
-// What a quick run has of a scene's settings.
+// Selects the settings of a quick run.
 #include "accuracy_parts.h"
 
 #include <string.h>
 
-// Where a setting stands in its series: 0 is the coarsest.
+// Rank of a setting in its series: 0 is the coarsest.
 static int rank_of( const accuracy_scene* scene, int setting, int* series_count )
 {
     const accuracy_setting* mine = &scene->settings[setting];
@@ -48,7 +48,7 @@ void accuracy_thin( accuracy_scene* scene, int* numbers )
 {
     const char* first = first_series( scene );
 
-    // All are chosen before the first one moves: ranks are among all.
+    // All are chosen before any is moved, because ranks refer to all.
     int kept = 0;
     for ( int i = 0; i < scene->setting_count; ++i )
     {

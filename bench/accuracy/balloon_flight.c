@@ -1,8 +1,8 @@
-// A full body without symmetry is let go: jet, spin, drag and buoyancy. Where its centre flies is compared with the
-// stored flight of the oracle, which is the same equations in double precision. The engine itself is no reference
-// there: what gravity adds to a place within such a substep is below the rounding of a float. Every flight begins
-// with the same shape, which is stored with the reference: that of a balloon at rest which has been filled at small
-// substeps. What begins out of balance rings, and nothing but the length of the substeps decides how long.
+// A full balloon without symmetry is released: jet, spin, drag and buoyancy. The path of its centre is compared with
+// a stored flight of the oracle, which solves the same equations in double precision. The engine cannot be the
+// reference: the displacement by gravity in such a short substep is below the rounding of a float. Every flight
+// starts from the same shape, stored with the reference: a balloon at rest, filled at small substeps. A start out of
+// balance would ring, for a time that depends only on the substep.
 #include "balloon_flight_run.h"
 
 #include <math.h>
@@ -34,8 +34,8 @@ static balloon_setting* add( accuracy_scene* scene, int substeps, int iterations
     return what;
 }
 
-// Forces are taken at the beginning of a substep and velocities from the places at its end: first order, where the
-// skin gives way as it should within a substep, so coarser ones are of no series.
+// Forces are evaluated at the beginning of a substep and velocities from the positions at its end: first order,
+// provided that the skin relaxes within a substep. Coarser substeps are therefore outside the series.
 static void add_substeps( accuracy_scene* scene )
 {
     static const int substeps[] = { 5, USUAL_SUBSTEPS, 20, 40, 80, FINEST_SUBSTEPS };
@@ -132,7 +132,7 @@ wisp_status accuracy_balloon_flight( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    (void)seconds; // it is short
+    (void)seconds; // it is fast
     *out = ( accuracy_scene ){
         .note = "other forms of drag, spin and pressure give other flights; their error is the difference of the "
                 "model. Momentum closes up to forces evaluated once per step and float rounding.",

@@ -1,4 +1,4 @@
-// A balloon is filled, brought to rest and let go.
+// Fills a balloon, brings it to rest and releases it.
 #include "balloon_flight_run.h"
 
 #include <math.h>
@@ -8,11 +8,11 @@
 enum
 {
     FILL_STEPS = 60,
-    FIRST_LEVEL = 1, // whose vertices all finer meshes have
+    FIRST_LEVEL = 1, // all finer meshes contain its vertices
 };
 
 #define FILL_DAMPING 45.0f
-// The outlet is small enough that gas is left when the flight ends: how it stops is no part of this.
+// The outlet is so small that gas is left at the end of the flight; how the jet ends is not part of the scene.
 #define OUTLET_AREA 1e-5f
 
 static double length( const double a[3] )
@@ -83,7 +83,7 @@ static wisp_status make_pear( int level, wisp_mesh* out, wisp_error* error )
     return wisp_mesh_generate( &generator, out, error );
 }
 
-// Beside the centre, at a vertex of the coarsest mesh.
+// Next to the centre, at a vertex of the coarsest mesh.
 static wisp_status find_outlet( flight_body* body, wisp_error* error )
 {
     wisp_mesh coarse = { 0 };
@@ -135,8 +135,8 @@ balloon_setting flight_setting( int substeps, int iterations )
     return setting;
 }
 
-// Forces are those of the last substep of each step, here summed by trapezia from step to step; the first step has its own
-// alone. What is missing is that sum's error, and whatever the solver gives or takes.
+// Forces are those of the last substep of each step, integrated by the trapezium rule; the first step uses only its
+// own. The remainder is the error of that sum and momentum that the solver adds or removes.
 static void close_momentum( const wisp_motion_stats* seen, const wisp_balloon_stats* forces, double before[3],
                             double sum[3], int step, flight_path* path )
 {

@@ -1,5 +1,5 @@
-/// A balloon without symmetry that is let go, as the scenes `balloon_flight` and `balloon_meshes` have it: the body,
-/// a flight, and how far two flights are from each other.
+/// A balloon without symmetry that is released, for the scenes `balloon_flight` and `balloon_meshes`: the body, a
+/// flight, and the distance between two flights.
 #pragma once
 
 #include "accuracy_surface.h"
@@ -10,11 +10,11 @@
 #define FLIGHT_STEPS 20
 #define FLIGHT_FILL 1.2f
 
-/// Where a balloon was, after every step.
+/// Positions of a balloon after every step.
 typedef struct flight_path
 {
     double centre[FLIGHT_STEPS + 1][3]; ///< m
-    double speed, spin, volume;         ///< in the end: m/s, rad/s, m^3
+    double speed, spin, volume;         ///< at the end: m/s, rad/s, m^3
     double impulse_missing;             ///< N s, between the momentum and the integral of the forces
     double impulse;                     ///< N s, largest change of momentum
 } flight_path;
@@ -26,18 +26,18 @@ typedef struct flight_body
 {
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    wisp_vec3* full; ///< [vertex_count] where flights begin: at rest and filled
-    int outlet;      ///< vertex, the same place on every mesh
+    wisp_vec3* full; ///< [vertex_count] start of the flights: at rest and filled
+    int outlet;      ///< vertex, at the same position on every mesh
 } flight_body;
 
-/// Empty, `full` with room for it. @param level of the pear's icosphere
-/// @param out also after a failure to be given to flight_free_body()
+/// Make an empty balloon and allocate `full`. @param level of the pear's icosphere
+/// @param out to be given to flight_free_body() even after a failure
 wisp_status flight_make_body( int level, flight_body* out, wisp_error* error );
-/// Fill it and let it come to rest: `full` receives where it is then.
+/// Fill it and let it come to rest; `full` receives the positions.
 wisp_status flight_fill_body( flight_body* body, int substeps, wisp_error* error );
 void flight_free_body( flight_body* body );
 
-/// In air, with an open outlet beside the centre.
+/// Settings of a flight: in air, with an open outlet next to the centre.
 balloon_setting flight_setting( int substeps, int iterations );
 
 /// Release the balloon. @param path receives its positions; null: not sampled
@@ -49,9 +49,9 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
 enum
 {
     FLIGHT_LEVEL = 1,           // 42 vertices: of the scene `balloon_flight`
-    FLIGHT_FILL_SUBSTEPS = 640, // with which that is filled
+    FLIGHT_FILL_SUBSTEPS = 640, // substeps of its filling
     FLIGHT_MESHES_LEVEL = 4,    // 2562 vertices: the reference of `balloon_meshes`
-    FLIGHT_MESHES_FILL = 10,    // substeps with which all of those are filled
+    FLIGHT_MESHES_FILL = 10,    // substeps of the filling of all of those
     FLIGHT_PACES = 2,           // of `balloon_meshes`
     FLIGHT_NUMBERS = 3 * FLIGHT_STEPS + 3,
 };
@@ -59,12 +59,12 @@ enum
 /// Substeps of a flight of `balloon_meshes`.
 extern const int flight_paces[FLIGHT_PACES];
 
-// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; in the
-// end speed, spin and volume.
+// Scene, facts and size of a reference. A flight is FLIGHT_NUMBERS: [steps][3] m, the centre after every step; then
+// final speed, spin and volume.
 
-/// Of `balloon_flight`: a flight, and [vertices][3] m behind it, where flights begin.
+/// For `balloon_flight`: a flight, followed by [vertices][3] m, the start of the flights.
 accuracy_reference flight_reference( const flight_body* body );
-/// Of `balloon_meshes`: a flight for each pace. @param finest the body of FLIGHT_MESHES_LEVEL
+/// For `balloon_meshes`: one flight per number of substeps. @param finest the body of FLIGHT_MESHES_LEVEL
 accuracy_reference flight_meshes_reference( const flight_body* finest );
 void flight_put_path( const flight_path* path, double* numbers );
 flight_path flight_take_path( const double* numbers );

@@ -1,6 +1,5 @@
-// A sphere that is filled with gas, against the closed form of its mesh (balloon_reference.h). Its gas is that of the
-// constraint, of compliance V_0 / P_atm, so that how the solver converges is not hidden by p V = n R T, which is a
-// measure of its own.
+// A sphere filled with gas, against the closed form of its mesh (balloon_reference.h). The gas has the constraint's
+// compliance V_0 / P_atm, so that p V = n R T, a separate measure, does not hide the convergence of the solver.
 #include "accuracy_surface.h"
 #include "balloon_readings.h"
 
@@ -13,8 +12,8 @@
 enum
 {
     LEVELS = 4,        // of icospheres: 12, 42, 162, 642 vertices
-    USUAL_LEVEL = 0,   // an icosahedron, the one sphere that is as regular as the closed form wants it
-    SETTLE_STEPS = 30, // with the damping below no motion is left
+    USUAL_LEVEL = 0,   // an icosahedron, the only sphere regular enough for the closed form
+    SETTLE_STEPS = 30, // the damping below removes all motion by then
     ORDERLY_SUBSTEPS = 50,
     SETTINGS_MAX = 64,
 };
@@ -36,7 +35,7 @@ typedef struct inflated_sphere
     wisp_fabric* fabric;
     double edge;            // m, mean
     double scale, pressure; // the closed form; Pa above the atmosphere
-    double gas_pressure;    // with p V = n R T in place of the compliance
+    double gas_pressure;    // with p V = n R T instead of the compliance
 } inflated_sphere;
 
 typedef struct inflate_scene
@@ -90,7 +89,7 @@ static wisp_status make_sphere( int level, inflated_sphere* out, wisp_error* err
 
 // ---- settings ----
 
-// The list of settings of the scene and what they mean grow together.
+// The list of settings of the scene and their meaning, filled together.
 static void add( accuracy_scene* scene, inflate_setting what, const char* series, const char* parameter_name,
                  double parameter, double order, const char* name )
 {
@@ -108,9 +107,9 @@ static inflate_setting usual_inflation( int substeps, int iterations )
                                 WISP_SOLVER_XPBD, WISP_SOLVER_XPBD, WISP_BALLOON_PRESSURE_VIRIAL };
 }
 
-// Links and gas answer with their compliance up to a share h^2 k / m of it that an iteration leaves: second order,
-// where that is a small share, so coarser substeps are of no series. The reading by the gas law passes the reference
-// on its way to where p V = n R T and the compliance differ, p / P_atm: no order.
+// Links and gas have their compliance up to a fraction h^2 k / m of it, which an iteration leaves: second order where
+// that fraction is small, so coarser substeps are outside the series. The reading by the gas law passes the reference
+// on its way to the difference between p V = n R T and the compliance, p / P_atm: no order.
 static void add_substeps( accuracy_scene* scene, bool quick )
 {
     static const int substeps[] = { 10, 25, 50, 100, 200, 400, 800 };
@@ -142,7 +141,7 @@ static void add_iterations( accuracy_scene* scene )
     }
 }
 
-// The finer the mesh, the lighter a vertex and the more of the pull an iteration leaves undone. Finer spheres are not
+// On a finer mesh vertices are lighter and an iteration leaves more of the load unresolved. Finer spheres are not
 // quite regular either: they bulge where their links are short.
 static void add_meshes( accuracy_scene* scene )
 {
@@ -224,7 +223,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
     wisp_status status = balloon_implementation_create( sphere->fabric, &setting, &implementation, error );
     if ( status == WISP_OK )
     {
-        // Figures cost passes of their own: none while times are taken.
+        // Statistics take passes of their own, so none are requested while times are taken.
         status = wisp_request_balloon_stats( implementation.world, implementation.entity, false );
         status = status == WISP_OK ? accuracy_step_surface( &implementation, SETTLE_STEPS, out, error )
                                    : bench_world_fail( implementation.world, status, error );

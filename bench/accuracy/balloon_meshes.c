@@ -1,6 +1,6 @@
-// The flight of `balloon_flight` on finer meshes, against the stored flight of a still finer one at the same substeps. No order is
-// promised: a finer mesh is stiffer than the same substeps can follow, so that two errors fall against each other. More substeps are
-// no reference there: they no longer damp a fine skin, and how it rings moves the path by a centimetre.
+// The flight of `balloon_flight` on finer meshes, against a stored flight on a still finer mesh at the same substeps.
+// No order is expected: a finer mesh is stiffer than the substeps resolve, so two errors partly cancel. More substeps
+// give no reference either: they no longer damp a fine skin, whose ringing moves the path by a centimetre.
 #include "balloon_flight_run.h"
 
 #include <math.h>
@@ -51,7 +51,7 @@ static void add_settings( accuracy_scene* out )
     }
 }
 
-// What the mesh of the reference begins with is a fact of it; nothing flies on it here.
+// The start of the reference's mesh is one of its facts; nothing flies on it here.
 static wisp_status read_reference( mesh_scene* scene, accuracy_scene* out, wisp_error* error )
 {
     flight_body finest = { .fabric = NULL };
@@ -89,7 +89,7 @@ wisp_status accuracy_balloon_meshes( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its meshes are what it is about
+    (void)seconds; // its meshes are its subject
     *out = ( accuracy_scene ){
         .error_name = "distance of the centre's path",
         .error_unit = "mm",

@@ -34,7 +34,7 @@ static elastic_skin skin_of( const wisp_fabric* fabric, const wisp_balloon_def* 
                              (double)def->atmospheric_pressure, is_linear };
 }
 
-// What the skin holds grows with s up to 2, and what the gas presses falls, so there is one s.
+// The skin's load grows with s up to 2 and the gas pressure falls, so there is one solution s.
 static double find_scale( const elastic_skin* skin, double gas_ratio )
 {
     double lower = 1.0, upper = cbrt( gas_ratio );

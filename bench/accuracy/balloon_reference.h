@@ -1,9 +1,9 @@
-/// The closed form of a regular balloon: each link k (l - d) and s times as long as at rest,
+/// The closed form of a regular balloon: each link has tension k (l - d) and is s times as long as at rest,
 ///
 ///   p = sum( k l^2 ) ( s - 1 ) / ( 3 V_rest s^2 ),   V = s^3 V_rest,
 ///
-/// and a gas: p V = n R T, which is p = P_atm ( V_0 - V ) / V, or p = P_atm ( V_0 - V ) / V_0, as the constraint of compliance
-/// V_0 / P_atm has it. Exact for an icosahedron; finer spheres bulge a little where their links are short.
+/// and a gas: p V = n R T, which is p = P_atm ( V_0 - V ) / V, or p = P_atm ( V_0 - V ) / V_0 for the constraint of
+/// compliance V_0 / P_atm. Exact for an icosahedron; finer spheres bulge a little where their links are short.
 #pragma once
 
 #include "balloon_bench.h"
@@ -19,6 +19,6 @@ typedef struct balloon_equilibrium
 /// @param is_linear the gas of the constraint, else p V = n R T
 balloon_equilibrium balloon_equilibrium_of( const wisp_fabric* fabric, const wisp_balloon_def* def, bool is_linear );
 
-/// V_0 / V_rest after a while in which an outlet lets out what Bernoulli says: v = sqrt( 2 p / rho ), dV_0 / dt = -A v, with the
-/// pressure of the equilibrium at every moment. By Runge and Kutta's fourth order.
+/// V_0 / V_rest after a time of flow through an outlet by Bernoulli: v = sqrt( 2 p / rho ), dV_0 / dt = -A v, with
+/// the pressure of the equilibrium at every moment. Integrated by the classical Runge-Kutta method of fourth order.
 double balloon_fill_after( const wisp_fabric* fabric, const wisp_balloon_def* def, double seconds );

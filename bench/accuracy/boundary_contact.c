@@ -1,5 +1,5 @@
-// Two balloons pressed together between plates, kept apart by boundary particles or by their triangles: what the
-// spacing of the particles costs, and what passes between them.
+// Two balloons pressed together between plates, kept apart by boundary particles or by their triangles: the cost of
+// the particles' spacing, and the overlap that they leave.
 #include "contact_overlap.h"
 #include "scene_tools.h"
 
@@ -31,8 +31,8 @@ enum
     MEASURES,
 };
 
-// The most of all looks, but contacts and an overlap of the last one: a pair that is pressed hard may slip aside by
-// then.
+// The maximum over all samples, except contacts and overlap, which are those of the last one: a pair that is pressed
+// hard may have slipped aside by then.
 static wisp_status look( const presses* all, contact_world* world, accuracy_run* out, wisp_error* error )
 {
     contact_overlap overlap = { 0 };
@@ -45,7 +45,7 @@ static wisp_status look( const presses* all, contact_world* world, accuracy_run*
     }
     const double vertices = 2.0 * all->scene.mesh.vertex_count;
     out->measures[OVERLAP_LAST] = 1e3 * fmax( overlap.overlap, 0.0 );
-    out->error = fmax( out->error, out->measures[OVERLAP_LAST] ); // NaN before the first look
+    out->error = fmax( out->error, out->measures[OVERLAP_LAST] ); // NaN before the first sample
     out->measures[MISSED] = fmax( out->measures[MISSED], 100.0 * overlap.missed / vertices );
     out->measures[INTERSECTIONS] = fmax( out->measures[INTERSECTIONS], stats.intersections );
     out->measures[CONTACTS] = stats.contacts;
@@ -82,7 +82,8 @@ static accuracy_setting* put_way( accuracy_scene* scene, contact_way way )
     return accuracy_put_setting( scene, "%s", way.name );
 }
 
-// How near surfaces come between particles depends on how those happen to face each other: no order is promised.
+// How close surfaces come between particles depends on the relative position of the particles, so no order is
+// expected.
 static void put_spacings( accuracy_scene* scene )
 {
     static const contact_way ways[] = {

@@ -1,4 +1,4 @@
-// A cloth of a closed form, from its mesh to its figures.
+// The cloth of a closed form, from its mesh to its statistics.
 #include "closed_forms.h"
 
 #include "collision/collision.h"

@@ -32,8 +32,8 @@ typedef struct closed_form
     double order;
 } closed_form;
 
-// Places and velocities of a substep are taken one after the other: first order. At rest only what an iteration
-// leaves of h^2 k / m is wrong: second. So are volume and area of a mesh.
+// Positions and velocities of a substep are updated one after the other: first order. At rest only the remainder h^2
+// k / m of an iteration is an error: second order. So are volume and area of a mesh.
 static const closed_form forms[] = {
     { "fall of a cloth in 0.5 s, m", closed_fall, 0.5, 0.0, SUBSTEPS, { 1, 2, 5, 20, 80, 320 }, 6, 1.0 },
     { "angular momentum of a cloth after 0.5 s, N m s",
@@ -83,7 +83,7 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
     wisp_status status = what->form->run( &run, error );
     if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
     {
-        // what is nearer than a float can tell is met
+        // an error below a float's resolution counts as zero
         const double wrong =
             fabs( ( run.measured - run.reference ) / ( run.scale != 0.0 ? run.scale : run.reference ) );
         out->error = wrong < MIN_ERROR ? 0.0 : 100.0 * wrong;

@@ -1,5 +1,4 @@
-/// The parts of the scene `closed_forms`: experiments that each have a closed form (references: closed forms), on
-/// cloth, balloons and what they slide on.
+/// The parts of the scene `closed_forms`: experiments with a closed form each, on cloth, balloons and planes.
 #pragma once
 
 #include "accuracy_surface.h"
@@ -9,18 +8,18 @@
 
 #define CLOSED_GRAVITY 9.81
 
-/// A setting while it runs, and what it showed.
+/// A setting while it runs, and its results.
 typedef struct closed_run
 {
-    double first, second; ///< what the form says of itself: an angle, a time ...
+    double first, second; ///< parameters of the form: an angle, a time ...
     int parameter;        ///< substeps of a frame, or the fineness of a mesh
     int workers;
     bool is_looked_at;
     accuracy_run* out;
     double measured, reference; ///< SI
-    double scale;               ///< what the error is a share of, if not of the reference; 0: of the reference
-    double momentum_error;      ///< share; NaN: it is no part of this
-    double strain;              ///< largest; NaN likewise
+    double scale;               ///< the error is relative to this; 0: to the reference
+    double momentum_error;      ///< relative; NaN: not measured
+    double strain;              ///< largest; NaN: not measured
 } closed_run;
 
 typedef wisp_status closed_fn( closed_run* run, wisp_error* error );
@@ -42,7 +41,7 @@ double closed_strip_cell( int cells );
 /// Edge of the sphere's mesh, m; 1 is its radius. Halves with each level.
 double closed_sphere_edge( int level );
 
-/// A cloth in a world of its own.
+/// A cloth in its own world.
 typedef struct closed_body
 {
     wisp_mesh mesh; ///< made by the form
@@ -54,7 +53,7 @@ typedef struct closed_body
 wisp_status closed_make_plane( int columns, int rows, double spacing, closed_body* out, wisp_error* error );
 /// The recipe of a run whose parameter is substeps. The fabric is filled in when it enters.
 surface_generator closed_generator( const closed_run* run );
-/// Cook the mesh and put it into a world as a cloth. Whatever fails, closed_leave() is to be called.
+/// Cook the mesh and add it to a world as a cloth. Call closed_leave() even after a failure.
 wisp_status closed_enter( const closed_run* run, surface_generator generator, const wisp_cloth_def* cloth,
                           closed_body* body, wisp_error* error );
 /// Step, then take the hash; strain and quality if requested. @param quality may be null

@@ -1,4 +1,4 @@
-// Closed forms of balloons: lift, the pressure of a sphere, gas that leaves.
+// Closed forms of balloons: lift, the pressure of a sphere, outflow of gas.
 #include "closed_forms.h"
 
 #include "balloon_reference.h"
@@ -12,16 +12,16 @@ static const double PI = 3.14159265358979323846;
 
 double closed_sphere_edge( int level )
 {
-    return 1.0514622242382672 / ( 1 << level ); // of an icosahedron; on a sphere the pieces are a little longer
+    return 1.0514622242382672 / ( 1 << level ); // of an icosahedron; on a sphere the links are a little longer
 }
 
-/// A balloon and whatever it is made of.
+/// A balloon and its data.
 typedef struct sphere_run
 {
     wisp_mesh mesh;
     wisp_fabric* fabric;
     surface_implementation implementation;
-    wisp_vec3* points; // where it begins
+    wisp_vec3* points; // start positions
     int32_t* pins;     // all vertices
 } sphere_run;
 
@@ -99,9 +99,9 @@ wisp_status closed_lift( closed_run* run, wisp_error* error )
     return status;
 }
 
-// p = 2 sigma / R, sigma = sqrt(3) k e / ( 1 + e ), held in place so that nothing but the reading is asked. Links across
-// edges are sqrt(3) times as long as edges and count three times. The limit of fine meshes is about 1 % beside it: triangles of
-// an icosphere are not all equilateral, however fine.
+// p = 2 sigma / R, sigma = sqrt(3) k e / ( 1 + e ), held in place so that only the pressure is tested. Links across
+// edges are sqrt(3) times as long as edges and count three times. The limit of fine meshes is off by about 1 %,
+// because the triangles of an icosphere are never all equilateral.
 wisp_status closed_sphere( closed_run* run, wisp_error* error )
 {
     const double e = run->first;
@@ -121,8 +121,8 @@ wisp_status closed_sphere( closed_run* run, wisp_error* error )
     return status;
 }
 
-// An icosahedron, for which the closed form is exact, begins in balance and empties through a small hole: what leaves is
-// 2 A dp of force in the end, but the gas is what can be counted.
+// An icosahedron, for which the closed form is exact, starts in balance and empties through a small hole. The jet's
+// force is 2 A dp, but the gas can be measured directly.
 wisp_status closed_emptying( closed_run* run, wisp_error* error )
 {
     balloon_setting setting = balloon_setting_in_vacuum();

@@ -1,4 +1,4 @@
-// Closed forms of what moves: free fall, free spin, a plate in air, a cloth on an incline.
+// Closed forms of motion: free fall, free spin, a plate in air, a cloth on an incline.
 #include "closed_forms.h"
 
 #include "collision/collision.h"
@@ -42,7 +42,7 @@ static wisp_status throw_body( closed_body* body, wisp_vec3 linear, wisp_vec3 an
     return status == WISP_OK ? WISP_OK : bench_world_fail( body->implementation.world, status, error );
 }
 
-// z = v t - g t^2 / 2 at every vertex, so that no link has anything to do.
+// z = v t - g t^2 / 2 at every vertex, so that all links stay at rest length.
 wisp_status closed_fall( closed_run* run, wisp_error* error )
 {
     const wisp_cloth_def cloth = inextensible();
@@ -67,7 +67,7 @@ wisp_status closed_fall( closed_run* run, wisp_error* error )
     return status;
 }
 
-// Nothing acts but its own links, which hold it together against its spin.
+// Only its own links act, which hold it together against its spin.
 wisp_status closed_spin( closed_run* run, wisp_error* error )
 {
     const wisp_cloth_def cloth = inextensible();
@@ -138,7 +138,7 @@ static wisp_status lay_down( closed_body* body, double mu, wisp_error* error )
     return status == WISP_OK ? WISP_OK : bench_world_fail( body->implementation.world, status, error );
 }
 
-// The plane stays level and gravity is turned instead. The cloth begins where it touches, so that it does not fall first.
+// The plane stays level and gravity is turned instead. The cloth starts in contact, so that it does not fall first.
 wisp_status closed_slide( closed_run* run, wisp_error* error )
 {
     const wisp_cloth_def cloth = inextensible();
@@ -159,7 +159,7 @@ wisp_status closed_slide( closed_run* run, wisp_error* error )
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( SLIDE_SECONDS ), &seen, error ) : status;
     if ( status == WISP_OK && run->is_looked_at )
     {
-        // what sticks has no way of its own to be a share of: that of the same incline without friction
+        // a cloth that sticks has no distance to be relative to: use that of the same incline without friction
         run->measured = seen.centre[0];
         run->reference = fmax( 0.0, along - mu * across ) * path;
         run->scale = run->reference > 0.0 ? run->reference : along * path;

@@ -1,4 +1,4 @@
-// Closed forms of what hangs at rest: an elastic bar, a catenary, a clamped strip that bends.
+// Closed forms at rest: an elastic bar, a catenary, a clamped strip that bends.
 #include "closed_forms.h"
 
 #include <math.h>
@@ -10,11 +10,11 @@
 // ---- the bar ----
 
 #define BAR_SPACING 0.01
-#define BAR_MASS 0.001      // kg, a vertex
-#define BAR_STIFFNESS 100.0 // N/m, a link
+#define BAR_MASS 0.001      // kg per vertex
+#define BAR_STIFFNESS 100.0 // N/m per link
 
-// Two columns of links under their own weight, with gravity along the plane: link i of n carries all masses below it, so that
-// the bar is m g / k n (n + 1) / 2 longer. The diagonals are soft; links across have nothing to do.
+// Two columns of links under their own weight, with gravity along the plane: link i of n carries all masses below it,
+// so the bar is m g / k n (n + 1) / 2 longer. The diagonals are soft and links across carry nothing.
 wisp_status closed_bar( closed_run* run, wisp_error* error )
 {
     static const int32_t pins[] = { 0, 1 };
@@ -150,8 +150,8 @@ double closed_strip_cell( int cells )
     return STRIP_LENGTH / ( cells + 0.75 );
 }
 
-// A row of equilateral triangles, whose first cell is pinned. The first hinge that can turn stands for the clamp and for half a
-// spacing of hinges on both sides of it, so the clamped edge is half a spacing behind it.
+// A row of equilateral triangles, whose first cell is pinned. The first hinge that can turn represents the clamp and
+// half a spacing of hinges on both sides of it, so the clamped edge is half a spacing behind it.
 static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
 {
     const int columns = cells + 2;
@@ -175,7 +175,7 @@ static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
     return status;
 }
 
-// theta'' = -G ( 1 - s ) cos theta. A strip between free edges has 8/9 of the rigidity of a sheet that is rolled up.
+// theta'' = -G ( 1 - s ) cos theta. A strip between free edges has 8/9 of the rigidity of a sheet bent to a cylinder.
 wisp_status closed_elastica( closed_run* run, wisp_error* error )
 {
     const double load = run->first, slowest = 3.516 * sqrt( CLOSED_GRAVITY / ( load * STRIP_LENGTH ) );
@@ -189,7 +189,7 @@ wisp_status closed_elastica( closed_run* run, wisp_error* error )
     generator.iterations = STRIP_ITERATIONS;
     generator.pins = pins;
     generator.pin_count = WISP_COUNT( pins );
-    generator.damping = (float)( 2.0 * slowest ); // critical; it has 20 of its times to settle
+    generator.damping = (float)( 2.0 * slowest ); // critical damping; it has 20 time constants to settle
     closed_body body = { .fabric = NULL };
     const wisp_vec3* points = NULL;
     wisp_status status = make_strip( run->parameter, &body, error );

@@ -1,5 +1,5 @@
-// The comparison's cloth falls onto a ball: its scene, its reference in double precision and its ways to solve it, by
-// the parts of `cloth --compare`.
+// The comparison's cloth falls onto a ball: scene, reference in double precision and solvers are those of `cloth
+// --compare`.
 #include "accuracy_surface.h"
 
 #include "compare_bench.h"
@@ -17,7 +17,7 @@ typedef struct ball_scene
     wisp_vec3* start;
 } ball_scene;
 
-/// A look's room.
+/// Buffers of a sample.
 typedef struct ball_look
 {
     double *points, *velocities; // [vertex_count][3]
@@ -25,7 +25,7 @@ typedef struct ball_look
     double sum;                  // m^2, of the mean square distances
 } ball_look;
 
-// ---- a look ----
+// ---- a sample ----
 
 static void free_look( ball_look* look )
 {
@@ -90,7 +90,7 @@ static void measure( const ball_scene* own, surface_implementation* implementati
 
 // ---- a run ----
 
-// Times are of a frame, whatever the length of a step, and only of the steps that the cloth is on the ball.
+// Times are per frame, whatever the length of a step, and only of steps while the cloth is on the ball.
 static wisp_status go_on( surface_implementation* implementation, bool is_timed, accuracy_run* out,
                           wisp_error* error )
 {
@@ -142,7 +142,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
 
 // ---- settings ----
 
-// A variant belongs to the series of its name without what the parameter is.
+// A variant belongs to the series of its name without the parameter.
 static void add_setting( accuracy_scene* scene, const compare_variant* variant )
 {
     accuracy_setting* setting = accuracy_put_setting( scene, "%s", variant->name );

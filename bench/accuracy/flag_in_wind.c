@@ -1,5 +1,5 @@
-// The flag of data/scenes/flag.yaml in its first wind, without its mast, on half as fine a mesh and of a softer
-// cloth, whose path converges with fewer substeps.
+// The flag of data/scenes/flag.yaml in its first wind, without its mast, on a mesh half as fine and with a softer
+// cloth, so that its path converges with fewer substeps.
 #include "accuracy_surface.h"
 #include "flag_in_wind.h"
 
@@ -19,13 +19,13 @@ typedef struct flag_way
 {
     int substeps, iterations;
     wisp_cloth_bending bending;
-    bool has_tethers; // and levels, as the scene has them
+    bool has_tethers; // and levels, as in the scene
 } flag_way;
 
-/// What a run is compared by.
+/// Values by which a run is compared.
 typedef struct flag_stats
 {
-    double squares;                            // m^2, of the distances of all looks
+    double squares;                            // m^2, of the distances of all samples
     double kinetic, stretch_mean, stretch_max; // averages
 } flag_stats;
 
@@ -80,7 +80,7 @@ wisp_cloth_def flag_cloth( void )
 {
     wisp_cloth_def def = wisp_default_cloth_def();
     def.warp_compliance = def.weft_compliance = COMPLIANCE;
-    // the sum makes it isotropic: every edge has the same
+    // the sum is isotropic: every edge has the same
     def.shear_compliance = 2.0f * COMPLIANCE;
     def.bending = WISP_CLOTH_BENDING_DIHEDRAL;
     def.bend_rigidity = 2e-5f;
@@ -245,7 +245,7 @@ static void add_ways( accuracy_scene* scene )
     way = plain;
     way.has_tethers = true;
     add_substeps( scene, way, "dihedral, tethers, levels" );
-    // as data/scenes/flag.yaml has it, but for its substeps
+    // as in data/scenes/flag.yaml, except for its substeps
     way.iterations = 2;
     add_substeps( scene, way, "dihedral, tethers, levels, 2 passes" );
 }

@@ -18,11 +18,11 @@ enum
     FLAG_EARLY_STEPS = 12, // 0.2 s: flapping is chaotic, so the path is compared only before it
     FLAG_LOOK_STEPS = 2,
     FLAG_LOOKS = FLAG_EARLY_STEPS / FLAG_LOOK_STEPS,
-    FLAG_STEPS = 60, // averages are of the steps behind the early ones
+    FLAG_STEPS = 60, // averages are over the steps after the early ones
     FLAG_PATH = 3 * FLAG_LOOKS * FLAG_VERTICES,
 };
 
-/// A flag before anything moves.
+/// A flag at its start.
 typedef struct flag_body
 {
     wisp_mesh mesh;
@@ -30,11 +30,12 @@ typedef struct flag_body
     int32_t pins[FLAG_ROWS];
 } flag_body;
 
-/// @param out also after a failure to be given to flag_free()
+/// @param out to be given to flag_free() even after a failure
 wisp_status flag_make( flag_body* out, wisp_error* error );
 void flag_free( flag_body* body );
-/// What it is made of, with bending by angle, without tethers and levels.
+/// Its material, with dihedral bending, without tethers and levels.
 wisp_cloth_def flag_cloth( void );
 
-/// Scene, facts and size of the reference: [looks][vertices][3] m, and J, the mean kinetic energy behind the path.
+/// Scene, facts and size of the reference: [looks][vertices][3] m, and J, the mean kinetic energy after the compared
+/// path.
 accuracy_reference flag_reference( const flag_body* body );

@@ -1,5 +1,5 @@
-// Frozen hair that clumps: what the cap of neighbours leaves out, what fewer and longer steps of clumping miss, and
-// what the printed choices change.
+// Clumping of frozen hair: the errors of a limited number of neighbours, of fewer and longer clumping steps, and the
+// effect of the printed choices.
 #include "frozen_clumps.h"
 #include "scene_tools.h"
 
@@ -7,16 +7,16 @@
 #include <stdlib.h>
 
 #define RUN_COMMANDS 12
-#define LIMIT_RADIUS 0.008f // m: about fifty neighbours a vertex
+#define LIMIT_RADIUS 0.008f // m: about fifty neighbours per vertex
 #define FLOW_RADIUS 0.008f  // m
-#define FLOW_REACH 0.04f    // of the radius: the sum of all steps; much more, and vertices meet
+#define FLOW_REACH 0.04f    // of the radius: the sum of all steps; with much more, vertices collide
 #define MAX_FLOW_STEPS 16
 #define STRANDS 80
 
 typedef struct clump_way
 {
     wisp_frozen_hair_def def;
-    bool is_flow; // against many short steps; else against the default look
+    bool is_flow; // compared with many short steps; otherwise with the default shape
 } clump_way;
 
 #define WAYS_MAX 48
@@ -82,7 +82,7 @@ static wisp_status look( clumps* all, const clump_way* way, paper_world* world, 
     return status;
 }
 
-// The same command again and again: between the first and the last nothing changes but the time.
+// The same command repeatedly: between the first and the last nothing changes except the time.
 static wisp_status run_clumps( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                                wisp_error* error )
 {
@@ -98,7 +98,7 @@ static wisp_status run_clumps( void* context, int setting, int workers, bool is_
     }
     status = status == WISP_OK ? paper_world_replay( &world, 0, &points, &out->hash, error ) : status;
     status = status == WISP_OK && is_looked_at ? look( all, way, &world, points, out, error ) : status;
-    out->halted_at = 0; // there is no time in it that could carry anything away
+    out->halted_at = 0; // it has no time, so nothing accumulates
     paper_world_destroy( &world );
     return status;
 }
@@ -220,7 +220,7 @@ wisp_status accuracy_frozen_clumps( const bench_options* options, double seconds
                                     wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its reference is of this many strands
+    (void)seconds; // its reference has this many strands
     clumps* all = calloc( 1, sizeof( clumps ) );
     *out = ( accuracy_scene ){
         .note = "the uncertainty is that of the flow, where vertices gain and lose neighbours; the reference of the "

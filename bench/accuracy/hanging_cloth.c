@@ -13,7 +13,7 @@ enum
 {
     FINEST = HANGING_CLOTH_MESHES - 1,
     MAX_SUBSTEPS = 40,
-    SUBSTEPS_OF_MESHES = 160, // enough that the remaining error is the mesh's
+    SUBSTEPS_OF_MESHES = 160, // enough that the remaining error is that of the mesh
 };
 
 const int hanging_cloth_sizes[HANGING_CLOTH_MESHES] = { 9, 17, 33, 65 };
@@ -104,7 +104,7 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     def.solver = way->solver;
     def.bending = way->solver == WISP_SOLVER_PBD ? WISP_CLOTH_BENDING_NONE : WISP_CLOTH_BENDING_LINKS;
     def.warp_compliance = def.weft_compliance = (float)( 1.0 / HANGING_CLOTH_EDGE_STIFFNESS );
-    // the sum makes it isotropic: every edge has the same
+    // the sum is isotropic: every edge has the same
     def.shear_compliance = (float)( 2.0 / HANGING_CLOTH_EDGE_STIFFNESS );
     def.bend_compliance = (float)hanging_cloth_bend_compliance( way->mesh );
     def.tethers = way->setting.tethers;
@@ -118,7 +118,7 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
     return status;
 }
 
-// Mean square distance at those places of the reference that the mesh has, m^2.
+// Mean square distance at the reference positions that the mesh contains, m^2.
 static double square_distance( const hang_scene* own, int mesh, int look, const wisp_vec3* points )
 {
     const int side = HANGING_CLOTH_PLACES, n = hanging_cloth_sizes[mesh], places = n < side ? n : side;
@@ -210,7 +210,7 @@ static accuracy_setting* add_way( accuracy_scene* scene, hang_way way )
                                  ending );
 }
 
-// Substeps of one pass on a mesh.
+// Substeps with one pass on a mesh.
 static void add_substeps( accuracy_scene* scene, hang_way way, int most )
 {
     static const int substeps[] = { 1, 2, 5, 10, 20, MAX_SUBSTEPS };
@@ -220,7 +220,7 @@ static void add_substeps( accuracy_scene* scene, hang_way way, int most )
     for ( int i = 0; i < WISP_COUNT( substeps ) && substeps[i] <= most; ++i )
     {
         way.setting.substeps = substeps[i];
-        // pbd and tethers are other models, which stay away from the reference however short a substep is
+        // pbd and tethers are other models, which do not converge to the reference
         const bool converges = way.solver == WISP_SOLVER_XPBD && !way.setting.tethers;
         accuracy_join_series( add_way( scene, way ), series, "substep, s", (double)CLOTH_STEP / substeps[i],
                               converges ? 1.0 : NAN );
@@ -316,7 +316,7 @@ wisp_status accuracy_hanging_cloth( const bench_options* options, double seconds
                                     wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its meshes are what it is about
+    (void)seconds; // its meshes are its subject
     *out = ( accuracy_scene ){ .error_name = "RMS distance to the reference",
                                .error_unit = "mm",
                                .note = "n: vertices per side; the finest mesh is compared at every second one. "

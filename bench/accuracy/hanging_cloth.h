@@ -11,13 +11,13 @@
 enum
 {
     HANGING_CLOTH_MESHES = 4,
-    HANGING_CLOTH_STEPS = 24, // 0.4 s: what has fallen folds, and folds are chaotic
+    HANGING_CLOTH_STEPS = 24, // 0.4 s: later the cloth folds, and folds are chaotic
     HANGING_CLOTH_LOOK_STEPS = 4,
     HANGING_CLOTH_LOOKS = HANGING_CLOTH_STEPS / HANGING_CLOTH_LOOK_STEPS,
-    HANGING_CLOTH_PLACES = 33, // a side, at which it is compared: every second vertex of the finest mesh
+    HANGING_CLOTH_PLACES = 33, // per side, compared: every second vertex of the finest mesh
 };
 
-/// Vertices a side; coarser meshes have every second, fourth or eighth of the finest one's.
+/// Vertices per side; coarser meshes have every second, fourth or eighth vertex of the finest one.
 extern const int hanging_cloth_sizes[HANGING_CLOTH_MESHES];
 double hanging_cloth_spacing( int mesh );
 /// m/N, of a bend link: the same sheet on every mesh.

@@ -1,5 +1,5 @@
-// Chains that hang and swing a little: both slowest modes against their closed forms, by substeps, sweeps and
-// vertices.
+// Chains that hang and swing with small amplitude: their two slowest modes against closed forms, by substeps, sweeps
+// and vertices.
 #include "scene_tools.h"
 #include "strands_scene.h"
 
@@ -7,15 +7,15 @@
 #include <stdlib.h>
 
 #define CHAIN_LENGTH 0.2      // m, as long as a hair
-#define CHAIN_AMPLITUDE 0.002 // of the length, at the tip: so small that the periods are those of small swings
+#define CHAIN_AMPLITUDE 0.002 // of the length, at the tip: small enough for the periods of small swings
 #define CHAIN_VERTICES_MAX 65
 #define LAGUERRE_LINKS 10
 #define FEW_CHAINS 64 // half of them in each mode
 #define MANY_CHAINS 256
 #define FULL_SECONDS 15.0
 
-// Periods over sqrt( L/g ): of ten equal masses by the roots of a Laguerre polynomial, and of what they tend to, by
-// the zeros of J0.
+// Periods over sqrt( L/g ): of ten equal masses by the roots of a Laguerre polynomial, and of their limit by the
+// zeros of J0.
 static const double laguerre_period[] = { 5.352609, 2.326381 };
 static const double continuous_period[] = { 5.2254811, 2.2764842 };
 
@@ -23,7 +23,7 @@ typedef struct chain_way
 {
     wisp_strand_stretch stretch;
     int links, sweeps, substeps;
-    bool is_continuous; // as heavy everywhere, against the continuous chain; else of equal masses
+    bool is_continuous; // of uniform mass, against the continuous chain; otherwise of equal masses
 } chain_way;
 
 #define WAYS_MAX 64
@@ -41,7 +41,7 @@ static double mass_of( const chain_way* way, int vertex )
     return way->is_continuous && vertex == way->links ? 0.5 : 1.0;
 }
 
-// What remains of u without its share of the mode.
+// The remainder of u without its component along the mode.
 static void take_away( const chain_way* way, const double* mode, double* u )
 {
     double shared = 0.0, norm = 0.0;
@@ -56,13 +56,13 @@ static void take_away( const chain_way* way, const double* mode, double* u )
     }
 }
 
-// The shape of the slowest mode, or of the next one, by inverse iteration: the forces m u are solved for a shape, a
-// link's pull being the weight below it. The tip goes 1 aside.
+// The shape of the slowest mode, or of the next one, by inverse iteration: the forces m u are solved for a shape,
+// with the weight below each link as its tension. The tip is displaced by 1.
 static void find_mode( const chain_way* way, const double* slower, double* u )
 {
     for ( int v = 0; v <= way->links; ++v )
     {
-        u[v] = v * ( v - 0.6 * way->links ); // neither mode is missing in it
+        u[v] = v * ( v - 0.6 * way->links ); // contains both modes
     }
     for ( int iteration = 0; iteration < 80; ++iteration )
     {
@@ -90,7 +90,7 @@ static void find_mode( const chain_way* way, const double* slower, double* u )
     }
 }
 
-// One chain in the shape of a mode, in a vertical plane of its own.
+// One chain in the shape of a mode, in its own vertical plane.
 static void lay_chain( const double* mode, int links, double plane, wisp_vec3* points )
 {
     const double link = CHAIN_LENGTH / links;
@@ -132,7 +132,7 @@ static wisp_status make_chains( const chains* all, const chain_way* way, strands
 
 #define SWING_STEPS 80 // of 1/60 s: a period and three quarters of the slowest mode
 
-/// Where the tips of a mode are, step by step: the mean over its chains, each along its own plane.
+/// Displacement of the tips of a mode, step by step: the mean over its chains, each along its own plane.
 typedef struct swing
 {
     double aside[2][SWING_STEPS + 1];
@@ -156,7 +156,7 @@ static double cubic( const double* y, double t )
            y[1] * ( t + 1.0 ) * t * ( t - 2.0 ) / 2.0 + y[2] * ( t + 1.0 ) * t * ( t - 1.0 ) / 6.0;
 }
 
-// Where it passes through 0 between y[0] and y[1], by halving: a straight line is too coarse for steps of 1/60 s.
+// Zero of that cubic between y[0] and y[1], by bisection: a straight line is too coarse for steps of 1/60 s.
 static double zero_between( const double* y )
 {
     double lower = 0.0, upper = 1.0;
@@ -170,7 +170,7 @@ static double zero_between( const double* y )
     return 0.5 * ( lower + upper );
 }
 
-// From the first passage through the middle to the next one from the same side. @return s; NaN if it is not seen
+// From the first passage through the middle to the next one in the same direction. @return s; NaN if there is none
 static double period_of( const double* aside )
 {
     double times[3];
@@ -185,8 +185,8 @@ static double period_of( const double* aside )
     return count == 3 ? times[2] - times[0] : NAN;
 }
 
-// How much less far the slowest mode is aside than at the start, when it comes back: the largest value of the second
-// half.
+// Loss of amplitude of the slowest mode after one period: compares its largest value in the last two thirds with the
+// start.
 static double amplitude_lost( const double* aside )
 {
     double most = 0.0;
@@ -288,7 +288,7 @@ static void put_substeps( accuracy_scene* scene, const char* name, wisp_strand_s
 {
     static const int tried[] = { 1, 2, 4, 10, 20, 40 };
 
-    // One sweep of one substep stretches the chain threefold: it swings nowhere.
+    // One sweep of one substep stretches the chain threefold, so it does not swing.
     for ( int i = stretch == WISP_STRAND_STRETCH_LINKS ? 1 : 0; i < WISP_COUNT( tried ); ++i )
     {
         const chain_way way = { .stretch = stretch, .links = LAGUERRE_LINKS, .sweeps = 1, .substeps = tried[i] };
@@ -351,7 +351,7 @@ wisp_status accuracy_strands_chain( const bench_options* options, double seconds
     all->count = seconds < FULL_SECONDS ? FEW_CHAINS : MANY_CHAINS;
     put_substeps( out, "direct", WISP_STRAND_STRETCH_DIRECT, 2.0 );
     put_substeps( out, "xpbd, 1 sweep", WISP_STRAND_STRETCH_LINKS, 2.0 );
-    put_substeps( out, "follow the leader", WISP_STRAND_STRETCH_FOLLOW, NAN ); // its momentum is another one
+    put_substeps( out, "follow the leader", WISP_STRAND_STRETCH_FOLLOW, NAN ); // its momentum differs
     put_sweeps( out );
     put_vertices( out );
     return WISP_OK;

@@ -1,6 +1,6 @@
-// Rods of three lengths that bend under their own weight, against the heavy elastica: they fall from the horizontal,
-// which is also the direction of their clamp, and come to rest where vertices and substeps take them. What still
-// moves then is jitter.
+// Rods of three lengths that bend under their own weight, against the heavy elastica. They fall from the horizontal,
+// which is also the direction of their clamp, and come to rest at a shape that depends on vertices and substeps.
+// Motion that remains then is jitter.
 #include "elastica.h"
 #include "scene_tools.h"
 #include "strands_scene.h"
@@ -8,12 +8,12 @@
 #include <math.h>
 #include <stdlib.h>
 
-// m, of the rods with G = 10: a hair of ordinary length and mass. Their stiffness is that of all.
+// m, of the rods with G = 10: a hair of ordinary length and mass. All rods have its stiffness.
 #define ROD_LENGTH 0.2
 #define LOADS 3
 #define ROD_DAMPING 9.0f
 #define ROD_VERTICES_MAX 64
-// By then the slowest swing is below a rounding; the last steps show what does not come to rest.
+// By then the slowest swing is below rounding; the last steps show motion that does not decay.
 #define REST_STEPS 180
 #define JITTER_STEPS 30
 #define FEWEST_RODS 12 // multiples of the loads
@@ -22,7 +22,7 @@
 #define FEW_SECONDS 4.0
 #define FULL_SECONDS 15.0
 
-// G, which goes with the third power of the length.
+// G, proportional to the third power of the length.
 static const double loads[LOADS] = { 1.0, 10.0, 100.0 };
 
 typedef struct rod_way
@@ -45,7 +45,7 @@ static double length_of( int rod )
     return ROD_LENGTH * cbrt( loads[rod % LOADS] / 10.0 );
 }
 
-// Each in a vertical plane of its own. @param curve [vertices] of a rod of length 1
+// Each in its own vertical plane. @param curve [vertices] of a rod of length 1
 static void lay_rod( int rod, int vertices, double ( *curve )[2], wisp_vec3* points )
 {
     const double plane = 2.399963229728653 * rod; // multiples of the golden angle never repeat
@@ -73,7 +73,7 @@ static wisp_status make_rods( int count, int vertices, strands_shape* out, wisp_
     return status;
 }
 
-// A tenth of a second: only for who looks.
+// A tenth of a second: only for sampled runs.
 static wisp_status make_reference( int count, int vertices, strands_shape* out, wisp_error* error )
 {
     double bent[LOADS][ROD_VERTICES_MAX][2];
@@ -200,7 +200,7 @@ static void put_vertices( accuracy_scene* scene )
     }
 }
 
-// Substeps change what moves and not what is at rest, so nothing is promised of them.
+// Substeps change the motion but not the shape at rest, so no order is expected.
 static void put_substeps( accuracy_scene* scene, int vertices )
 {
     static const int tried[] = { 1, 2, 4, 20 };

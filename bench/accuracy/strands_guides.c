@@ -1,5 +1,5 @@
-// Guides and ghosts against simulating all: what fewer guides miss on a head that is shaken, beside what fewer
-// substeps of all strands miss for the same time.
+// Guides and ghosts against simulating all strands: the error of fewer guides on a shaken head, next to that of fewer
+// substeps of all strands for the same time.
 #include "scene_tools.h"
 #include "strands_guides.h"
 
@@ -8,7 +8,7 @@
 
 typedef struct shake_way
 {
-    int ratio; // strands a guide; 0: all are simulated
+    int ratio; // strands per guide; 0: all are simulated
     int targets, substeps;
     bool sways;
 } shake_way;
@@ -99,7 +99,7 @@ enum
     MEASURES,
 };
 
-/// What looks come to.
+/// Sums over the samples.
 typedef struct shake_tally
 {
     double squares, farthest; // m^2, m
@@ -204,7 +204,7 @@ wisp_status accuracy_strands_guides( const bench_options* options, double second
                                      wisp_error* error )
 {
     (void)options;
-    (void)seconds; // its reference is of this many strands
+    (void)seconds; // its reference has this many strands
     shakes* all = calloc( 1, sizeof( shakes ) );
     *out = ( accuracy_scene ){
         .error_name = "distance to all simulated",

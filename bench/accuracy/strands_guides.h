@@ -12,14 +12,16 @@ enum
     SHAKE_STEPS = 45,
     SHAKE_LOOK = 5,
     SHAKE_LOOKS = SHAKE_STEPS / SHAKE_LOOK,
-    // What is compared: every fifth strand, which comes by every place of a block of 4 x 4, and every second vertex up to the tip.
+    // Compared: every fifth strand, so that every position in a block of 4 x 4 occurs, and every second vertex up to
+    // the tip.
     SHAKE_STRIDE = 5,
     SHAKE_SEEN = ( SHAKE_SIDE * SHAKE_SIDE + SHAKE_STRIDE - 1 ) / SHAKE_STRIDE,
     SHAKE_SEEN_VERTICES = SHAKE_VERTICES / 2,
 };
 
 wisp_status shake_make_hair( strands_shape* out, wisp_error* error );
-/// A vertex that is compared. @param place in 0 .. SHAKE_SEEN * SHAKE_SEEN_VERTICES - 1 @return its number in the shape
+/// The number of a compared vertex. @param place in 0 .. SHAKE_SEEN * SHAKE_SEEN_VERTICES - 1 @return its index in
+/// the shape
 int shake_seen_vertex( int place );
 /// Scene, facts and size of the reference, [looks][strands][vertices][3] m, of all strands simulated.
 accuracy_reference strands_guides_reference( const strands_shape* hair );

@@ -1,5 +1,5 @@
-// Hair that begins at rest: it should stay where it is, and not flicker. What goes away from its shape, and what
-// moves at the end, is the error of a setting.
+// Hair that starts at rest should stay there without jitter. The error of a setting is the change of its shape, and
+// its motion at the end.
 #include "scene_tools.h"
 #include "strands_head.h"
 
@@ -12,7 +12,7 @@
 #define WAVE_VERTICES 24
 #define CURL_HEIGHT 0.16  // m
 #define CURL_RADIUS 0.005 // m
-#define CURL_PITCH 0.02   // m a turn
+#define CURL_PITCH 0.02   // m per turn
 #define FEWEST_STRANDS_SIDE 4
 #define FEW_STRANDS_SIDE 8
 #define MANY_STRANDS_SIDE 16
@@ -45,7 +45,7 @@ typedef struct rests
 
 // ---- hair ----
 
-// Hanging helices, each turned by an angle of its own: what hangs is in stable balance, if it is stiff enough for its
+// Hanging helices, each turned by a different angle. Hanging hair is in stable balance if it is stiff enough for its
 // curls.
 static wisp_status make_curls( int strand_count, int vertices, strands_shape* out, wisp_error* error )
 {
@@ -144,7 +144,7 @@ static accuracy_setting* put_way( accuracy_scene* scene, const char* name, rest_
     return accuracy_put_setting( scene, "%s, %d substeps", name, way.substeps );
 }
 
-// Nothing moves if all is well, so there is no order to promise.
+// Nothing should move, so no order is expected.
 static void put_substeps( accuracy_scene* scene, const char* name, rest_hair hair )
 {
     static const int tried[] = { 1, 2, 4, 8, 16, 32 };

@@ -1,4 +1,4 @@
-// Strands let go horizontally: what every way to keep their lengths costs, and what it makes of the fall.
+// Strands released horizontally: the cost of each way to keep their lengths, and its effect on the fall.
 #include "scene_tools.h"
 #include "strands_swing.h"
 
@@ -7,11 +7,11 @@
 
 #define FALL_STEPS 60
 #define FALL_LOOK 5
-// Below this time in seconds fewer strands fall; strands do not touch, so the statistics stay.
+// Below this time in seconds fewer strands fall; strands do not touch, so the statistics stay the same.
 #define FULL_SECONDS 15.0
 #define MANY_STRANDS 1024
 #define FEW_STRANDS 256
-// A hair of 80 um of 4 GPa: so stiff is a segment that stretches.
+// A hair of 80 um diameter and a modulus of 4 GPa: the stiffness of a segment that stretches.
 #define HAIR_STRETCH 20.1 // N
 
 typedef struct fall_way
@@ -21,7 +21,7 @@ typedef struct fall_way
     int sweeps;
 } fall_way;
 
-/// A way by which substeps and sweeps are turned.
+/// A method with the substeps and sweeps to try.
 typedef struct fall_family
 {
     const char* name;
@@ -31,7 +31,7 @@ typedef struct fall_family
     double order; // in the substep
 } fall_family;
 
-// Who follows the leader ends somewhere else however short the substep, so nothing is promised.
+// Follow the leader converges to another motion however short the substep, so no order is expected.
 static const fall_family families[] = {
     { "direct", WISP_STRAND_STRETCH_DIRECT, WISP_SOLVER_XPBD, 8, 1.0 },
     { "direct, 1 Newton pass", WISP_STRAND_STRETCH_DIRECT, WISP_SOLVER_XPBD, 1, 1.0 },
@@ -48,7 +48,7 @@ typedef struct fall_sweeps
     const char* name;
     wisp_solver solver;
     int substeps;
-    int first, last; // each twice the one before
+    int first, last; // each twice the previous one
 } fall_sweeps;
 
 static const fall_sweeps sweeps_tried[] = {
@@ -91,7 +91,7 @@ accuracy_reference strands_swing_reference( void )
     return reference;
 }
 
-// Every strand in the direction in which it began.
+// Every strand in its initial direction.
 static wisp_status lay_reference( fall* f, const double* numbers, wisp_error* error )
 {
     f->reference = malloc( (size_t)strands_shape_size( &f->shape ) * sizeof( wisp_vec3 ) );
@@ -135,7 +135,7 @@ enum
     MEASURES,
 };
 
-// Released is what gravity has given by now; the strands began at rest at height 0, so all their energy was 0.
+// Released energy is the work of gravity so far; the strands start at rest at height 0, so their energy was 0.
 static wisp_status look_at_energy( const strands_implementation* implementation, accuracy_run* out,
                                    wisp_error* error )
 {

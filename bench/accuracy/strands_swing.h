@@ -5,6 +5,6 @@
 
 #include "strands_bench.h"
 
-/// Scene, facts and size of the reference of one strand, [STRANDS_VERTICES][2] m, how far along and how high: all fall alike, each
-/// in the plane of its own direction.
+/// Scene, facts and size of the reference of one strand, [STRANDS_VERTICES][2] m, horizontal distance and height: all
+/// strands fall alike, each in the plane of its own direction.
 accuracy_reference strands_swing_reference( void );

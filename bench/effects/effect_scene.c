@@ -28,13 +28,13 @@ typedef wisp_status tell_fn( wisp_world* world, const effect_scene* scene, int s
 
 struct effect_parts
 {
-    host_fn* add_host;         ///< what the effect acts on
-    const wisp_module* beside; ///< what moves the host, or null
+    host_fn* add_host;         ///< add the entity of the effect
+    const wisp_module* beside; ///< move the host, or null
     set_fn* set;               ///< the effect itself
-    tell_fn* tell;             ///< what it hears before each step, or null
+    tell_fn* tell;             ///< commands before each step, or null
 };
 
-// ---- what effects act on ----
+// ---- entities of the effects ----
 
 static wisp_entity* begin_entity( effect_scene* out, wisp_component shown )
 {
@@ -42,7 +42,7 @@ static wisp_entity* begin_entity( effect_scene* out, wisp_component shown )
     return out->entities + out->entity_count++;
 }
 
-// How many vertices are held, from the first one on.
+// Number of held vertices, from the first one on.
 enum
 {
     LOOSE = 0,
@@ -112,7 +112,7 @@ static wisp_status host_loose_sheet( wisp_world* world, const effect_size* size,
     return add_sheet( world, size, 0.01f, LOOSE, out, error );
 }
 
-// A sheet a little above another one that does not move, so that contact has the same to do in every step.
+// A sheet a little above a static one, so that contact has the same work in every step.
 static wisp_status host_two_sheets( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error )
 {
     const wisp_status status = add_sheet( world, size, 0.0f, HELD, out, error );
@@ -164,7 +164,7 @@ static wisp_status move_strands( wisp_world* world, wisp_entity strands )
     return wisp_set_strand_dynamics( world, strands, &def );
 }
 
-// Guides that move, and hair that could follow them.
+// Guides that move, and hair for ghosts.
 static wisp_status host_guides( wisp_world* world, const effect_size* size, effect_scene* out, wisp_error* error )
 {
     wisp_status status = add_strands( world, ( size->strands + GUIDES_FRACTION - 1 ) / GUIDES_FRACTION, out, error );
@@ -287,7 +287,7 @@ static const effect_parts strand_appearance_parts = { host_strands, NULL, set_st
                                                       tell_strand_appearance };
 static const effect_parts strands_parts = { host_strands, NULL, set_strands, NULL };
 
-// A module without a scene does not compile: no effect can be forgotten.
+// A module without a scene does not compile, so no effect can be forgotten.
 #define WISP_MODULE( name ) { #name, &wisp_##name##_module, &name##_parts },
 static const effect ALL[] = {
 #include "modules.inc"
@@ -342,7 +342,7 @@ int effects_modules( const effect* const* effects, int count, bool is_on, effect
 
 // ---- a scene ----
 
-// What the world refused it has a message for; what was refused before there is something to ask has one already.
+// An error of the world has a message; an error before the world exists has one already.
 static wisp_status refuse( wisp_world* world, const effect* which, wisp_status status, wisp_error* error )
 {
     const char* message = wisp_world_message( world );

@@ -1,5 +1,5 @@
-/// The smallest scene of every effect: what it acts on, the effect itself, and what a host says before a step so that the
-/// effect has something to do in each. Any of them may share a world, and none touches another.
+/// The smallest scene of every effect: its entity, the effect itself, and commands of the host before a step so that
+/// the effect has work in each. All of them can be in one world without touching each other.
 #pragma once
 
 #include "wisp/module/module.h"
@@ -35,31 +35,31 @@ const effect* effects_find( const char* name );
 struct effect_scene
 {
     const effect* effect;
-    bool is_on; ///< false: what it acts on, without it
+    bool is_on; ///< false: the entity alone, without the effect
     wisp_entity entities[EFFECT_ENTITIES_MAX];
     wisp_component shown[EFFECT_ENTITIES_MAX]; ///< points, in the user's order
     int entity_count;
 };
 
-/// Which modules a world has.
+/// The modules of a world.
 typedef enum effect_registry
 {
-    EFFECT_EVERY, ///< all there are
-    EFFECT_USED,  ///< those that act in its scene; without its effect, what is left
+    EFFECT_EVERY, ///< all modules
+    EFFECT_USED,  ///< those that run in its scene; without its effect, the remaining ones
 } effect_registry;
 
 #define EFFECT_MODULES_MAX 32
 
-/// The modules of a world for these effects. @param modules [EFFECT_MODULES_MAX] @return how many
+/// The modules of a world for these effects. @param modules [EFFECT_MODULES_MAX] @return their number
 int effects_modules( const effect* const* effects, int count, bool is_on, effect_registry registry,
                      const wisp_module** modules );
 
-/// Add what the effect acts on and, if it is on, the effect.
+/// Add the entity of the effect and, if it is on, the effect.
 wisp_status effect_scene_add( const effect* which, const effect_size* size, bool is_on, wisp_world* world,
                               effect_scene* out, wisp_error* error );
-/// What a host says before a step. @param step from 0
+/// Commands of the host before a step. @param step from 0
 wisp_status effect_scene_tell( const effect_scene* scene, wisp_world* world, int step );
-/// Of all points that are shown. @return WISP_CONFLICT before the first step
+/// Of all visible points. @return WISP_CONFLICT before the first step
 wisp_status effect_scene_hash( const effect_scene* scene, wisp_world* world, uint64_t* hash );
 /// Vertices of the scene, after a step.
 int effect_scene_vertices( const effect_scene* scene, wisp_world* world );

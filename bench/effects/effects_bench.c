@@ -7,7 +7,7 @@ wisp_status effects_bench( const bench_options* options, results* out, wisp_erro
     const double seconds = bench_seconds( options );
     const effects_plan plan = {
         .size = { .side = 32, .level = 3, .strands = 500 },
-        // A step of all four is a few milliseconds: longer ones would be cut by who else uses the processor.
+        // A step of all four is a few milliseconds: longer ones would be interrupted by other processes.
         .together = { .side = 32, .level = 3, .strands = 200 },
         .steps = 20,
         .seconds = 0.6 * seconds,

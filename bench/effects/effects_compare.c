@@ -14,13 +14,13 @@ enum
     ON,             // every module is registered
     ON_USED,        // only those that the scene uses
     OFF,            // every module, and the effect is not requested
-    NOT_REGISTERED, // the same without its module, and without all others that are not used
+    NOT_REGISTERED, // the same without its module, and without all other unused ones
     WAYS,
 };
 
 static const char* const way_names[WAYS] = { "on", "on, used modules only", "off", "not registered" };
 
-// One effect all ways.
+// One effect in all ways.
 typedef struct contest
 {
     const effect* effect;
@@ -30,7 +30,7 @@ typedef struct contest
     uint64_t hash[WAYS];
     char plan[WAYS][EFFECT_PLAN_MAX];
     int passes[WAYS];
-    size_t bytes[WAYS]; // beyond the registry
+    size_t bytes[WAYS]; // apart from the registry
     int vertices;
 } contest;
 
@@ -167,7 +167,7 @@ static void add_rows_for_machines( const contest* c, results* out )
     }
 }
 
-// Points that lie on the diagonal cost nothing.
+// Points on the diagonal cost nothing.
 typedef struct diagonal
 {
     int chart, on, off, line;

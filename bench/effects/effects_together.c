@@ -1,5 +1,4 @@
-// Effects in worlds of their own, and together in one: what they cost adds up, and none moves otherwise beside
-// others.
+// Effects in worlds of their own, and together in one: their costs add up, and each keeps its bits.
 #include "effects/effects_bench.h"
 
 #include "cells.h"
@@ -11,16 +10,16 @@
 #include <time.h>
 
 #define PARTS 4
-#define TOLERANCE 0.10 ///< of the sum, within which it is the sum
+#define TOLERANCE 0.10 ///< tolerance relative to the sum
 
 static const char* const part_names[PARTS] = { "cloth", "balloon", "strands", "frozen_hair" };
 
-// A world, and the processor's time of its last steps. It has one worker, so that time is all that a step costs, and
-// who else uses the machine is not in it.
+// A world, and the processor time of its last steps. It has one worker, so that is the whole cost of a step, without
+// other processes.
 typedef struct implementation_world
 {
     effect_world world;
-    double* ms; // [room], the oldest are written over
+    double* ms; // [room], the oldest are overwritten
     int count, room;
 } implementation_world;
 

@@ -9,7 +9,7 @@ typedef struct side
 {
     int lower, upper; // of the edge
     int opposite;
-    int order; // in which the triangles name it
+    int order; // in the direction of its triangle
 } side;
 
 static int by_edge( const void* left, const void* right )
@@ -44,11 +44,11 @@ static void add_link( plain_cloth* cloth, int a, int b, float stiffness )
     cloth->links[cloth->link_count++] = ( plain_link ){ a, b, rest, stiffness };
 }
 
-// Each edge once, where the triangles name it first; `pairs` gets the opposite vertices of edges with two triangles.
+// Each edge once, in the order of the triangles; `pairs` gets the opposite vertices of edges with two triangles.
 static void collect_links( plain_cloth* cloth, side* sides, int side_count, float bend_stiffness )
 {
     qsort( sides, (size_t)side_count, sizeof( side ), by_edge );
-    side* edges = sides + side_count; // room for both lists behind the sides
+    side* edges = sides + side_count; // memory for both lists after the sides
     int edge_count = 0;
     side* pairs = edges + side_count;
     int pair_count = 0;

@@ -1,5 +1,5 @@
-/// Cloth by links as a scalar C program has it: arrays of float3, links in the order of the mesh, one after another
-/// on one thread. The engine is raced against this on the same scene.
+/// Cloth by links in scalar C: arrays of float3, links in the order of the mesh, one after another on one thread. The
+/// engine is compared with this on the same scene.
 #pragma once
 
 #include "wisp/base.h"

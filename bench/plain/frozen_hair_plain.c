@@ -202,7 +202,7 @@ static void frame( wisp_vec3 t, wisp_vec3* b1, wisp_vec3* b2 )
     *b2 = ( wisp_vec3 ){ b, sign + t.y * t.y * a, -t.y };
 }
 
-// The axis for straight hair and for the first segment: any perpendicular one will do, always the same for a vertex.
+// The axis for straight hair and for the first segment: any perpendicular one, always the same for a vertex.
 static wisp_vec3 fallback_axis( wisp_vec3 t, int dimension, wisp_random_key key, uint32_t s, uint32_t i )
 {
     if ( dimension == 2 )
@@ -389,7 +389,7 @@ static void build_grid( plain_hair_grid* grid, const wisp_vec3* p, int count, fl
         begin[bucket_of( grid, grid->cell_key[v] )] += 1;
     }
 
-    // sum up, so that each bucket knows its end; filling backwards then turns ends into beginnings
+    // sum up, so that each bucket has its end; filling backwards then turns ends into beginnings
     int sum = 0;
     for ( int b = 0; b <= grid->bucket_count; ++b )
     {
@@ -404,7 +404,7 @@ static void build_grid( plain_hair_grid* grid, const wisp_vec3* p, int count, fl
     }
 }
 
-// The cells round a vertex, 9 in the plane and 27 in space.
+// The cells around a vertex, 9 in the plane and 27 in space.
 static int cells_round( const plain_hair_grid* grid, int v, int dimension, uint64_t cells[27] )
 {
     uint64_t key = grid->cell_key[v];
@@ -425,7 +425,7 @@ static int cells_round( const plain_hair_grid* grid, int v, int dimension, uint6
 
 // Stage 3: clump with gaps (Eq. 14-19)
 
-// sigma times the adhesion of one vertex, cut by the overshoot guard.
+// sigma times the adhesion of one vertex, limited by the overshoot guard.
 static wisp_vec3 tentative_step( const plain_frozen_hair* hair, const plain_hair_grid* grid, int v )
 {
     const plain_frozen_hair_options* o = &hair->options;
@@ -474,12 +474,12 @@ static float pair_delta( plain_hair_gap gap, float r0, float r1, float inverse_h
     {
         change = fabsf( change );
     }
-    // comparisons, since fminf and fmaxf are calls into the library as long as a NaN must be minded
+    // comparisons, because fminf and fmaxf are library calls unless NaN may be ignored
     float fraction = change * inverse_h;
     return fraction < 0.0f ? 0.0f : fraction > 1.0f ? 1.0f : fraction;
 }
 
-// How much the distances round one vertex have changed, weighted by the kernel in the reference shape.
+// Change of the distances around one vertex, weighted by the kernel in the reference shape.
 static float vertex_delta( const plain_frozen_hair* hair, const plain_hair_grid* grid, const wisp_vec3* reference,
                            int v )
 {
@@ -519,7 +519,7 @@ static float brake( const plain_frozen_hair_options* o, float delta, float zeta 
     return ( 1.0f - delta ) * zeta + delta * at_full_change;
 }
 
-// One iteration: steps of all vertices first, then the brake that looks at where all of them would go.
+// One iteration: steps of all vertices first, then the brake, which uses all of their targets.
 static void clump_once( plain_frozen_hair* hair, const plain_hair_grid* grid, int iteration )
 {
     const plain_frozen_hair_options* o = &hair->options;
@@ -563,7 +563,7 @@ static void clump( plain_frozen_hair* hair )
     memcpy( hair->position, hair->aligned, bytes );
     for ( int k = 0; k < o->clump_iterations; ++k )
     {
-        // the first iteration starts at p'', whose grid the brake needs anyway
+        // the first iteration starts at p'', whose grid the brake uses too
         plain_hair_grid* grid = k == 0 ? &hair->aligned_grid : &hair->grid;
         build_grid( grid, hair->position, hair->vertex_count, o->clump_radius );
         clump_once( hair, grid, k );

@@ -1,7 +1,6 @@
-/// Frozen hair as a competent programmer writes it in scalar C: one thread, float, an array of points in strand
-/// order, a hash grid rebuilt every clumping iteration. This is what the engine is raced against, and it is not slow
-/// on purpose: there is no allocation in a repeated run, and nothing is computed twice that a plain program would
-/// keep.
+/// Frozen hair in competent scalar C: one thread, float, an array of points in strand order, a hash grid rebuilt
+/// every clumping iteration. The engine is compared with this, and it is not slow on purpose: a repeated run
+/// allocates nothing and recomputes nothing that a scalar program would keep.
 ///
 /// Same equations, defaults and random numbers as the oracle in tests/oracle. Fixed here: direction from the mean,
 /// reach by the tip, base shape at rest, epsilon 0.
@@ -92,12 +91,12 @@ bool plain_frozen_hair_create( plain_frozen_hair* hair, int strand_count, const 
                                const float* stretch_stiffness, const float* bend_stiffness, const float* intensity,
                                const plain_frozen_hair_options* options );
 
-/// One user command, from rest to hair->position. Neighbours within h are exact while coordinates stay below 4000 h.
+/// Run one user command, from rest to hair->position. Neighbours within h are exact while coordinates stay below 4000
+/// h.
 /// @return false, and nothing is run, when a parameter, a stiffness or a coordinate is outside the method's limits
 bool plain_frozen_hair_run( plain_frozen_hair* hair );
 
-/// Mean number of vertices of other strands nearer than h to a vertex of p'' of the last run: the density of the
-/// scene.
+/// Mean number of vertices of other strands within h of a vertex of p'' of the last run: the density of the scene.
 double plain_frozen_hair_mean_neighbours( plain_frozen_hair* hair );
 
 void plain_frozen_hair_destroy( plain_frozen_hair* hair );

@@ -34,7 +34,7 @@ static inline wisp_vec3 times( const plain_block* block, wisp_vec3 a )
 
 // ---- forces ----
 
-// A force along a spring and how it changes with the length.
+// A force along a spring and its derivative by the length.
 typedef struct pull
 {
     float force; // N, above 0: the ends attract each other
@@ -106,7 +106,7 @@ static void add_spring( plain_implicit_cloth* cloth, const plain_spring* s, floa
     }
     wisp_vec3 d = scaled( 1.0f / r, x );
     pull p = pull_of( m, s, r );
-    // what pulls across is left out where it would push: the matrix stays positive
+    // lateral stiffness is left out where it would be negative: the matrix stays positive
     float across = s->bends ? 0.0f : p.force / r, everywhere = h * h * across + h * m->damping;
     const float axis[3] = { d.x, d.y, d.z };
     plain_block k;
@@ -190,7 +190,7 @@ static double dot( int count, const wisp_vec3* a, const wisp_vec3* b )
     return s;
 }
 
-// search = S P r, S without what is pinned. @return r' S P r
+// search = S P r, S without pinned vertices. @return r' S P r
 static double precondition( plain_implicit_cloth* cloth, const wisp_vec3* r )
 {
     for ( int v = 0; v < cloth->vertex_count; ++v )

@@ -1,6 +1,6 @@
-/// Cloth by an implicit step as a scalar C program has it: springs in the order of the mesh, a matrix of 3 x 3 blocks
-/// in compressed rows that is assembled in every step, conjugate gradients with the blocks of its diagonal inverted.
-/// One thread, float, sums of products in double. The engine is raced against this on the same scene.
+/// Cloth by an implicit step in scalar C: springs in the order of the mesh, a matrix of 3 x 3 blocks in compressed
+/// rows that is assembled in every step, conjugate gradients with the inverted blocks of its diagonal. One thread,
+/// float, sums of products in double. The engine is compared with this on the same scene.
 #pragma once
 
 #include "wisp/base.h"
@@ -8,13 +8,13 @@
 typedef struct plain_spring
 {
     int a, b;
-    bool bends;    ///< resists being shorter than at rest, like an arc; else resists being longer
+    bool bends;    ///< resists compression, like an arc; otherwise resists stretch
     float rest;    ///< m
     int to_a_of_b; ///< blocks of the matrix: row a, column b
     int to_b_of_a;
 } plain_spring;
 
-/// What it is made of and how it is solved for: the engine's wisp_implicit_cloth_def without its switches.
+/// Material and solver parameters: the engine's wisp_implicit_cloth_def without its switches.
 typedef struct plain_implicit_material
 {
     float stretch_stiffness;     ///< k_s, N/m
@@ -23,7 +23,7 @@ typedef struct plain_implicit_material
     float damping;               ///< k_d, N s/m
     float area_density;          ///< kg/m^2
     wisp_vec3 gravity;           ///< m/s^2
-    float tolerance;             ///< of a solve: its residual over that of standing still
+    float tolerance;             ///< of a solve: its residual relative to that of zero velocity
 } plain_implicit_material;
 
 typedef struct plain_block
@@ -44,7 +44,7 @@ typedef struct plain_implicit_cloth
     int spring_count, edge_count;
 
     int* row_begin;       ///< [vertex_count + 1]
-    int* column;          ///< of each block, ascending within a row, the row's own among them
+    int* column;          ///< of each block, ascending within a row, including the diagonal
     int* diagonal;        ///< [vertex_count] the block of a row's own column
     plain_block* block;   ///< [row_begin[vertex_count]] kg
     plain_block* inverse; ///< [vertex_count] of the diagonal blocks, 1/kg

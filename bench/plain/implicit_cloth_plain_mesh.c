@@ -180,7 +180,7 @@ static int neighbours_of( const plain_implicit_cloth* cloth, int vertex )
     return cloth->row_begin[vertex + 1] - cloth->row_begin[vertex] - 1;
 }
 
-// A third of its triangles, times the share of neighbours that a vertex has.
+// A third of the mass of its triangles, times the relative number of neighbours of a vertex.
 static void make_masses( plain_implicit_cloth* cloth, const int32_t* triangles, int triangle_count )
 {
     for ( int t = 0; t < triangle_count; ++t )

@@ -74,7 +74,7 @@ void plain_strands_destroy( plain_strands* strands )
     *strands = ( plain_strands ){ 0 };
 }
 
-// One distance. A compliance over dt^2 makes it soft; a single pass a substep needs no multiplier to remember.
+// One distance. A compliance over dt^2 makes it soft; a single pass per substep needs no stored multiplier.
 static void project( wisp_vec3* a, wisp_vec3* b, float wa, float wb, float rest, float softness )
 {
     float x = a->x - b->x, y = a->y - b->y, z = a->z - b->z;
@@ -112,7 +112,7 @@ static void solve_strand( const plain_strands* strands, size_t first )
     const float *w = strands->inverse_mass + first, *rest = strands->length + first;
     int segments = strands->vertices - 1;
 
-    // forward: eliminate the coupling to the segment before
+    // forward: eliminate the coupling to the previous segment
     float last_upper = 0.0f, last_lambda = 0.0f;
     for ( int s = 0; s < segments; ++s )
     {

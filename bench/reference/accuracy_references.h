@@ -1,9 +1,9 @@
-/// The references of `wisp bench accuracy`: one function a scene that has no closed form.
+/// The references of `wisp bench accuracy`: one function per scene without a closed form.
 #pragma once
 
 #include "accuracy/accuracy_reference.h"
 
-/// Fill in all of a reference. @param out also after a failure to be given to accuracy_reference_free()
+/// Fill in all fields of a reference. @param out to be given to accuracy_reference_free() even after a failure
 typedef wisp_status accuracy_reference_fn( accuracy_reference* out, wisp_error* error );
 
 accuracy_reference_fn reference_of_hanging_cloth, reference_of_flag, reference_of_balloon_flight,

@@ -16,7 +16,7 @@ enum
 /// Root mean square distances over the compared points, m.
 typedef struct converge_moves
 {
-    double before, last; // how far the two doublings have moved
+    double before, last; // displacement by the two doublings
     double differ;       // between the extrapolations from both
 } converge_moves;
 
@@ -34,7 +34,7 @@ static converge_moves measure( const converge_plan* plan, double* const runs[RUN
     return ( converge_moves ){ sqrt( fraction * m.before ), sqrt( fraction * m.last ), sqrt( fraction * m.differ ) };
 }
 
-// What the tables say ends with how finely it ran.
+// The text in the tables ends with the resolution of the run.
 static void describe( const converge_plan* plan, bool is_first_order, accuracy_reference* reference )
 {
     const size_t length = strlen( reference->reference ), room = sizeof( reference->reference ) - length;

@@ -10,7 +10,7 @@ enum
     BLOCK = 9,
 };
 
-static const double standard_gravity = 9.81; // m/s^2, of the weight that residuals are compared with
+static const double standard_gravity = 9.81; // m/s^2, of the weight to which residuals are relative
 
 static double3 add_scaled( double3 a, double s, double3 b )
 {
@@ -46,7 +46,7 @@ wisp_status newton_create( triangle_oracle* cloth, newton* out, wisp_error* erro
     const size_t n = (size_t)cloth->count, blocks = n + (size_t)cloth->link_count;
     *out = ( newton ){ .cloth = cloth };
     cholmod_start( &out->common );
-    // errors come back as a status, not as a line on the terminal
+    // errors are returned as a status, not printed on the terminal
     out->common.print = 0;
     out->triplets = cholmod_allocate_triplet( 3 * n, 3 * n, BLOCK * blocks, -1, CHOLMOD_REAL, &out->common );
     out->right = cholmod_zeros( 3 * n, 1, CHOLMOD_REAL, &out->common );
@@ -81,7 +81,7 @@ void newton_destroy( newton* n )
 
 // ---- the matrix S A S + (1 - S) m ----
 
-// Blocks of the diagonal are whole in what is summed up, but only their lower halves are handed over.
+// Blocks of the diagonal are complete in the sums, but only their lower halves are passed on.
 static void put_block( newton* n, int row, int column, const triangle_oracle_matrix* block )
 {
     int *rows = n->triplets->i, *columns = n->triplets->j;
@@ -160,8 +160,8 @@ static void fill_triplets( newton* n )
     free( diagonal );
 }
 
-// The answer stands in n->scratch. @param right [count] filtered
-// @return WISP_CONFLICT the matrix is not positive definite, and n->scratch is what it was
+// Solve; the result is in n->scratch. @param right [count] filtered
+// @return WISP_CONFLICT the matrix is not positive definite, and n->scratch is unchanged
 static wisp_status solve( newton* n, const double3* right, wisp_error* error )
 {
     fill_triplets( n );
@@ -187,8 +187,8 @@ static wisp_status solve( newton* n, const double3* right, wisp_error* error )
     return status;
 }
 
-// At the places in n->scratch, with all of the derivatives; in long steps bending may make that matrix indefinite, and without the
-// negative part of its derivatives Newton's method takes more steps, but to the same place.
+// At the positions in n->scratch, with all derivatives. In long steps bending may make that matrix indefinite;
+// without the negative part of its derivatives Newton's method takes more steps, but to the same solution.
 static wisp_status solve_at( newton* n, double s, const double3* right, wisp_error* error )
 {
     triangle_oracle* cloth = n->cloth;
@@ -206,7 +206,7 @@ static wisp_status solve_at( newton* n, double s, const double3* right, wisp_err
 
 // ---- a step ----
 
-// As the oracle extrapolates. @return what stands for h
+// Extrapolate as in the oracle. @return the replacement of h
 static double predict( newton* n, double h )
 {
     const triangle_oracle* cloth = n->cloth;
@@ -224,7 +224,7 @@ static double predict( newton* n, double h )
     return s;
 }
 
-// What is missing to the step: M (v^ - v) + s f(x) + s D v + push. @return its size where vertices are free
+// Residual of the step: M (v^ - v) + s f(x) + s D v + push. @return its norm at free vertices
 static double find_missing( newton* n, double s, const double3* v )
 {
     const triangle_oracle* cloth = n->cloth;
@@ -262,8 +262,8 @@ static double weight_impulse( const triangle_oracle* cloth, double s )
     return s * standard_gravity * sqrt( sum );
 }
 
-// Along the change in n->scratch, halved until less is missing: links that change between slack and taut on the way may make a
-// whole one too long. @return what is missing then
+// Move along the change in n->scratch, halved until the residual falls: links that change between slack and taut on
+// the way may make a full step too long. @return the residual then
 static double search( newton* n, double s, double missing )
 {
     const triangle_oracle* cloth = n->cloth;
@@ -290,7 +290,7 @@ static double search( newton* n, double s, double missing )
     return now;
 }
 
-// From where vertices go if nothing pulls, and contact has its way.
+// Start where vertices would go without forces, with contact applied.
 static wisp_status converge( newton* n, double s, wisp_error* error )
 {
     triangle_oracle* cloth = n->cloth;

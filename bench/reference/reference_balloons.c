@@ -1,4 +1,5 @@
-// A full balloon is let go: the flight of the oracle, and for `balloon_meshes` that of the engine on its finest mesh.
+// A full balloon is released: the flight of the oracle, and for `balloon_meshes` that of the engine on its finest
+// mesh.
 #include "accuracy_references.h"
 #include "converge.h"
 
@@ -133,8 +134,8 @@ wisp_status reference_of_balloon_flight( accuracy_reference* out, wisp_error* er
 
 // ---- meshes ----
 
-// The engine's flight, and how far the oracle is from it, which has the same substeps in double precision and takes links in another
-// order.
+// The engine's flight, and its distance from the oracle, which has the same substeps in double precision and another
+// order of links.
 static wisp_status fly_engine( flight_body* body, int pace, double* numbers, double* distance, wisp_error* error )
 {
     double other[FLIGHT_NUMBERS];

@@ -1,5 +1,5 @@
-// A flag in the wind in double precision: links and angles by the constraint oracle, air as engine/kernels/ring_air.c has it in its
-// first lines, damping as modules/cloth/cloth_damping.c; one pass a substep.
+// A flag in the wind in double precision: links and angles by the constraint oracle, air as in the first lines of
+// engine/kernels/ring_air.c, damping as in modules/cloth/cloth_damping.c; one pass per substep.
 #include "accuracy_references.h"
 #include "converge.h"
 
@@ -25,7 +25,7 @@ typedef struct flag_run
     wisp_cloth_def def;
     int count;
     double3 *x, *before, *v, *pull; // [count] m, m, m/s, N
-    double *weight, *rate;          // [count] 1/kg; N s/m, how fast the wind takes a vertex along
+    double *weight, *rate;          // [count] 1/kg; N s/m, coupling of a vertex to the wind
     double* rest;                   // [edge_count] m
     double* angle_compliance;       // [hinge_count] 1/J
 } flag_run;
@@ -73,7 +73,7 @@ static double3 area_vector( double3 a, double3 b, double3 c )
     return double3_cross( double3_sub( b, a ), double3_sub( c, a ) );
 }
 
-// The energy of an angle t over an edge e whose triangles have the area A together is 1/2 B e^2 t^2 / A.
+// The energy of an angle t over an edge e whose triangles have the total area A is 1/2 B e^2 t^2 / A.
 static double angle_compliance_of( const double3* x, const int32_t* hinge, double rigidity )
 {
     const double3 i = x[hinge[0]], j = x[hinge[1]], k = x[hinge[2]], l = x[hinge[3]];
@@ -106,8 +106,8 @@ static void hang_up( const flag_body* body, flag_run* run )
 
 // ---- a substep ----
 
-// A triangle of area A with unit normal n and mean velocity v, u = wind - v, feels
-// F = 1/2 rho A |u.n| ( C_d u + C_l ( |u| n' - (u.n') / |u| u ) ), n' = n turned to the side that u blows to; a third for each corner.
+// A triangle of area A with unit normal n and mean velocity v, u = wind - v, has the force F = 1/2 rho A |u.n| ( C_d
+// u + C_l ( |u| n' - (u.n') / |u| u ) ), n' = n turned to the leeward side; a third for each corner.
 static void blow_on( flag_run* run, const int32_t* corner )
 {
     const wisp_cloth_def* def = &run->def;
@@ -132,7 +132,7 @@ static void blow_on( flag_run* run, const int32_t* corner )
     }
 }
 
-// Implicit in its own rate, as the engine's; shorter substeps take both to the same.
+// Implicit in its own rate, as in the engine; shorter substeps bring both to the same limit.
 static void blow( flag_run* run, double h )
 {
     for ( int i = 0; i < run->count; ++i )
@@ -175,7 +175,7 @@ static void project( flag_run* run, double h )
     }
 }
 
-// What is pinned at one side does not move as a whole, so all of its velocity is damped.
+// A flag pinned at one side does not move as a whole, so all of its velocity is damped.
 static void advance( flag_run* run, double h )
 {
     const double keep = 1.0 / ( 1.0 + (double)run->def.damping * h );
@@ -220,7 +220,8 @@ static double kinetic_energy( const flag_run* run )
     return sum;
 }
 
-// Only the coarsest run flaps on: the average that follows the path is of chaos, and no finer than that.
+// Only the coarsest run continues: the average after the compared path is of chaotic motion, and no more accurate
+// than that.
 static wisp_status run_flag( void* context, int substeps, double* numbers, wisp_error* error )
 {
     const flag_body* body = context;

@@ -1,5 +1,5 @@
-// Frozen hair that clumps, by its oracle with all neighbours: the default look, which has no substeps to converge in, and a
-// flow in many short steps of clumping.
+// Frozen hair that clumps, by its oracle with all neighbours: the default settings, which have no substeps to
+// converge in, and a flow in many short steps of clumping.
 #include "accuracy_references.h"
 #include "converge.h"
 
@@ -14,7 +14,7 @@ enum
 
 #define TOLERANCE 3e-5 // m
 
-// The flow comes first here, because it is what converges.
+// The flow comes first here, because it converges.
 static wisp_status flow( void* context, int steps, double* numbers, wisp_error* error )
 {
     paper_scene scene = *(const paper_scene*)context;

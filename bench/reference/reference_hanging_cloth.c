@@ -1,4 +1,4 @@
-// A sheet held at two corners falls: its links one after another in double precision, one pass a substep.
+// A sheet held at two corners falls: its links one after another in double precision, one pass per substep.
 #include "accuracy_references.h"
 #include "converge.h"
 

@@ -1,5 +1,5 @@
-// Makes the reference files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate, the
-// finer one is kept, with the distance between the two beside every look. Then those of `wisp bench accuracy`.
+// Makes the reference files of `wisp bench cloth --compare`: each scene twice, with steps of 1/rate and 2/rate. The
+// finer run is kept, with the distance between the two at every sample. Then the references of `wisp bench accuracy`.
 #include "accuracy_references.h"
 #include "reference_run.h"
 
@@ -31,7 +31,7 @@ static bool parse_rate( const char* word, double* out )
 {
     char* end;
     *out = word ? strtod( word, &end ) : 0.0;
-    // an even number of steps between two looks, for the run of half the rate too
+    // an even number of steps between two samples, for the run of half the rate too
     return word && *end == '\0' && *out >= 80.0 && *out <= 1e6 && *out == 40.0 * (double)(long)( *out / 40.0 );
 }
 

@@ -67,8 +67,8 @@ static wisp_status make_cloth( const compare_scene* scene, const reference_plan*
     return status;
 }
 
-// Without gravity, in steps so long that nothing is left of motion: the flat cloth comes to where its edges balance.
-// What the files keep of that is floats, and every solver starts there, so the reference does too.
+// Without gravity, in steps so long that no motion remains: the flat cloth relaxes to balance of its edges. The files
+// keep floats of that, and every solver starts there, so the reference does too.
 static wisp_status balance( newton* n, wisp_error* error )
 {
     enum
@@ -145,7 +145,7 @@ static wisp_status run( newton* n, const compare_scene* scene, const reference_p
     const double now = ( physics->look_count - 1 ) * between;
     if ( status == WISP_OK && plan->has_rest )
     {
-        // steps that are many times as long would carry on what is short-lived for too long
+        // much longer steps would keep short-lived motion for too long
         n->cloth->h_before = 0.0;
         status = go_on( n, scene, (double)physics->rest_seconds - now, plan->rest_rate, error );
     }

@@ -1,4 +1,4 @@
-/// One run of a comparison's scene in double precision, with its looks.
+/// One run of a comparison's scene in double precision, with its samples.
 #pragma once
 
 #include "compare_reference.h"
@@ -6,15 +6,15 @@
 typedef struct reference_plan
 {
     triangle_oracle_integrator integrator;
-    double rate;      ///< steps a second in the window
+    double rate;      ///< steps per second in the window
     double rest_rate; ///< after it, until the last sample
-    bool has_rest;    ///< else the last look is left at 0
+    bool has_rest;    ///< otherwise the last sample is left at 0
 } reference_plan;
 
-/// @param points [look_count][vertex_count][3] in double; the last look is the one at rest. The caller frees it
+/// @param points [look_count][vertex_count][3] in double; the last sample is the one at rest. The caller frees it
 /// @return WISP_CONFLICT a step did not converge
 wisp_status reference_run( const compare_scene* scene, const reference_plan* plan, compare_reference* out,
                            double** points, wisp_error* error );
 
-/// Root mean square distance of two looks, m.
+/// Root mean square distance of two samples, m.
 double reference_distance( const double* a, const double* b, int vertex_count );

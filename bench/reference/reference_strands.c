@@ -1,4 +1,4 @@
-// Strands in double precision by their oracle: one that falls from the horizontal, and those of a head that is shaken.
+// Strands in double precision by their oracle: one that falls from the horizontal, and those on a shaken head.
 #include "accuracy_references.h"
 #include "converge.h"
 
@@ -14,7 +14,7 @@ enum
 {
     SWING_SUBSTEPS = 20480, // of each 1/60 s
     GUIDES_SUBSTEPS = 640,
-    GUIDES_PASSES = 8, // of Newton, as the engine has them at most
+    GUIDES_PASSES = 8, // of Newton, as the engine's limit
 };
 
 #define SWING_TOLERANCE 1e-5 // m
@@ -73,7 +73,7 @@ wisp_status reference_of_strands_swing( accuracy_reference* out, wisp_error* err
     return converge( &plan, out, error );
 }
 
-// ---- a head that is shaken ----
+// ---- a shaken head ----
 
 typedef struct head_pose
 {
@@ -81,7 +81,8 @@ typedef struct head_pose
     double3 place;
 } head_pose;
 
-// Between the poses of two steps the engine's head goes in a straight line, and along the chord from one quaternion to the other.
+// Between the poses of two steps the engine's head moves in a straight line, and along the chord from one quaternion
+// to the other.
 static head_pose pose_between( wisp_transform from, wisp_transform to, double fraction )
 {
     const wisp_quat a = from.rotation, b = to.rotation;

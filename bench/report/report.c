@@ -38,7 +38,7 @@ static bool is_shown_note( const results* all, int note )
     return !is_failure( all->notes[note] ) && !is_picture_link( all, all->notes[note] );
 }
 
-// Failures that stand on top, or notes at the end.
+// Failures at the top, or notes at the end.
 static int count_notes( const results* all, bool of_failures )
 {
     int count = 0;
@@ -143,7 +143,7 @@ static void put_entry( const char* kind, int number, const char* title, FILE* st
 static void put_contents( const results* all, FILE* stream )
 {
     int entries = all->chart_count + all->table_count;
-    // A long list would stand between a reader and the charts.
+    // A long list would be between a reader and the charts.
     fprintf( stream, "<nav aria-label=\"Contents\">\n<details%s>\n<summary>Contents</summary>\n<ul>\n",
              entries <= CONTENTS_OPEN_MAX ? " open=\"open\"" : "" );
     if ( all->chart_count > 0 )
@@ -246,7 +246,7 @@ wisp_status report_write( const results* all, const report_run* run, FILE* strea
     put_tables( all, stream );
     put_notes( all, stream );
     fputs( "</main>\n</body>\n</html>\n", stream );
-    // Streams keep their first error, so looking once at the end is enough.
+    // Streams keep their first error, so one check at the end is enough.
     if ( fflush( stream ) != 0 || ferror( stream ) )
     {
         return wisp_fail( error, WISP_IO_ERROR, "the report could not be written: %s", strerror( errno ) );

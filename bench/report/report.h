@@ -3,14 +3,14 @@
 
 #include "results.h"
 
-/// What a page is about, in words that are the same for the same command.
+/// The subject of a page, in words that are the same for the same command.
 typedef struct report_run
 {
-    const char* what; ///< was run: the title
+    const char* what; ///< the command: the title
     const char* how;  ///< the line below it; empty: none
 } report_run;
 
-/// @return WISP_IO_ERROR the stream refused a byte; WISP_NO_MEMORY while the results were gathered
+/// @return WISP_IO_ERROR the stream failed; WISP_NO_MEMORY while the results were gathered
 wisp_status report_write( const results* all, const report_run* run, FILE* stream, wisp_error* error );
-/// A picture that cannot be read is a message in its place and no error.
+/// A picture that cannot be read gives a message in its place and no error.
 wisp_status report_write_file( const results* all, const report_run* run, const char* path, wisp_error* error );

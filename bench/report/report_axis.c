@@ -5,7 +5,7 @@
 #include <math.h>
 
 #define STEPS_REQUESTED 5
-// Values that differ by rounding only are one.
+// Values that differ by rounding only are equal.
 #define ROUNDING 1e-9
 // Beyond these powers of ten leave the range of a double.
 #define TINY 1e-100
@@ -35,7 +35,7 @@ static double scaled( double n, int exponent )
 
 // ---- linear ----
 
-// Times begin at 0 where that does not push them together, so that lengths can be compared.
+// Times begin at 0 unless that compresses them too much, so that lengths can be compared.
 static void widen( double* least, double* most )
 {
     double large = fmax( fabs( *least ), fabs( *most ) );
@@ -59,7 +59,7 @@ static void widen( double* least, double* most )
     }
 }
 
-// The smallest of 1, 2 and 5 times a power of ten that needs no more steps than are wanted.
+// The smallest of 1, 2 and 5 times a power of ten with at most the given number of steps.
 static int find_step( double span, int* exponent )
 {
     double requested = span / STEPS_REQUESTED * ( 1.0 - ROUNDING );
@@ -97,7 +97,7 @@ static report_axis make_linear( double least, double most )
 
 // ---- logarithmic ----
 
-// Ends stand at 1, 2 or 5 times a power of ten: three ends a decade, numbered through.
+// Ends are at 1, 2 or 5 times a power of ten: three ends per decade, numbered consecutively.
 static int end_digit( int end )
 {
     static const int digits[3] = { 1, 2, 5 };
@@ -114,7 +114,7 @@ static double end_value( int end )
     return scaled( end_digit( end ), end_exponent( end ) );
 }
 
-// The ticks of one decade: which digits have a gridline and which a label goes with how many decades there are.
+// The ticks of one decade: the number of decades determines the digits with a gridline and those with a label.
 static void add_decade( report_axis* axis, int exponent, int span, bool is_power )
 {
     for ( int digit = 1; digit < 10; ++digit )
@@ -158,7 +158,7 @@ static report_axis make_log( double least, double most )
     int stride = 1 + ( to - from ) / 8;
     for ( int exponent = from; exponent <= to; exponent += stride )
     {
-        // One manner for all labels of an axis.
+        // One notation for all labels of an axis.
         add_decade( &axis, exponent, last - first, from < -3 || to > 6 );
     }
     return axis;

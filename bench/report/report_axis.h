@@ -1,4 +1,4 @@
-/// One axis of a chart: where it begins and ends, its ticks, and the place of a value on it.
+/// One axis of a chart: its ends, its ticks, and the position of a value on it.
 #pragma once
 
 #include <stdbool.h>
@@ -20,9 +20,9 @@ typedef struct report_axis
     int tick_count;
 } report_axis;
 
-/// Whether a value has a place: finite, within 1e100, and above 1e-100 if the axis is logarithmic.
+/// Whether a value has a position: finite, within 1e100, and above 1e-100 if the axis is logarithmic.
 bool report_axis_takes( bool is_log, double value );
-/// An axis that holds two values which it takes, least <= most; they may be one.
+/// An axis that contains two valid values, least <= most; they may be equal.
 report_axis report_axis_make( double least, double most, bool is_log );
-/// Share of the axis at which a value stands: 0 at low, 1 at high.
+/// Position of a value as a fraction of the axis: 0 at low, 1 at high.
 double report_axis_place( const report_axis* axis, double value );

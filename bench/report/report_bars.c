@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-// ---- where bars begin and end ----
+// ---- range of the bars ----
 
 typedef struct bar_range
 {
@@ -34,7 +34,7 @@ static bar_range find_range( const results_chart* chart )
     }
     if ( range.count > 0 && range.is_log )
     {
-        // The smallest bar is to be seen as well.
+        // The smallest bar must be visible as well.
         range.lower = pow( 10.0, ceil( log10( least ) ) - 1.0 );
         range.upper = most;
     }
@@ -88,7 +88,7 @@ static void put_bar( const results_chart* chart, const bar_range* range, int ser
     fputs( "</td>", stream );
 }
 
-// One name with the bars of all series that have something there.
+// One name with the bars of all series that have a value there.
 static void put_group( const results_chart* chart, const bar_range* range, const results_point* first, FILE* stream )
 {
     int bars = 0;

@@ -85,10 +85,10 @@ static void put_tick_label( const char* class_name, double x, double y, const ch
     }
 }
 
-// Of the letters on a narrow screen, which are the largest.
+// Of the letters on a narrow screen, where they are largest.
 #define TICK_CHARACTER_WIDTH 9.5
 
-// Whether a label below the axis stays clear of the labels that there are.
+// Whether a label below the axis stays clear of the existing labels.
 static bool has_room( const chart_frame* frame, int tick, const bool* is_shown )
 {
     const report_axis* axis = &frame->x;
@@ -104,7 +104,7 @@ static bool has_room( const chart_frame* frame, int tick, const bool* is_shown )
     return true;
 }
 
-// Powers of ten are served first.
+// Powers of ten are placed first.
 static void choose_labels( const chart_frame* frame, bool* is_shown )
 {
     for ( int minor = 0; minor < 2; ++minor )
@@ -153,7 +153,7 @@ static void put_y_axis( const chart_frame* frame, FILE* stream )
 
 // ---- points ----
 
-// A point that is left out interrupts the line: what would bridge it was not measured.
+// A missing point interrupts the line: the values in between were not measured.
 static void put_line( const chart_frame* frame, int number, FILE* stream )
 {
     const results_series* series = &frame->chart->series[number];
@@ -195,7 +195,7 @@ static void put_point( const chart_frame* frame, int number, const results_point
     fputs( "</g>\n", stream );
 }
 
-// Names of marked points only: those are the ones a reader looks for.
+// Names of marked points only: these are the important ones.
 static void put_names( const chart_frame* frame, FILE* stream )
 {
     report_place* places = calloc( (size_t)frame->drawn, sizeof( report_place ) );

@@ -21,7 +21,7 @@ static unsigned read_big_endian( const unsigned char* b )
     return (unsigned)b[0] << 24 | (unsigned)b[1] << 16 | (unsigned)b[2] << 8 | b[3];
 }
 
-// Its beginning, its size and its end: enough that a browser is not handed something else or half a picture.
+// Its beginning, its size and its end: enough that a browser does not get another file or half a picture.
 static bool check_png( picture_bytes* picture )
 {
     static const unsigned char head[16] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n',
@@ -38,7 +38,7 @@ static bool check_png( picture_bytes* picture )
     return picture->width - 1 < 0x7fffffffu && picture->height - 1 < 0x7fffffffu;
 }
 
-// @return null, or what is wrong
+// @return null, or the error
 static const char* read_stream( FILE* file, picture_bytes* out )
 {
     struct stat info;
@@ -65,7 +65,7 @@ static const char* read_stream( FILE* file, picture_bytes* out )
 
 static const char* read_picture( const char* path, picture_bytes* out )
 {
-    // To open a pipe would wait for its other end, so what it is comes first.
+    // Opening a pipe would wait for a writer, so the type of the file is checked first.
     struct stat info;
     if ( stat( path, &info ) != 0 )
     {
@@ -97,7 +97,7 @@ static void put_base64( const unsigned char* bytes, size_t size, FILE* stream )
     }
 }
 
-// Folders are a matter of one machine, the name is not.
+// Folders depend on the machine, the name does not.
 static const char* file_name( const char* path )
 {
     const char* slash = strrchr( path, '/' );

@@ -3,7 +3,7 @@
 
 #include "results.h"
 
-/// A larger file is named and left where it is.
+/// A larger file is named but not included.
 #define REPORT_PICTURE_BYTES_MAX ( 16 << 20 )
 
 /// @param number from 1, for the anchor

@@ -2,8 +2,8 @@
 
 #include "wisp/base.h"
 
-// The eight colours of Okabe and Ito, which stay apart for eyes that lack a cone, moved in lightness until each has a
-// contrast of at least 3 with its background, in the light and in the dark.
+// The eight colours of Okabe and Ito, which are distinguishable for colour-blind readers, adjusted in lightness until
+// each has a contrast of at least 3 with its background, in light and dark mode.
 static const char* const colours[] = {
     ":root{color-scheme:light dark;--page:#f6f6f4;--card:#fff;--head:#f1f1ee}",
     ":root{--ink:#1c1d1f;--soft:#5c6066;--line:#dcdcd8;--faint:#ededea}",
@@ -118,7 +118,7 @@ static const char* const tables[] = {
 };
 
 static const char* const media[] = {
-    // A drawing shrinks with its card, and its letters must not.
+    // A drawing shrinks with its card, but its letters must not.
     "@media print,(max-width:40rem){",
     ".tick{font-size:18px}",
     ".tick.x{transform:translateY(6px)}",

@@ -1,4 +1,4 @@
-/// A table that scrolls inside its own frame, with a header that stays.
+/// A table that scrolls inside its own frame, with a fixed header.
 #pragma once
 
 #include "results.h"

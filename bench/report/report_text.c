@@ -31,7 +31,7 @@ static int character_size( const unsigned char* s )
     return size > 1 && ( code < least[size] || is_surrogate || code > 0x10ffff ) ? 0 : size;
 }
 
-// Neither HTML nor XML has a way to write these, not even by number.
+// Neither HTML nor XML can represent these, not even by number.
 static bool is_forbidden( const char* c, int size )
 {
     bool is_control = size == 1 && ( ( (unsigned char)*c < 0x20 && !strchr( "\t\n", *c ) ) || *c == 0x7f );
@@ -128,7 +128,7 @@ static void raise( int exponent, char* out, size_t size )
     }
 }
 
-// Without zeros at the end, which would promise more than is known.
+// Without trailing zeros, which would suggest a higher accuracy.
 static void put_trimmed( double value, int digits, FILE* stream )
 {
     char text[64];
@@ -148,7 +148,7 @@ void report_put_short( double value, FILE* stream )
         fputc( '-', stream );
         return;
     }
-    // Rounded first, since rounding may add a digit before the point.
+    // Rounded first, because rounding may add a digit before the point.
     char text[40], power[48];
     snprintf( text, sizeof( text ), "%.3e", value );
     char* mark = strchr( text, 'e' );

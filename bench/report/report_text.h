@@ -4,15 +4,16 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/// Text between tags or in a quoted attribute. What is not UTF-8, and what no page may hold, becomes U+FFFD.
+/// Write text between tags or in a quoted attribute. Invalid UTF-8, and characters that no page may contain, become
+/// U+FFFD.
 void report_put_text( const char* text, FILE* stream );
-/// So many digits behind the point, up to 9, rounded to the nearest.
+/// Write a number with this many decimals, up to 9, rounded to the nearest.
 void report_put_fixed( double value, int digits, FILE* stream );
-/// Up to four digits that say something: 0.001234, 12.34, 12345; what is smaller or larger times a power of ten; "-"
+/// Write up to four significant digits: 0.001234, 12.34, 12345; smaller or larger numbers times a power of ten; "-"
 /// if not finite.
 void report_put_short( double value, FILE* stream );
 
-/// Exact decimal text of n * 10^exponent as axes show it: in groups of three, or times a power of ten.
+/// Write the exact decimal text of n * 10^exponent for axes: in groups of three, or times a power of ten.
 /// @param power this power of ten is written as such; 0: none. The rest of the exponent is from -20 to 20
 void report_decimal( long long n, int exponent, int power, char* out, size_t size );
 /// Characters, not bytes, of what report_put_text() writes.

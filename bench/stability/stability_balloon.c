@@ -1,4 +1,5 @@
-// Balloons in the matrix: an icosphere of 162 vertices, full of helium, held at a triangle, for what is held at one point turns about it.
+// Balloons in the matrix: an icosphere of 162 vertices, full of helium, held at a triangle, because a body held at
+// one point rotates about it.
 #include "stability_surface.h"
 
 #include "balloon/balloon.h"
@@ -23,7 +24,7 @@ enum
     XPBD,
 };
 
-// The volume that the triangles enclose, signed. @param gradient [vertex][3] that is added to, m^2; may be null
+// The signed volume inside the triangles. @param gradient [vertex][3] to add to, m^2; may be null
 static double volume_of( const wisp_fabric* f, const float* x, double ( *gradient )[3] )
 {
     double sum = 0.0;
@@ -49,8 +50,8 @@ static double volume_of( const wisp_fabric* f, const float* x, double ( *gradien
     return sum;
 }
 
-// A spring between the volume and the one it should have: V0 / P_atm for the gas, and sum w |dV/dx|^2 h^2 for what a
-// projection can give way within a substep, which is all there is with pbd.
+// A spring between the volume and its target: compliance V0 / P_atm for the gas, plus sum w |dV/dx|^2 h^2 for the
+// compliance of a projection within a substep, which is all with pbd.
 static double energy_of_gas( stability_surface* s, int frame )
 {
     (void)frame;
@@ -83,7 +84,7 @@ static wisp_status fill( stability_surface* s, int way, const stability_axes* ax
     def.solver = def.volume = way == PBD ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     def.edge_stiffness = axes->stiffness > 0.0f ? axes->stiffness : def.edge_stiffness;
     def.gas_ratio = FILL;
-    def.buoyancy = false; // its work would have to be known; it hangs instead
+    def.buoyancy = false; // its work would have to be known; the balloon hangs instead
     s->stored = energy_of_gas;
     s->is_pbd = way == PBD;
     s->taut =

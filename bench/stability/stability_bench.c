@@ -1,4 +1,4 @@
-// The case `stability`: every cell has a line, and fails the run if it breaks and is not known to, or is known to and
+// The case `stability`: every cell has a line, and fails the run if it breaks without being listed, or is listed and
 // holds.
 #include "cells.h"
 #include "stability.h"
@@ -31,7 +31,7 @@ static void put_figure( cells* row, double value )
     cells_put( row, isfinite( value ) ? "%.3g" : "-", value );
 }
 
-// What counters say that the engine did about it.
+// Actions of the engine according to the counters.
 static void put_engine( const stability_outcome* o, cells* row )
 {
     if ( o->halted > 0 )
@@ -162,7 +162,7 @@ static void take( tally* t, const char* name, const stability_outcome* o )
     judge_against_list( t, name, o );
 }
 
-// A body that starts anywhere must come to what it has where it starts at rest, or near to it.
+// A body with another start must reach about the state of the same cell from rest.
 #define TWIN_STRAINS 2.0
 #define MIN_TWIN 0.01
 
@@ -258,7 +258,7 @@ wisp_status stability_bench( const bench_options* options, results* out, wisp_er
         const stability_subject* subjects = rooms[i]( &count );
         for ( int k = 0; k < count && status == WISP_OK; ++k )
         {
-            const bool is_due = options->quick == false || subjects[k].has_pairs; // the ways that are used most
+            const bool is_due = options->quick == false || subjects[k].has_pairs; // the most used solvers
             const double fraction = ( i + (double)k / count ) / WISP_COUNT( rooms );
             status = is_due ? run_matrix( &t, subjects + k, fraction, error ) : WISP_OK;
         }

@@ -26,7 +26,7 @@ static wisp_status dress( stability_surface* s, const stability_cloth_plan* plan
     def.solver = way == STABILITY_PBD ? WISP_SOLVER_PBD : WISP_SOLVER_XPBD;
     def.warp_compliance = def.weft_compliance = soft;
     def.shear_compliance = 2.0f * soft;
-    // the share that one sweep of such a compliance takes away
+    // the fraction that one sweep with such a compliance removes
     def.stretch_stiffness = def.shear_stiffness = 2.0f * h * h / ( 2.0f * h * h + soft * mass );
     def.bending = way == STABILITY_XPBD_DIHEDRAL    ? WISP_CLOTH_BENDING_DIHEDRAL
                   : way == STABILITY_XPBD_ISOMETRIC ? WISP_CLOTH_BENDING_ISOMETRIC
@@ -47,9 +47,9 @@ static double edge_length( const wisp_fabric* f, const float* x, int a, int b, d
     return stability_distance( ( wisp_vec3 ){ p[0], p[1], p[2] }, ( wisp_vec3 ){ q[0], q[1], q[2] } );
 }
 
-// Before the first step: from above, for a diagonal under pressure never takes more than the slope at which it gives
-// way, and no link is stiffer than sheet stiffness times area over length squared, which is at most 1 of a right
-// triangle's two halves.
+// Upper bound before the first step: a diagonal under pressure never stores more than by its initial slope, and no
+// link is stiffer than sheet stiffness times area over length squared, which is at most 1 for the two halves of a
+// right triangle.
 static double energy_from_above( stability_surface* s, double stiffness )
 {
     const wisp_fabric* f = s->fabric;
@@ -90,7 +90,7 @@ static wisp_status solve( stability_surface* s, int way, const stability_axes* a
     s->slack = true;
     s->stored = energy_of_springs;
     s->is_solved = true;
-    s->compliance = 2.0 / (double)def.stretch_stiffness; // edges of one triangle have half of it
+    s->compliance = 2.0 / (double)def.stretch_stiffness; // open edges have half of it
     wisp_status status = wisp_set_implicit_cloth( s->implementation.world, s->implementation.entity, &def );
     if ( status == WISP_OK )
     {
@@ -109,7 +109,7 @@ stability_cloth_plan stability_default_cloth_plan( int way )
         .side = 12,
         .spacing = 0.05f,
         .density = 0.15f,
-        .damping = 4.0f, // a swing of 0.55 m is over in 5 s
+        .damping = 4.0f, // a swing of 0.55 m has ended after 5 s
         .substeps = is_implicit ? 2 : 10,
         .iterations = way == STABILITY_XPBD_FOUR ? 4 : 1,
     };
@@ -121,7 +121,7 @@ static surface_generator generator_of( const stability_cloth_plan* plan, const s
     const bool is_implicit = plan->way == STABILITY_IMPLICIT_EULER || plan->way == STABILITY_IMPLICIT_BDF2;
     surface_generator generator =
         surface_default_generator( is_implicit ? &wisp_implicit_cloth_module : &wisp_cloth_module, NULL );
-    // who collides with nothing has no pass of these
+    // an entity without contact has none of these passes
     generator.second = &wisp_collision_module;
     generator.third = plan->has_boundary ? &wisp_boundary_module : &wisp_contact_module;
     generator.pins = pins;
@@ -153,7 +153,7 @@ static wisp_status enter_surface( stability_surface* s, const stability_cloth_pl
     if ( status == WISP_OK )
     {
         status = stability_surface_enter( s, &def, generator, axes, error );
-        s->implementation.generator.pins = NULL; // they are this function's
+        s->implementation.generator.pins = NULL; // owned by this function
     }
     if ( status != WISP_OK )
     {

@@ -1,14 +1,14 @@
-/// Cloth in cells: what the matrix and the named cases build.
+/// Cloth in cells of the matrix and in named cases.
 #pragma once
 
 #include "stability_surface.h"
 
-/// Ways to solve cloth.
+/// Solvers of cloth.
 enum
 {
     STABILITY_PBD,
     STABILITY_XPBD,
-    STABILITY_XPBD_FOUR, ///< iterations, with multipliers that are kept
+    STABILITY_XPBD_FOUR, ///< iterations, with multipliers kept
     STABILITY_XPBD_FAR,  ///< levels and tethers
     STABILITY_XPBD_DIHEDRAL,
     STABILITY_XPBD_ISOMETRIC,
@@ -24,11 +24,11 @@ typedef struct stability_cloth_plan
     float spacing; ///< m
     float density; ///< kg/m^2
     float damping; ///< 1/s
-    wisp_vec3 at;  ///< m, where the middle of its upper edge is
+    wisp_vec3 at;  ///< m, of the middle of its upper edge
     int tile_size; ///< 0: the default
     int substeps, iterations;
     bool is_free;      ///< without pins
-    bool has_boundary; ///< boundary particles may be had, and no contact
+    bool has_boundary; ///< boundary particles are allowed, and no contact
 } stability_cloth_plan;
 
 stability_cloth_plan stability_default_cloth_plan( int way );

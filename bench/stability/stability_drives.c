@@ -1,5 +1,4 @@
-// What is pushed and pulled harder than any material bears: pins that jump 100 m, a ball that comes with 100 m/s, cloth
-// that falls on itself and on the ground.
+// Drives beyond any material: pins that jump 100 m, a ball at 100 m/s, cloth that falls on itself and on the ground.
 #include "stability_cloth.h"
 #include "stability_strands.h"
 
@@ -15,9 +14,9 @@
 #define JUMP 100.0f       // m, in one step
 #define BALL_SPEED 100.0f // m/s
 #define BALL_RADIUS 0.15f
-#define BALL_FRAMES 12 // in which it comes and goes back
+#define BALL_FRAMES 12 // in which it arrives and returns
 #define REPEATS 10     // of contact, each with vertices moved a little
-#define JITTER 1e-3f   // m, so much
+#define JITTER 1e-3f   // m, largest displacement
 
 static const stability_axes usual = { STABILITY_START_REST, STABILITY_FRAME, 1.0f, 0.0f, 1.0f };
 
@@ -43,7 +42,7 @@ static wisp_status jump_head( stability_strands* s, int frame )
     return frame == 1 ? wisp_move_strand_head( s->world, s->entity, pose ) : WISP_OK;
 }
 
-// A coordinate of 100 m is rounded by 8 um: that in a substep is no motion.
+// A coordinate of 100 m is rounded by 8 um: a displacement of that size in a substep is no motion.
 static void allow_rounding( stability_trial* trial, double substep )
 {
     trial->limits.driven_frames = 1;
@@ -132,10 +131,10 @@ static wisp_status move_strand_ball( stability_strands* s, int frame )
     return frame <= 2 * BALL_FRAMES ? wisp_move_collider( s->world, s->body, ball_at( frame, strand_aim ) ) : WISP_OK;
 }
 
-// What a body of that speed gives without loss is twice its speed; links of a chain that runs out add once more.
+// An elastic hit by a body of that speed gives twice its speed; taut links of a chain add once more.
 static void allow_ball( stability_trial* trial )
 {
-    trial->limits.driven_frames = 2 * BALL_FRAMES; // it takes along what it has caught
+    trial->limits.driven_frames = 2 * BALL_FRAMES; // it carries what it has caught
     trial->limits.speed = 4.0 * (double)BALL_SPEED;
 }
 
@@ -239,7 +238,7 @@ static wisp_status fall_once( int way, int repeat, int workers, stability_outcom
     return stability_run( &trial, out, error );
 }
 
-// The first repeat that breaks, else the last one; hashes of all are mixed.
+// The first repeat that breaks, else the last one; hashes of all are combined.
 static wisp_status fall_in_folds( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     uint64_t hash = 0;

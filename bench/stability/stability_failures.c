@@ -1,4 +1,4 @@
-// The nine known failures of other engines, each claimed not to happen here: cells that compare several runs of a
+// The nine known failures of other engines, each stated not to happen here: cells that compare several runs of a
 // cloth.
 #include "stability_cloth.h"
 
@@ -12,10 +12,10 @@
 
 static const stability_axes usual = { STABILITY_START_REST, STABILITY_FRAME, 1.0f, 0.0f, 1.0f };
 
-/// What is compared of a run.
+/// The compared values of a run.
 typedef struct report
 {
-    double lowest; // m, of the vertices, from where it hangs
+    double lowest; // m, of the vertices, from the point of suspension
     double strain;
     stability_outcome outcome;
 } report;
@@ -24,7 +24,7 @@ typedef struct setup
 {
     stability_cloth_plan plan;
     stability_axes axes;
-    wisp_status ( *dress )( stability_surface* surface ); // more than the plan has; may be null
+    wisp_status ( *dress )( stability_surface* surface ); // additional to the plan; may be null
     double seconds;                                       // 0: the usual
 } setup;
 
@@ -33,7 +33,7 @@ static setup setup_of( int way )
     return ( setup ){ .plan = stability_default_cloth_plan( way ), .axes = usual };
 }
 
-// Where vertices are at the end is read before the trial is closed, in the place of its hash.
+// Final positions are read before the trial is closed, instead of its hash.
 static report* reading;
 
 static uint64_t read_end( void* context )
@@ -65,7 +65,7 @@ static wisp_status run_setup( const setup* one, int workers, report* out, wisp_e
     }
     trial.frame_count =
         one->seconds > 0.0 ? stability_frames( one->seconds, (double)one->axes.seconds ) : trial.frame_count;
-    // a coordinate that far out is rounded by so much, and no speed can be told from it
+    // a coordinate that far out is rounded by this much, which limits the resolution of speeds
     trial.limits.jitter = fmax( trial.limits.jitter, 8.0 * (double)FLT_EPSILON * fabs( (double)one->plan.at.x ) *
                                                          one->plan.substeps / (double)one->axes.seconds );
     trial.hash = read_end;
@@ -75,7 +75,7 @@ static wisp_status run_setup( const setup* one, int workers, report* out, wisp_e
     return status;
 }
 
-// All runs, whose worst verdict is that of the cell. @param count of the runs, at most 4
+// All runs; the cell has the worst of their verdicts. @param count of the runs, at most 4
 static wisp_status run_all( const setup* setups, int count, int workers, report* reports, stability_outcome* out,
                             wisp_error* error )
 {
@@ -102,7 +102,7 @@ static double spread( const report* reports, int count )
     return upper - lower;
 }
 
-// 1: one kilogramme on a square metre, ever finer. A vertex of the finest weighs 0.4 g.
+// 1: one kilogramme on a square metre, on increasingly fine meshes. A vertex of the finest weighs 0.4 g.
 static wisp_status fine_and_light( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     static const int sides[3] = { 13, 25, 49 };
@@ -136,7 +136,7 @@ static wisp_status free_fall( int way, int workers, stability_outcome* out, wisp
     const double euler = -0.5 * g * 2.0 * ( 2.0 + h ) - 0.55, exact = -0.5 * g * 4.0 - 0.55;
     const double off = fmin( fabs( r.lowest - euler ), fabs( r.lowest - exact ) );
     *out = r.outcome;
-    // it falls on and on: the speed in the end is no jitter
+    // it keeps falling: the final speed is no jitter
     out->verdict = out->verdict.broke == STABILITY_LIMIT_JITTER ? ( stability_verdict ){ 0 } : out->verdict;
     stability_claim( out, off < 0.02 && r.strain < 1e-3, "%.1e m from a closed form, strain %.1e", off, r.strain );
     return status;
@@ -159,7 +159,7 @@ static wisp_status put_on_ball( stability_surface* s )
     return status;
 }
 
-// 3: a tenth, once and five times the size, in times that go with it: the same shape on a ball.
+// 3: a tenth, once and five times the size, in proportional times: the same shape on a ball.
 static wisp_status sizes( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     report reports[3];
@@ -240,7 +240,7 @@ static wisp_status far_away( int way, int workers, stability_outcome* out, wisp_
     return status;
 }
 
-// A million steps of a cloth that hangs still: nothing may creep or wake up.
+// A million steps of a cloth that hangs at rest: nothing may creep or start to move.
 static wisp_status soak( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     setup one = setup_of( way );
@@ -255,7 +255,7 @@ static wisp_status soak( int way, int workers, stability_outcome* out, wisp_erro
     return status;
 }
 
-// 7: a cloth beside it changes no bit of the first, adds no pass, and as much memory as it has itself.
+// 7: a second cloth changes no bit of the first, adds no pass, and only its own memory.
 static wisp_status costs_add_up( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     const setup one = setup_of( way );
@@ -305,7 +305,7 @@ static uint64_t read_anchor( void* context )
     return stability_surface_hash( s );
 }
 
-// 4: a full balloon falls on the ground with its anchor held: no energy comes of it, and the anchor stays.
+// 4: a full balloon falls on the ground with its anchor held: energy does not grow, and the anchor stays.
 static wisp_status balloon_lands( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     stability_axes axes = usual;
@@ -321,7 +321,7 @@ static wisp_status balloon_lands( int way, int workers, stability_outcome* out, 
     wisp_entity plane;
     wisp_collider_def def = wisp_default_collider_def();
     def.kind = WISP_COLLIDER_PLANE;
-    def.pose.translation.y = -0.14f; // the lowest centimetre of the sphere has to give way
+    def.pose.translation.y = -0.14f; // the lowest centimetre of the sphere is compressed
     const wisp_collision_def collision = wisp_default_collision_def();
     status = wisp_add_collider( s->implementation.world, &def, &plane );
     status = status == WISP_OK ? wisp_set_collision( s->implementation.world, s->implementation.entity, &collision )
@@ -332,7 +332,7 @@ static wisp_status balloon_lands( int way, int workers, stability_outcome* out, 
         trial.close( s );
         return status;
     }
-    // the ground lifts it for a fifth of a second; what it does then is its own
+    // the ground lifts it for a fifth of a second; its motion after that is its own
     trial.limits.driven_frames = 12;
     anchor = s->mesh.triangles[0];
     trial.hash = read_anchor;

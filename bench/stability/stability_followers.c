@@ -1,5 +1,5 @@
-// What has no motion of its own: ghosts that follow strands, frozen hair on a groom, boundary particles on a cloth. What
-// they follow starts badly; they must stay finite, and be still when it is.
+// Followers without motion of their own: ghosts of strands, frozen hair on a groom, boundary particles on a cloth.
+// Their targets have bad starts; followers must stay finite, and be at rest when the target is.
 #include "stability_cloth.h"
 #include "stability_strands.h"
 
@@ -37,7 +37,7 @@ static wisp_status step( void* context, int frame, wisp_error* error )
     return stability_strands_step( ( (follower*)context )->guides, frame, error );
 }
 
-// The look of the guides, and of the ghosts whether they are finite and how fast.
+// The sample of the guides, and of the ghosts whether they are finite and their speed.
 static wisp_status look( void* context, int frame, stability_look* out, wisp_error* error )
 {
     follower* f = context;
@@ -81,7 +81,7 @@ static void close_follower( void* context )
     free( f );
 }
 
-// Two ghosts beside every guide; all of them in one point where a groom is collapsed.
+// Two ghosts next to every guide; all of them in one point where a groom is collapsed.
 static wisp_status add_ghosts( follower* f, bool is_point )
 {
     int32_t offsets[GHOSTS + 1];

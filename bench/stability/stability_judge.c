@@ -1,4 +1,4 @@
-// Limits to verdicts. Nothing here knows what is simulated: a look is numbers, and so is a limit.
+// Limits to verdicts, independent of what is simulated: samples and limits are numbers.
 #include "stability.h"
 
 #include <math.h>
@@ -7,7 +7,7 @@ const char* const stability_limit_names[STABILITY_LIMIT_COUNT] = {
     "none", "finite", "halted", "strain", "recovery", "energy", "speed", "jitter", "breach", "claim", "bits",
 };
 
-// The larger one, and a NaN if there is one: fmax would step over it.
+// The larger one, and NaN if there is one, which fmax would ignore.
 static double worse( double before, double now )
 {
     return now <= before || isnan( before ) ? before : now;
@@ -75,7 +75,7 @@ stability_verdict stability_judge( const stability_score* score, const stability
     }
     if ( score->halted > 0 )
     {
-        // what is halted stands still: no other number of it means anything
+        // a halted body does not move: its other numbers mean nothing
         return broken( limits->may_halt ? STABILITY_LIMIT_NONE : STABILITY_LIMIT_HALTED, score->halted, 0.0, 0 );
     }
     if ( !( last->strain <= last->strain_limit ) )

@@ -1,6 +1,6 @@
-// From axes to cells. The full product would be thousands of runs a way; what breaks engines is an axis at its end,
-// or two at once. So each axis is swept alone from a base that every solver should hold, and all pairs of ends are
-// run.
+// From axes to cells. The full product would be thousands of runs per solver. Engines break with one axis at its end,
+// or with two at once. So each axis is swept alone from a base that every solver should hold, and all pairs of ends
+// are run.
 #include "stability.h"
 
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #define POINTS_MAX 6
 #define CELLS_MAX 128
 
-// A place on an axis: what it does to the axes, and its name.
+// A position on an axis: its effect on the axes, and its name.
 typedef struct place
 {
     const char* name;
@@ -144,7 +144,7 @@ int stability_matrix( const stability_subject* subject, bool quick, stability_ce
     }
     maker m = { .subject = subject, .quick = quick, .cells = *cells };
     add( &m, "base", "" );
-    // those alone first: they are the twins of pairs
+    // cells with one axis first: pairs are compared with them
     for ( int axis = 0; axis < AXIS_COUNT; ++axis )
     {
         if ( has_axis( &m, axis ) )

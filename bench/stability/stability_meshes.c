@@ -1,5 +1,5 @@
-// Topology that breaks others. The doctor names the element; the engine cooks what it can, refuses what it cannot
-// with a message, and what it takes stays finite.
+// Bad topology. The doctor names the element; the engine cooks valid parts, rejects the others with a message, and
+// accepted ones stay finite.
 #include "stability_cloth.h"
 #include "stability_strands.h"
 
@@ -11,7 +11,7 @@
 #include <string.h>
 
 #define SIDE 6
-#define EXTRA 4 // vertices and triangles that an ailment may add
+#define EXTRA 4 // vertices and triangles that a defect may add
 
 enum
 {
@@ -51,7 +51,7 @@ static void spoil( wisp_mesh* mesh, int ailment )
                           add_point( mesh, 0.5f * ( mesh->points[last].x + mesh->points[last - 1].x ),
                                      mesh->points[last].y, 0.0f ) );
             break;
-        case NO_LENGTH: // two vertices in one place
+        case NO_LENGTH: // two vertices at one position
             mesh->points[last] = mesh->points[last - 1];
             break;
         case ISOLATED:
@@ -74,7 +74,7 @@ static void spoil( wisp_mesh* mesh, int ailment )
     }
 }
 
-// What the doctor found, of the kind that was planted.
+// The defects found, of the planted kind.
 static int found( const wisp_mesh_diagnostics* r, int ailment )
 {
     const int counts[] = { r->duplicates.count,   r->degenerates.count,       r->degenerates.count,
@@ -184,7 +184,7 @@ static wisp_status run( int ailment, int workers, stability_outcome* out, wisp_e
 
 // ---- strands ----
 
-// Neither strain nor energy is a number where lengths and masses are none.
+// Neither strain nor energy is defined without lengths and masses.
 static wisp_status look_at_strands( void* context, int frame, stability_look* out, wisp_error* error )
 {
     const wisp_status status = stability_strands_look( context, frame, out, error );
@@ -194,8 +194,8 @@ static wisp_status look_at_strands( void* context, int frame, stability_look* ou
     return status;
 }
 
-// Segments without length: in the middle, and of a strand that is a point. Each owes its length of a thousandth of
-// the mean.
+// Segments without length: in the middle, and of a strand that is a point. Each should get a thousandth of the mean
+// length.
 static wisp_status run_strands( int way, int workers, stability_outcome* out, wisp_error* error )
 {
     static const wisp_module* const modules[] = { &wisp_strands_module };

@@ -1,4 +1,4 @@
-// A trial from its first look to its verdict.
+// A trial from its first sample to its verdict.
 #include "stability.h"
 
 #include <stdarg.h>
@@ -59,7 +59,7 @@ wisp_status stability_run_cell( const stability_cell* cell, double max_strain, s
     wisp_status status = run_with( cell, 1, max_strain, out, error );
     if ( status == WISP_BAD_INPUT || ( status == WISP_OK && cell->is_refused ) )
     {
-        // a refusal has its message, and is right only where it is expected
+        // a rejection has its message, and is correct only where expected
         const bool is_right = status == WISP_BAD_INPUT && cell->is_refused;
         *out = ( stability_outcome ){ .is_refused = status == WISP_BAD_INPUT };
         snprintf( out->said, sizeof( out->said ), "%.150s", out->is_refused ? error->message : "not refused" );

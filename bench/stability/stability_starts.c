@@ -48,7 +48,7 @@ static wisp_vec3 anywhere( const stability_box* box, int vertex )
     return vec3_of( p );
 }
 
-// Turned about the vertical through the middle, the more the lower it is.
+// Turned about the vertical through the middle, in proportion to the depth.
 static wisp_vec3 twist( const stability_box* box, wisp_vec3 p )
 {
     const double height = fmax( box->upper[1] - box->lower[1], DBL_MIN );
@@ -113,14 +113,14 @@ int stability_frames( double seconds, double step )
     return (int)fmax( 1.0, ceil( seconds / step - 1e-6 ) );
 }
 
-// Bodies of another size swing in other times: those that are larger are watched longer, up to four times.
+// The period of a swing depends on the size: larger bodies run longer, up to four times.
 double stability_duration( double scale )
 {
     return STABILITY_SECONDS * fmin( fmax( 1.0, sqrt( scale ) ), 4.0 );
 }
 
-// A hundredth of the speed of a fall through its own size is rest to the eye; and no speed can be told from the
-// rounding of a coordinate in a substep. Bodies that swing too slowly for the time they are watched need not rest.
+// A hundredth of the speed of a fall through its own size counts as rest. Speeds below the rounding of a coordinate
+// in a substep are not resolved. Bodies that swing too slowly for the duration need not come to rest.
 static double jitter_of( double size, double scale, double substep )
 {
     const double rounding = 8.0 * (double)FLT_EPSILON * size / substep;

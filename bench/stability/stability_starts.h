@@ -1,4 +1,4 @@
-/// How bodies begin: vertices that are somewhere else than at rest.
+/// Start states of bodies: vertices away from their rest positions.
 #pragma once
 
 #include "stability.h"
@@ -12,21 +12,21 @@ typedef struct stability_box
 
 stability_box stability_box_of( const wisp_vec3* points, int count );
 
-/// Where vertices begin. @param origin that is reflected in @param rest [count] @param out [count]
+/// Start positions of vertices. @param origin centre of reflection @param rest [count] @param out [count]
 void stability_place( stability_start start, const stability_box* box, const double origin[3], const wisp_vec3* rest,
                       int count, wisp_vec3* out );
 
 double stability_distance( wisp_vec3 a, wisp_vec3 b );
-/// The farthest way between two sets of points; NaN if a coordinate is.
+/// The largest distance between two sets of points; NaN if a coordinate is.
 double stability_farthest( const wisp_vec3* a, const wisp_vec3* b, int count );
 /// Steps of these seconds in a time, at least one.
 int stability_frames( double seconds, double step );
 
-/// What all bodies of a size are held to; the caller adds energy, and what is special to it.
-/// @param scale of lengths, that times go with @param substep s
+/// Limits common to all bodies of a size; the caller adds energy and special limits.
+/// @param scale of lengths, which determines times @param substep s
 stability_limits stability_usual_limits( double size, double scale, double step, double substep );
-/// s, that a body of this scale is watched.
+/// s, duration for a body of this scale.
 double stability_duration( double scale );
 
-/// What hangs on soft links bounces slowly: it comes to rest while it is watched only if they are stretched less than this.
+/// Bodies on soft links bounce slowly: they come to rest in time only if their strain is below this.
 #define STABILITY_SOFT 4.0

@@ -1,5 +1,5 @@
-// Strands as a body: where vertices are, how fast, and what is stored in them. Energies as of surfaces: a segment that is
-// not met stores what its projection can make of it.
+// Strands as a body: positions, velocities and stored energy of vertices. Energies as for surfaces: a violated
+// segment stores the energy that its projection can release.
 #include "stability_strands.h"
 
 #include "wisp/module/components.h"
@@ -40,7 +40,7 @@ static void collapse( stability_strands* s )
     kinked[5] = kinked[6] = kinked[4];
 }
 
-// Masses of strands of the same stuff, growing to the tip.
+// Masses of strands of the same material, increasing to the tip.
 static void weigh( stability_strands* s, const stability_axes* axes )
 {
     const double segment = (double)LENGTH * (double)axes->scale / ( STABILITY_VERTICES - 1 );
@@ -64,7 +64,7 @@ static void place( stability_strands* s, stability_start start )
     s->size = box.size;
 }
 
-// Where vertex i of the user stands in lanes: rows of x, y and z of sixteen strands.
+// Position of vertex i of the user in lanes: rows of x, y and z of sixteen strands.
 static size_t in_lanes( const wisp_strand_topology* t, int vertex )
 {
     const int strand = vertex / STABILITY_VERTICES;
@@ -205,8 +205,9 @@ static double turn_at( const wisp_vec3* x, const wisp_vec3* rest, int i )
     return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
-// From above: EI / 2L |turn - rest turn|^2 is at most EI / L ( turn^2 + rest turn^2 ), with the EI that a substep can bear.
-// What a rod stores later is not counted, so motion and height must do with what there was.
+// Upper bound: EI / 2L |turn - rest turn|^2 is at most EI / L ( turn^2 + rest turn^2 ), with the largest EI of a
+// substep. Energy stored in a rod later is not counted, so kinetic and potential energy must not exceed the initial
+// total.
 static double max_energy_of_rods( const stability_strands* s, const state* now )
 {
     double sum = 0.0;
@@ -217,7 +218,7 @@ static double max_energy_of_rods( const stability_strands* s, const state* now )
             const double l = stability_distance( s->rest[i], s->rest[i + 1] );
             const double most = 6e4 * (double)s->masses[i] * l * l * l / ( s->substep * s->substep );
             const double rigidity = fmin( (double)s->def.bend_rigidity, most );
-            // the clamp can be no farther off than the opposite direction, over half of the first segment
+            // the clamp differs at most by the opposite direction, over half of the first segment
             sum += i % STABILITY_VERTICES == 0
                        ? rigidity / ( 0.5 * l ) * 0.5 * 4.0
                        : rigidity / l * ( turn_at( now->x, s->rest, i ) + turn_at( s->rest, s->rest, i ) );
@@ -248,7 +249,7 @@ static double mass_of( const stability_strands* s )
     return sum;
 }
 
-// A follower that hangs still keeps a velocity of g h / (1 - share), which moves nothing: it is no motion.
+// A follower that hangs at rest keeps a velocity of g h / (1 - share), which moves nothing: it is no motion.
 double stability_strands_energy_limit( stability_strands* s )
 {
     state now;
@@ -259,7 +260,7 @@ double stability_strands_energy_limit( stability_strands* s )
     return weight * ( 0.01 * s->size + g * s->substep * s->substep ) + 0.01 * stored_energy( s, &now, 0 ) + follower;
 }
 
-// ---- looks ----
+// ---- samples ----
 
 wisp_status stability_strands_step( void* context, int frame, wisp_error* error )
 {
@@ -274,8 +275,8 @@ static double largest_of( wisp_vec3 p )
     return fmax( fabs( (double)p.x ), fmax( fabs( (double)p.y ), fabs( (double)p.z ) ) );
 }
 
-// A strand that is solved for owes its lengths to the tolerance at which it is laid out; a sweep of links what a substep
-// adds to the load of the whole strand, which is its weight and what keeps it turning.
+// A strand with the direct solve must have its lengths within the tolerance of a reset; a sweep of links leaves the
+// load that a substep adds to the whole strand: its weight and the centripetal force.
 static void look_at_segments( const stability_strands* s, const state* now, stability_look* look )
 {
     const double v = look->speed, g = (double)STABILITY_GRAVITY;

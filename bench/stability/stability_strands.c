@@ -13,7 +13,7 @@ wisp_strand_dynamics_def stability_strand_def( int way, const stability_axes* ax
     const float cube = axes->scale * axes->scale * axes->scale;
     const float soft = axes->stiffness > 0.0f ? 1.0f / axes->stiffness : 0.0f;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-    // the same mass a length, and as much sag over length
+    // equal mass per length, and equal sag over length
     def.bend_rigidity = axes->stiffness > 0.0f ? axes->stiffness : def.bend_rigidity * cube;
     def.twist_rigidity = axes->stiffness > 0.0f ? axes->stiffness : def.twist_rigidity * cube;
     def.damping = DAMPING / sqrtf( axes->scale );

@@ -1,4 +1,4 @@
-/// Strands in a cell: their start, their energy and what they show.
+/// Strands in a cell: their start, their energy and their samples.
 #pragma once
 
 #include "bench_world.h"
@@ -20,7 +20,7 @@ typedef struct stability_strands
     wisp_vec3 rest[STABILITY_POINTS], start[STABILITY_POINTS], seen[STABILITY_POINTS];
     float masses[STABILITY_POINTS];
     double size, seconds, substep;
-    double compliance; ///< m/N of a segment; 0 where it is solved for
+    double compliance; ///< m/N of a segment; 0 with the direct solve
     bool is_curl;
     bool has_points;  ///< one strand is a point, and another has two segments without length
     wisp_entity body; ///< a collider, where there is one
@@ -39,7 +39,7 @@ void stability_strands_close( void* context );
 /// Limits and functions of a trial of these strands.
 stability_trial stability_strands_trial( stability_strands* s, const stability_axes* axes );
 
-/// The ways of a row of strands, by number: stability_strand_subjects() has them in this order.
+/// The solvers of strands by index: stability_strand_subjects() has them in this order.
 enum
 {
     STABILITY_ROD,
@@ -50,5 +50,5 @@ enum
     STABILITY_FOLLOW,
 };
 
-/// How strands of this way move.
+/// Dynamics of strands with this solver.
 wisp_strand_dynamics_def stability_strand_def( int way, const stability_axes* axes );

@@ -1,6 +1,6 @@
-// Energy of constraints. A projection moves two ends together by what it finds between them, in one substep: it is a
-// spring of 1 / (wi + wj) h^2, behind the compliance that the link has. So a constraint that is not met stores
-// C^2 / 2 over compliance + (wi + wj) h^2, inextensible links too, and no more than that can become motion.
+// Energy of constraints. A projection moves two ends together by their error in one substep, like a spring of
+// stiffness 1 / (wi + wj) h^2 in series with the compliance of the link. So a violated constraint stores C^2 / 2 over
+// compliance + (wi + wj) h^2, for inextensible links too, and no more than that can become motion.
 #include "stability_surface.h"
 
 #include "wisp/module/components.h"
@@ -37,7 +37,7 @@ static bool is_pin( const surface_generator* generator, int vertex )
     return found;
 }
 
-// Pins stay where they are. What is turned inside out is reflected in the middle of the two that it hangs from.
+// Pins keep their positions. An inverted body is reflected in the middle of its two points of suspension.
 static void place( stability_surface* s, const surface_generator* generator, stability_start start )
 {
     const stability_box box = stability_box_of( s->mesh.points, s->mesh.vertex_count );
@@ -131,7 +131,7 @@ static double substep_of( const stability_surface* s )
     return (double)s->implementation.generator.seconds / s->implementation.generator.substeps;
 }
 
-// @param softness 1/k, m/N; behind it acts what a substep can deliver
+// @param softness 1/k, m/N, in series with the compliance of a substep
 static double link_energy( const float* a, const float* b, double rest, double softness, double h, bool only_pulls )
 {
     const double error = length_of( a, b ) - rest;
@@ -152,7 +152,7 @@ static double energy_of_links( stability_surface* s, const float* x )
     {
         const float *a = x + s->fabric->link_a_x4[i], *b = x + s->fabric->link_b_x4[i];
         const double weight = ( (double)a[3] + (double)b[3] ) * h * h;
-        // a share k of the error a substep is the compliance that leaves 1 - k of it
+        // a fraction k of the error per substep corresponds to the compliance that leaves 1 - k of it
         const double soft =
             compliance != NULL ? (double)compliance[i] : weight * ( 1.0 / fmax( (double)fraction[i], 1e-6 ) - 1.0 );
         sum += order->constraint[i] >= 0 ? link_energy( a, b, (double)s->fabric->link_rest[i], soft, h, false ) : 0.0;
@@ -198,7 +198,7 @@ double stability_surface_energy_limit( stability_surface* s )
     return stability_surface_weight( s ) * ( 0.01 * s->size + fall ) + 0.01 * stored_energy( s, 0, positions( s ) );
 }
 
-// ---- looks ----
+// ---- samples ----
 
 wisp_status stability_surface_step( void* context, int frame, wisp_error* error )
 {
@@ -208,10 +208,11 @@ wisp_status stability_surface_step( void* context, int frame, wisp_error* error 
                              : bench_world_fail( s->implementation.world, status, error );
 }
 
-// No link bears more than what hangs on a pin, and what its motion adds: v^2 / size keeps it on its way round. A sweep
-// takes away what a substep adds only where a link is stretched by (wi + wj) h^2 of its load, a linear solve anywhere.
-// What is pulled straight between two pins bears far more than its weight: a cable of stiffness EA that weighs W and hangs
-// without sag stretches by (1/24)^(1/3) (W / EA)^(2/3). The uppermost row of a cloth bears no more than all of it.
+// No link carries more than the weight on a pin, and the addition by motion: v^2 / size is the centripetal
+// acceleration. A sweep removes the addition of a substep only where a link is stretched by (wi + wj) h^2 of its
+// load, a linear solve anywhere. A cloth stretched straight between two pins carries far more than its weight: a
+// cable of stiffness EA and weight W without sag stretches by (1/24)^(1/3) (W / EA)^(2/3). The uppermost row of a
+// cloth carries at most all of it.
 static double cable_strain( stability_surface* s, double rest )
 {
     const bool is_cable = s->is_solved && s->implementation.generator.pin_count == 2;

@@ -27,7 +27,7 @@ void* base_allocate( const wisp_allocator* allocator, size_t size, size_t alignm
         return allocator->allocate( allocator->user, size, alignment );
     }
 
-    // aligned_alloc wants at least the alignment of a pointer, and a size that is a multiple of the alignment.
+    // aligned_alloc requires at least the alignment of a pointer, and a size that is a multiple of the alignment.
     alignment = alignment < sizeof( void* ) ? sizeof( void* ) : alignment;
     return aligned_alloc( alignment, ( size + alignment - 1 ) & ~( alignment - 1 ) );
 }

@@ -45,7 +45,7 @@ static void* push_overflow( base_arena* arena, size_t size, size_t alignment )
     return (unsigned char*)link + header;
 }
 
-// The new block comes before the old one goes, so that a failure leaves the arena with what it had.
+// The new block is allocated before the old one is released, so that a failure leaves the arena unchanged.
 static bool replace_block( base_arena* arena, size_t capacity )
 {
     void* block = base_allocate( &arena->allocator, capacity, BASE_BUFFER_ALIGNMENT );
@@ -59,8 +59,8 @@ static bool replace_block( base_arena* arena, size_t capacity )
     return true;
 }
 
-// How large a single block would have had to be. Padding to more than a cache line depends on where that block will
-// lie, so the worst case is counted.
+// Size of a single block that would have sufficed. Padding to more than a cache line depends on the address of that
+// block, so the worst case is counted.
 static void record_requested( base_arena* arena, size_t size, size_t alignment )
 {
     bool coarse = alignment > BASE_BUFFER_ALIGNMENT;
@@ -89,7 +89,7 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
     }
     record_requested( arena, size, alignment );
 
-    // Aligned by address, because the block itself promises no more than a cache line.
+    // Aligned by address, because the block itself guarantees only a cache line.
     uintptr_t base = (uintptr_t)arena->block;
     size_t begin = (size_t)( align_up( base + arena->used, alignment ) - base );
     if ( begin > arena->capacity || size > arena->capacity - begin )

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// The only state of the process that the engine keeps: an assert can fail where no world is at hand.
+// The only state of the process that the engine keeps: an assert can fail without a world.
 static _Atomic( wisp_assert_fn* ) assert_handler;
 
 static bool print_and_abort( const char* condition, const char* file, int line )

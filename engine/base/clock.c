@@ -1,4 +1,4 @@
-// clock_gettime() is POSIX, which -std=c17 hides unless it is asked for.
+// clock_gettime() is POSIX, which -std=c17 hides by default.
 #define _POSIX_C_SOURCE 200809L
 
 #include "wisp/base.h"

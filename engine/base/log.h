@@ -1,4 +1,4 @@
-/// Where messages go: to the host's function, or to stderr.
+/// Destination of messages: the host's function, or stderr.
 #pragma once
 
 #include "wisp/base.h"
@@ -7,7 +7,7 @@
 typedef struct base_log
 {
     wisp_log_fn* function;
-    void* user; ///< handed to the function as it is
+    void* user; ///< passed to the function unchanged
 } base_log;
 
 /// Write one message.

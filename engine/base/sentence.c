@@ -31,7 +31,7 @@ void base_message( char* out, size_t capacity, const char* format, va_list argum
 {
     WISP_ASSERT( capacity > 0 && capacity <= BASE_MESSAGE_CAPACITY );
 
-    // Formatted aside, so that a message may quote the one it replaces.
+    // Formatted into a separate buffer, so that a message may quote the one it replaces.
     char text[BASE_MESSAGE_CAPACITY];
     int requested = vsnprintf( text, capacity, format, arguments );
     if ( requested < 0 )

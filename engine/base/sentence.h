@@ -1,4 +1,4 @@
-/// One way to make the one-line messages of errors and logs.
+/// Formatting of the one-line messages of errors and logs.
 #pragma once
 
 #include <stdarg.h>
@@ -10,5 +10,5 @@
 void base_message( char* out, size_t capacity, const char* format, va_list arguments )
     __attribute__( ( format( printf, 3, 0 ) ) );
 
-/// The longest message with its zero, bytes.
+/// Bytes of the longest message, including its zero.
 #define BASE_MESSAGE_CAPACITY 512

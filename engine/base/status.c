@@ -22,7 +22,7 @@ const char* wisp_status_name( wisp_status status )
             return "io error";
     }
 
-    // A number that no enumerator names can still arrive from a host.
+    // A host may still pass a number without an enumerator.
     return "unknown status";
 }
 

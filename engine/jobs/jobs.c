@@ -1,6 +1,7 @@
-// Waves. Worker 0 is the thread that steps and drives; the others, the thread team, wait for waves. A wave is a list of blocks,
-// cut into one contiguous range a worker so that a worker meets the same data in every wave; who is done early takes
-// blocks from the others, and those of who has not come. Which worker runs a block never shows in a result.
+// Waves. Worker 0 is the thread that steps and drives; the others, the thread team, wait for waves. A wave is a list
+// of blocks, cut into one contiguous range per worker so that a worker gets the same data in every wave. A worker
+// that finishes early takes blocks of the others, including those that have not started. Results never depend on
+// which worker runs a block.
 #include "jobs.h"
 
 #include "arena.h"
@@ -75,7 +76,8 @@ int jobs_default_workers( void )
     return count < 1 ? 1 : ( count > WISP_MAX_WORKERS ? WISP_MAX_WORKERS : count );
 }
 
-// A block's scratch goes when it ends. Between outermost blocks the arena may grow to what they wanted.
+// A block's scratch memory is released when it ends. Between outermost blocks the arena may grow to the requested
+// size.
 static void run_scoped( jobs_pool* pool, wisp_block_fn* run, void* context, int block, int worker )
 {
     jobs_scratch* scratch = pool->scratch + worker;
@@ -93,8 +95,7 @@ static void run_scoped( jobs_pool* pool, wisp_block_fn* run, void* context, int 
     }
 }
 
-// Chance decides who runs a block, so whoever did not run one must have room for it all the same: a repeated step
-// allocates nothing.
+// Any worker may run a block next time, so each needs the same scratch capacity: a repeated step allocates nothing.
 static void level_scratch( jobs_pool* pool )
 {
     size_t most = 0;
@@ -150,7 +151,7 @@ static void work( jobs_pool* pool, uint32_t epoch, int worker )
     }
 }
 
-// What a member of the thread team does.
+// Body of a member of the thread team.
 static void stand_by( void* context, int member )
 {
     jobs_pool* pool = context;
@@ -231,7 +232,7 @@ bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* conte
     return has_threads;
 }
 
-// What a host's own loop calls.
+// Callback of a host's own loop.
 static void run_host_block( void* context, int block, int worker )
 {
     jobs_pool* pool = context;

@@ -15,15 +15,16 @@ int jobs_workers( const jobs_pool* pool );
 /// Cores this process may run on; at least 1, at most WISP_MAX_WORKERS. Does not touch OpenMP.
 int jobs_default_workers( void );
 
-/// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for workers, who
-/// may come late, but the first time, until all of them run.
-/// @return false if the system starts no thread: the driver ran, and all blocks on the calling thread
+/// Run driver( context ) on the calling thread while the workers stand by for waves inside it. Does not wait for late
+/// workers, except the first time, until all of them run.
+/// @return false if the system starts no thread: the driver ran, with all blocks on the calling thread
 bool jobs_enter( jobs_pool* pool, void ( *driver )( void* context ), void* context );
 
-/// One wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are done.
+/// Run one wave, from inside jobs_enter(): blocks [0, block_count), each once, on any worker. Returns when all are
+/// done.
 void jobs_run_wave( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
 
-/// Blocks one after another on the calling thread as worker 0.
+/// Run blocks one after another on the calling thread as worker 0.
 void jobs_run_inline( jobs_pool* pool, int block_count, wisp_block_fn* run, void* context );
 
 /// All workers: valid on the driver thread while no wave runs.

@@ -1,4 +1,4 @@
-// The only file that knows OpenMP.
+// The only file that uses OpenMP.
 //
 // A parallel region in each step would end when its last thread has left it. Where another process holds the core that takes
 // several milliseconds: with one such process on two cores, 19 waves of 2.0 ms took 5.7 ms a step. So a thread of the team
@@ -17,7 +17,7 @@
 enum
 {
     SPINS_BEFORE_YIELD = 4000,
-    YIELDS_BEFORE_SLEEP = 500, // about half a millisecond: steps that follow each other at once wake nobody
+    YIELDS_BEFORE_SLEEP = 500, // about half a millisecond: consecutive steps need no wake-up
 };
 
 static bool make_lock( jobs_thread_team* thread_team )
@@ -105,7 +105,7 @@ bool thread_team_call( jobs_thread_team* thread_team )
     {
         start( thread_team );
     }
-    // a member counts itself before it looks whether it is wanted: one of the two sees the other
+    // a member counts itself before it reads `requested`, so one of the two reads the other's write
     else if ( atomic_load( &thread_team->asleep ) > 0 )
     {
         wake_all( thread_team );

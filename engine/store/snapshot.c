@@ -9,7 +9,7 @@ typedef struct snapshot_header
 {
     char magic[8];
     uint64_t structure; // hash of passes, entities, topology, components and row counts
-    uint64_t size;      // bytes behind the header
+    uint64_t size;      // bytes after the header
     uint64_t content;   // hash of those bytes
 } snapshot_header;
 

@@ -193,7 +193,7 @@ bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* o
     return true;
 }
 
-// Move the rows behind a range down over it, and clear what they leave.
+// Move the rows after a range down over it, and clear the vacated rows.
 static void close_rows( store* s, wisp_table table, store_rows gap )
 {
     for ( int i = 1; i < s->component_count; ++i )
@@ -282,7 +282,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component )
     {
         return;
     }
-    // rows of an entity without the component are zero, so that attaching again starts clean
+    // rows of an entity without the component are zero, so that adding it again starts from zero
     for ( int k = 0; k < c->def.column_count; ++k )
     {
         size_t row_size = c->def.columns[k].row_size;

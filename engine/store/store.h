@@ -30,8 +30,8 @@ typedef struct store_entity
     uint32_t generation;
     bool alive;
     store_mask components; // bit c: has component c
-    store_mask requests;   // bit c: somebody asked for component c
-    store_mask derived;    // bit c: rows are there only because somebody asked; a pass must fill them
+    store_mask requests;   // bit c: component c is requested
+    store_mask derived;    // bit c: rows exist only by request; a pass must fill them
     store_rows rows[WISP_TABLE_COUNT];
     const wisp_strand_topology* strands; // null without strands
     const wisp_fabric* fabric;           // null without particles
@@ -52,8 +52,8 @@ typedef struct store
     store_mask watchers[STORE_MAX_COMPONENTS]; // bit p: pass p runs when the component's rows were written
     store_mask writers[STORE_MAX_COMPONENTS];  // bit p: pass p writes the component
     store_mask transient;                      // components whose rows mean nothing between steps
-    uint64_t passes;                           // hash of the passes' names in order: what the bits mean
-    uint32_t structure;                        // grows whenever an entity, a component or a request comes or goes
+    uint64_t passes;                           // hash of the passes' names in order: the meaning of the bits
+    uint32_t structure;                        // incremented by every added or removed entity, component and request
 } store;
 
 void store_init( store* s, const wisp_allocator* allocator );
@@ -64,7 +64,7 @@ static inline store_mask store_bit( int number )
     return (store_mask)1 << number;
 }
 
-/// @return 0 if the registry is full, the name is known with another shape, or the definition is malformed
+/// @return 0 if the registry is full, the name exists with another shape, or the definition is malformed
 wisp_component store_declare( store* s, const wisp_component_def* def );
 
 /// @return null for a stale handle
@@ -76,7 +76,7 @@ wisp_entity store_handle( const store* s, int slot );
 /// A new entity with its rows, zeroed, and no component yet. @return false without memory, nothing changed
 bool store_add( store* s, const int row_counts[WISP_TABLE_COUNT], wisp_entity* out );
 
-/// Rows behind the entity's close up.
+/// Later rows move down to close the gap.
 void store_remove( store* s, wisp_entity entity );
 
 /// @return false without memory, nothing changed
@@ -86,7 +86,7 @@ void store_detach( store* s, wisp_entity entity, wisp_component component );
 /// First row of the entity's range, null if it lacks the component.
 void* store_column( const store* s, const store_entity* e, wisp_component component, int column );
 
-/// Somebody wrote the component's rows of this entity: wake the passes that watch it.
+/// Mark the component's rows of this entity as written: passes that watch it run.
 static inline void store_touch( const store* s, store_entity* e, wisp_component component )
 {
     e->dirty |= s->watchers[component];
@@ -97,9 +97,9 @@ static inline void store_touch( const store* s, store_entity* e, wisp_component 
 /// Transient components are left out.
 size_t store_snapshot_size( const store* s );
 void store_snapshot( const store* s, void* out );
-/// Checks everything before the first byte is written back.
+/// Check everything before the first byte is written back.
 wisp_status store_restore( store* s, const void* bytes, size_t size, wisp_error* error );
-/// Hash of all rows of all entities but the transient ones.
+/// Hash all rows of all entities except the transient ones.
 uint64_t store_hash( const store* s );
 
 /// 64-bit hash of bytes, chained through `seed`. Reads little-endian words, so equal bytes hash equal anywhere.

@@ -13,7 +13,7 @@ wisp_tune_def wisp_default_tune_def( void )
     return ( wisp_tune_def ){ .max_runs = 100, .max_seconds = INFINITY, .repeats = 3, .cookie = TUNE_JOB_COOKIE };
 }
 
-// ---- what a job may say ----
+// ---- checks of a definition ----
 
 static wisp_status check_parameter( const wisp_tune_parameter* parameter, int number, wisp_error* error )
 {
@@ -81,7 +81,7 @@ wisp_status tune_check_def( const wisp_tune_def* args, int* setting_count, wisp_
     return check_parameters( args, setting_count, error );
 }
 
-// ---- from a job to a result ----
+// ---- result ----
 
 static void number_settings( tune_search* s )
 {
@@ -99,8 +99,8 @@ static void number_settings( tune_search* s )
 
 static wisp_status search( tune_search* s, wisp_error* error )
 {
-    // Among many parameters ruling out takes more runs than there are. What it has found by then is far from the best, which
-    // its neighbours lead to: a third of what there is is theirs.
+    // With many parameters, ruling out takes more runs than there are. The best so far is then far from the best of
+    // all, which is reached through neighbours: a third of the runs is reserved for them.
     const int reserve = s->reserve;
     s->reserve += s->args->max_runs / 3;
     s->seconds = s->args->max_seconds * 2.0 / 3.0;
@@ -108,7 +108,7 @@ static wisp_status search( tune_search* s, wisp_error* error )
     s->reserve = reserve;
     s->seconds = s->args->max_seconds;
     status = status == WISP_OK ? tune_look_around( s, error ) : status;
-    // A time that was measured again may have made another one the best, which has neighbours of its own.
+    // A repeated measurement may have made another one the best, which has neighbours of its own.
     s->reserve = 0;
     for ( int last = -1; status == WISP_OK && s->best != last; )
     {
@@ -119,7 +119,7 @@ static wisp_status search( tune_search* s, wisp_error* error )
     return status;
 }
 
-// The visits move out of the search's room into a block whose size the result can tell when it is released.
+// The visits move from the search's buffer into a block whose size the result can derive when it is released.
 static wisp_status hand_over( const tune_search* s, wisp_tune_result* out, wisp_error* error )
 {
     const size_t bytes = (size_t)s->trial_count * sizeof( wisp_tune_trial );
@@ -153,7 +153,7 @@ static wisp_status search_with_room( tune_search* s, void* room, wisp_tune_resul
     s->trials = (wisp_tune_trial*)( s->times + count * (size_t)s->args->repeats );
     s->settings = (tune_setting*)( s->trials + count );
     number_settings( s );
-    // A fourth of the runs at most waits for the finalists; a search that has none to spare measures once.
+    // At most a fourth of the runs is reserved for the finalists; a search without spare runs measures once.
     const int requested = 2 * ( s->args->repeats - 1 );
     s->reserve = requested < s->args->max_runs / 4 ? requested : s->args->max_runs / 4;
     wisp_status status = search( s, error );

@@ -1,11 +1,11 @@
-// What does not trust the order of values, nor a time that was taken once.
+// Stages that do not rely on the order of values, nor on a single measurement.
 #include "tune.h"
 
 #define FINALISTS_MAX 4
 
 // ---- neighbours ----
 
-// Run a choice unless it was run, or lies outside.
+// Run a configuration unless it was run, or is out of range.
 static wisp_status run_neighbour( tune_search* s, const int* configuration, wisp_error* error )
 {
     for ( int k = 0; k < s->args->parameter_count; ++k )
@@ -40,7 +40,7 @@ static wisp_status run_along( tune_search* s, const int* centre, int parameter, 
     return status;
 }
 
-// One parameter gets finer and another one rougher.
+// One parameter becomes finer and another one coarser.
 static wisp_status run_trade( tune_search* s, const int* centre, int finer, int rougher, wisp_error* error )
 {
     const wisp_tune_parameter* parameters = s->args->parameters;
@@ -56,7 +56,7 @@ static wisp_status run_trade( tune_search* s, const int* centre, int finer, int 
     return run_neighbour( s, configuration, error );
 }
 
-// Goes on from what is better at once, along the same parameter first: where one step helps, the next one often does.
+// Continues from a better one at once, along the same parameter first: where one step helps, the next one often does.
 static wisp_status run_all_along( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -82,7 +82,7 @@ static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error
     return status;
 }
 
-// Trades are many where parameters are: they wait until no single parameter makes the best better.
+// With many parameters there are many trades, so they come after no single parameter improves the best.
 wisp_status tune_look_around( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
@@ -100,7 +100,7 @@ wisp_status tune_look_around( tune_search* s, wisp_error* error )
 
 // ---- finalists ----
 
-// Whether another measurement may put this one in the best one's place.
+// Whether another measurement may make this one the best.
 static bool may_win( const tune_search* s, const wisp_tune_sample* sample )
 {
     const wisp_tune_def* args = s->args;
@@ -118,7 +118,7 @@ static bool may_win( const tune_search* s, const wisp_tune_sample* sample )
                       : sample->ms <= TUNE_NOISE * best->ms;
 }
 
-// The best, and the fastest of those that may win. @return how many
+// The best, and the fastest of those that may become it. @return their number
 static int find_finalists( const tune_search* s, int* finalists )
 {
     int count = 0;
@@ -145,7 +145,7 @@ static int find_finalists( const tune_search* s, int* finalists )
     return count;
 }
 
-// In turns, so that a slow second of the machine is everybody's.
+// In turns, so that a slow second of the machine affects all.
 wisp_status tune_measure_again( tune_search* s, wisp_error* error )
 {
     int finalists[FINALISTS_MAX];

@@ -1,6 +1,6 @@
-// Which choice is run next. Choices are partly ordered: one is below another if it is nowhere finer. What a run shows of
-// one choice is taken to hold for all above or below it, so that a run closes many, and what stays open is cut like
-// a list by bisection.
+// Choice of the next run. Configurations are partly ordered: one is below another if it is nowhere finer. The result
+// of a run is assumed to hold for all above or below it, so one run closes many, and the open ones are divided as in
+// bisection.
 #include "tune.h"
 
 static bool is_below( const wisp_tune_def* args, const tune_setting* lower, const tune_setting* upper )
@@ -16,9 +16,9 @@ static bool is_below( const wisp_tune_def* args, const tune_setting* lower, cons
     return true;
 }
 
-// ---- what a run closes ----
+// ---- configurations closed by a run ----
 
-// Finer ones cannot win: they meet the error at a higher cost, or are beyond the budget like this one.
+// Finer ones cannot win: they meet the error at a higher cost, or exceed the budget like this one.
 static bool closes_above( const tune_search* s, const wisp_tune_sample* sample )
 {
     const wisp_tune_sample* best = &s->trials[s->best].sample;
@@ -29,7 +29,8 @@ static bool closes_above( const tune_search* s, const wisp_tune_sample* sample )
     return tune_meets( s->args, sample ) || ( tune_meets( s->args, best ) && sample->ms >= TUNE_NOISE * best->ms );
 }
 
-// Rougher ones cannot win: they miss the error like this one, or are no more accurate than the best within the budget.
+// Coarser ones cannot win: they miss the error like this one, or are no more accurate than the best within the
+// budget.
 static bool closes_below( const tune_search* s, const wisp_tune_sample* sample )
 {
     const wisp_tune_sample* best = &s->trials[s->best].sample;
@@ -40,7 +41,7 @@ static bool closes_below( const tune_search* s, const wisp_tune_sample* sample )
     return !tune_meets( s->args, sample );
 }
 
-// All visits are asked again after every run, since a better best closes more.
+// All visits are evaluated again after every run, because a better best closes more.
 static void close_settings( tune_search* s )
 {
     for ( int i = 0; i < s->setting_count; ++i )
@@ -64,9 +65,9 @@ static void close_settings( tune_search* s )
     }
 }
 
-// ---- which one is run ----
+// ---- choice of the next run ----
 
-// How many open settings a run closes at least, whichever way it turns out.
+// Minimum number of open settings that a run closes, over its possible results.
 static int worth_of( const tune_search* s, const tune_setting* candidate )
 {
     int above = 0, below = 0;
@@ -82,7 +83,7 @@ static int worth_of( const tune_search* s, const tune_setting* candidate )
     return above < below ? above : below;
 }
 
-// Of equal ones the first, which is the cheaper where they are ordered. @return -1: none is open
+// Ties go to the first, which is the cheaper one where they are ordered. @return -1: none is open
 static int pick_setting( const tune_search* s )
 {
     int best = -1, most = 0;

@@ -1,11 +1,11 @@
-// Trials: one run of the host's callback, what is kept of it, and which sample is preferred.
+// Trials: one run of the host's callback, its recorded results, and the comparison of samples.
 #include "tune.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-// ---- which sample is preferred ----
+// ---- comparison of samples ----
 
 bool tune_meets( const wisp_tune_def* args, const wisp_tune_sample* sample )
 {
@@ -23,7 +23,7 @@ bool tune_is_better( const wisp_tune_def* args, const wisp_tune_sample* a, const
     {
         return meets;
     }
-    // Those that meet an error compete by time, those that miss it by error; of a budget it is the other way round.
+    // Samples that meet an error compare by time, others by error; with a budget it is the other way round.
     const bool by_time = ( args->error > 0.0 ) == meets;
     const double first = by_time ? a->ms - b->ms : a->error - b->error;
     const double second = by_time ? a->error - b->error : a->ms - b->ms;
@@ -47,7 +47,7 @@ static void find_best( tune_search* s )
 bool tune_may_run( tune_search* s, int reserve )
 {
     const wisp_tune_def* args = s->args;
-    // The first run is owed to the host however little time there is: a result without a choice helps nobody.
+    // The first run is always allowed, however little time there is: a result without a configuration is useless.
     const bool may = s->run_count == 0 || ( !s->is_stopped && s->run_count + reserve < args->max_runs &&
                                             wisp_clock_seconds() - s->start < s->seconds );
     s->stopped_early |= !may;
@@ -81,7 +81,7 @@ static wisp_status check_sample( const tune_search* s, const int* configuration,
                       s->run_count, parameter->name, parameter->values[configuration[0]], sample->ms, sample->error );
 }
 
-// A run that halts once, or misses once, has done so for good.
+// A run that halts once, or misses once, is not repeated.
 static void take_down( tune_search* s, wisp_tune_trial* trial, const wisp_tune_sample* sample )
 {
     double* times = s->times + ( trial - s->trials ) * s->args->repeats;

@@ -1,4 +1,4 @@
-// Runs of worlds: the reference once, then each choice against it.
+// Runs of worlds: the reference once, then each configuration against it.
 #include "tune.h"
 
 #include "alloc.h"
@@ -48,12 +48,12 @@ typedef struct worlds_run
     const wisp_tune_worlds_def* def;
     const wisp_tune_def* args;
     wisp_vec3* reference;   // [look][total]
-    size_t reference_bytes; // 0: the reference was not seen yet
+    size_t reference_bytes; // 0: the reference has not run yet
     int total;              // points of a look
     double* times;          // [step_count] ms
 } worlds_run;
 
-/// What a run of one world has shown so far.
+/// Results of the run of one world so far.
 typedef struct world_sums
 {
     double squares; // m^2
@@ -135,7 +135,7 @@ static void compare( wisp_vec3 is, wisp_vec3 reference, world_sums* sums )
     sums->is_halted |= !isfinite( square );
 }
 
-// Keep what the reference shows, or compare with it.
+// Record the reference, or compare with it.
 static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_reference, world_sums* sums,
                          wisp_error* error )
 {
@@ -166,7 +166,7 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_refere
     return status;
 }
 
-// Looks are spread evenly, and the last step is one of them.
+// Samples are spread evenly, and the last step is one of them.
 static bool is_look( const wisp_tune_worlds_def* def, int step )
 {
     const int64_t looks = def->sample_count, steps = def->step_count;
@@ -283,7 +283,7 @@ static wisp_status search_worlds( worlds_run* r, wisp_tune_result* out, wisp_err
     wisp_tune_def args = *r->args;
     args.run = run_choice;
     args.user = r;
-    // Time that the reference has used up leaves the one run that every search makes.
+    // If the reference has used up the time, the one run that every search makes remains.
     args.max_seconds = args.max_seconds > spent ? args.max_seconds - spent : DBL_MIN;
     status = wisp_tune( &args, out, error );
     out->seconds += status == WISP_OK ? spent : 0.0;

@@ -1,4 +1,4 @@
-// What the module keeps in one world: followers and drawings, found by their entity, and who is let go.
+// State of the module in one world: followers and drawings by their entity, and their removal.
 #include "guide_internal.h"
 
 #include <string.h>

@@ -42,7 +42,7 @@ typedef struct step
     float kept;              // of a velocity, by the surface's damping
     float moved;             // share of a solve's answer that is gone
     float recent, older;     // weights of the substep before in x^ and v^: ( recent a - older b )
-    float *point, *velocity; // [row][4] where forces are asked, and the velocity that goes with it
+    float *point, *velocity; // [row][4] where forces are evaluated, and the corresponding velocity
     implicit_tally* tallies; // [block]
     int* undirected;         // [block]
     double* motion;          // [block] kg m^2/s^2, sum of m v^2

@@ -1,4 +1,4 @@
-/// A folder of files of which each must be refused with a message, and which a generator writes.
+/// A folder of files, each of which must be rejected with a message, and which a generator writes.
 #pragma once
 
 #include "folder_fixture.h"
@@ -6,7 +6,7 @@
 #include "../bad/bad_files.h"
 #include "wisp/base.h"
 
-/// Read one file, which must be refused.
+/// Read one file, which must be rejected.
 typedef void demand_refusal_fn( const char* path, const char* name, wisp_error* error );
 
 /// Defined by the file that includes this one.
@@ -50,7 +50,7 @@ static inline void demand_refusal_of_folder( int min_files, demand_refusal_fn* d
     assert_true( count >= min_files );
 }
 
-/// Every refusal has its reason: a file that is refused for another one tests nothing.
+/// Every rejection has its own reason: a file that is rejected for another one tests nothing.
 static inline void demand_words( const bad_file_list* list, demand_refusal_fn* demand )
 {
     for ( int i = 0; i < list->count; ++i )
@@ -65,7 +65,7 @@ static inline void demand_words( const bad_file_list* list, demand_refusal_fn* d
     }
 }
 
-/// The committed files are those that the generator writes.
+/// The committed files equal the generator's output.
 static inline void demand_bytes( const bad_file_list* list )
 {
     for ( int i = 0; i < list->count; ++i )

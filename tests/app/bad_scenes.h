@@ -1,10 +1,10 @@
-// A file of tests/bad/scene and the message that refuses it. The tables are several, the folder is one.
+// A file of tests/bad/scene and the message of its rejection. There are several tables for one folder.
 #pragma once
 
 typedef struct bad_scene
 {
     const char* file;
-    const char* message; // what follows the file's name
+    const char* message; // the text after the file's name
 } bad_scene;
 
 extern const bad_scene BAD_SCENES_MOTION[];

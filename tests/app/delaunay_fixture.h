@@ -1,4 +1,4 @@
-/// What every triangulation of an outline must be, asked by the definition and not by the code under test.
+/// Properties of every triangulation of an outline, checked by the definition, independently of the tested code.
 #pragma once
 
 #include "mesh_fixture.h"
@@ -13,8 +13,8 @@ static inline int64_t fixture_turn( delaunay_point a, delaunay_point b, delaunay
     return (int64_t)( b.x - a.x ) * ( c.y - a.y ) - (int64_t)( c.x - a.x ) * ( b.y - a.y );
 }
 
-/// Whether p lies inside the circle around the counter-clockwise triangle a b c: the determinant of the rows
-/// (x, y, x^2 + y^2) of b, c and p seen from a. Below 3 * 2^26 * 2^26 * 2^53 * 2, which is below 2^108.
+/// Whether p is inside the circle around the counter-clockwise triangle a b c: the determinant of the rows (x, y, x^2
+/// + y^2) of b, c and p relative to a. Below 3 * 2^26 * 2^26 * 2^53 * 2, which is below 2^108.
 static inline bool fixture_in_circle( delaunay_point a, delaunay_point b, delaunay_point c, delaunay_point p )
 {
     const delaunay_point seen[] = { b, c, p };
@@ -38,7 +38,7 @@ static inline bool fixture_cross( delaunay_point a, delaunay_point b, delaunay_p
     return ( ( ca > 0 && da < 0 ) || ( ca < 0 && da > 0 ) ) && ( ( ac > 0 && bc < 0 ) || ( ac < 0 && bc > 0 ) );
 }
 
-/// A triangulation to look at. The outline is the first points.
+/// A triangulation to check. The outline is the first points.
 typedef struct fixture_net
 {
     const delaunay_point* points;
@@ -52,7 +52,7 @@ static inline delaunay_point fixture_corner( const fixture_net* n, int t, int k 
     return n->points[n->triangles[3 * t + k % 3]];
 }
 
-/// Together as large as the outline, none turned over: they cover it once, without holes and without overlap.
+/// The areas sum to that of the outline and none is reversed: they cover it once, without holes and without overlap.
 static inline void assert_covers( const fixture_net* n )
 {
     fixture_wide outline = 0, sum = 0;
@@ -83,9 +83,9 @@ static inline int fixture_compare_edges( const void* left, const void* right )
     return a->lower != b->lower ? ( a->lower < b->lower ? -1 : 1 ) : a->upper < b->upper ? -1 : a->upper > b->upper;
 }
 
-/// Every edge once each way, but those of the outline, all of which are there, once and its way round. No point across
-/// an edge lies in the circle of the triangle on this side, which for all edges inside is the same as constrained
-/// Delaunay (Lee and Lin 1986). Vertices, edges and triangles obey Euler.
+/// Every inner edge occurs once in each direction, and every edge of the outline once, in its direction. No point
+/// across an edge is in the circle of the triangle on this side, which for all inner edges is equivalent to
+/// constrained Delaunay (Lee and Lin 1986). Vertices, edges and triangles satisfy Euler's formula.
 static inline void assert_joined_and_delaunay( const fixture_net* n )
 {
     size_t halves = 3 * (size_t)n->triangle_count;
@@ -122,8 +122,8 @@ static inline void assert_joined_and_delaunay( const fixture_net* n )
     free( edges );
 }
 
-/// Whether the outline stands between a triangle's middle and a point. Three times as large, the middle is in whole
-/// numbers; differences are then below 2^28.
+/// Whether the outline separates a triangle's centre from a point. Scaled by three, the centre has integer
+/// coordinates; differences are then below 2^28.
 static inline bool fixture_is_hidden( const fixture_net* n, int t, delaunay_point p )
 {
     delaunay_point middle = { 0, 0 };
@@ -145,8 +145,8 @@ static inline bool fixture_is_hidden( const fixture_net* n, int t, delaunay_poin
     return false;
 }
 
-/// Every triangle against every point: only what the outline hides may lie inside a circle.
-/// @return how many points are hidden
+/// Every triangle against every point: only points hidden by the outline may be inside a circle.
+/// @return number of hidden points
 static inline int assert_empty_circles( const fixture_net* n )
 {
     int hidden = 0;

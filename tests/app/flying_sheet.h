@@ -1,4 +1,4 @@
-/// A folder with what tests of pictures and recordings start from: two scenes, and a recorded sheet that flies and is
+/// A folder with the inputs of tests of pictures and recordings: two scenes, and a recorded sheet that flies and is
 /// stretched.
 #pragma once
 
@@ -67,7 +67,7 @@ static inline void make_triangles( int32_t* triangles )
     }
 }
 
-/// @param shift m, that a frame is further along x than the one before
+/// @param shift m along x, of each frame relative to the previous one
 static inline void record_sheet( const char* path, float shift )
 {
     int32_t triangles[6 * ( SIDE - 1 ) * ( SIDE - 1 )];

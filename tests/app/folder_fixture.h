@@ -36,7 +36,7 @@ static inline char* path_in( void** state, const char* name )
     return path;
 }
 
-/// Files in a folder, hidden ones too; or remove them and what is one level below.
+/// List the files in a folder, hidden ones too; or remove them and those one level below.
 static inline int walk_folder( const char* path, bool removing )
 {
     DIR* walk = opendir( path );

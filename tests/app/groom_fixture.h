@@ -1,12 +1,12 @@
-/// Grooms and texts that the groom tests share.
+/// Grooms and texts shared by the groom tests.
 #pragma once
 
 #include "folder_fixture.h"
 
 #include "groom.h"
 
-/// Strands of 3, 1 and 2 vertices with all arrays and numbers that only nine digits bring back.
-/// Static storage: never release it.
+/// Strands of 3, 1 and 2 vertices with all arrays, and numbers that need nine digits to be restored. Static storage:
+/// never release it.
 static inline wisp_groom fixture_groom( void )
 {
     static int offsets[] = { 0, 3, 4, 6 };
@@ -64,9 +64,9 @@ static inline void assert_same_groom( const wisp_groom* a, const wisp_groom* b )
 
 typedef wisp_status fixture_writer( FILE* out, const wisp_groom* groom, const char* name, wisp_error* error );
 
-/// What a writer writes.
+/// The output of a writer.
 /// @return zero-terminated, for free()
-/// Not inlined: gcc 12 would take the stream's buffer for the local that held its address.
+/// Not inlined: gcc 12 would mistake the stream's buffer for the local that held its address.
 __attribute__( ( noinline, unused ) ) static char* fixture_written( fixture_writer* write, const wisp_groom* groom,
                                                                     size_t* size )
 {
@@ -84,7 +84,7 @@ __attribute__( ( noinline, unused ) ) static char* fixture_written( fixture_writ
     return text;
 }
 
-/// What wisp_groom_info() prints.
+/// The output of wisp_groom_info().
 /// @return zero-terminated, for free()
 static inline char* fixture_info( const wisp_groom* groom, wisp_status expected )
 {

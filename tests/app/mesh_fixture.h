@@ -1,11 +1,11 @@
-/// Meshes that the mesh tests share.
+/// Meshes shared by the mesh tests.
 #pragma once
 
 #include "unit.h"
 
 #include "mesh.h"
 
-/// A mesh of its own memory, so that it may be repaired and released.
+/// A mesh with memory of its own, so that it may be repaired and released.
 static inline wisp_mesh fixture_mesh( const wisp_vec3* points, int vertex_count, const int32_t* triangles,
                                       int triangle_count )
 {

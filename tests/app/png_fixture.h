@@ -1,4 +1,4 @@
-/// Pictures that a program has written.
+/// Pictures written by a program.
 #pragma once
 
 #include "unit.h"

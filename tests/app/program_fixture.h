@@ -26,7 +26,7 @@ static inline bool find_program( int argc, char** argv )
     return found;
 }
 
-/// What a run left behind.
+/// Results of a run.
 typedef struct run_result
 {
     int status; ///< exit status, -1 if a signal ended it
@@ -89,8 +89,8 @@ static inline void run( const char* command )
     read_back( err, result.err );
 }
 
-/// Run the program with its error stream on a terminal; what the terminal got is in result.err. Some containers have no
-/// terminals to give: then the test is skipped.
+/// Run the program with its error stream on a terminal, whose text is in result.err. Some containers have no
+/// terminals: then the test is skipped.
 static inline void run_on_terminal( const char* command )
 {
     char line[1024], *arguments[ARGUMENTS_MAX + 1];
@@ -133,7 +133,7 @@ static inline int line_count( const char* text )
     return count;
 }
 
-/// The run must end well.
+/// The run must succeed.
 static inline void run_ok( const char* command )
 {
     run( command );
@@ -143,7 +143,7 @@ static inline void run_ok( const char* command )
     }
 }
 
-/// The run must have been refused as input: status 2, nothing on standard output, one message that names something.
+/// The run must have rejected its input: status 2, nothing on standard output, one message that names the error.
 static inline void assert_refused( const char* command, const char* named )
 {
     run( command );
@@ -154,7 +154,7 @@ static inline void assert_refused( const char* command, const char* named )
     }
 }
 
-/// The command line must have been refused: status 64, nothing on standard output, a message that names something.
+/// The command line must have been rejected: status 64, nothing on standard output, a message that names the error.
 static inline void assert_usage( const char* command, const char* named )
 {
     run( command );
@@ -174,7 +174,7 @@ static inline int remove_entry( const char* path, const struct stat* info, int k
     return remove( path );
 }
 
-/// Make a folder and go there. @return 0, or -1
+/// Make a folder and enter it. @return 0, or -1
 static inline int enter_new_folder( void** state )
 {
     static char folder[] = P_tmpdir "/wisp_program_XXXXXX";
@@ -188,7 +188,7 @@ typedef struct text_file
     const char *name, *text;
 } text_file;
 
-/// Make a folder, go there and write files. @return 0, or -1
+/// Make a folder, enter it and write files. @return 0, or -1
 static inline int enter_folder_with( void** state, const text_file* files, int count )
 {
     const int status = enter_new_folder( state );
@@ -199,7 +199,7 @@ static inline int enter_folder_with( void** state, const text_file* files, int c
     return status;
 }
 
-/// Remove the folder with whatever the program left in it.
+/// Remove the folder with everything that the program left in it.
 static inline int leave_folder( void** state )
 {
     return chdir( "/" ) == 0 ? nftw( *state, remove_entry, 8, FTW_DEPTH | FTW_PHYS ) : -1;

@@ -1,4 +1,4 @@
-/// Bodies and points that the recording tests share.
+/// Bodies and points shared by the recording tests.
 #pragma once
 
 #include "folder_fixture.h"
@@ -28,7 +28,7 @@ typedef struct fixture_frame
     wisp_vec3 hair[HAIR_VERTICES];
 } fixture_frame;
 
-/// Numbers that only nine digits bring back, other ones in every frame.
+/// Numbers that need nine digits to be restored, different in every frame.
 static inline fixture_frame fixture_points( int f )
 {
     fixture_frame frame = {
@@ -69,7 +69,7 @@ static inline wisp_status fixture_add_frame( wisp_recorder* recorder, int f, wis
     return wisp_recorder_frame( recorder, fixture_time( f ), fixture_hash( f ), points, error );
 }
 
-/// Record that many frames of the fixture; everything must succeed.
+/// Record this number of frames of the fixture; everything must succeed.
 static inline void fixture_record( const char* path, const wisp_recorder_def* def, int frame_count )
 {
     wisp_error error = { .status = WISP_OK };

@@ -1,4 +1,4 @@
-/// Bodies and pictures that the picture tests share.
+/// Bodies and pictures shared by the picture tests.
 #pragma once
 
 #include "unit.h"
@@ -81,7 +81,7 @@ static inline render_options fixture_options( void )
     return options;
 }
 
-/// This must succeed. Release the image.
+/// Render, which must succeed. Release the image.
 static inline image fixture_picture( const render_scene* scene, const render_camera* camera,
                                      const render_options* options )
 {
@@ -106,14 +106,14 @@ static inline int fixture_brightness( const image* picture, int x, int y )
     return p[0] + p[1] + p[2];
 }
 
-/// Do the pictures differ there by more than rounding?
+/// True if the pictures differ there by more than rounding.
 static inline bool fixture_differs( const image* a, const image* b, int x, int y )
 {
     const uint8_t *p = fixture_pixel( a, x, y ), *q = fixture_pixel( b, x, y );
     return abs( p[0] - q[0] ) > 1 || abs( p[1] - q[1] ) > 1 || abs( p[2] - q[2] ) > 1;
 }
 
-/// The number of pixels in which they differ.
+/// The number of pixels that differ.
 static inline int fixture_count_differing( const image* a, const image* b )
 {
     int count = 0;
@@ -127,7 +127,7 @@ static inline int fixture_count_differing( const image* a, const image* b )
     return count;
 }
 
-/// Where a point is in the picture, in pixels from the upper left corner; for cameras whose up is y.
+/// Position of a point in the picture, in pixels from the upper left corner; for cameras whose up is y.
 typedef struct fixture_place
 {
     double x, y;

@@ -1,4 +1,4 @@
-/// Scenes from text and from files, which must be good.
+/// Valid scenes from text and from files.
 #pragma once
 
 #include "unit.h"

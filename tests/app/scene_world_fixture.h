@@ -23,7 +23,7 @@ static inline void create( fixture* f, int workers )
     assert_ok( try_create( f, workers ), f->error );
 }
 
-/// Parse a text, which must be a scene, and build its world, which may be refused.
+/// Parse a text, which must be a scene, and build its world, which may be rejected.
 static inline wisp_status try_build( fixture* f, const char* text )
 {
     *f = ( fixture ){ .scene = parsed( text ) };

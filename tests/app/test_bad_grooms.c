@@ -1,4 +1,4 @@
-// Every file in tests/bad/groom is refused with a message. The folder is walked, so a file dropped there is tested.
+// Every file in tests/bad/groom is rejected with a message. The test walks the folder, so any file in it is tested.
 #include "bad_folder.h"
 
 #include "../bad/bad_grooms.h"
@@ -56,8 +56,8 @@ static void the_files_they_were_made_from_are_good( void** state )
     wisp_groom_release( &groom );
 }
 
-// Shorter by any number of bytes is always wrong; the block is exactly as long, so that a checker sees a read past
-// it.
+// Truncated by any number of bytes it is always invalid; the block is exactly as long, so that a sanitizer detects a
+// read beyond it.
 static void every_shorter_beginning_of_a_good_file_is_refused( void** state )
 {
     (void)state;

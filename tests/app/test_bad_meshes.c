@@ -1,5 +1,5 @@
-// Every mesh file of bad_meshes.h is refused with the message that it was made for, and so is every good one that
-// was cut or damaged, unless it is still good.
+// Every mesh file of bad_meshes.h is rejected with its own message, and so is every valid one that was truncated or
+// damaged, unless it is still valid.
 #include "unit.h"
 
 #include "../bad/bad_meshes.h"
@@ -15,7 +15,7 @@ static bool is_ply( const char* name )
     return strstr( name, ".ply" ) != NULL;
 }
 
-// The block is exactly as long as the file, so that a checker sees a read past its end.
+// The block is exactly as long as the file, so that a sanitizer detects a read beyond its end.
 static wisp_status read_exactly( const char* name, const char* bytes, size_t size, wisp_mesh* mesh,
                                  wisp_error* error )
 {
@@ -77,7 +77,7 @@ static void the_files_that_are_cut_and_damaged_are_good( void** state )
     }
 }
 
-// Either answer is right for a damaged file, with everything that belongs to it.
+// A damaged file may be accepted or rejected, with everything that belongs to it.
 static void demand_answer( const char* name, const char* bytes, size_t size )
 {
     wisp_mesh mesh;

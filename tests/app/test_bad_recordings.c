@@ -1,12 +1,12 @@
-// Every file in tests/bad/recording is refused with a message, when it is opened or when a frame is read. The folder
-// is walked, so a file dropped there is tested.
+// Every file in tests/bad/recording is rejected with a message, when it is opened or when a frame is read. The test
+// walks the folder, so any file in it is tested.
 #include "record_fixture.h"
 
 #include "bad_folder.h"
 
 #include "../bad/bad_recordings.h"
 
-// The first refusal: of the file, or of a frame.
+// The first rejection: of the file, or of a frame.
 static wisp_status read_recording( const char* path, wisp_error* error )
 {
     wisp_recording* recording = NULL;
@@ -92,7 +92,7 @@ static void the_files_they_were_made_from_are_good( void** state )
     wisp_pc2_close( cache );
 }
 
-// The good file is built from the description of the format, so this is the description's test of the writer.
+// The valid file is built from the description of the format, so it also tests the writer.
 static void the_recorder_writes_the_good_file_byte_for_byte( void** state )
 {
     static const int32_t triangle[] = { 0, 1, 2 }, offsets[] = { 0, 2, 4 };

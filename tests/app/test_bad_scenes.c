@@ -1,5 +1,5 @@
-// Every file in tests/bad/scene is refused with exactly the message below: place, key and what is wrong. The folder
-// is walked, so that a file dropped there without a message fails.
+// Every file in tests/bad/scene is rejected with exactly the message below: position, key and error. The test walks
+// the folder, so a file in it without a message fails.
 #define _XOPEN_SOURCE 700
 
 #include "unit.h"

@@ -1,4 +1,4 @@
-// What test_bad_scenes.c expects of boundary particles and contact.
+// Messages for test_bad_scenes.c: boundary particles and contact.
 #include "bad_scenes.h"
 
 // clang-format off

@@ -1,4 +1,4 @@
-// What test_bad_scenes.c expects of implicit cloth.
+// Messages for test_bad_scenes.c: implicit cloth.
 #include "bad_scenes.h"
 
 // clang-format off

@@ -1,4 +1,4 @@
-// What test_bad_scenes.c expects of strands that move, of ghosts, scattered strands and curves.
+// Messages for test_bad_scenes.c: moving strands, ghosts, scattered strands and curves.
 #include "bad_scenes.h"
 
 // clang-format off

@@ -1,4 +1,4 @@
-// Triangulations in whole numbers, each looked at by the definition: covered once, joined, circles empty.
+// Triangulations in integers, each checked by the definition: covered once, connected, circles empty.
 #include "delaunay_fixture.h"
 
 #include "wisp/module/random.h"
@@ -49,7 +49,7 @@ static fixture_net filled( void )
                             delaunay_triangle_count( set.count, set.outline_count ) };
 }
 
-// @return how many points the outline hides from a circle that holds them
+// @return number of points in circles that are hidden by the outline
 static int assert_sound( void )
 {
     fixture_net net = filled();
@@ -73,7 +73,7 @@ static int32_t draw( uint64_t seed, int i, uint32_t axis, int32_t lower, int32_t
     return lower + (int32_t)( wisp_random_unit( key, (uint32_t)i, axis, 0 ) * ( (double)upper - lower ) );
 }
 
-// ---- what is made ----------------------------------------------------------------------------------------------
+// ---- results ---------------------------------------------------------------------------------------------------
 
 static void three_points_are_one_triangle( void** state )
 {
@@ -179,7 +179,7 @@ static void points_on_edges_and_at_the_rim_of_the_lattice_are_joined( void** sta
     (void)state;
     begin();
     put_square( 0, LAST );
-    // the middle of the first diagonal, points on edges that then exist, and some that lie one place from a corner
+    // the middle of the first diagonal, points on edges that then exist, and some one float from a corner
     const int32_t half = DELAUNAY_SIDE / 2;
     put( half, half );
     put( half / 2, half / 2 );
@@ -195,9 +195,10 @@ static void points_on_edges_and_at_the_rim_of_the_lattice_are_joined( void** sta
     assert_int_equal( assert_sound(), 0 );
 }
 
-// ---- outlines that stand in the way ----------------------------------------------------------------------------
+// ---- outlines that hide points ---------------------------------------------------------------------------------
 
-// Every other corner far out, the others near the middle: the edges cross most of what the points alone would make.
+// Every other corner far out, the others near the middle: the edges cross most edges of the unconstrained
+// triangulation.
 static void put_star( uint64_t seed, int corners, double inner )
 {
     for ( int i = 0; i < corners; ++i )
@@ -226,7 +227,7 @@ static void stars_with_many_thin_points_keep_their_outline( void** state )
         }
         hidden += assert_sound();
     }
-    // else the outlines were Delaunay by themselves and nothing was tried
+    // else the outlines were Delaunay by themselves and nothing was tested
     assert_true( hidden > 1000 );
 }
 
@@ -251,8 +252,8 @@ static void a_long_edge_is_cut_through_many_triangles( void** state )
     assert_true( assert_sound() > 100 );
 }
 
-// Few points in few places, so that many lie on lines and circles, some close to the slit and some far from it: its
-// edges meet every order of higher and lower corners on both sides.
+// Few points at few positions, so that many are collinear or cocircular, some close to the slit and some far from it:
+// its edges meet every order of higher and lower corners on both sides.
 static void put_crowd( uint64_t seed, int count )
 {
     enum
@@ -298,7 +299,7 @@ static void a_slit_is_kept_in_any_small_crowd( void** state )
 static void teeth_of_a_comb_are_not_joined_across_the_gaps( void** state )
 {
     (void)state;
-    // long and short teeth in turn, so that the circles of the long ones hold the tips of the short ones
+    // long and short teeth in turn, so that the circles of the long ones contain the tips of the short ones
     begin();
     put( 0, 0 );
     put( 20000 * 50, 0 );

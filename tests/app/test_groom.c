@@ -7,7 +7,7 @@
 
 // ---- reading ---------------------------------------------------------------------------------------------------
 
-// Little-endian numbers, put down one after the other.
+// Little-endian numbers, appended one after the other.
 typedef struct byte_row
 {
     unsigned char bytes[1024];
@@ -124,7 +124,7 @@ static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** st
     row.size = 176;
     put_floats( &row, 16, 0.0f, 0.0625f );
     put_floats( &row, 16, 1.0f, 1.0f );
-    row.size += 6; // bytes that nobody claims
+    row.size += 6; // bytes outside any section
 
     wisp_groom groom;
     wisp_status status = wisp_groom_read_tfx( row.bytes, row.size, "row.tfx", &groom, NULL );
@@ -132,7 +132,7 @@ static void a_hand_made_tfx_file_gives_positions_thickness_and_colour( void** st
     assert_int_equal( status, WISP_OK );
     assert_int_equal( groom.dimension, 3 );
     assert_memory_equal( groom.offsets, ( ( int[] ){ 0, 2, 4 } ), 3 * sizeof( int ) );
-    // every fourth number is an inverse mass, and is left out
+    // every fourth number is an inverse mass, and is skipped
     assert_memory_equal( groom.points, ( ( float[] ){ 1, 2, 3, 5, 6, 7, 9, 10, 11, 13, 14, 15 } ),
                          12 * sizeof( float ) );
     assert_memory_equal( groom.thickness, ( ( float[] ){ 0.5f, 0.5f, 0.75f, 0.75f } ), 4 * sizeof( float ) );
@@ -393,7 +393,7 @@ static void assert_check_says( const wisp_groom* groom, const char* words )
     assert_contains( error.message, words );
 }
 
-// Two strands of two vertices, all arrays, ready to be spoiled.
+// Two strands of two vertices, all arrays, for tests to break.
 typedef struct small_groom
 {
     int offsets[3];

@@ -1,4 +1,4 @@
-// Grooms on disk: which format a path means, what a failed write leaves behind, and what `wisp info` prints.
+// Grooms on disk: the format of a path, the file after a failed write, and the output of `wisp info`.
 #include "groom_fixture.h"
 
 #include <signal.h>
@@ -197,7 +197,7 @@ static void info_names_what_is_wrong_by_element( void** state )
         { 1, 0, 0 }, { 1, 1, 0 },                  // strand 0
         { 5, 0, 0 },                               // strand 2, no segment
         { 1, 0, 0 }, { 2, 2, 0 },     { 2, 2, 0 }, // strand 3, the root of strand 0, a segment of zero length
-        { 7, 0, 0 }, { 0, -2e6f, 0 },              // strand 4, out of this world
+        { 7, 0, 0 }, { 0, -2e6f, 0 },              // strand 4, with impossible coordinates
     };
     wisp_groom groom = { 5, 8, 2, offsets, points, NULL, NULL, NULL };
     char* text = fixture_info( &groom, WISP_OK );

@@ -1,4 +1,4 @@
-// Procedural grooms: what every recipe promises.
+// Procedural grooms: properties of every generator.
 #define _XOPEN_SOURCE 700
 
 #include "groom_fixture.h"
@@ -75,7 +75,7 @@ static uint64_t hash_points( const wisp_groom* groom )
 static void every_generator_gives_the_bits_it_always_gave( void** state )
 {
     (void)state;
-    // Recorded once; any compiler, C library or processor that gives others breaks the promise.
+    // Recorded once; a compiler, C library or processor with other hashes breaks reproducibility.
     static const uint64_t recorded[2][3] = {
         { 0xa2acb56289eafd09u, 0x37c565b1a8bc50e3u, 0xf463462c260eb727u },
         { 0xe7172e008ee57212u, 0x7b253d0d63c11271u, 0xae9cb2827d0c747cu },
@@ -153,7 +153,8 @@ static void lengths_stay_within_their_variation_and_use_it( void** state )
         }
         // coordinates of about 1 m are rounded to 6e-8, in each of 23 segments
         assert_true( least > 0.8 - 1.5e-6 && most < 1.2 + 1.5e-6 );
-        // of 1000 uniform draws some are in the last hundredth at either end, but for a chance of 1 in 10000
+        // of 1000 uniform draws some are in the last hundredth at either end, with a probability of failure of 1 in
+        // 10000
         assert_true( least < 0.804 && most > 1.196 );
         wisp_groom_release( &groom );
     }
@@ -164,7 +165,7 @@ static void waves_swing_by_their_amplitude_and_come_back_after_their_length( voi
     (void)state;
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_WAVY, 2 );
     generator.strand_count = 1;
-    generator.vertices_per_strand = 401; // 100 a wave
+    generator.vertices_per_strand = 401; // 100 per wave
     generator.length = 0.4f;
     generator.length_variation = 0.0f;
     generator.wave_length = 0.1f;
@@ -177,7 +178,7 @@ static void waves_swing_by_their_amplitude_and_come_back_after_their_length( voi
         least = fminf( least, groom.points[v].x );
         most = fmaxf( most, groom.points[v].x );
     }
-    // a crest lies at most half a step from a vertex: 1 - cos( pi / 100 ) = 4.9e-4 of the amplitude
+    // a crest is at most half a step from a vertex: 1 - cos( pi / 100 ) = 4.9e-4 of the amplitude
     assert_float_equal( least, -0.01f, 5e-6f );
     assert_float_equal( most, 0.01f, 5e-6f );
     // sine of a phase rounded to 24 bits: a few 1e-7 of the amplitude
@@ -189,7 +190,7 @@ static void waves_swing_by_their_amplitude_and_come_back_after_their_length( voi
 static void curls_wind_around_their_centre_line( void** state )
 {
     (void)state;
-    // Seen along a strand that has come to hang straight down, a helix is a circle of the amplitude.
+    // Viewed along a strand that hangs straight down, a helix is a circle of the amplitude.
     wisp_groom_generator generator = wisp_default_groom_generator( WISP_GROOM_CURLY, 3 );
     generator.strand_count = 1;
     generator.vertices_per_strand = 2001;
@@ -199,7 +200,7 @@ static void curls_wind_around_their_centre_line( void** state )
     double x = 0.0;
     double z = 0.0;
     int first = 1000;
-    int waves = 80; // vertices a curl of 4 cm
+    int waves = 80; // vertices per curl of 4 cm
     for ( int v = first; v < first + 10 * waves; ++v )
     {
         x += (double)groom.points[v].x / ( 10 * waves );

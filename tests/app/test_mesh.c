@@ -1,4 +1,4 @@
-// Meshes in files: order, polygons, indices, encodings, round trips, and the first real mesh.
+// Meshes in files: order, polygons, indices, encodings, round trips, and the first scanned mesh.
 #define _XOPEN_SOURCE 700
 
 #include "mesh_fixture.h"
@@ -33,7 +33,7 @@ static void assert_triangles( const wisp_mesh* mesh, const int32_t* triangles, i
 static void vertices_and_faces_keep_the_order_of_the_obj_file( void** state )
 {
     (void)state;
-    // the second vertex is used by nobody, the third repeats the first, and faces come between vertices
+    // the second vertex is unreferenced, the third repeats the first, and faces come between vertices
     wisp_mesh mesh = read_obj_text( "v 1 2 3\nv 9 9 9\nv 1 2 3\nf 4 1 3\nv 4 5 6\nf 1 3 4\n" );
     const wisp_vec3 points[] = { { 1, 2, 3 }, { 9, 9, 9 }, { 1, 2, 3 }, { 4, 5, 6 } };
     const int32_t triangles[] = { 3, 0, 2, 0, 2, 3 };
@@ -75,7 +75,7 @@ static void only_the_first_three_numbers_of_a_vertex_count( void** state )
 static void every_other_line_of_an_obj_file_is_passed_over( void** state )
 {
     (void)state;
-    // the exponent of the normal would overflow an int inside the library, which therefore never sees it
+    // the exponent of the normal would overflow an int inside the library, which therefore never gets it
     wisp_mesh mesh =
         read_obj_text( "# free text, 100 % \xc3\xa9\xff\nmtllib none.mtl\no thing\ng a b\ng \n  v 0 0 0 # here\r\n"
                        "\tv 1 0 0\rv 0 1 0\nvn 1e2147483649 0 0\nusemtl red\ns off\nl 1 2\nt x 1/2/3\n\n"
@@ -113,7 +113,7 @@ static void a_locale_with_a_decimal_comma_changes_nothing( void** state )
 
 // ---- PLY -------------------------------------------------------------------------------------------------------
 
-// Elements and properties that nobody asked for before, between and behind; doubles, an unsigned list, a face first.
+// Unknown elements and properties before, between and after known ones; doubles, an unsigned list, a face first.
 #define TANGLED_HEADER                                                                                               \
     "comment a b c\nobj_info d\nelement strip 2\nproperty list ushort short rows\nelement face 2\n"                  \
     "property uchar flag\nproperty list uchar uint vertex_indices\nproperty list int float weights\n"                \
@@ -302,7 +302,7 @@ static void the_bunny_is_one_closed_sound_shell( void** state )
         WISP_MESH_CLOSED | WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT;
     assert_int_equal( wisp_mesh_require( &report, demands, "bunny", &error ), WISP_OK );
     assert_true( report.volume > 0.0 );
-    // the first and the last line of each kind, by eye
+    // the first and the last line of each kind, read by hand
     assert_true( mesh.points[0].x == 1.301895f && mesh.points[1838].z == 1.192950f );
     const int32_t first[] = { 2, 1661, 3 };
     assert_memory_equal( mesh.triangles, first, sizeof first );

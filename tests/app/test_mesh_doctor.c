@@ -1,4 +1,4 @@
-// The doctor: each defect found by its number, each repair, and what it prints.
+// The doctor: each defect found with its count, each repair, and the printed text.
 #define _XOPEN_SOURCE 700
 
 #include "mesh_fixture.h"
@@ -145,7 +145,7 @@ static void duplicates_are_found_whatever_their_first_corner_and_winding( void**
 static void triangles_without_area_and_vertices_without_triangle_are_named( void** state )
 {
     (void)state;
-    // vertex 3 lies in the middle of 0 and 1; 0.1 + 0.2 style rounding keeps vertex 6 a little off its line
+    // vertex 3 is in the middle of 0 and 1; 0.1 + 0.2 style rounding keeps vertex 6 a little off its line
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 2, 0, 0 },       { 0, 1, 0 },       { 1, 0, 0 },
                                  { 5, 5, 5 }, { 3, 0.3f, 0.9f }, { 1, 0.1f, 0.3f }, { 7, 0.7f, 2.1f } };
     const int32_t triangles[] = { 0, 1, 2, 0, 3, 1, 2, 2, 1, 5, 6, 7 };
@@ -155,7 +155,7 @@ static void triangles_without_area_and_vertices_without_triangle_are_named( void
     assert_int_equal( r.degenerates.first[1], 2 );
     assert_int_equal( r.degenerates.first[2], 3 );
     assert_finding( &r.unreferenced, 1, 4, 0 );
-    // the triangle that names a vertex twice is no part of any shell
+    // a triangle with a repeated vertex belongs to no shell
     assert_int_equal( r.component_count, 2 );
     wisp_mesh_release( &mesh );
 }
@@ -214,7 +214,7 @@ static void the_largest_floats_do_not_overflow_the_stats( void** state )
 
 // ---- hostile sizes ---------------------------------------------------------------------------------------------
 
-// All triangles around one edge: whatever compares neighbours pair by pair would need hours.
+// All triangles around one edge: pairwise comparison of neighbours would take hours.
 static void a_hundred_thousand_triangles_around_one_edge_are_examined_and_repaired( void** state )
 {
     (void)state;
@@ -297,7 +297,7 @@ static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** stat
     (void)state;
     wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PLANE_ALTERNATING );
     wisp_mesh sound = fixture_made( &generator ), mesh = fixture_made( &generator );
-    // the flood begins with triangle 0, which is one of the wrong ones
+    // the flood starts with triangle 0, which is one of the reversed ones
     for ( int t = 0; t < 700; ++t )
     {
         swap_corners( &mesh, t );
@@ -313,7 +313,7 @@ static void an_open_mesh_keeps_the_winding_of_most_of_its_triangles( void** stat
 static void shells_that_share_an_edge_are_turned_outwards_one_by_one( void** state )
 {
     (void)state;
-    // two tetrahedra on the edge 0-1, the second one inside out
+    // two tetrahedra on the edge 0-1, the second one reversed
     const wisp_vec3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 0, -1, 0 }, { 0, 0, -1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 1, 4, 0, 5, 1, 0, 4, 5, 1, 5, 4 };
     wisp_mesh mesh = fixture_mesh( points, 6, triangles, 8 );
@@ -341,7 +341,7 @@ static void a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was( void** st
     {
         points[2 * i] = ( wisp_vec3 ){ (float)i, 0, (float)( i * i ) };
         points[2 * i + 1] = ( wisp_vec3 ){ (float)i, 1, (float)( i * i ) };
-        // the last part is joined to the first one upside down
+        // the last part is joined to the first one with reversed winding
         int next = i + 1 < PARTS ? 2 * i + 2 : 1, above = i + 1 < PARTS ? 2 * i + 3 : 0;
         const int32_t two[] = { 2 * i, next, above, 2 * i, above, 2 * i + 1 };
         memcpy( triangles + 6 * i, two, sizeof two );
@@ -364,7 +364,7 @@ static void a_moebius_strip_is_refused_by_an_edge_and_stays_as_it_was( void** st
 
 static wisp_mesh ill_mesh( void )
 {
-    // vertices 0 and 5 are loose; triangle 1 repeats 0, triangle 3 names a vertex twice
+    // vertices 0 and 5 are unreferenced; triangle 1 repeats 0, triangle 3 has a repeated vertex
     const wisp_vec3 points[] = { { 9, 9, 9 }, { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 8, 8, 8 } };
     const int32_t triangles[] = { 1, 3, 2, 2, 3, 1, 1, 2, 4, 4, 4, 1, 1, 4, 3, 2, 4, 3 };
     return fixture_mesh( points, 6, triangles, 6 );

@@ -3,14 +3,14 @@
 
 static const double PI = 3.14159265358979323846;
 
-// Default recipes, seed 1: what hash_of() says of them with every compiler.
+// Default generators, seed 1: their hash_of() with every compiler.
 static const uint64_t HASH_SQUARE = 0x560ead8ca2e4c670u;
 static const uint64_t HASH_GARMENT = 0x913cc0963555b524u;
 
 enum
 {
     SOUND = WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT,
-    PAPER_COUNT = 958, // vertices of the cloth whose time Noh and Jung print
+    PAPER_COUNT = 958, // vertices of the cloth whose time Noh and Jung publish
 };
 
 static wisp_mesh_generator generator_of( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
@@ -27,7 +27,7 @@ static wisp_mesh made( wisp_mesh_shape shape, int vertex_count, uint64_t seed )
     return fixture_made( &generator );
 }
 
-// The places of a mesh's vertices; the plane's first coordinate is z, so that y points at the eye. To be freed.
+// The positions of a mesh's vertices; the plane's first coordinate is z, so that y points at the viewer. To be freed.
 static delaunay_point* places_of( const wisp_mesh* mesh )
 {
     double* coordinates = malloc( (size_t)mesh->vertex_count * 2 * sizeof *coordinates );
@@ -44,7 +44,7 @@ static delaunay_point* places_of( const wisp_mesh* mesh )
     return places;
 }
 
-// Covered once, joined, Delaunay and without a fault that the doctor finds. The border has the first numbers.
+// Covered once, connected, Delaunay and without a defect. The border has the first numbers.
 static void assert_mesh_sound( const wisp_mesh* mesh, bool every_circle )
 {
     wisp_mesh_diagnostics report = fixture_report( mesh );
@@ -97,7 +97,7 @@ static void a_square_of_958_vertices_is_delaunay_for_many_seeds( void** state )
         wisp_mesh_diagnostics report = fixture_report( &mesh );
         assert_true( report.lowest.x == -0.5f && report.lowest.z == -0.5f );
         assert_true( report.highest.x == 0.5f && report.highest.z == 0.5f );
-        // every triangle's area was compared with the square's in whole numbers; these are floats of it
+        // every triangle's area was compared with the square's in integers; these are floats of it
         assert_true( fabs( report.area - 1.0 ) < 1e-6 );
         wisp_mesh_release( &mesh );
     }
@@ -172,8 +172,9 @@ static void triangles_of_a_square_are_neither_thin_nor_of_very_different_size( v
     {
         wisp_mesh mesh = made( WISP_MESH_DELAUNAY, PAPER_COUNT, seed );
         wisp_mesh_diagnostics report = fixture_report( &mesh );
-        // Edges are at least the darts' distance d, or on the border most of the spacing h, and a circle wider than h
-        // would have taken another dart: an angle is at least asin( d / 2 h ), and d ends between 0.75 and 0.8 h.
+        // Edges are at least as long as the darts' distance d, or on the border as most of the spacing h, and a
+        // circle wider than h would have accepted another dart: an angle is at least asin( d / 2 h ), and d ends
+        // between 0.75 and 0.8 h.
         assert_true( smallest_angle( &mesh ) > 20.0 * PI / 180.0 );
         assert_true( report.min_edge > 0.5 * report.edge_mean && report.max_edge < 2.0 * report.edge_mean );
         wisp_mesh_release( &mesh );
@@ -287,7 +288,7 @@ static void a_written_garment_is_read_back_without_a_fault( void** state )
     remove( path );
 }
 
-// ---- outlines of one's own -------------------------------------------------------------------------------------
+// ---- custom outlines -------------------------------------------------------------------------------------------
 
 static const wisp_mesh_corner L_SHAPE[] = { { 0, 0, 1 }, { 0, 3, 1 }, { 1, 3, 1 },
                                             { 1, 1, 8 }, { 4, 1, 1 }, { 4, 0, 1 } };

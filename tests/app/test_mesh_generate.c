@@ -1,4 +1,4 @@
-// Recipes: counts, closedness, winding, sizes, and the promises of the irregular plane.
+// Generated meshes: counts, closedness, winding, sizes, and properties of the irregular plane.
 #include "mesh_fixture.h"
 
 static const double PI = 3.14159265358979323846;
@@ -8,7 +8,7 @@ enum
     SOUND = WISP_MESH_ORIENTED | WISP_MESH_MANIFOLD | WISP_MESH_CLEAN | WISP_MESH_ONE_COMPONENT,
 };
 
-// Makes, examines and demands; the mesh is gone afterwards.
+// Generate, examine and check; the mesh is freed afterwards.
 static wisp_mesh_diagnostics sound_report( const wisp_mesh_generator* generator, int demands )
 {
     wisp_mesh mesh = fixture_made( generator );
@@ -185,8 +185,8 @@ static double smallest_angle_degrees( const wisp_mesh* mesh, int t )
     return least;
 }
 
-// Whether vertex v lies inside the circle around triangle t, written out from the circle's centre rather than from a
-// determinant, and for all vertices rather than for neighbours.
+// Whether vertex v is inside the circle around triangle t, from the circle's centre rather than from a determinant,
+// and for all vertices rather than for neighbours.
 static bool circle_holds( const wisp_mesh* mesh, int t, int v )
 {
     const int32_t* c = mesh->triangles + 3 * t;
@@ -196,7 +196,7 @@ static bool circle_holds( const wisp_mesh* mesh, int t, int v )
     double scale = 2.0 * ( bx * dz - bz * dx ), b2 = bx * bx + bz * bz, d2 = dx * dx + dz * dz;
     double x = ( dz * b2 - bz * d2 ) / scale, z = ( bx * d2 - dx * b2 ) / scale;
     double vx = (double)p[v].x - (double)p[c[0]].x - x, vz = (double)p[v].z - (double)p[c[0]].z - z;
-    // the making counts points within 1e-9 of a circle as lying on it
+    // the generator counts points within 1e-9 of a circle as on it
     return vx * vx + vz * vz < ( x * x + z * z ) * ( 1.0 - 1e-6 );
 }
 
@@ -214,7 +214,7 @@ static void assert_irregular_is_sound( const wisp_mesh_generator* generator )
         assert_true( cross( &mesh, c[0], c[1], c[2] ) > 0.0 );
         area += 0.5 * cross( &mesh, c[0], c[1], c[2] );
     }
-    // no triangle is turned over and together they are as large as the rectangle: they cover it once
+    // no triangle is reversed and the areas sum to that of the rectangle: they cover it once
     assert_true( fabs( area / ( width * depth ) - 1.0 ) < 1e-5 );
     wisp_mesh_release( &mesh );
 }

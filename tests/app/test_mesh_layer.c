@@ -1,5 +1,5 @@
-// A mesh with points on it, as a file: every number is where the header says, others read it as a mesh, and what cannot
-// be is refused without a file.
+// A mesh with points on it, as a file: every number is at the position in the header, other programs read it as a
+// mesh, and invalid input is rejected without a file.
 #include "unit.h"
 
 #include "mesh.h"
@@ -52,7 +52,7 @@ static void write_good( const sheet* s )
     assert_ok( wisp_mesh_write_layer( FILE_NAME, &s->mesh, &s->layer, &error ), error );
 }
 
-// The machine that tests is little-endian, as the file is.
+// The test machine is little-endian, like the file.
 static void every_number_is_where_the_header_says( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// The built program, whose path is the first argument, is started with right and wrong input: exit statuses, one
-// message for what is wrong, help of every verb, and nothing but plain bytes where there is no terminal.
+// The built program, whose path is the first argument, with valid and invalid input: exit statuses, one message per
+// error, help of every command, and only plain bytes without a terminal.
 #include "program_fixture.h"
 
 #include <jansson.h>
@@ -236,7 +236,7 @@ static void what_cannot_be_written_is_told_before_the_first_step( void** state )
     assert_int_not_equal( access( "early.wisp", F_OK ), 0 );
 }
 
-// ---- what it does ----
+// ---- output ----
 
 static json_t* run_for_json( const char* command )
 {
@@ -296,7 +296,7 @@ static void a_run_prints_passes_counters_and_hash( void** state )
     }
 }
 
-// A counter that is zero says nothing, and the first line is the result.
+// A counter that is zero is not printed, and the first line is the result.
 static void a_run_begins_with_its_result_and_leaves_out_zero_counters( void** state )
 {
     (void)state;
@@ -356,7 +356,7 @@ static void a_run_writes_the_files_of_its_scene_with_width_and_colour( void** st
     assert_int_equal( access( "written.obj", R_OK ), 0 );
     run_ok( "info written.hair" );
     assert_non_null( strstr( result.out, "800" ) );
-    // the defaults of the look: 80 micrometres at the root, 20 at the tip
+    // the defaults of the appearance: 80 micrometres at the root, 20 at the tip
     assert_non_null( strstr( result.out, "min 2e-05" ) );
     assert_non_null( strstr( result.out, "max 8e-05" ) );
     assert_non_null( strstr( result.out, "a vertex" ) );

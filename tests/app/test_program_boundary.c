@@ -1,4 +1,4 @@
-// The built program, whose path is the first argument, tells of boundary points and contact, writes the points, and
+// The built program, whose path is the first argument, reports boundary points and contact, writes the points, and
 // draws them.
 #include "png_fixture.h"
 #include "program_fixture.h"
@@ -50,7 +50,7 @@ static void run_well( const char* command )
     assert_string_equal( result.err, "" );
 }
 
-// ---- what is told ----
+// ---- reports ----
 
 static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew( void** state )
 {
@@ -189,7 +189,7 @@ static void a_place_where_bench_can_have_no_folder_is_refused_before_anything_is
 
 // ---- pictures ----
 
-// Pixels that differ by more than noise could; with the same camera and seed there is none of it.
+// Pixels that differ by more than noise; with the same camera and seed there is no noise.
 static int count_differing( const char* a, const char* b )
 {
     picture p = read_picture( a ), q = read_picture( b );

@@ -1,4 +1,4 @@
-// `wisp plan`: its three forms agree with each other, and each can be read by who it is for.
+// `wisp plan`: its three forms agree with each other, and each has the syntax of its format.
 #include "program_fixture.h"
 
 #include <jansson.h>
@@ -114,7 +114,7 @@ static void an_active_pass_of_the_json_form_has_its_reasons_and_its_place( void*
     assert_string_equal( word( freeze, "stage" ), "shape" );
     const json_t* place = json_object_get( freeze, "place" );
     assert_string_equal( word( place, "loop" ), "after" );
-    assert_int_equal( json_integer_value( json_object_get( place, "items" ) ), 3 ); // 40 strands, 16 a group
+    assert_int_equal( json_integer_value( json_object_get( place, "items" ) ), 3 ); // 40 strands, 16 per group
     assert_true( json_integer_value( json_object_get( place, "bytes" ) ) > 0 );
     const json_t* reasons = json_object_get( freeze, "reasons" );
     assert_true( json_array_size( reasons ) > 0 );
@@ -196,7 +196,7 @@ static void the_short_text_has_a_line_for_each_active_pass_and_absent_module( vo
 
 // ---- graphs ----
 
-// Reads one quoted string. @return behind its closing quote
+// Reads one quoted string. @return the position after its closing quote
 static const char* skip_string( const char* at )
 {
     for ( ++at; *at != '"'; ++at )
@@ -258,7 +258,7 @@ static void a_quote_in_a_name_does_not_end_a_string_of_the_graph( void** state )
     json_decref( root );
 }
 
-// ---- scenes of the tree, and wrong words ----
+// ---- scenes of the tree, and invalid arguments ----
 
 static void an_empty_scene_has_a_plan_in_every_form( void** state )
 {

@@ -1,5 +1,5 @@
-// The built program, whose path is the first argument, records, tracks, verifies and tells what is in a file: recordings
-// are read back by the library.
+// The built program, whose path is the first argument, records, tracks, verifies and describes files: recordings are
+// read back by the library.
 #include "flying_sheet.h"
 
 // ---- recordings of a run ----
@@ -69,7 +69,7 @@ static void tracks_are_the_points_of_the_recording( void** state )
         assert_int_equal( wisp_recording_frame( recording, f, all, NULL, NULL, &error ), WISP_OK );
         assert_non_null( fgets( line, sizeof( line ), table ) );
         assert_int_equal( sscanf( line, "%*f,%f,%f,%f", &x, &y, &z ), 3 );
-        // nine digits bring every float back
+        // nine digits restore every float
         assert_true( x == points[19].x && y == points[19].y && z == points[19].z );
     }
     assert_null( fgets( line, sizeof( line ), table ) );

@@ -1,5 +1,5 @@
-// The built program, whose path is the first argument, draws: pictures are read back by libpng, and every wrong word and
-// file is answered with one message.
+// The built program, whose path is the first argument, draws: pictures are read back by libpng, and every invalid
+// argument and file gives one message.
 #include "flying_sheet.h"
 #include "png_fixture.h"
 
@@ -44,7 +44,7 @@ static bool is_edge_empty( const picture* p )
     return is_empty;
 }
 
-/// The last run must have been good, and the picture have this size.
+/// The last run must have succeeded, and the picture have this size.
 static picture assert_picture( const char* path, int width, int height )
 {
     if ( result.status != 0 )
@@ -123,7 +123,7 @@ static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** st
 {
     (void)state;
     run_ok( "run hair.yaml --record drawn.wisp" );
-    // a recording has neither widths nor colours, which the look of the scene has: only where something is can be equal
+    // a recording has neither widths nor colours, which the scene has: only occupied pixels can be equal
     run_ok( "render drawn.wisp -o recorded.png --size 64x48 --samples 1 --frames 0:3 --background white" );
     run_ok( "render hair.yaml -o drawn.png --size 64x48 --samples 1 --frames 0:3 --background white" );
     for ( int i = 1; i <= 4; ++i )
@@ -144,7 +144,7 @@ static void a_scene_that_is_drawn_gives_the_pictures_of_its_recording( void** st
     }
 }
 
-// A recording does not say what its bodies are made of, and has no planes: both are found again.
+// A recording has neither materials nor planes: both are derived.
 static void cloth_and_collider_look_alike_in_a_scene_and_in_its_recording( void** state )
 {
     (void)state;
@@ -253,7 +253,7 @@ static void a_turntable_shows_other_sides_and_keeps_the_body_in_view( void** sta
     assert_false( exists( "turn_0005.png" ) );
 }
 
-// ---- what pictures show ----
+// ---- content of pictures ----
 
 /// Mean colour of what is not background. @return how much greener than blue
 static double green_over_blue( const char* path )
@@ -319,7 +319,7 @@ static void the_user_places_camera_ground_and_background( void** state )
     free( p.rgb );
 }
 
-// ---- wrong words ----
+// ---- invalid arguments ----
 
 static void wrong_words_are_wrong_usage( void** state )
 {
@@ -368,7 +368,7 @@ static void wrong_words_are_wrong_usage( void** state )
     assert_false( exists( "a.png" ) || exists( "a.csv" ) || exists( "w.wisp" ) );
 }
 
-// ---- wrong files ----
+// ---- invalid files ----
 
 static void input_that_cannot_be_drawn_is_refused_in_one_message( void** state )
 {

@@ -1,5 +1,5 @@
-// The built program, whose path is the first argument, writes a report beside its results, and says before it measures
-// when it cannot.
+// The built program, whose path is the first argument, writes a report next to its results, and fails before it
+// measures if it cannot.
 #include "program_fixture.h"
 
 #include <sys/stat.h>
@@ -80,7 +80,7 @@ static void a_disk_that_fills_up_is_a_failed_run( void** state )
     assert_int_equal( result.status, 2 );
     assert_int_equal( line_count( result.err ), 1 );
     assert_non_null( strstr( result.err, "/dev/full: the report could not be written" ) );
-    // the results themselves are out already
+    // the results themselves are printed already
     assert_non_null( strstr( result.out, "\n---" ) );
 }
 

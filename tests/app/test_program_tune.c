@@ -1,4 +1,4 @@
-// `wisp tune` as a user meets it: what is found is true when it is run again, and the scene that is written has it.
+// `wisp tune`: the reported result holds in another run, and the written scene has the configuration.
 #include "program_fixture.h"
 
 #include "scene.h"
@@ -24,7 +24,7 @@ static const char still_scene[] = "wisp: 1\n"
                                   "    frozen_hair: { freeze: {} }\n"
                                   "    compute: [points]\n";
 
-// Its first run fails, since nothing is where it is to be pinned: whoever says something else has not run it.
+// Its first run fails, because nothing is at the position of its pins: another message means that it did not run.
 static const char unmade_scene[] = "wisp: 1\n"
                                    "surfaces:\n"
                                    "  - name: cloth\n"
@@ -40,7 +40,7 @@ static int enter_folder( void** state )
     return enter_folder_with( state, files, WISP_COUNT( files ) );
 }
 
-/// A number of the text behind some words; NaN if they are not there.
+/// The number after some words of the text; NaN if they are missing.
 static double number_behind( const char* text, const char* words )
 {
     const char* at = strstr( text, words );
@@ -57,7 +57,7 @@ static const char* chosen_line( void )
     return line;
 }
 
-// ---- what is found ----
+// ---- results ----
 
 static void an_error_is_met_and_the_scene_that_is_written_has_the_choice( void** state )
 {
@@ -185,7 +185,7 @@ static void a_repair_is_told_once_and_not_with_every_run( void** state )
     assert_non_null( strstr( result.err, "surface 'a'" ) );
 }
 
-// ---- what is refused ----
+// ---- rejected input ----
 
 static void wrong_command_lines_are_told( void** state )
 {
@@ -238,7 +238,7 @@ static void a_file_that_may_only_be_read_is_refused_before_any_run( void** state
     assert_int_equal( chmod( "kept.yaml", 0400 ), 0 );
     if ( access( "kept.yaml", W_OK ) == 0 )
     {
-        skip(); // whoever runs this may write everywhere
+        skip(); // root may write everywhere
     }
     assert_refused( "tune unmade.yaml --error 1 -o kept.yaml", "kept.yaml: cannot be written" );
 }

@@ -1,4 +1,4 @@
-// Our own recordings: what comes back, what a crash, a cut or a flipped bit leaves, and what a recorder refuses.
+// Recordings in our own format: reading, the state after a crash, a truncation or a flipped bit, and rejected input.
 #include "record_fixture.h"
 
 #include <signal.h>
@@ -28,7 +28,7 @@ static void assert_frame_is( wisp_recording* recording, int f )
     assert_true( hash == fixture_hash( f ) );
 }
 
-// ---- what comes back -------------------------------------------------------------------------------------------
+// ---- reading ---------------------------------------------------------------------------------------------------
 
 static void a_recording_comes_back_bit_for_bit_in_any_order( void** state )
 {
@@ -164,7 +164,7 @@ static sample make_sample( void** state )
     return s;
 }
 
-// The block is exactly as long as the cut file, so that a checker sees a read past it.
+// The block is exactly as long as the truncated file, so that a sanitizer detects a read beyond it.
 static void demand_cut( const sample* s, size_t size )
 {
     unsigned char* bytes = checked_malloc( size > 0 ? size : 1 );
@@ -205,7 +205,7 @@ static void a_recording_cut_at_any_byte_gives_its_whole_frames_and_tells_or_is_r
     free( s.bytes );
 }
 
-// Exactly the part that was hit is refused, and all others come back.
+// Exactly the damaged part is rejected, and all others are read.
 static void demand_flip( const sample* s, size_t at )
 {
     wisp_error error = { .status = WISP_OK };
@@ -296,7 +296,7 @@ static void a_frame_of_another_recording_is_refused( void** state )
     free( s.bytes );
 }
 
-// ---- what a recorder refuses -----------------------------------------------------------------------------------
+// ---- rejected input --------------------------------------------------------------------------------------------
 
 static void assert_refused_body( void** state, wisp_record_body body, const char* words )
 {
@@ -396,7 +396,7 @@ static void a_frame_that_is_refused_does_not_end_the_recording( void** state )
     wisp_recording_close( recording );
 }
 
-// ---- what the operating system refuses -------------------------------------------------------------------------
+// ---- failures of the operating system --------------------------------------------------------------------------
 
 static void a_frame_that_the_disk_refuses_is_taken_back_and_may_be_repeated( void** state )
 {

@@ -1,5 +1,5 @@
-// Recordings for other programs: point caches, ParaView, OBJ, USD. Every format is read back here by a small reader
-// of its own, and every number must come back bit for bit.
+// Recordings for other programs: point caches, ParaView, OBJ, USD. Every format is read back here by a small
+// independent reader, and every number must be restored bit for bit.
 #include "record_fixture.h"
 
 #include <sys/stat.h>
@@ -328,7 +328,7 @@ static void assert_balanced( const char* text )
     assert_false( quoted );
 }
 
-// A list of points in brackets; returns what follows it.
+// A list of points in brackets; returns the text after it.
 static char* assert_usda_points( char* at, const wisp_vec3* expected, int count )
 {
     assert_int_equal( *at, '[' );
@@ -405,7 +405,7 @@ static void a_recording_without_frames_is_still_a_file( void** state )
     size_t size = 0;
     char* text = read_bytes( path_in( state, "a.usda" ), &size );
     assert_balanced( text );
-    // a float's sixtieth is not a sixtieth, and USD wants a rate that programs know
+    // 1/60 as a float is not exact, and USD needs a standard rate
     assert_contains( text, "timeCodesPerSecond = 60\n" );
     free( text );
     text = read_bytes( path_in( state, "a.pvd" ), &size );
@@ -431,7 +431,7 @@ static void names_that_usd_cannot_tell_apart_are_refused( void** state )
     assert_int_equal( count_files( state ), 0 );
 }
 
-// ---- what the operating system refuses -------------------------------------------------------------------------
+// ---- failures of the operating system --------------------------------------------------------------------------
 
 static void files_that_cannot_be_read_half_written_appear_when_they_are_finished( void** state )
 {
@@ -456,7 +456,7 @@ static void files_that_cannot_be_read_half_written_appear_when_they_are_finished
     }
 }
 
-// The first failure, wherever it comes: opening, a frame, or closing.
+// The first failure, at any point: opening, a frame, or closing.
 static wisp_status record_until_it_fails( const char* path, wisp_error* error )
 {
     wisp_recorder_def def = fixture_def();

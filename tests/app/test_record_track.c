@@ -108,7 +108,7 @@ static void a_number_that_is_not_finite_writes_no_line( void** state )
     wisp_track* track = open_track( path_in( state, "a.csv" ) );
     fixture_frame frame = fixture_points( 0 );
     frame.cloth[1].y = INFINITY;
-    frame.cloth[0].x = NAN; // nobody follows this one
+    frame.cloth[0].x = NAN; // a vertex without a track
     const wisp_vec3* points[] = { frame.cloth, frame.hair };
     wisp_error error = { .status = WISP_OK };
     assert_int_equal( wisp_track_frame( track, 0.0, points, &error ), WISP_BAD_INPUT );

@@ -1,4 +1,4 @@
-// Pictures: what is where in them, and that nothing but scene, camera and options decides it.
+// Pictures: their content, which depends only on scene, camera and options.
 #include "render_fixture.h"
 
 #include "sampler.h"
@@ -156,7 +156,7 @@ static void the_ground_runs_out_into_the_background( void** state )
     e.scene.has_ground = false;
     image without = fixture_picture( &e.scene, &camera, &options );
 
-    // The eye looks level, so the horizon is half way down; the bodies leave the left edge free.
+    // The camera is level, so the horizon is at half height; the bodies leave the left edge free.
     int horizon = options.height / 2;
     assert_false( fixture_differs( &with, &without, 0, horizon - 1 ) );
     assert_false( fixture_differs( &with, &without, 0, horizon + 1 ) );
@@ -166,7 +166,7 @@ static void the_ground_runs_out_into_the_background( void** state )
     free_everything( &e );
 }
 
-// ---- where things are ----
+// ---- positions ----
 
 typedef struct ball_view
 {
@@ -203,11 +203,11 @@ static void a_ball_covers_the_disc_that_the_camera_says( void** state )
     assert_false( fixture_differs( &v.with, &v.without, 0, 0 ) );
     assert_false( fixture_differs( &v.with, &v.without, 95, 71 ) );
 
-    // The edge of a ball is seen under asin( r / d ).
+    // The edge of a ball appears at asin( r / d ).
     double edge = tan( asin( (double)( radius / away ) ) ) * 0.5 * options.height / tan( 20.0 * 3.14159265 / 180.0 );
     double count = fixture_count_differing( &v.with, &v.without );
-    // A ball of 24 rings is at most 1 % smaller than a sphere; a pixel gathers from one pixel around its middle, so
-    // those that are touched lie up to 1.5 pixels outside.
+    // A ball of 24 rings is at most 1 % smaller than a sphere; a pixel gathers from one pixel around its centre, so
+    // the pixels that the ball touches are up to 1.5 pixels outside.
     assert_true( count > 3.14159265 * edge * edge * 0.98 );
     assert_true( count < 3.14159265 * ( edge + 1.5 ) * ( edge + 1.5 ) );
     release_view( &v );
@@ -253,7 +253,7 @@ static void cloth_is_the_same_from_both_sides( void** state )
     image a = picture_of_triangle( front, RENDER_CLOTH ), b = picture_of_triangle( back, RENDER_CLOTH );
     image none = picture_of_triangle( NULL, RENDER_CLOTH );
     assert_true( fixture_differs( &a, &none, 48, 40 ) );
-    // Only the order of two additions tells them apart.
+    // They differ only by the order of two additions.
     assert_int_equal( fixture_count_differing( &a, &b ), 0 );
     image_release( &a );
     image_release( &b );
@@ -331,7 +331,7 @@ static void a_hair_thinner_than_a_pixel_is_widened( void** state )
 
 // ---- light ----
 
-// A ball above the ground, the key light straight above it, the eye high up in front.
+// A ball above the ground, the key light straight above it, the camera high up in front.
 static image picture_with_shadow( render_material material, const render_camera* camera,
                                   const render_options* options )
 {
@@ -565,7 +565,7 @@ static void progress_rises_to_one( void** state )
 
 // ---- samples ----
 
-// Of N = 2^m points, every box of 2^-a x 2^-(m-a) holds exactly one: that is what a (0,m,2)-net means.
+// Of N = 2^m points, every box of 2^-a x 2^-(m-a) holds exactly one: the definition of a (0,m,2)-net.
 static void the_samples_of_a_pixel_are_a_net( void** state )
 {
     (void)state;

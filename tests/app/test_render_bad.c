@@ -1,9 +1,9 @@
-// Scenes, cameras and options that must be refused, each with one message that names what is wrong.
+// Scenes, cameras and options that must be rejected, each with one message that names the error.
 #include "render_fixture.h"
 
 #include <limits.h>
 
-// A scene in which nothing is wrong, for the tests to spoil.
+// A valid scene, for the tests to break.
 typedef struct spoilt
 {
     wisp_vec3 points[4], colours[4], strand_points[3];
@@ -55,7 +55,7 @@ static wisp_status draw( const spoilt* s, image* out, wisp_error* error )
     return render_picture( &s->scene, &s->camera, &s->options, out, error );
 }
 
-// Refused with these words, and the picture that was there is still there.
+// Rejected with these words, and the previous picture is still there.
 static void assert_refused( const spoilt* s, const char* words )
 {
     image old = { 0 };
@@ -226,7 +226,7 @@ static void options_out_of_range_are_named( void** state )
     assert_refused( &s, "picture: the direction of the light is not finite" );
 }
 
-// What is legal and strange must be drawn without a sanitizer's word: flat and doubled triangles, bodies of one point,
+// Legal but unusual input must be drawn without a sanitizer error: flat and doubled triangles, bodies of one point,
 // strands of one, a point for a scene, tiny and far bodies.
 static void strange_scenes_are_drawn( void** state )
 {

@@ -278,7 +278,7 @@ static void every_character_has_a_drawing_of_its_own( void** state )
     image drawn[96];
     for ( int i = 0; i < 96; ++i )
     {
-        const char text[2] = { (char)( i == 95 ? 7 : 33 + i ), '\0' }; // the last is the box of what is unknown
+        const char text[2] = { (char)( i == 95 ? 7 : 33 + i ), '\0' }; // the last is the box of an unknown character
         drawn[i] = make( 6, 8, WHITE );
         image_text( &drawn[i], 0, 0, 1, BLACK, i == 94 ? "\xc3" : text );
         assert_true( dark_pixels( &drawn[i], 0, 0, 5, 7 ) > 1 );
@@ -406,7 +406,7 @@ static void a_legend_has_both_ends_of_its_map_and_stays_in_its_corner( void** st
     assert_colour( &picture, 160, 200, BLACK );
     image_release( &picture );
 
-    // Too small for a legend: what fits is drawn, and nothing is written outside.
+    // Too small for a legend: the part that fits is drawn, and nothing is written outside.
     picture = make( 5, 4, BLACK );
     image_legend( &picture, COLOUR_MAP_DIVERGING, -1e300, 1e300, "a long title" );
     image_release( &picture );

@@ -1,5 +1,5 @@
-// Points in pictures: balls where the camera says, in their colours, opaque, beside meshes and strands that stay what
-// they are; and the points that must be refused.
+// Points in pictures: balls at the expected pixels, in their colours, opaque, next to unchanged meshes and strands;
+// and points that must be rejected.
 #include "render_fixture.h"
 
 static const wisp_vec3 two_places[] = { { -0.6f, 1.0f, 0.0f }, { 0.7f, 1.2f, 0.3f } };
@@ -77,7 +77,7 @@ static void every_point_has_its_colour( void** state )
     image_release( &picture );
 }
 
-// ---- beside other bodies ----
+// ---- next to other bodies ----
 
 static const wisp_vec3 strand_points[] = { { -1.0f, 0.5f, 0.4f }, { 0.0f, 0.5f, 0.4f }, { 1.0f, 0.5f, 0.4f } };
 static const int32_t strand_offsets[] = { 0, 3 };
@@ -121,7 +121,7 @@ static void meshes_and_strands_stay_what_they_are_beside_points( void** state )
     image with = fixture_picture( &e.scene, &camera, &options );
     e.scene.points_count = 0;
     image without = fixture_picture( &e.scene, &camera, &options );
-    // the middle of the strand and of the ball, away from the points and from what they shade
+    // the middle of the strand and of the ball, away from the points and from their shadows
     fixture_place strand = fixture_project( &camera, &options, strand_points[1] );
     fixture_place ball = fixture_project( &camera, &options, ( wisp_vec3 ){ 0.0f, 1.2f, -0.2f } );
     const uint8_t* p = fixture_pixel( &with, (int)strand.x, (int)strand.y );

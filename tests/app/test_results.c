@@ -1,4 +1,4 @@
-// Every format of the results is read again: what a program would find in it must be what was measured.
+// Every format of the results is read back: a reader must find the measured values.
 #include "unit.h"
 
 #include "info_results.h"
@@ -7,7 +7,7 @@
 #include <jansson.h>
 #include <unistd.h>
 
-// ---- results with everything that can go wrong in a format ----
+// ---- results with every difficulty of a format ----
 
 static void fill( results* all )
 {
@@ -321,7 +321,7 @@ static void a_folder_that_is_not_there_is_an_error_that_names_the_file( void** s
     assert_non_null( strstr( error.message, "no such folder/out.txt" ) );
 }
 
-// ---- reading our own ----
+// ---- reading our own JSON ----
 
 /// info_results() on a text. @return its status
 static wisp_status info_on( const char* text, wisp_error* error )

@@ -1,4 +1,4 @@
-// Scenes that are good: every key reaches its place, and what is left out has its default.
+// Valid scenes: every key sets its field, and missing keys have their defaults.
 #define _XOPEN_SOURCE 700
 
 #include "scene_fixture.h"
@@ -7,7 +7,7 @@
 
 #include <locale.h>
 
-// The text in a block exactly as long, so that a checker sees the first read past its end.
+// The text in a block exactly as long, so that a sanitizer detects a read beyond its end.
 static wisp_status parse( const char* text, size_t size, wisp_scene* scene, wisp_error* error )
 {
     char* exact = checked_malloc( size + ( size == 0 ) );
@@ -33,7 +33,7 @@ static void demand_refusal( const char* text, const char* message )
     assert_string_equal( error.message, message );
 }
 
-// ---- what is left out ----
+// ---- missing keys ----
 
 static void a_scene_of_one_key_has_the_defaults( void** state )
 {
@@ -88,7 +88,7 @@ static void a_stage_is_queried_for_by_its_key_alone( void** state )
         assert_int_equal( hair->align, i == 1 );
         assert_int_equal( hair->clump, i == 2 );
     }
-    // Lengths that follow the radius stay undecided, so that the module computes them from it.
+    // Lengths that follow the radius stay unset, so that the module computes them from it.
     assert_true( scene.strands[2].frozen_hair.clump_step_length == wisp_default_frozen_hair_def().clump_step_length );
     wisp_scene_release( &scene );
 }
@@ -109,7 +109,7 @@ static void a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stand
     wisp_scene_release( &scene );
 }
 
-// ---- what is written ----
+// ---- given keys ----
 
 static const char EVERY_KEY[] =
     "wisp: 1\ndt: 0.25\nsteps: 5\nsubsteps: 2\niterations: 3\nworkers: 4\n"
@@ -276,7 +276,7 @@ static void the_scenes_of_the_project_are_read( void** state )
     {
         wisp_scene scene = read_good( files[i] );
         assert_int_equal( scene.strands_count, 1 );
-        // All but the first ask for something.
+        // All but the first request an output.
         assert_int_equal( scene.strands[0].request_points, i > 0 );
         wisp_scene_release( &scene );
     }
@@ -398,7 +398,7 @@ static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
     assert_int_equal( status, WISP_OK );
     assert_true( seconds == 0.25f );
     assert_int_equal( refusal, WISP_BAD_INPUT );
-    // and the host has its own back, after success and after a refusal
+    // and the host gets its own back, after success and after a rejection
     assert_int_equal( point, ',' );
 }
 

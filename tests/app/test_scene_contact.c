@@ -1,5 +1,5 @@
-// Boundary particles and contact of scenes: every key reaches its definition, layers follow their surfaces and change
-// nothing of them, figures are there where they are wanted, and the scenes of the project run.
+// Boundary particles and contact of scenes: every key sets its field, layers follow their surfaces and do not change
+// them, statistics exist where requested, and the scenes of the project run.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
@@ -12,7 +12,7 @@ static wisp_scene with_settings( const char* mapping )
     return parsed( text );
 }
 
-// ---- what is left out ----
+// ---- missing keys ----
 
 static void a_layer_without_keys_has_the_defaults_of_its_module( void** state )
 {
@@ -63,7 +63,7 @@ static void contact_of_a_scene_has_the_defaults_of_its_module( void** state )
     }
 }
 
-// ---- what is written ----
+// ---- given keys ----
 
 static void every_key_of_a_layer_reaches_its_place( void** state )
 {
@@ -133,7 +133,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
     static const char* const roundings[] = { "down", "nearest", "up" };
     static const char* const primitives[] = { "triangles", "particles" };
     static const char* const searches[] = { "auto", "grid", "tree", "brute" };
-    // One word for each enumerator that there is, in its order.
+    // One word for each enumerator, in its order.
     assert_int_equal( WISP_COUNT( policies ), WISP_SPACING_COUNT );
     assert_int_equal( WISP_COUNT( roundings ), WISP_ROUND_COUNT );
     assert_int_equal( WISP_COUNT( primitives ), WISP_CONTACT_PRIMITIVES_COUNT );

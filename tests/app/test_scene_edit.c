@@ -1,4 +1,4 @@
-// Single values of a scene's file are changed: every other byte stays, whatever the file looks like.
+// Changes of single values in a scene's file: every other byte stays, for any layout of the file.
 #include "files.h"
 
 #include "scene.h"
@@ -38,7 +38,7 @@ static const wisp_scene_edit tethers = { "surfaces", 1, "cloth", "tethers", "tru
 
 #define SURFACE( name ) "  - name: " name "\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 0.1 }\n"
 
-// ---- values that are there ----
+// ---- existing values ----
 
 static void a_value_is_replaced_and_comments_stay( void** state )
 {
@@ -67,7 +67,7 @@ static void a_byte_order_mark_and_returns_stay( void** state )
                    "\xef\xbb\xbfwisp: 1\r\niterations: 3\r\nsubsteps: 7\r\n" );
 }
 
-// ---- keys that are not there ----
+// ---- missing keys ----
 
 static void a_key_joins_its_mapping_behind_a_line_of_it( void** state )
 {
@@ -140,7 +140,7 @@ static void no_edits_copy_the_file( void** state )
     assert_edited( "wisp: 1\n# end\n", NULL, 0, "wisp: 1\n# end\n" );
 }
 
-// ---- keys that go ----
+// ---- removed keys ----
 
 static const wisp_scene_edit no_substeps = { NULL, 0, NULL, "substeps", "" };
 static const wisp_scene_edit no_damping = { "surfaces", 0, NULL, "damping", "" };
@@ -208,7 +208,7 @@ static void keys_that_do_not_go_alone_are_refused( void** state )
     assert_not_edited( "wisp: 1\nsurfaces:\n" SURFACE( "a" ) "    pins: [0]\n    cloth: {}\n", no_pins,
                        FROM ":5:11: 'pins' cannot be removed here" );
     assert_not_edited( "wisp: 1\nsubsteps:\n  3\n", no_substeps, "'substeps' cannot be removed here" );
-    // Whether a comma belongs to a comment cannot be told from its line.
+    // Whether a comma belongs to a comment cannot be determined from its line.
     assert_not_edited( "{ wisp: 1, # first,\n  substeps: 3\n}\n", no_substeps, "'substeps' cannot be removed here" );
     assert_not_edited( "{ wisp: 1, substeps: 3 # last\n}\n", no_substeps, "'substeps' cannot be removed here" );
     const wisp_scene_edit no_name = { "surfaces", 0, NULL, "name", "" };
@@ -226,7 +226,7 @@ static void two_keys_that_request_one_comma_are_refused( void** state )
     remove( FROM );
 }
 
-// ---- what is refused ----
+// ---- rejected input ----
 
 static void what_is_not_there_is_refused_and_nothing_is_written( void** state )
 {

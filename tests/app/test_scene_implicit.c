@@ -1,9 +1,9 @@
-// Implicit cloth of scenes: every key reaches the definition, quad links are those of Choi and Ko, and scenes run.
+// Implicit cloth of scenes: every key sets its field, quad links are those of Choi and Ko, and scenes run.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
 
-// ---- what is left out ----
+// ---- missing keys ----
 
 static void an_implicit_cloth_without_keys_has_the_defaults_of_its_module( void** state )
 {
@@ -34,7 +34,7 @@ static void a_surface_without_the_key_is_no_implicit_cloth( void** state )
     wisp_scene_release( &scene );
 }
 
-// ---- what is written ----
+// ---- given keys ----
 
 static void every_key_of_an_implicit_cloth_reaches_its_place( void** state )
 {
@@ -86,7 +86,7 @@ static void every_word_is_the_enumerator_of_its_name( void** state )
         WORD( integrator, integrator, bdf2, WISP_IMPLICIT_BDF2 ),
 #undef WORD
     };
-    // One word for each enumerator that there is.
+    // One word for each enumerator.
     assert_int_equal( WISP_COUNT( words ), WISP_IMPLICIT_STIFFNESS_COUNT + WISP_IMPLICIT_WEIGHTS_COUNT +
                                                WISP_IMPLICIT_DAMPING_COUNT + WISP_IMPLICIT_JACOBIAN_COUNT +
                                                WISP_IMPLICIT_INTEGRATOR_COUNT );
@@ -295,7 +295,7 @@ static void a_hung_cloth_keeps_its_pin_and_falls( void** state )
     release( &f );
 }
 
-// Left alone, BDF2 would carry the velocity from before the script's into the step: x + 2/3 h v instead of x + h v.
+// Without a restart, BDF2 would use the velocity before the event in the step: x + 2/3 h v instead of x + h v.
 static void a_velocity_of_an_event_counts_from_its_step_on_whatever_the_integrator( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// The reference of all keys: it is what docs/scenes.md holds, it says everything about every key, and old names lead to new
-// ones that are in it.
+// The reference of all keys: it equals docs/scenes.md, describes every key completely, and old names lead to new ones
+// that are in it.
 #define _XOPEN_SOURCE 700
 
 #include "files.h"
@@ -11,7 +11,7 @@
 static const char DOCUMENT[] = WISP_SOURCE_ROOT "/docs/scenes.md";
 
 // @return text for free()
-// Not inlined: gcc 12 would take the stream's buffer for the local that held its address.
+// Not inlined: gcc 12 would mistake the stream's buffer for the local that held its address.
 __attribute__( ( noinline ) ) static char* keys_of( const char* block, int* count )
 {
     char* text = NULL;
@@ -140,7 +140,7 @@ static void a_default_is_that_of_the_module( void** state )
 
 // ---- old names ----
 
-// What a line of the reference starts with, where its section's last key is `where`, or anywhere.
+// The beginning of a line of the reference, where its section's last key is `where`, or anywhere.
 static bool is_there( const char* text, const char* where, const char* line )
 {
     bool counts = !where;

@@ -1,10 +1,10 @@
-// Strands that move, ghosts, scattered strands and curves in scenes: every key reaches its place, and what is left out
-// has its default.
+// Moving strands, ghosts, scattered strands and curves in scenes: every key sets its field, and missing keys have
+// their defaults.
 #define _XOPEN_SOURCE 700
 
 #include "scene_fixture.h"
 
-// ---- what is left out ----
+// ---- missing keys ----
 
 static void strands_stand_still_and_are_shown_unless_they_say_otherwise( void** state )
 {
@@ -62,7 +62,7 @@ static void ghosts_and_curves_without_keys_are_the_modules_defaults( void** stat
     wisp_scene_release( &scene );
 }
 
-// ---- what is written ----
+// ---- given keys ----
 
 static const char EVERY_KEY[] =
     "wisp: 1\nsteps: 9\ndt: 0.5\n"
@@ -140,7 +140,7 @@ static void every_key_of_motion_reaches_its_place( void** state )
     assert_true( hair->has_head && hair->has_head_pivot && hair->head.count == 2 );
     assert_vector( hair->head_pivot, 1, 1, 1 );
     assert_vector( hair->head.poses[1].pose.translation, 3, 0, 0 );
-    // a turn that is not written is the one before
+    // a missing turn is that of the previous keyframe
     assert_memory_equal( &hair->head.poses[0].pose.rotation, &hair->head.poses[1].pose.rotation,
                          sizeof( wisp_quat ) );
     assert_true( hair->has_grid && hair->grid.cell_size == 0.5f && hair->grid.friction == 0.25f &&
@@ -166,9 +166,9 @@ static void what_others_draw_is_hidden_unless_it_says_that_it_is_shown( void** s
 {
     (void)state;
     wisp_scene scene = parsed( EVERY_KEY );
-    assert_true( scene.strands[0].is_shown );  // ghosts follow it, but it says so
+    assert_true( scene.strands[0].is_shown );  // it has ghosts, but sets the key
     assert_false( scene.strands[1].is_shown ); // curves run through it
-    assert_false( scene.strands[2].is_shown ); // it says so
+    assert_false( scene.strands[2].is_shown ); // it sets the key
     assert_true( scene.strands[3].is_shown );
     wisp_scene_release( &scene );
 }
@@ -323,7 +323,7 @@ static void scattering_too_many_strands_is_refused_before_memory_is_queried_for(
 static void curves_begin_and_end_where_their_strands_do_and_pass_through_what_they_promise( void** state )
 {
     (void)state;
-    // strands of 1, 2, 3, 4 and 6 vertices: no curve, a line, a quadratic, a whole group, a group and a rest
+    // strands of 1, 2, 3, 4 and 6 vertices: no curve, a line, a quadratic, a whole group, a group and a remainder
     static const int counts[] = { 1, 2, 3, 4, 6 };
     static const int bezier[] = { 0, 5, 5, 5, 9 }, catmull_rom[] = { 0, 5, 9, 13, 21 };
     wisp_vec3 points[16];

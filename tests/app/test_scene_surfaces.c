@@ -1,4 +1,4 @@
-// Surfaces, colliders and scripts of good scenes: every key reaches its place, and what is left out has its default.
+// Surfaces, colliders and events of valid scenes: every key sets its field, and missing keys have their defaults.
 #define _XOPEN_SOURCE 700
 
 #include "scene_fixture.h"
@@ -18,14 +18,14 @@ static void demand_refusal( const char* text, const char* message )
     assert_string_equal( error.message, message );
 }
 
-// A turn is made of a sine and a cosine within 1e-7 of theirs, and a handful of roundings.
+// A turn consists of a sine and a cosine within 1e-7 of the exact ones, and a few roundings.
 static void assert_near( wisp_vec3 v, float x, float y, float z )
 {
     const float tolerance = 1e-6f;
     assert_true( fabsf( v.x - x ) < tolerance && fabsf( v.y - y ) < tolerance && fabsf( v.z - z ) < tolerance );
 }
 
-// ---- what is left out ----
+// ---- missing keys ----
 
 static void a_surface_without_blocks_has_the_defaults_and_computes_points( void** state )
 {
@@ -65,7 +65,7 @@ static void a_surface_takes_the_gravity_of_the_scene_wherever_that_stands( void*
     wisp_scene_release( &scene );
 }
 
-// ---- what is written ----
+// ---- given keys ----
 
 static const char CLOTH_KEYS[] =
     "wisp: 1\nsurfaces:\n  - name: cloth\n    file: meshes/cloth.ply\n    repair: [unreferenced, winding]\n"
@@ -113,7 +113,7 @@ static void assert_pins( const wisp_scene_surface* s )
     assert_int_equal( s->pin_path.count, 2 );
     const wisp_scene_pose* poses = s->pin_path.poses;
     assert_true( poses[0].time == 0.5f && poses[1].time == 1.0f && poses[0].pose.rotation.w == 1.0f );
-    // what the second keyframe does not say is as in the first
+    // values missing in the second keyframe are those of the first
     assert_vector( poses[1].pose.translation, 0.0f, 1.0f, 0.0f );
     assert_near( wisp_quat_rotate( poses[1].pose.rotation, ( wisp_vec3 ){ 1, 0, 0 } ), 0.0f, 0.0f, -1.0f );
 }
@@ -248,7 +248,7 @@ static void three_angles_turn_about_x_then_y_then_z( void** state )
     wisp_scene_release( &scene );
 }
 
-// ---- recipes ----
+// ---- generators ----
 
 static void vertices_are_counted_as_the_maker_makes_them( void** state )
 {
@@ -269,7 +269,7 @@ static void vertices_are_counted_as_the_maker_makes_them( void** state )
     }
 }
 
-// ---- the script ----
+// ---- events ----
 
 static void events_come_in_the_order_of_their_steps( void** state )
 {
@@ -352,7 +352,7 @@ static void lists_of_surfaces_and_colliders_have_an_end( void** state )
 static void a_long_list_of_keyframes_is_read_in_one_walk( void** state )
 {
     (void)state;
-    // Times that do not rise are found at the second entry, so a long list of equals costs nothing.
+    // Times that do not increase are found at the second entry, so a long list of equal ones costs nothing.
     char* text = repeat( "wisp: 1\nsurfaces:\n  - name: b\n    generate: { shape: icosphere }\n    balloon:\n"
                          "      gas_ratio_keyframes:\n",
                          "        - [1, 1]\n", 200000 );

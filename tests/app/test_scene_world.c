@@ -1,4 +1,4 @@
-// From a scene with surfaces to a world that runs: where things start, what is cooked, what happens when, what is said.
+// From a scene with surfaces to a running world: start positions, cooked data, events, reports.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
@@ -115,7 +115,7 @@ static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
     release( &f );
 }
 
-// ---- where surfaces start, and what is cooked ----
+// ---- start positions and cooked data ----
 
 static void a_surface_starts_scaled_then_turned_then_moved( void** state )
 {
@@ -125,7 +125,7 @@ static void a_surface_starts_scaled_then_turned_then_moved( void** state )
                "  - name: a\n    generate: { shape: plane, columns: 3, rows: 3, spacing: 1 }\n"
                "    transform: { scale: 2, rotate: { axis: [0, 1, 0], degrees: 90 }, translate: [10, 0, 0] }\n"
                "  - { name: b, instance_of: a, transform: { translate: [0, 5, 0] } }\n" );
-    // vertex 0 of the plane stands at (-1, 0, -1)
+    // vertex 0 of the plane is at (-1, 0, -1)
     assert_near( point_of( &f, 0, 0 ), 8.0f, 0.0f, 2.0f );
     assert_near( point_of( &f, 1, 0 ), -2.0f, 5.0f, -2.0f );
     assert_ptr_equal( f.world.surfaces[0].fabric, f.world.surfaces[1].fabric );
@@ -236,7 +236,7 @@ static void an_outlet_near_a_point_has_the_vertices_within_its_radius( void** st
     release( &f );
 }
 
-// ---- what happens when ----
+// ---- events ----
 
 static void pins_follow_their_keyframes_and_stay_at_the_last( void** state )
 {
@@ -272,7 +272,7 @@ static void a_released_surface_falls_and_its_pins_follow_no_keyframe( void** sta
     assert_near( held, -0.01f + 0.05f, 0.0f, -0.01f );
     step( &f, 50 );
     wisp_vec3 free_fall = point_of( &f, 0, 0 );
-    // half g t^2, and half a step's worth of g t more because velocities come first
+    // half g t^2, and half a step more of g t because velocities are updated first
     assert_near( free_fall, held.x, -9.8f * ( 0.125f + 0.0025f ), held.z + 0.5f );
     release( &f );
 }
@@ -374,7 +374,7 @@ static void a_surface_with_collision_rests_on_the_ground_and_one_without_falls_t
     release( &f );
 }
 
-// ---- what is asked for ----
+// ---- requests ----
 
 static void what_a_body_does_not_have_cannot_be_queried_for( void** state )
 {
@@ -438,7 +438,7 @@ static void a_written_surface_is_read_back_where_it_was( void** state )
     release( &f );
 }
 
-// ---- what is refused ----
+// ---- rejected scenes ----
 
 static void what_only_the_mesh_can_tell_is_refused_at_the_line_of_its_surface( void** state )
 {

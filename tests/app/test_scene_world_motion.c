@@ -1,4 +1,4 @@
-// From a scene with strands that move to a world that runs: heads, roots on surfaces, ghosts, curves, and what is refused.
+// From a scene with moving strands to a running world: heads, roots on surfaces, ghosts, curves, and rejected scenes.
 #define _XOPEN_SOURCE 700
 
 #include "scene_world_fixture.h"
@@ -37,7 +37,7 @@ static void assert_near( wisp_vec3 v, wisp_vec3 expected, float tolerance )
     }
 }
 
-// How far the vertices of a body that are farthest from where they were have gone.
+// The largest displacement of a vertex of a body.
 static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int count )
 {
     float largest = 0.0f;
@@ -48,7 +48,7 @@ static float largest_way( const wisp_vec3* before, const wisp_vec3* after, int c
     return largest;
 }
 
-// ---- where strands start ----
+// ---- start positions ----
 
 static void strands_start_scaled_then_turned_then_moved( void** state )
 {
@@ -82,7 +82,7 @@ static void curves_are_bodies_wherever_their_source_stands( void** state )
     release( &f );
 }
 
-// What is drawn before the first step and what the engine draws of strands that stand still are the same curves.
+// Curves drawn before the first step are the same as those of the engine for static strands.
 static void the_first_frame_of_curves_is_what_the_engine_draws( void** state )
 {
     (void)state;
@@ -241,7 +241,7 @@ static void frozen_hair_changes_what_ghosts_look_like_and_not_where_they_are_car
     step( &f, 10 );
     wisp_vec3 *ghosts = points_of( &f, 1 ), *frozen = points_of( &f, 2 );
     assert_true( largest_way( ghosts, frozen, 8 * 18 ) > 1e-4f );
-    // A frozen vertex strays from its place by some of its strand's length, 0.1 m, but never leaves it by more.
+    // A frozen vertex may differ from its position by part of its strand's length, 0.1 m, but not by more.
     assert_true( largest_way( ghosts, frozen, 8 * 18 ) < 0.1f );
     free( ghosts );
     free( frozen );
@@ -288,7 +288,7 @@ static void masses_of_scattered_strands_are_counted_once_there_are_any( void** s
         "test.yaml:4:5: strands 'more': dynamics.vertex_masses: got 2 masses, expected one for each of 4 vertices" );
 }
 
-// ---- what is asked of them ----
+// ---- requests ----
 
 static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_not( void** state )
 {
@@ -307,7 +307,8 @@ static void strands_that_move_tell_strain_speed_and_motion_stats_and_others_do_n
     assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_SPEED, speed, &f.error ), WISP_OK );
     assert_int_equal( scene_world_numbers( &f.world, 0, SCENE_REQUEST_STRAIN, strain, &f.error ), WISP_OK );
     assert_int_equal( scene_world_motion_stats( &f.world, 0, &motion_stats, &f.error ), WISP_OK );
-    // a chain let go level falls at least as fast as a stone: g t = 0.49 m/s after 3 steps, from the tip, 2/3 of it on the way
+    // a chain released level falls at least as fast as a stone: g t = 0.49 m/s after 3 steps, from the tip, 2/3 of it
+    // on the way
     assert_true( speed[5] > 0.3f && speed[0] == 0.0f );
     assert_true( strain[3] >= 0.0f && strain[3] <= 1e-3f ); // the tolerance of the direct solve
     assert_true( fabs( motion_stats.speed_max - (double)speed[5] ) < 0.2 );
@@ -448,7 +449,7 @@ static void keyframes_that_jump_and_events_teleport( void** state )
         for ( int v = 0; v < count; ++v )
         {
             const wisp_vec3 p = before[body][v], way = ways[body];
-            // What moves in a step of 10 ms besides: less than 5 cm.
+            // Other motion in a step of 10 ms is below 5 cm.
             assert_near( after[body][v], ( wisp_vec3 ){ p.x + way.x, p.y + way.y, p.z + way.z }, 0.05f );
         }
         free( before[body] );

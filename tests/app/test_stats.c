@@ -29,7 +29,7 @@ static void percentiles_interpolate_between_neighbours( void** state )
     {
         samples[i] = 11 - i;
     }
-    // 0 .. 11: the tenth percentile lies at place 1.1, the ninetieth at 9.9; one rounding of the place remains
+    // 0 .. 11: the tenth percentile is at position 1.1, the ninetieth at 9.9; one rounding of the position remains
     stats_summary s = stats_summarise( samples, 12 );
     assert_float_equal( s.p10, 1.1, 4 * DBL_EPSILON * 11 );
     assert_float_equal( s.p90, 9.9, 4 * DBL_EPSILON * 11 );
@@ -85,7 +85,7 @@ static void a_line_far_from_the_origin_keeps_its_digits( void** state )
     (void)state;
     double x[] = { 1e9, 1e9 + 1.0, 1e9 + 2.0 }, y[] = { 3.0, 4.0, 5.0 };
     stats_line line = stats_fit_line( x, y, 3 );
-    // the mean of x is off by a few of its last places, 1.2e-7 each; the slope sees their square
+    // the mean of x has an error of a few of its last places, 1.2e-7 each; the slope depends on their square
     assert_float_equal( line.slope, 1.0, 1e-6 );
     assert_float_equal( line.r_squared, 1.0, 1e-6 );
 }

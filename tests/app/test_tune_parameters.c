@@ -1,4 +1,4 @@
-// What may be tuned in a scene: which parameters it has, what they turn in memory, and what they change in the file.
+// Parameters to tune in a scene: which exist, which fields they set, and their effect on the file.
 #include "files.h"
 
 #include "tune_parameters.h"
@@ -34,7 +34,7 @@ static const char strands[] =
     "      damping: 1\n"
     "  - { name: other, generate: { strands: 2, vertices: 4 }, dynamics: {} }\n";
 
-/// All parameters, none with a value of its own that would be tried anyway.
+/// All parameters, none with an own value that would be tried anyway.
 static const char everything[] =
     "wisp: 1\n"
     "substeps: 3\n"
@@ -158,7 +158,7 @@ static void a_choice_is_set_on_every_surface_that_has_the_field( void** state )
     tune_parameters_set( &parameters, ( const int[] ){ 2, 1, 0, 2 }, &scene );
     for ( int i = 0; i < 4; ++i )
     {
-        assert_int_equal( scene.surfaces[i].cloth.tethers, i % 2 == 0 ); // others hang by nothing
+        assert_int_equal( scene.surfaces[i].cloth.tethers, i % 2 == 0 ); // others hang from nothing
         assert_int_equal( scene.surfaces[i].cloth.level_passes, 4 );
     }
     assert_int_equal( scene.surfaces[0].levels, 2 );
@@ -236,7 +236,8 @@ static void levels_that_go_take_their_beginning_along( void** state )
     assert_edits( cloths, ( const int[] ){ 0, 0, 0, 4 }, expected, WISP_COUNT( expected ) );
 }
 
-/// Write a choice of one parameter, the others as they are first, and read it again. @param out receives the file
+/// Write a configuration of one parameter, the others at their first value, and read it back. @param out receives the
+/// file
 static void write_choice( const char* text, int parameter, int value, char* out, size_t size )
 {
     wisp_scene scene = parse( text ), written;

@@ -1,4 +1,4 @@
-/// What tests of accuracy scenes share: a scene that is made, and settings that are run by name.
+/// Shared by tests of accuracy scenes: creating a scene, and running settings by name.
 #pragma once
 
 #include "unit.h"
@@ -33,7 +33,7 @@ static inline int setting_of( const accuracy_scene* scene, const char* name )
     return -1;
 }
 
-/// The run without its times, which must be of every step.
+/// The run without its times, of which there must be one per step.
 static inline accuracy_run run_setting( const accuracy_scene* scene, int setting, int workers, bool is_looked_at )
 {
     wisp_error error = { 0 };
@@ -53,7 +53,7 @@ static inline accuracy_run look_at( const accuracy_scene* scene, const char* nam
     return run_setting( scene, setting_of( scene, name ), 1, true );
 }
 
-/// The same bits whoever computes them and whoever looks.
+/// The same bits for every number of workers, sampled or not.
 static inline void expect_one_hash( const accuracy_scene* scene, const char* name )
 {
     const int setting = setting_of( scene, name );
@@ -65,7 +65,7 @@ static inline void expect_one_hash( const accuracy_scene* scene, const char* nam
     assert_true( looked_at == shared );
 }
 
-/// Names are what tables and files are read by.
+/// Tables and files are read by these names.
 static inline void expect_names_differ( const accuracy_scene* scene )
 {
     assert_true( scene->setting_count > 0 );

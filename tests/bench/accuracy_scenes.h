@@ -65,13 +65,13 @@ static inline double measure_of( const accuracy_scene* scene, const accuracy_run
     return NAN;
 }
 
-/// The order between two settings whose parameters are in this ratio.
+/// The observed order between two settings whose parameters have this ratio.
 static inline double order_between( const accuracy_scene* scene, const char* coarse, const char* fine, double ratio )
 {
     return log( error_of( scene, coarse ) / error_of( scene, fine ) ) / log( ratio );
 }
 
-/// Workers and looks change nothing.
+/// Workers and sampling change nothing.
 static inline void assert_same_hash( const accuracy_scene* scene, const char* name )
 {
     const uint64_t looked = run_setting( scene, name, 1, true ).hash;
@@ -80,7 +80,7 @@ static inline void assert_same_hash( const accuracy_scene* scene, const char* na
     assert_true( run_setting( scene, name, 2, false ).hash == looked );
 }
 
-/// Names are told apart, series have a parameter above 0 each, and settings of a series different ones.
+/// Names are distinct, series have parameters above 0, and settings of a series have different ones.
 static inline void assert_well_formed( const accuracy_scene* scene )
 {
     assert_true( scene->setting_count > 1 );
@@ -88,7 +88,7 @@ static inline void assert_well_formed( const accuracy_scene* scene )
     for ( int i = 0; i < scene->setting_count; ++i )
     {
         const accuracy_setting* s = &scene->settings[i];
-        assert_true( strlen( s->name ) < sizeof( s->name ) - 1 ); // one longer may have been cut
+        assert_true( strlen( s->name ) < sizeof( s->name ) - 1 ); // a longer one may have been truncated
         assert_true( s->series[0] == '\0' ? isnan( s->parameter ) : s->parameter > 0.0 );
         for ( int k = 0; k < i; ++k )
         {

@@ -1,4 +1,4 @@
-/// Reading what a case has measured: its tables by the beginning of their titles, cells by the names of their columns.
+/// Access to the results of a case: tables by the beginning of their titles, cells by the names of their columns.
 #pragma once
 
 #include "unit.h"
@@ -65,7 +65,7 @@ static inline void assert_column( const results_table* table, const char* column
     }
 }
 
-/// How many rows for machines a name and a variant have.
+/// Number of rows for machines with this name and variant.
 static inline int count_rows( const results* all, const char* name, const char* variant )
 {
     int count = 0;

@@ -1,4 +1,4 @@
-/// Pages in memory, and what a test reads from them: tags, ticks of axes, points, data of pictures.
+/// Pages in memory, and the parts that tests read: tags, ticks of axes, points, data of pictures.
 #pragma once
 
 #include "unit.h"
@@ -9,8 +9,8 @@
 
 static const report_run quiet_run = { .what = "a case", .how = "quick" };
 
-/// The page of some results, to be freed. Never inlined, where gcc 12 would take the stream's text for the variable that
-/// points to it, and warn of its end.
+/// The page of some results, to be freed. Never inlined, because gcc 12 would mistake the stream's text for the
+/// variable that points to it, and warn at its end.
 static __attribute__( ( noinline ) ) char* page_of( const results* all, const report_run* run )
 {
     char* text = NULL;
@@ -60,7 +60,7 @@ static inline const char* skip_name( const char* at )
     return at;
 }
 
-/// One attribute, name="value", after its blank.
+/// One attribute, name="value", with its preceding blank.
 static inline const char* skip_attribute( const char* at, const char* tag )
 {
     const char* end = skip_name( at );
@@ -90,7 +90,7 @@ static inline void check_entity( const char* at )
     fail_msg( "'%.20s' is not escaped", at );
 }
 
-/// Every tag ends, in the order in which they began, every attribute is quoted, and nothing else looks like a tag.
+/// Every tag is closed in the right order, every attribute is quoted, and nothing else resembles a tag.
 static inline void assert_well_formed( const char* page )
 {
     const char* open[DEPTH_MAX];
@@ -143,7 +143,7 @@ static inline void assert_well_formed( const char* page )
     assert_int_equal( depth, 0 );
 }
 
-/// Opens without a network and runs nothing.
+/// Needs no network and runs no script.
 static inline void assert_stands_alone( const char* page )
 {
     static const char* const foreign[] = { "http:",   "https:", "<script", "<link",
@@ -158,7 +158,7 @@ static inline void assert_stands_alone( const char* page )
     }
 }
 
-/// Every link leads to one place of the page.
+/// Every link leads to one position of the page.
 static inline void assert_anchors( const char* page )
 {
     for ( const char* at = strstr( page, "href=\"#" ); at; at = strstr( at + 1, "href=\"#" ) )
@@ -175,7 +175,7 @@ static inline void assert_anchors( const char* page )
 
 // ---- charts ----
 
-/// The text after `name="` of the tag at a place, as a number.
+/// The number after `name="` of the tag at a position.
 static inline double attribute_of( const char* tag, const char* name )
 {
     char requested[40];
@@ -204,7 +204,7 @@ static inline double tick_at( const char* page, char axis, const char* label )
     {
         if ( strncmp( strchr( at, '>' ), end, strlen( end ) ) == 0 )
         {
-            // A label of the y axis stands a bit below its line.
+            // A label of the y axis is slightly below its line.
             return axis == 'x' ? attribute_of( at, "x" ) : attribute_of( at, "y" ) - 4.0;
         }
     }

@@ -1,4 +1,4 @@
-// The case `accuracy`: what is compared, how runs take turns, and what its tables say.
+// The case `accuracy`: comparisons, the turns of runs, and the content of its tables.
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
@@ -21,7 +21,7 @@ static void the_front_is_what_nobody_beats( void** state )
 static void those_that_tie_are_on_the_front_together( void** state )
 {
     (void)state;
-    // the third is as near as the first two and slower, the fourth as fast and farther
+    // the third is as accurate as the first two and slower, the fourth as fast and less accurate
     const double error[] = { 1.0, 1.0, 1.0, 2.0 }, ms[] = { 2.0, 2.0, 3.0, 2.0 };
     const bool expected[] = { true, true, false, false };
     bool front[4];
@@ -60,7 +60,7 @@ static void a_power_law_has_its_power_as_order( void** state )
 static void points_at_the_floor_and_halted_ones_are_left_out( void** state )
 {
     (void)state;
-    // in no order; first order down to 0.05, then a floor that wobbles; the coarsest was halted, and one is exact
+    // in no order; first order down to 0.05, then a fluctuating floor; the coarsest was halted, and one is exact
     const double parameter[] = { 0.1, 0.8, 0.4, 0.2, 0.05, 0.0125, 0.025, 0.00625 };
     const double error[] = { 0.1, NAN, 0.4, 0.2, 0.05, 0.051, 0.047, 0.0 };
     const accuracy_order order = accuracy_observed_order( parameter, error, 8 );
@@ -120,7 +120,7 @@ static void the_best_within_a_limit_is_the_cheapest_that_takes_part( void** stat
     assert_int_equal( accuracy_best_within( ms, error, 0.4, NULL, 5 ), -1 );
 }
 
-// ---- a scene that only pretends ----
+// ---- a synthetic scene ----
 
 enum
 {
@@ -129,7 +129,7 @@ enum
     FAKE_HALTS = 4, // the setting that is halted
 };
 
-/// What the scene was asked for, and how it misbehaves.
+/// Requests to the scene, and its failures.
 typedef struct fake_log
 {
     int looked[FAKE_SETTINGS], timed[FAKE_SETTINGS][2]; // by 1 worker, by others
@@ -137,7 +137,7 @@ typedef struct fake_log
     int destroyed;
     int differs;   // setting whose hash depends on workers; -1: none
     int fails_at;  // setting that fails; -1: none
-    double cost;   // s a run of setting 0
+    double cost;   // s per run of setting 0
     double slower; // times, the steps of setting 0
 } fake_log;
 
@@ -148,11 +148,11 @@ static void spend( double seconds )
     const double end = wisp_clock_seconds() + seconds;
     while ( wisp_clock_seconds() < end )
     {
-        // a run that takes its time
+        // a run of that duration
     }
 }
 
-// The time of a step is 1 ms, half with two workers, times the setting's place: 0 is dear and near.
+// The time of a step is 1 ms, half with two workers, times the rank of the setting: 0 is expensive and accurate.
 static wisp_status fake_run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
                              wisp_error* error )
 {
@@ -179,7 +179,7 @@ static wisp_status fake_run( void* context, int setting, int workers, bool is_lo
     out->halted_at = setting == FAKE_HALTS ? 3 : 0;
     for ( int i = 0; i < FAKE_STEPS; ++i )
     {
-        // the first step makes the plan, the run that is looked at is slow
+        // the first step compiles the plan, the sampled run is slow
         const double ms = ( i == 0 || is_looked_at ? 100.0 : 8.0 / ( 1 << setting ) ) / workers;
         assert_int_equal( accuracy_keep_ms( out, setting == 0 ? fake.slower * ms : ms ), WISP_OK );
     }
@@ -265,7 +265,7 @@ static void with_one_worker_nothing_runs_twice( void** state )
 static void who_takes_more_than_its_share_sits_out( void** state )
 {
     (void)state;
-    // the share is 0.1 s: one run of the first, more of at least one of the others, none of the halted one after its
+    // the fraction is 0.1 s: one run of the first, at least one more of the others, none of the halted one after its
     // first
     fake.cost = 0.15;
     results all = run_fake( 1.0, 2 );
@@ -332,7 +332,7 @@ static void levels_that_would_say_the_same_are_said_once( void** state )
     (void)state;
     fake.slower = 64.0;
     results all = run_fake( 1e-9, 2 );
-    // 256 ms, 2, 1 and the loner's 0.5: nobody is between 2 and 256 ms
+    // 256 ms, 2, 1 and 0.5 for the single setting: there is none between 2 and 256 ms
     const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
     assert_int_equal( time->row_count, 1 + 2 + 2 + 1 );
     assert_string_equal( named_cell( time, 1, "ms, at most" ), "500" );
@@ -348,12 +348,12 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
     (void)state;
     results all = run_fake( 1e-9, 2 );
     const results_table* table = find_table( &all, "Accuracy `fake`, at equal error" );
-    // errors 1 to 4: within 5 mm the loner is the fastest, with half the time of the series
+    // errors 1 to 4: within 5 mm the single setting is the fastest, with half the time of the series
     assert_string_equal( named_cell( table, 1, "fastest setting" ), "setting 3" );
     assert_string_equal( named_cell( table, 2, "fastest setting" ), "setting 2" );
     assert_string_equal( named_cell( table, 2, "times the fastest" ), "2.00" );
 
-    // within 2 mm only the series gets there, with its second setting
+    // within 2 mm only the second setting of the series is left
     const int at_two = row_of( table, "2" );
     assert_string_equal( table->cells[( at_two + 1 ) * table->column_count], "1" );
     assert_string_equal( named_cell( table, at_two, "method" ), "falling" );
@@ -361,7 +361,7 @@ static void at_equal_error_the_best_of_each_method_is_ranked_by_time( void** sta
     assert_string_equal( named_cell( table, at_two, "ms" ), "2.00" );
     assert_string_equal( named_cell( table, at_two, "times the fastest" ), "1.00" );
 
-    // times 4, 2, 1 and 0.5 ms: within 1 ms the series has an error of 3 mm, and the loner one of 4
+    // times 4, 2, 1 and 0.5 ms: within 1 ms the series has an error of 3 mm, and the single setting one of 4
     const results_table* time = find_table( &all, "Accuracy `fake`, at equal time" );
     const int at_one = row_of( time, "1" );
     assert_string_equal( named_cell( time, at_one, "most accurate setting" ), "setting 2" );
@@ -532,7 +532,7 @@ static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_
 static const char* const few_names[] = { "xpbd 5", "xpbd 10", "implicit 1/100, Euler, 0.0001, 1",
                                          "implicit 1/200, Euler, 0.0001, 1", "implicit 1/400, Euler, 0.0001, 1" };
 
-/// A scene of which only some settings take part.
+/// A scene with only some of its settings.
 typedef struct few_settings
 {
     accuracy_scene all;
@@ -596,7 +596,7 @@ static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
     wisp_error error = { 0 };
     assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
 
-    // every hash, of one worker and of two, was that of the run that was looked at
+    // every hash, with one worker and with two, was that of the sampled run
     assert_false( all.failed );
     double errors[WISP_COUNT( few_names )];
     int on_front = 0;
@@ -610,7 +610,7 @@ static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
     }
     assert_true( on_front >= 1 );
     assert_true( errors[1] < errors[0] );
-    // of first order half the step is half the error in the end; here three quarters and better
+    // at first order half the step is half the error in the end; here at most three quarters
     assert_true( errors[3] < 0.75 * errors[2] && errors[4] < 0.75 * errors[3] );
     const results_table* orders = find_table( &all, "Accuracy `cloth_on_ball`, observed order" );
     const int euler = row_of( orders, "implicit Euler, 0.0001, 1" );

@@ -1,4 +1,5 @@
-// The scenes of balloons in `wisp bench accuracy`: what falls with its parameter, what does not, and where it ends.
+// The scenes of balloons in `wisp bench accuracy`: errors that fall with their parameter, errors that do not, and
+// their limits.
 #include "accuracy_fixture.h"
 
 accuracy_scene_fn accuracy_balloon_inflate, accuracy_balloon_flight, accuracy_balloon_meshes;
@@ -57,14 +58,14 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
             error[i] = look_at( &inflate, name ).error;
         }
         print_message( "           %s: %.3f, %.3f, %.3f %%\n", readings[r], error[0], error[1], error[2] );
-        // half a substep is a quarter of the error, less what is of higher order at the coarse end
+        // half a substep is a quarter of the error, except for higher orders at the coarse end
         assert_true( error[0] / error[1] > 3.4 && error[0] / error[1] < 4.4 );
         assert_true( error[1] / error[2] > 3.7 && error[1] / error[2] < 4.3 );
         assert_true( error[2] < 1.0 );
     }
 }
 
-// An icosahedron swells evenly, so its tensions and its volume belong together to what the solver left undone.
+// An icosahedron swells evenly, so its tensions and its volume correspond, apart from the error of the solver.
 static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state )
 {
     (void)state;
@@ -75,8 +76,8 @@ static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state 
     assert_true( finer.error > 5.0 * regular.error );
 }
 
-// At rest the constraint has P_atm ( V_0 - V ) / V_0 and the reading by the gas law P_atm ( V_0 - V ) / V: p / P_atm
-// more.
+// At rest the constraint gives P_atm ( V_0 - V ) / V_0 and the reading by the gas law P_atm ( V_0 - V ) / V: p /
+// P_atm more.
 static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 {
     (void)state;
@@ -86,8 +87,8 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
     assert_true( more > 0.02 );
 }
 
-// A stiffness in (0, 1] depends on the substep: more substeps make the skin of the balloon paper rigid, away from the
-// reference.
+// A stiffness in (0, 1] depends on the substep: more substeps make the skin of the balloon paper rigid, so that it
+// departs from the reference.
 static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
 {
     (void)state;
@@ -115,7 +116,7 @@ static void a_flight_comes_nearer_to_double_precision_with_substeps( void** stat
     // of a path of 240 mm
     assert_true( last < 4.0 );
 
-    // another drag is another flight, and no setting of the solver makes up for it
+    // another drag is another flight, and no setting of the solver compensates for it
     assert_true( look_at( &flight, "kick, abs drag, 10 x 1" ).error >
                  2.0 * look_at( &flight, "kick, max drag, 10 x 1" ).error );
 }
@@ -134,7 +135,7 @@ static void momentum_is_what_the_forces_have_given( void** state )
     assert_true( fine < 0.5 * coarse );
 }
 
-// A polyhedron in a body: half the edge leaves out a quarter of the volume. Paths have no such order.
+// A polyhedron in a body: half the edge reduces the missing volume to a quarter. Paths have no such order.
 static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( void** state )
 {
     (void)state;
@@ -145,7 +146,7 @@ static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( vo
     const accuracy_run coarse = look_at( &meshes, "42 vertices, 10 x 1" );
     const accuracy_run middle = look_at( &meshes, "162 vertices, 10 x 1" );
     const accuracy_run fine = look_at( &meshes, "642 vertices, 10 x 1" );
-    // against a mesh whose own error is a quarter of the last one's: 63 / 15 and 15 / 3
+    // against a mesh whose own error is a quarter of that of the last one: 63 / 15 and 15 / 3
     assert_true( fabs( coarse.measures[VOLUME] / middle.measures[VOLUME] - 4.2 ) < 0.5 );
     assert_true( fabs( middle.measures[VOLUME] / fine.measures[VOLUME] - 5.0 ) < 0.5 );
     assert_true( coarse.error > 5.0 * middle.error );

@@ -1,4 +1,5 @@
-// The scene `closed_forms` of `wisp bench accuracy`: its references are those that are printed elsewhere, and errors fall as promised.
+// The scene `closed_forms` of `wisp bench accuracy`: its references equal published values, and errors fall with the
+// expected order.
 #include "accuracy_fixture.h"
 
 accuracy_scene_fn accuracy_closed_forms;
@@ -34,7 +35,7 @@ static void every_closed_form_has_settings_of_its_own( void** state )
     expect_names_differ( &scene );
 }
 
-// Digits of tables, and of the reference for what no formula of this program has made.
+// Digits of tables, and of the reference for a value without a formula in this program.
 static void references_are_what_the_references_print( void** state )
 {
     (void)state;
@@ -59,7 +60,7 @@ typedef struct series_check
     double slack;  // of the observed order
 } series_check;
 
-// Second order shows once a substep is short for the stiffest link, so the coarse end is lower.
+// Second order holds once a substep is short for the stiffest link, so the coarse end is lower.
 static const series_check checks[] = {
     { "fall of a cloth in 0.5 s, m", 0.03, 0.1 },
     { "angular momentum of a cloth after 0.5 s, N m s", 0.5, 0.2 },
@@ -100,7 +101,7 @@ static void errors_fall_at_the_promised_order( void** state )
     }
 }
 
-// At rest the answer belongs to the springs, not to how often they were asked.
+// At rest the result depends on the springs, not on the number of iterations.
 static void a_bar_that_has_converged_is_as_long_as_its_springs_say( void** state )
 {
     (void)state;
@@ -115,7 +116,7 @@ static void what_friction_holds_does_not_creep( void** state )
     (void)state;
     assert_true( look_at( &scene, "sticking, 11 deg, mu 0.2, m, substeps 20" ).error == 0.0 );
     assert_true( look_at( &scene, "sticking, 26 deg, mu 0.5, m, substeps 20" ).error == 0.0 );
-    // nothing holds it at the next degrees, so it is the friction that did
+    // at the next angle nothing holds it, so friction held it here
     assert_true( look_at( &scene, "sliding, 20 deg, mu 0.2, m, substeps 20" ).measures[MEASURED] > 0.1 );
 }
 
@@ -128,7 +129,7 @@ static void free_fall_strains_nothing_and_keeps_momentum( void** state )
     assert_true( fall.measures[MOMENTUM] < 1e-2 );
 }
 
-// Its triangles never become equilateral, so the limit of fine spheres lies beside the smooth one.
+// Its triangles never become equilateral, so the limit of fine spheres differs from the smooth one.
 static void a_fine_sphere_is_within_two_per_cent_of_a_smooth_one( void** state )
 {
     (void)state;

@@ -1,5 +1,4 @@
-// Stored references of `wisp bench accuracy`: files that nobody vouches for, and whether those of data/reference are
-// whole.
+// Stored references of `wisp bench accuracy`: untrusted files, and whether those of data/reference are valid.
 #include "unit.h"
 
 #include "accuracy/accuracy_reference.h"
@@ -79,7 +78,7 @@ static void expect_said( const wisp_error* error, const char* name, const char* 
     assert_contains( error->message, part );
 }
 
-// Blocks of exactly this size, so that the sanitizer sees a byte that is read beyond them.
+// Blocks of exactly this size, so that the sanitizer detects a byte that is read beyond them.
 static void expect_numbers_refused( const unsigned char* bytes, size_t size, uint64_t hash, const char* part )
 {
     unsigned char* copy = malloc( size > 0 ? size : 1 );
@@ -197,7 +196,7 @@ static void a_file_that_is_too_long_is_not_read_to_its_end( void** state )
     write_file( generator_name, files.generator, files.generator_size );
     write_file( numbers_name, longer, size );
     assert_int_equal( accuracy_reference_read( ".", &reference, &back, &error ), WISP_BAD_INPUT );
-    // one byte more than wanted was looked at, whatever follows
+    // one more byte than expected was read, whatever follows
     expect_said( &error, "./pretended.reference: ", "7 numbers in 81 bytes" );
     remove( generator_name );
     remove( numbers_name );
@@ -227,7 +226,7 @@ static void a_reference_of_a_scene_that_has_changed_is_refused_by_what_changed( 
     remove( numbers_name );
 }
 
-// Roundings of a mesh are no other mesh, and a vertex that is a tenth of a millimetre elsewhere is.
+// Rounding does not make another mesh, and a vertex moved by a tenth of a millimetre does.
 static void another_start_is_seen_and_its_roundings_are_not( void** state )
 {
     (void)state;
@@ -310,14 +309,14 @@ static void a_generator_that_is_cut_off_anywhere_is_refused( void** state )
     double numbers[NUMBERS];
     const accuracy_reference reference = small_reference( numbers );
     const reference_files files = written( &reference );
-    // the last byte ends the line and says nothing
+    // the last byte ends the line and has no content
     for ( size_t size = 0; size + 1 < files.generator_size; ++size )
     {
         expect_generator_refused( files.generator, size, "" );
     }
 }
 
-// A byte of a recipe may be any other, and nothing worse happens than that it is refused or means something else.
+// Any byte of a recipe may change: the recipe is then rejected or has another meaning, and nothing worse happens.
 static void a_generator_with_a_wrong_byte_does_no_harm( void** state )
 {
     (void)state;
@@ -405,7 +404,7 @@ static void more_info_than_there_is_room_for_are_refused( void** state )
     expect_change_refused( &files, "\"facts\": {", many, "`facts` must be an object of at most 24 numbers" );
 }
 
-// ---- those that are kept ----
+// ---- stored references ----
 
 static void every_stored_reference_is_whole_and_small( void** state )
 {
@@ -425,10 +424,10 @@ static void every_stored_reference_is_whole_and_small( void** state )
         print_message( "           %s: %d numbers, doubt %.3g mm, %s\n", names[i], whole.number_count,
                        1e3 * whole.doubt, whole.reference );
         assert_string_equal( whole.scene, names[i] );
-        // a fine skin rings on in short substeps, so that one alone is the engine's, and says so
+        // a fine skin oscillates in short substeps, so this one alone is computed by the engine, and states it
         assert_string_equal( whole.precision, strcmp( names[i], "balloon_meshes" ) == 0 ? "float" : "double" );
         assert_true( whole.fact_count > 3 && whole.doubt > 0.0 );
-        // they are part of every clone
+        // they are in the tree
         assert_true( 8 * whole.number_count < 300000 );
         accuracy_reference_free( &whole );
     }

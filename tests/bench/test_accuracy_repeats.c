@@ -1,13 +1,13 @@
-// What `wisp bench accuracy` writes, whose path is the first argument, is the same in every run but for its times: bits of
-// errors, measures and hashes do not depend on when, how long and with how many workers it runs.
+// The output of `wisp bench accuracy`, whose path is the first argument, is the same in every run except for its
+// times: errors, measures and hashes do not depend on the date, the duration and the number of workers.
 #include "../app/program_fixture.h"
 
 #include <jansson.h>
 
-// A scene that is cheap, and whose reference is stored.
+// A cheap scene with a stored reference.
 #define RUN "bench accuracy --seconds 2 --scene balloon_flight --format json "
 
-// Of a row: the only keys that tell when it ran, and how many times there was time for.
+// The only keys of a row that depend on the date, and on the number of runs within the time.
 static const char* const time_keys[] = { "ms_median", "ms_p10", "ms_p90", "stages", "steps" };
 
 static json_t* results_of( const char* command, const char* path )
@@ -30,7 +30,7 @@ static char* row_text( const json_t* row )
     json_t* copy = json_deep_copy( row );
     for ( int i = 0; i < WISP_COUNT( time_keys ); ++i )
     {
-        // a row that has lost one of them has another schema, and this test looks past something
+        // a row without one of them has another schema, and this test would overlook something
         assert_int_equal( json_object_del( copy, time_keys[i] ), 0 );
     }
     char* text = json_dumps( copy, JSON_SORT_KEYS | JSON_REAL_PRECISION( 17 ) );
@@ -54,7 +54,7 @@ static const json_t* rows_of( const json_t* root )
     return rows;
 }
 
-/// Three runs: shortly and long enough for several rounds with two workers, and shortly with one.
+/// Three runs: briefly and long enough for several rounds with two workers, and briefly with one.
 static struct
 {
     json_t *first, *longer, *alone;
@@ -95,7 +95,7 @@ static void workers_change_nothing_but_times( void** state )
     assert_int_equal( json_array_size( a ), 2 * json_array_size( b ) );
     for ( size_t i = 0; i < json_array_size( b ); ++i )
     {
-        // the rows of a setting stand one below the other, by workers
+        // the rows of a setting are consecutive, by workers
         json_t* of_two = json_array_get( a, 2 * i + 1 );
         expect_same_row( json_array_get( a, 2 * i ), json_array_get( b, i ) );
         assert_int_equal( json_integer_value( json_object_get( of_two, "workers" ) ), 2 );

@@ -1,5 +1,5 @@
-// Scenes of strands of the case `accuracy`: errors fall with their parameter as they should, closed forms are met, what begins at
-// rest stays there, and hashes depend on nothing but the setting.
+// Scenes of strands of the case `accuracy`: errors fall with their parameter as expected, closed forms are met,
+// strands at rest stay there, and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
 
 accuracy_scene_fn accuracy_strands_swing, accuracy_strands_chain, accuracy_strands_elastica, accuracy_strands_guides,
@@ -16,9 +16,9 @@ static void strands_that_fall_come_nearer_at_first_order( void** state )
     const double order = order_between( &scene, "direct, 4 substeps", "direct, 20 substeps", 5.0 );
     assert_true( fabs( order - 1.0 ) < 0.1 );
     const double direct = error_of( &scene, "direct, 20 substeps" );
-    assert_true( direct > 0.1 && direct < 1.5 ); // mm of a strand of 0.95 m: not equal, and no other fall
+    assert_true( direct > 0.1 && direct < 1.5 ); // mm of a strand of 0.95 m: different, but the same fall
 
-    // Who follows the leader keeps his error at any substep.
+    // The error of follow the leader remains at any substep.
     assert_true( error_of( &scene, "follow the leader, 20 substeps" ) > 10.0 * direct );
     assert_same_hash( &scene, "pbd, 1 substep, 4 sweeps" );
     close_scene( &scene );
@@ -36,7 +36,7 @@ static void lengths_cost_sweeps_and_not_direct_solves( void** state )
     assert_true( measure_of( &scene, &few, "stretch max %" ) > 10.0 );
     assert_true( measure_of( &scene, &many, "stretch max %" ) < 0.1 * measure_of( &scene, &few, "stretch max %" ) );
 
-    // What falls cannot have more energy than it began with.
+    // A falling strand cannot have more energy than it started with.
     assert_true( measure_of( &scene, &direct, "energy drift %" ) < 0.0 );
     close_scene( &scene );
 }
@@ -76,7 +76,7 @@ static void a_heavy_rod_hangs_as_the_elastica( void** state )
         order_between( &scene, "16 vertices, 10 substeps", "64 vertices, 10 substeps", 63.0 / 15.0 ); // segments
     assert_true( fabs( order - 2.0 ) < 0.2 );
 
-    // At rest but for rounding: one of 1.5e-8 m in a substep of 1.7 ms is 9 um/s, and there are some.
+    // At rest except for rounding: one of 1.5e-8 m in a substep of 1.7 ms is 9 um/s, and there are several.
     assert_true( measure_of( &scene, &rest, "jitter um/s" ) < 200.0 );
     assert_same_hash( &scene, "4 vertices, 10 substeps" );
     close_scene( &scene );
@@ -117,7 +117,7 @@ static void fewer_guides_miss_more( void** state )
     open_scene( accuracy_strands_guides, &scene );
     assert_well_formed( &scene );
 
-    // A ghost that has its guide for itself, and does not sway, is where it would be if it moved by itself.
+    // A ghost with a guide of its own, and without sway, is where it would be if simulated.
     const accuracy_run all = run_setting( &scene, "all simulated, 10 substeps", 1, true );
     const accuracy_run alone = run_setting( &scene, "1 : 1, ghosts as guides, 10 substeps", 1, true );
     assert_true( fabs( alone.error / all.error - 1.0 ) < 1e-3 );

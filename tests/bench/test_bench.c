@@ -6,7 +6,7 @@
 
 typedef struct step_log
 {
-    char order[4096]; ///< a letter a step, in the order in which steps were made
+    char order[4096]; ///< one letter per step, in the order of the steps
     int count;
 } step_log;
 
@@ -30,7 +30,7 @@ static wisp_status pretend( void* context, wisp_error* error )
     double end = wisp_clock_seconds() + p->seconds;
     while ( wisp_clock_seconds() < end )
     {
-        // A step that takes its time.
+        // A step of that duration.
     }
     return ++p->steps == p->fails_at ? wisp_fail( error, WISP_CONFLICT, "step %d", p->steps ) : WISP_OK;
 }
@@ -72,7 +72,7 @@ static void short_steps_have_longer_turns_whose_first_step_does_not_count( void*
     pretender a = { &log, 'A', 0.0, 0, 0, 0 }, b = { &log, 'B', 0.0, 0, 0, 0 };
     bench_variant variants[] = { variant_of( &a ), variant_of( &b ) };
 
-    // told and not measured, so that a busy machine cannot make the steps look long
+    // given, not measured, so that a busy machine cannot make the steps look long
     variants[0].warm_ms = variants[1].warm_ms = 0.01;
     const bench_effort effort = { .seconds = 10.0, .rounds_min = 1, .samples_max = 20 };
     wisp_error error = { 0 };
@@ -200,7 +200,7 @@ static void a_table_of_many_columns_is_split_and_repeats_what_tells_its_rows_apa
     results_add_cells( &all, table, cells );
     char* text = text_of( &all.tables[table] );
 
-    // two columns tell the rows apart and leave room for six others
+    // two columns identify the rows and leave room for six others
     assert_int_equal( count_parts( text, "A wide table" ), 3 );
     assert_int_equal( count_parts( text, "size  solver" ), 3 );
     assert_int_equal( count_parts( text, "ms" ), COLUMNS - 2 );
@@ -221,7 +221,7 @@ static void long_cells_go_on_in_the_next_line( void** state )
     results_add_cells( &all, table, ( const char* const[] ){ words, words, "3" } );
     assert_fits_terminal( &all );
     char* text = text_of( &all.tables[table] );
-    // the title is cut at 160 characters; every word of the heading and of both cells is there
+    // the title is cut at 160 characters; every word of the heading and of both cells remains
     assert_int_equal( count_parts( text, "word" ), 32 + 3 * 60 );
     free( text );
     results_free( &all );

@@ -1,5 +1,5 @@
-// The case `boundary` at sizes of moments: its checks hold, its tables have what the contract asks for, and what is
-// wrong is seen.
+// The case `boundary` at very small sizes: its checks hold, its tables have the columns of the contract, and errors
+// are detected.
 #include "bench_tables.h"
 
 #include "boundary_bench.h"
@@ -76,7 +76,7 @@ static void a_pulse_changes_more_than_standing_still_and_less_than_everything( v
     double fraction = 0.0;
     assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &fraction ), 1 ); // 10 %, no hysteresis
     assert_true( fraction > 0.0 && fraction < 100.0 );
-    // without hysteresis a layer is a function of the positions, and they are back where they were
+    // without hysteresis a layer is a function of the positions, which are those of the start again
     const int hash = column_of( table, "hash" );
     assert_string_equal( cell( table, 9, hash ), cell( table, 1, hash ) );
 }
@@ -109,7 +109,7 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
     }
 }
 
-// ---- what the checks are made of ----
+// ---- parts of the checks ----
 
 typedef struct one_layer
 {
@@ -119,7 +119,7 @@ typedef struct one_layer
     wisp_boundary_def def;
 } one_layer;
 
-// With 11 slices no edge is a whole number of tenths of a metre long; with 10 some are, but for rounding.
+// With 11 slices no edge is a whole number of tenths of a metre long; with 10 some are, up to rounding.
 static one_layer open_layer( float spacing )
 {
     wisp_error error = { 0 };
@@ -159,7 +159,7 @@ static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** s
     assert_false( layer_check_is_met( &check ) );
     assert_true( isinf( check.farthest ) );
 
-    // a vertex that moves after the step leaves its points behind; so little changes no count
+    // a vertex that moves after the step leaves its points behind; a move this small changes no count
     float* x = wisp_world_column( l.implementation.surface.world, l.implementation.surface.entity,
                                   WISP_PARTICLE_POSITION, 0 );
     x[4 * (size_t)l.fabric->vertex_slot[l.mesh.vertex_count / 2]] += 1e-4f;
@@ -203,7 +203,7 @@ static void the_cover_of_a_triangle_without_points_is_its_own( void** state )
     layer_cover cover;
     assert_int_equal( layer_find_cover( &view, &mesh, &cover, NULL ), WISP_OK );
     assert_true( fabs( cover.gap - 5.0 ) < 1e-6 );
-    assert_true( fabs( cover.reach - 2.5 ) < 1e-6 ); // the middle of the longest side, as far from all corners
+    assert_true( fabs( cover.reach - 2.5 ) < 1e-6 ); // the middle of the longest side, equally far from all corners
     assert_int_equal( layer_find_edge( &view, 2, 1 ), 2 );
 }
 

@@ -1,5 +1,5 @@
-// The cases of cloth, balloon and figures at sizes of moments: which tables and rows they make, that both sides of a
-// race compute the same, and that what is wrong fails the run.
+// The cases of cloth, balloon and figures at very small sizes: their tables and rows, equal results of both sides of
+// a comparison, and failures of the run after an error.
 #include "bench_tables.h"
 
 #include "balloon_bench.h"
@@ -44,7 +44,7 @@ static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** st
     assert_string_equal( cell( table, 2, 0 ), "12" );
     assert_int_equal( strlen( cell( table, 1, table->column_count - 1 ) ), 16 );
 
-    // plain step, plain pass and two worker counts a size
+    // scalar step, scalar pass and two worker counts per size
     assert_int_equal( all.row_count, 2 * 4 );
     for ( int r = 0; r < all.row_count; ++r )
     {
@@ -96,7 +96,7 @@ static void levels_are_compared_with_a_converged_run_on_both_meshes( void** stat
         assert_string_equal( all.rows[r].error_reference, "160 in double" );
         assert_true( all.rows[r].has_hash );
     }
-    // more substeps come nearer to the converged run
+    // more substeps are closer to the converged run
     double path_10 = NAN, path_40 = NAN;
     for ( int r = 0; r < all.row_count; ++r )
     {
@@ -108,7 +108,7 @@ static void levels_are_compared_with_a_converged_run_on_both_meshes( void** stat
     }
     assert_true( path_40 < path_10 );
 
-    // mean stretch and path of both meshes, and something is on each front
+    // mean stretch and path of both meshes, and each front has a member
     assert_int_equal( all.chart_count, 4 );
     for ( int c = 0; c < all.chart_count; ++c )
     {
@@ -186,7 +186,7 @@ static void the_reference_projects_as_the_oracle_does( void** state )
     cloth_scene_free( &scene );
 }
 
-// ---- what fails ----
+// ---- failures ----
 
 static void a_hash_of_its_own_fails_the_run( void** state )
 {

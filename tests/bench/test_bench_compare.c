@@ -1,4 +1,4 @@
-// `wisp bench cloth --compare` at sizes of moments: its reference files, which nobody vouches for, and what its tables say.
+// `wisp bench cloth --compare` at very small sizes: its untrusted reference files, and the content of its tables.
 #include "bench_tables.h"
 #include "files.h"
 
@@ -59,7 +59,7 @@ static file_bytes written( const compare_reference* reference )
 
 static void expect_refused( const unsigned char* bytes, size_t size, const char* part )
 {
-    // a block of exactly this size, so that the sanitizer sees a byte that is read beyond it
+    // a block of exactly this size, so that the sanitizer detects a byte that is read beyond it
     unsigned char* copy = checked_malloc( size > 0 ? size : 1 );
     memcpy( copy, bytes, size );
     compare_reference reference;
@@ -119,7 +119,7 @@ static void a_reference_with_a_wrong_byte_is_refused_wherever_it_is( void** stat
                            : at < 16 ? "are not known"
                            : at < 24 ? ""
                                      : "checksum";
-        // the lowest bit of `scenario` makes another one that is known
+        // the lowest bit of `scenario` gives another valid one
         part = at == 12 ? "checksum" : part;
         file.bytes[at] ^= 1u;
         expect_refused( file.bytes, file.size, part );
@@ -276,7 +276,7 @@ static void the_tables_are_whole( void** state )
     results_free( &all );
 }
 
-// What xpbd converges to is the same model there, so nobody's error has a floor.
+// xpbd converges to the same model here, so no error has a floor.
 static void errors_of_the_taut_cloth_fall_with_the_step( void** state )
 {
     (void)state;
@@ -285,7 +285,7 @@ static void errors_of_the_taut_cloth_fall_with_the_step( void** state )
     const double euler[] = { error_of( &all, "implicit 1/100, Euler, 0.0001, 1" ),
                              error_of( &all, "implicit 1/200, Euler, 0.0001, 1" ),
                              error_of( &all, "implicit 1/400, Euler, 0.0001, 1" ) };
-    // of first order half the step is half the error in the end; here three quarters and better
+    // at first order half the step is half the error in the end; here at most three quarters
     assert_true( euler[1] < 0.75 * euler[0] && euler[2] < 0.75 * euler[1] );
     assert_true( error_of( &all, "implicit 1/200, BDF2, 0.0001, 1" ) < 0.5 * euler[1] );
     assert_true( error_of( &all, "xpbd 20" ) < 0.5 * error_of( &all, "xpbd 5" ) );
@@ -299,7 +299,7 @@ static void errors_of_the_draped_cloth_fall_with_the_step( void** state )
     results all = compared( &plan );
     const double coarse = error_of( &all, "implicit 1/100, Euler, 0.0001, 1" );
     const double fine = error_of( &all, "implicit 1/400, Euler, 0.0001, 1" );
-    // a quarter of the step; of first order that is a quarter of the error, before folds take over
+    // a quarter of the step; at first order that is a quarter of the error, before folds dominate
     assert_true( fine < 0.5 * coarse );
     results_free( &all );
 }

@@ -1,5 +1,5 @@
-// The case `contact` at sizes of moments: what searches finds the same, tables have what they should, and the
-// measures of overlap and of intersections see what is there.
+// The case `contact` at very small sizes: all searches find the same, tables are complete, and the measures of
+// overlap and of intersections detect them.
 #include "bench_tables.h"
 
 #include "contact_bench.h"
@@ -17,7 +17,7 @@ static contact_plan small_plan( void )
         .sheet_sides = { 12, 24 },
         .sphere_levels = { 1, 3 },
         .size_count = 2,
-        .max_brute = 1e5, // the smaller size asks all, the larger one a sample
+        .max_brute = 1e5, // the smaller size runs all queries, the larger one a sample
         .query_seconds = 0.0,
         .fold_side = 16,
         .fold_steps = 50,
@@ -193,7 +193,7 @@ static void the_sizes_of_the_case_grow_with_its_time( void** state )
 
 // ---- measures ----
 
-// Two balloons of which one is put into the other by so much.
+// Two balloons, one of which is moved into the other by this distance.
 static double overlap_of( float distance, float* thickness )
 {
     const contact_setting setting = { .way = { .name = "none", .is_off = true }, .workers = 1 };
@@ -204,7 +204,7 @@ static double overlap_of( float distance, float* thickness )
     assert_int_equal( contact_make_balloon( 3, &scene, &error ), WISP_OK );
     assert_int_equal( contact_enter_pair( &scene, &setting, &world, &error ), WISP_OK );
     assert_int_equal( contact_step( &world, &error ), WISP_OK );
-    // what is measured are the points that are seen, wherever they come from
+    // the measure uses the points that are passed to it
     wisp_vec3* points[2];
     for ( int i = 0; i < 2; ++i )
     {
@@ -228,7 +228,7 @@ static void overlap_is_how_deep_a_vertex_is_in_the_other_balloon( void** state )
 {
     (void)state;
     float t;
-    // facets of a level 3 sphere are up to 0.6 % of the radius below it: a vertex may be so much less deep
+    // facets of a level 3 sphere are up to 0.6 % of the radius below it: the depth of a vertex may be smaller by that
     const double facet = 0.006 * (double)PRESS_RADIUS;
     const double deep = overlap_of( 1.6f * PRESS_RADIUS, &t ), expected = 0.4 * (double)PRESS_RADIUS + (double)t;
     assert_true( deep <= expected + 1e-6 && deep > expected - 2.0 * facet );

@@ -1,5 +1,5 @@
-// The case of strands at sizes of moments: that scalar C computes what the engine computes, that the scene is the one
-// that the tables speak of, and which rows they have.
+// The case of strands at very small sizes: scalar C computes the same as the engine, the scene is the one described
+// in the tables, and the tables have their rows.
 #include "bench_tables.h"
 
 #include "figures_bench.h"
@@ -68,7 +68,7 @@ static void solve_dense( double a[SEGMENTS][SEGMENTS], double* x )
     }
 }
 
-// One Newton pass on |p_{s+1} - p_s| = l_s: every gradient written out, J W J^T as it stands.
+// One Newton pass on |p_{s+1} - p_s| = l_s: every gradient written out, J W J^T without simplification.
 static void newton_pass( double p[VERTICES][3], const double* w, const double* rest )
 {
     double gradient[SEGMENTS][VERTICES][3] = { { { 0.0 } } }, a[SEGMENTS][SEGMENTS] = { { 0.0 } }, x[SEGMENTS];
@@ -294,7 +294,7 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
     assert_fits_terminal( &all );
     const results_table* table = find_table( &all, "Strands x 20 vertices" );
 
-    // two of scalar C a size, all six settings at 20 strands and two at 100
+    // two of scalar C per size, all six settings at 20 strands and two at 100
     assert_int_equal( table->row_count, 1 + 2 + 6 + 2 + 2 );
     int nvcloth = column_of( table, "NvCloth 1 / 2 threads ms*" ), hash = column_of( table, "hash" );
     assert_string_equal( cell( table, 3, 1 ), "direct, bend links" );
@@ -315,7 +315,7 @@ static void the_comparison_has_a_line_a_setting_and_the_kernels_alone( void** st
         assert_true( !is_direct || value_of( &row->error, "stretch_mean" ) < 1e-4 );
     }
 
-    // a chart a worker count, with the times of the rows: at 20 and at 100 strands
+    // one chart per worker count, with the times of the rows: at 20 and at 100 strands
     assert_int_equal( all.chart_count, plan.worker_count );
     const results_series* plain = &all.charts[0].series[0];
     assert_string_equal( plain->name, "plain C, sweeps, 10 substeps" );
@@ -402,7 +402,7 @@ static void lone_ghosts_without_sway_are_their_guides( void** state )
         double ratio = row->size.items[1].value, without = value_of( &row->error, "rms_without_sway_m" );
         assert_true( row->ms_median > 0.0 );
 
-        // 1:1 is the guide up to rounding, with more ghosts a guide they differ from what they would do themselves
+        // 1:1 is the guide up to rounding; with more ghosts per guide they differ from simulated strands
         assert_true( ratio > 1.0 || without < 1e-6 );
         assert_true( ratio < 4.0 || without > 1e-4 );
     }

@@ -1,5 +1,4 @@
-// Table 1 of the triangle cloth at sizes of moments: which tables and rows it makes, and that what is wrong fails the
-// run.
+// Table 1 of the triangle cloth at very small sizes: its tables and rows, and failures of the run after an error.
 #include "bench_tables.h"
 
 #include "paper_triangle.h"
@@ -43,7 +42,7 @@ static void every_cloth_that_is_timed_has_a_line_with_a_hash( void** state )
 static void triangles_stand_beside_quads_with_the_source( void** state )
 {
     const results_table* table = find_table( *state, "Triangles / quads" );
-    assert_int_equal( table->row_count, 1 + 2 ); // one a worker count
+    assert_int_equal( table->row_count, 1 + 2 ); // one per worker count
     assert_string_equal( cell( table, 2, 1 ), "2" );
 }
 
@@ -66,8 +65,8 @@ static void plain_c_hangs_beside_the_engine( void** state )
         const results_row* row = &all->rows[i];
         if ( strcmp( row->name, "paper.triangle_hang" ) == 0 && strcmp( row->variant, "wisp" ) == 0 )
         {
-            // both solve to a residual of 1e-4, of which the matrix, whose condition is below 100 at this size, makes
-            // that share of velocities of up to 0.4 m/s, over 4 steps of 0.01 s
+            // both solve to a residual of 1e-4, which the matrix, whose condition is below 100 at this size, turns
+            // into that fraction of velocities of up to 0.4 m/s, over 4 steps of 0.01 s
             assert_string_equal( row->error.items[0].name, "max_m" );
             assert_true( row->error.items[0].value < 100.0 * 1e-4 * 0.4 * 4 * 0.01 );
             assert_true( row->has_hash );

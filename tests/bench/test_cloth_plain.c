@@ -1,5 +1,5 @@
-// The scalar C cloth against each equation in double precision: a race is worth something only if both sides compute
-// the same thing.
+// The scalar C cloth against each equation in double precision: a comparison of times is meaningful only if both
+// sides compute the same.
 #include "unit.h"
 
 #include "oracle/constraint_oracle.h"
@@ -50,7 +50,7 @@ static plain_cloth make_cloth( const patch* p, float mass, float bend_stiffness 
     return cloth;
 }
 
-// Points that no link finds at rest, the same in every run.
+// Positions at which every link is deformed, the same in every run.
 static void shake( plain_cloth* cloth )
 {
     for ( int v = 0; v < cloth->vertex_count; ++v )
@@ -103,7 +103,7 @@ static void a_pass_is_equation_6_link_by_link( void** state )
     plain_cloth_project( &cloth );
     for ( int v = 0; v < VERTICES; ++v )
     {
-        // coordinates below 1 m, a dozen links at a vertex and their neighbours' roundings behind them
+        // coordinates below 1 m, a dozen links at a vertex and the roundings of their neighbours
         assert_true( double3_distance( double3_widen( cloth.position[v] ), expected[v] ) <
                      64.0 * (double)FLT_EPSILON );
     }
@@ -124,7 +124,7 @@ static void free_fall_is_the_sum_of_its_substeps( void** state )
     double h = 0.0025, n = 40.0, fallen = 9.81 * h * h * n * ( n + 1.0 ) / 2.0;
     for ( int v = 0; v < VERTICES; ++v )
     {
-        // every substep rounds a coordinate and its velocity, which lasts to the end: 40^2 roundings of 0.1 m
+        // every substep rounds a coordinate and its velocity, which remains until the end: 40^2 roundings of 0.1 m
         assert_true( fabs( (double)cloth.position[v].y + fallen ) < 1600.0 * 0.1 * (double)FLT_EPSILON );
     }
     plain_cloth_destroy( &cloth );

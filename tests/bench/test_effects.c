@@ -1,5 +1,6 @@
-// What nobody asks for costs nothing: the plan of every effect alone, of every pair and of all together has the passes of
-// its parts and no other, and modules that are only registered change neither plan nor state nor memory.
+// An effect that is not requested costs nothing: the plan of every effect alone, of every pair and of all together
+// has the passes of its parts and no other, and modules that are only registered change neither plan nor state nor
+// memory.
 #include "bench_tables.h"
 
 #include "effects/effect_world.h"
@@ -52,7 +53,7 @@ static void read_plan( effect_world* world, char* text )
     assert_ok( effect_world_plan( world, text, NULL, &error ), error );
 }
 
-// @param world in which the passes are registered @param text the names, a blank between two; is cut into them
+// @param world in which the passes are registered @param text the names, separated by blanks; is cut into them
 static pass_list parse_plan( const wisp_world* world, char* text )
 {
     pass_list list = { .count = 0 };
@@ -84,7 +85,7 @@ static bool conflict( const wisp_pass* a, const wisp_pass* b )
     return ( writes_a & ( writes_b | plan_mask( b->reads ) ) ) != 0 || ( writes_b & plan_mask( a->reads ) ) != 0;
 }
 
-// Does the plan have all passes of a part, those that have to do with each other in the order of the part?
+// True if the plan has all passes of a part, with interacting ones in the order of the part.
 static bool holds( const pass_list* all, const pass_list* part )
 {
     bool good = true;
@@ -147,7 +148,7 @@ static void an_empty_scene_has_no_pass( void** state )
     effect_world_close( &world );
 }
 
-// As a line of the file has it.
+// In the form of a line of the file.
 static void plan_line( const effect* which, char* line, size_t size )
 {
     char text[EFFECT_PLAN_MAX];
@@ -172,7 +173,7 @@ static void write_plans( void )
     assert_int_equal( fclose( file ), 0 );
 }
 
-// WISP_GOLDEN=write in the environment writes the file anew first.
+// WISP_GOLDEN=write in the environment rewrites the file first.
 static void each_effect_alone_has_the_passes_that_are_written_down_and_no_other( void** state )
 {
     (void)state;
@@ -231,7 +232,7 @@ typedef struct every_bit
     int columns;
 } every_bit;
 
-// All columns of all entities, a name before each: numbers of components depend on who is registered.
+// All columns of all entities, a name before each: numbers of components depend on the registered modules.
 static every_bit bits_of( const wisp_world* world )
 {
     every_bit bits = { 0 };
@@ -304,7 +305,7 @@ static void every_effect_that_moves_something_moves_it( void** state )
 {
     (void)state;
     static const char* const STILL[] = { "boundary", "environment",
-                                         "strand_appearance" }; // what they write is not points
+                                         "strand_appearance" }; // their outputs are not points
     int count;
     const effect* all = effects_all( &count );
     for ( int i = 0; i < count; ++i )

@@ -1,12 +1,12 @@
-// The scalar C version of frozen hair equals the double-precision oracle within what float can hold, so that a race
-// against it is a race against the same method.
+// The scalar C version of frozen hair equals the double-precision oracle within the precision of float, so that a
+// comparison of times is one of the same method.
 //
-// Stage 1 is held to a bound written down term by term (deform_bound). The later stages amplify whatever error enters
-// them by a factor that depends on the scene: a short lever turns, a near neighbour pulls. That factor is measured on
-// the oracle, whose stages 2 and 3 run from p' with every coordinate shifted at random by up to the stage 1 bound.
-// The bound is four deviations of the error of p'; moving all vertices that far leaves room for the roundings of the
-// later stages, which are of the size of a coordinate's last place as well. The tolerance is the largest offset that
-// some vertex shows in 4 such runs.
+// Stage 1 has a bound written down term by term (deform_bound). The later stages amplify an error of their input by a
+// factor that depends on the scene: a short lever, or a near neighbour. That factor is measured on the oracle, whose
+// stages 2 and 3 run from p' with every coordinate shifted at random by up to the stage 1 bound. The bound is four
+// deviations of the error of p'; moving all vertices that far leaves room for the roundings of the later stages,
+// which are also of the size of a coordinate's last place. The tolerance is the largest offset of any vertex in 4
+// such runs.
 #include "unit.h"
 
 #include "oracle/frozen_hair_scenes.h"
@@ -23,7 +23,7 @@ static double3 widen( wisp_vec3 p )
     return double3_make( p.x, p.y, p.z );
 }
 
-// The oracle gets the very floats of the plain version.
+// The oracle gets exactly the floats of the scalar version.
 static frozen_oracle_options widen_options( const plain_frozen_hair_options* o )
 {
     static const frozen_oracle_blend blends[] = { FROZEN_ORACLE_BLEND_ARC, FROZEN_ORACLE_BLEND_CHORD };
@@ -87,15 +87,15 @@ static double largest_offset( const double3* expected, const wisp_vec3* actual, 
     return largest;
 }
 
-// How far p' may be off. With u = 2^-24, the unit of rounding: every addition along the strand rounds by at most
-// u |coordinate| in each coordinate. The step l* R t has a relative error of at most
+// Error bound of p'. With u = 2^-24, the unit of rounding: every addition along the strand rounds by at most u
+// |coordinate| in each coordinate. The step l* R t has a relative error of at most
 //   length:   4 u (square root of a sum of squares) + 2 u alpha (eta) + 3 u (products)                 <= 10 u
 //   tangent:  4 u (length) + 2 u (division, product)                                                    =  6 u
 //   rotation: 2 u (sine, cosine) + 8 u (products and sums of Eq. 5)                                     = 10 u
 //   angle:    theta (2 u + 2 u) + 2 u theta_max alpha (xi)                                    <= 6 u theta_max
 //   axis:     (12 u / |t x t| in a bend, 2 pi 2 u + 6 u at a fallback) sin(theta_max alpha)
-// Roundings are as good as random, evenly spread up to these limits, so that a deviation is a limit divided by sqrt 3
-// and the segments of a strand add as root of the sum of squares. Four deviations are allowed.
+// Roundings are treated as random, uniformly distributed up to these limits, so that a deviation is a limit divided
+// by sqrt 3 and the segments of a strand add as root of the sum of squares. Four deviations are allowed.
 static double deform_bound( const frozen_scene* scene, double theta_max )
 {
     double unit = 0x1p-24, coordinate = 0.0, worst = 0.0;
@@ -109,7 +109,7 @@ static double deform_bound( const frozen_scene* scene, double theta_max )
             double3 d = double3_sub( scene->rest[v], scene->rest[v - 1] );
             double3 tangent = frozen_oracle_tangent( d, previous );
             double sine = double3_length( double3_cross( previous, tangent ) );
-            // both precisions must agree which bends are straight; see the scenes
+            // both precisions must agree on which bends are straight; see the scenes
             assert_true( sine < 1e-9 || sine > 0.01 );
             double axis = sine < 1e-9 ? 19.0 : 12.0 / sine;
             coordinate = fmax( coordinate, double3_length( scene->rest[v] ) + 0.02 );
@@ -155,8 +155,8 @@ static double amplified( const frozen_scene* scene, frozen_oracle_options option
     return largest;
 }
 
-// No decision may hang on a rounding: no tip on the rim of the cursor, and no vertex whose nearest reference
-// neighbour is on the rim of the kernel, since there Eq. 17 jumps from "nobody" to that neighbour's full weight.
+// No decision may depend on a rounding: no tip on the rim of the cursor, and no vertex whose nearest reference
+// neighbour is on the rim of the kernel, where Eq. 17 jumps from no neighbour to the full weight of one.
 static void assert_decisions_are_clear( const frozen_scene* scene, const frozen_oracle_options* options,
                                         const double3* deformed, const double3* aligned, double margin )
 {
@@ -176,12 +176,12 @@ static void assert_decisions_are_clear( const frozen_scene* scene, const frozen_
     }
 }
 
-// How much of the tolerance the plain version needs, and how loose the tolerance is.
+// The fraction of the tolerance that the scalar version needs, and the size of the tolerance.
 typedef struct agreement
 {
     double used;      // largest error / tolerance
     double tolerance; // m, largest tolerance of the last stage
-    double moved;     // m, largest way that clumping moved a vertex, smallest over the runs
+    double moved;     // m, largest displacement of a vertex by clumping, smallest over the runs
 } agreement;
 
 static void assert_plain_equals_oracle( const frozen_scene* scene, const plain_frozen_hair_options* options,
@@ -277,7 +277,7 @@ static void plain_equals_the_oracle( void** state )
     }
     print_message( "           used %.0f %% of the tolerance, at most %.2g m; clumping moves by %.2g m\n",
                    100.0 * total.used, total.tolerance, total.moved );
-    // a tolerance beyond 5 % of what clumping does would prove nothing
+    // a tolerance beyond 5 % of the effect of clumping would prove nothing
     assert_true( total.tolerance < 0.05 * total.moved );
     frozen_scene_destroy( &scene );
 }
@@ -303,7 +303,7 @@ static void stages_that_are_off_hand_their_input_on( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// The same floats in the same expression: the count must be exact, whatever the hash does.
+// The same floats in the same expression: the count must be exact, for any hash.
 static void the_neighbour_figure_is_that_of_brute_force( void** state )
 {
     (void)state;
@@ -379,7 +379,7 @@ static void degenerate_strands_come_out_as_the_oracle_has_them( void** state )
     assert_true( total.tolerance < 0.05 * total.moved );
     frozen_scene_destroy( &scene );
 
-    // wholly coincident strands, before any stage tells them apart, have no direction to go
+    // wholly coincident strands, before any stage separates them, have no direction
     plain_frozen_hair plain;
     const int offsets[] = { 0, 2, 4 };
     const float twins[] = { 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, -1, 0 };

@@ -1,5 +1,5 @@
-// The scalar C implicit cloth against the double oracle and the engine: a race is worth something only if both sides
-// compute the same thing.
+// The scalar C implicit cloth against the double oracle and the engine: a comparison of times is meaningful only if
+// both sides compute the same.
 #include "unit.h"
 
 #include "oracle/triangle_oracle.h"
@@ -132,7 +132,7 @@ static void a_hanging_cloth_moves_as_that_of_the_oracle( void** state )
         triangle_oracle_step( &oracle, 0.01, NULL );
         assert_true( plain.is_solved );
     }
-    // a rounding of coordinates of 1 m a step, and some more from forces; solves end far below that
+    // a rounding of coordinates of 1 m per step, and some more from forces; solves end far below that
     assert_true( oracle.x[VERTICES - 1].y < 0.95 );
     assert_true( farthest( &plain, &oracle ) < 32.0 * (double)FLT_EPSILON );
     assert_true( plain.iterations_all > STEPS );
@@ -180,7 +180,8 @@ static void what_nothing_holds_falls_freely( void** state )
     {
         plain_implicit_cloth_step( &plain, 0.01f );
     }
-    // v_n = n h g, x by its sum; every step rounds coordinates of 1 m and velocities of 2 m/s, which lasts to the end
+    // v_n = n h g, x by its sum; every step rounds coordinates of 1 m and velocities of 2 m/s, which remains until
+    // the end
     const double v = STEPS * 0.01 * 9.81, y = 1.0 - 9.81 * 1e-4 * STEPS * ( STEPS + 1 ) / 2.0;
     for ( int i = 0; i < VERTICES; ++i )
     {

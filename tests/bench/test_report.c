@@ -1,4 +1,4 @@
-// The report: whatever stands in the results, the page is whole, stands alone, and says nothing else.
+// The report: for any content of the results, the page is complete and self-contained, and contains nothing else.
 #include "files.h"
 #include "report_fixture.h"
 
@@ -20,7 +20,7 @@ static const char* const hostile[] = {
     "caf\xc3\xa9 \xe2\x80\xa8 \xf0\x9f\x8e\x88",
 };
 
-// Everything that a page can hold, with this text wherever text can be.
+// All elements of a page, with this text wherever a text can be.
 static void fill( results* all, const char* text )
 {
     *all = empty_results();
@@ -108,7 +108,7 @@ static void hostile_names_add_no_tag_and_no_attribute( void** state )
         assert_well_formed( page );
         assert_stands_alone( page );
         char* bones = skeleton_of( strstr( page, "<figure" ) );
-        // the name beside a marked point is drawn where there is room for it
+        // the name next to a marked point is drawn where there is room for it
         int names = count_of( page, "class=\"label" );
         assert_int_equal( count_of( bones, "<" ) - 2 * names, count_of( quiet, "<" ) - 2 );
         free( bones );
@@ -249,7 +249,7 @@ static void a_picture_is_embedded_byte_by_byte( void** state )
         assert_int_equal( decode_base64( data + 7, decoded, sizeof( decoded ) ), size );
         assert_memory_equal( decoded, picture, size );
         assert_non_null( strstr( page, "<img width=\"300\" height=\"200\" alt=\"A &lt;cloth&gt;\"" ) );
-        // the note would only show a link that leads nowhere
+        // the note would only show a broken link
         assert_null( strstr( page, "![A cloth]" ) );
         free( page );
         results_free( &all );
@@ -289,7 +289,7 @@ static void a_picture_that_cannot_be_read_is_one_message( void** state )
     assert_one_message( "report_bad.png", "it is larger than 16 MB" );
     remove( "report_bad.png" );
     assert_int_equal( mkfifo( "report_bad.png", 0600 ), 0 );
-    assert_one_message( "report_bad.png", "it is not a file" ); // and nobody waits for the other end
+    assert_one_message( "report_bad.png", "it is not a file" ); // and it does not wait for a writer
     remove( "report_bad.png" );
 }
 

@@ -1,4 +1,5 @@
-// Charts of the report: points stand where the ticks of their axes say, and what has no place is left out and counted.
+// Charts of the report: points are at the positions given by the ticks of their axes, and values without a position
+// are left out and counted.
 #include "report_fixture.h"
 
 #include "report/report_axis.h"
@@ -111,7 +112,7 @@ static void what_has_no_place_is_left_out_counted_and_not_bridged( void** state 
     assert_null( strstr( plot_of( page ), "inf" ) );
     free( page );
 
-    // on a linear axis 0 has a place
+    // a linear axis can show 0
     page = page_of_points( points, 6, false, false );
     assert_int_equal( point_count( page ), 4 );
     free( page );
@@ -393,7 +394,7 @@ static void bars_are_as_long_as_their_values( void** state )
     assert_near( bar_fraction( page, 1 ), 25.0, ROUNDED ); // of the other series
     assert_near( bar_fraction( page, 2 ), 100.0, ROUNDED );
     assert_near( bar_fraction( page, 3 ), 6.25, ROUNDED );
-    // what is not known has a line and no bar
+    // unknown values have a line and no bar
     assert_non_null( strstr( page, ">effect 2</th><td class=\"bar\"></td><td class=\"n\">-</td>" ) );
     assert_non_null( strstr( page, "rowspan=\"2\">effect 0</th>" ) );
     free( page );

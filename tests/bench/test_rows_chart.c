@@ -1,4 +1,4 @@
-// Charts of rows: what is drawn is what the rows hold, and the front is what nothing beats.
+// Charts of rows: they show the values of the rows, and the front consists of undominated ones.
 #include "unit.h"
 
 #include "rows_chart.h"
@@ -67,7 +67,7 @@ static void the_front_is_what_nothing_beats( void** state )
     }
     add_row( &all, "race", "late", 2, 1.0, 0.5 );
     results_put( &all.rows[all.row_count - 1].error, "miss", 0.1 );
-    all.rows[all.row_count - 1].steps = 4; // so it has no place among them
+    all.rows[all.row_count - 1].steps = 4; // so it is not one of them
     rows_chart_add(
         &( rows_chart ){
             .name = "race", .title = "t", .min_steps = 5, .x = rows_ms, .y = error_of, .is_front = true },

@@ -1,10 +1,10 @@
-// The case `stability`: the judge sees what is wrong with runs that are made up, and every quick cell holds or breaks as
-// the list says.
+// The case `stability`: the verdict detects the faults of synthetic runs, and every quick cell holds or breaks as
+// listed.
 #include "bench_tables.h"
 
 #include "stability/stability.h"
 
-// ---- runs that are made up ----
+// ---- synthetic runs ----
 
 enum
 {

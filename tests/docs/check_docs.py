@@ -21,7 +21,7 @@ PAGES = ["README.md", "examples/README.md", "data/README.md"] + ["docs/" + name 
 PROGRAMS = r"(\./dev|wisp|meson|cc)\b"
 STRICT = "-std=c17 -Wall -Wextra -Wpedantic -Werror"
 
-# What a command on a page becomes here, and why it is the same command.
+# Replacement of a command on a page for this test, and why it is equivalent.
 REWRITTEN = [
     (r"^\./dev wisp ", "wisp "),                        # builds the program, then runs it
     (r"^\./dev (run|bench) ", r"wisp \1 "),             # likewise

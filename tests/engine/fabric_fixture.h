@@ -1,4 +1,4 @@
-/// Meshes to cook, and what must hold of every fabric, found by brute force from the user's triangles.
+/// Meshes to cook, and properties of every fabric, checked by brute force on the user's triangles.
 #pragma once
 
 #include "support.h"
@@ -77,7 +77,7 @@ static inline test_mesh test_mesh_sphere( int rings, int slices )
     return mesh;
 }
 
-/// A band of `length` cells, `height` vertices across, whose end is turned over and joined to its beginning.
+/// A band of `length` cells, `height` vertices across, whose end is twisted and joined to its beginning.
 static inline test_mesh test_mesh_moebius( int length, int height )
 {
     test_mesh mesh = test_mesh_make( length * height, 2 * length * ( height - 1 ) );
@@ -165,9 +165,10 @@ static inline wisp_fabric* test_fabric_cook( const wisp_fabric_def* def )
     return fabric;
 }
 
-// ---- what must hold ----
+// ---- properties of fabrics ----
 
-/// Nobody writes what another lane of the group or another tile of the colour uses. `slot4` finds the slots of a lane.
+/// No lane or tile writes a slot that another lane of the group or another tile of the colour uses. `slot4` gives the
+/// slots of a lane.
 typedef int32_t test_slot4_fn( const wisp_fabric* f, int32_t at, int k );
 
 static inline int32_t test_link_slot_x4( const wisp_fabric* f, int32_t at, int k )
@@ -247,7 +248,7 @@ static inline void assert_schedule_is_safe( const wisp_fabric* f, const wisp_sch
     free( seen );
 }
 
-/// No link of a level meets another that runs beside it, no child is moved twice or read as a parent.
+/// No two links of a level that run in parallel share a slot; no child is moved twice or read as a parent.
 static inline void assert_level_is_safe( const wisp_fabric* f, const wisp_fabric_level* level )
 {
     enum
@@ -313,7 +314,7 @@ static inline int64_t test_pair( int32_t a, int32_t b )
     return ( (int64_t)( a < b ? a : b ) << 32 ) | (int64_t)( a < b ? b : a ) << 1 | ( a < b ? 0 : 1 );
 }
 
-/// Edges by sorting all sides of all triangles, and what kind each is by looking at its neighbours in that list.
+/// Edges by sorting all sides of all triangles, and the kind of each by its neighbours in that list.
 static inline void assert_edges_are_those_of_the_triangles( const wisp_fabric* f )
 {
     int sides = 3 * f->triangle_count, edge = 0, hinges = 0, borders = 0, nonmanifold = 0;
@@ -363,7 +364,7 @@ static inline bool test_has_triangle( const wisp_fabric* f, int32_t a, int32_t b
 
 static inline void assert_hinges_are_two_triangles( const wisp_fabric* f )
 {
-    // looking for a triangle walks all of them, so large meshes are sampled
+    // finding a triangle walks all of them, so large meshes are sampled
     int step = 1 + f->hinge_count / 1000;
     for ( int h = 0; h < f->hinge_count; h += step )
     {
@@ -422,7 +423,7 @@ static inline int32_t test_ring_slot( const wisp_fabric* f, int32_t slot, int32_
     return at < f->ring_begin[slot / 8 + 1] ? f->ring_x4[at][slot % 8] / 4 : slot;
 }
 
-/// The arrows that the entries around a slot draw, sorted, against those of the triangles that have it.
+/// The directed edges between the entries around a slot, sorted, against those of its triangles.
 /// @param expected [count] sorted here
 /// @return the entries up to the last neighbour
 static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int64_t* expected, int32_t count )
@@ -433,7 +434,7 @@ static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int6
     {
         int32_t a = test_ring_slot( f, slot, e ), b = test_ring_slot( f, slot, e + 1 );
         used = a != slot ? e + 1 : used;
-        // no fan is empty or of a neighbour alone
+        // no fan is empty or has a single neighbour
         assert_true( a == slot || b != slot || ( e > 0 && test_ring_slot( f, slot, e - 1 ) != slot ) );
         if ( a != slot && b != slot )
         {
@@ -453,8 +454,8 @@ static inline int32_t assert_fans_draw( const wisp_fabric* f, int32_t slot, int6
     return used;
 }
 
-/// Around every vertex each triangle once, as two neighbours in a row that run round it as the user wrote it; the rest is
-/// the own slot, and a slice is as long as its longest lane.
+/// Around every vertex each triangle occurs once, as two successive neighbours in the user's winding. The other
+/// entries are the own slot, and a slice is as long as its longest lane.
 static inline void assert_rings_are_those_of_the_triangles( const wisp_fabric* f )
 {
     int32_t* begin = calloc( (size_t)f->slot_count + 2, sizeof( int32_t ) );
@@ -537,7 +538,7 @@ static inline void assert_areas_are_thirds_of_triangles( const wisp_fabric* f )
     free( area );
 }
 
-/// Everything that a fabric promises of a mesh.
+/// All properties of a fabric of a mesh.
 static inline void assert_fabric_holds( const wisp_fabric* f, const wisp_fabric_def* def )
 {
     assert_slots_are_the_users_vertices( f, def );
@@ -550,7 +551,7 @@ static inline void assert_fabric_holds( const wisp_fabric* f, const wisp_fabric_
     assert_int_equal( f->hinge_order.slot_count > 0, def->hinges && f->hinge_count > 0 );
 }
 
-/// The farthest that an edge reaches.
+/// The length of the longest edge.
 static inline int test_bandwidth( const wisp_fabric* f )
 {
     int widest = 0;
@@ -564,7 +565,7 @@ static inline int test_bandwidth( const wisp_fabric* f )
 
 // ---- memory ----
 
-/// Refuse requests for memory in turn, every `step`-th of them: no fabric comes of it, and nothing is left behind.
+/// Refuse requests for memory in turn, every `step`-th of them: no fabric is created, and no memory remains.
 static inline void assert_no_cook_without_memory( const wisp_fabric_def* def, int64_t step )
 {
     bool refused = true;

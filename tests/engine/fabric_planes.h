@@ -30,8 +30,8 @@ static inline test_mesh test_mesh_uneven_plane( int width, int height, float jit
     return mesh;
 }
 
-/// Roll a regular plane about the z axis, so that cell after cell bends by `angle` and distances along it stay: its
-/// flat points become the points of a prism. The flat points are handed back, [vertex_count], to be freed.
+/// Roll a regular plane about the z axis, so that each cell bends by `angle` and distances along it stay: its flat
+/// points become the points of a prism. The flat points are returned, [vertex_count], to be freed.
 static inline wisp_vec3* test_mesh_roll( test_mesh* mesh, double angle )
 {
     size_t bytes = (size_t)mesh->vertex_count * sizeof( wisp_vec3 );
@@ -50,7 +50,7 @@ static inline wisp_vec3* test_mesh_roll( test_mesh* mesh, double angle )
     return flat;
 }
 
-/// Two meshes as one; both are freed.
+/// Join two meshes; both are freed.
 static inline test_mesh test_mesh_join( test_mesh a, test_mesh b )
 {
     test_mesh both = test_mesh_make( a.vertex_count + b.vertex_count, a.triangle_count + b.triangle_count );

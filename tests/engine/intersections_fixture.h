@@ -1,5 +1,5 @@
-/// Intersections in whole numbers: points whose coordinates are whole, and answers that are computed without rounding and
-/// by other equations than the engine's.
+/// Intersections in integers: points with integer coordinates, and results that are computed without rounding and by
+/// other equations than the engine's.
 #pragma once
 
 #include "support.h"
@@ -59,7 +59,7 @@ static inline int whole_side( whole_point a, whole_point b, whole_point c, whole
     return sign_of( whole_determinant( u, v, w ) );
 }
 
-/// What a segment does to a triangle.
+/// Relation of a segment and a triangle.
 typedef enum whole_meeting
 {
     WHOLE_APART,
@@ -67,7 +67,7 @@ typedef enum whole_meeting
     WHOLE_CROSS, ///< they meet inside both
 } whole_meeting;
 
-/// Cramer's rule for p + t (q - p) = a + u (b - a) + v (c - a). What is parallel counts as apart.
+/// Cramer's rule for p + t (q - p) = a + u (b - a) + v (c - a). Parallel ones count as apart.
 static inline whole_meeting whole_meet( whole_point p, whole_point q, whole_point a, whole_point b, whole_point c )
 {
     int64_t back[3], ab[3], ac[3], ap[3];

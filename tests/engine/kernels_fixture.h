@@ -17,7 +17,7 @@ enum
     MAX_TABLES = 5,
 };
 
-/// Every table the processor has, the one without intrinsics, and AVX-512 emulated. @return how many
+/// Every table of the processor, the one without intrinsics, and AVX-512 emulated. @return their number
 static inline int usable_tables( const wisp_kernels* tables[MAX_TABLES] )
 {
     int count = 0;
@@ -62,12 +62,12 @@ enum
     BODIES = 4 * CONSTRAINTS,
 };
 
-/// Constraints of up to four particles, and all that their jobs point at.
+/// Constraints of up to four particles, and all arrays that their arguments point to.
 typedef struct constraints
 {
     _Alignas( 64 ) float position[BODIES][4];
     int32_t slot_x4[GROUPS][4][8];                // corners of hinges; the first two are ends of links
-    int32_t a_x4[CONSTRAINTS], b_x4[CONSTRAINTS]; // the same two, as links take them
+    int32_t a_x4[CONSTRAINTS], b_x4[CONSTRAINTS]; // the same two, in the layout of links
     float rest[CONSTRAINTS];                      // m
     float angle[CONSTRAINTS];                     // rad
     float weights[GROUPS][4][8];                  // of isometric hinges
@@ -95,7 +95,7 @@ static inline void place( constraints* s, int c, int corner, float x, float y, f
     memcpy( body( s, c, corner ), quad, sizeof( quad ) );
 }
 
-/// Each constraint has particles of its own: an edge of about half a metre and two triangles on it, folded by anything
+/// Each constraint has its own particles: an edge of about half a metre and two triangles on it, folded by any angle
 /// but a full turn. Inverse masses 1, 1, 3, and 0 where `pins`, so that ratios of two ends are 1:1, 1:3 and 0:1.
 static inline void make_constraints( constraints* s, bool pins )
 {
@@ -167,7 +167,7 @@ static inline wisp_link_args link_args( constraints* s )
     };
 }
 
-/// Without a stiffness it is for xpbd.
+/// Without a stiffness it is xpbd.
 static inline wisp_hinge_args hinge_args( constraints* s, bool isometric, bool pbd )
 {
     return ( wisp_hinge_args ){

@@ -1,4 +1,4 @@
-/// Operands for tests of mathematics, and what the processor must have for the backend that they were built for.
+/// Operands for tests of mathematics, and the processor features that the tested backend needs.
 #pragma once
 
 #include "unit.h"
@@ -28,7 +28,7 @@ static inline float float_of( uint32_t bits )
 #define assert_same_value( actual, expected, k ) check_bits( actual, expected, k, true, __LINE__ )
 #define assert_same_int( actual, expected, k ) check_int( actual, expected, k, __LINE__ )
 
-// Equal bits; where arithmetic made a NaN, any NaN will do.
+// Equal bits; for a NaN made by arithmetic, any NaN is accepted.
 static inline void check_bits( float actual, float expected, int k, bool any_nan, int line )
 {
     if ( bits_of( actual ) != bits_of( expected ) && !( any_nan && isnan( actual ) && isnan( expected ) ) )
@@ -147,7 +147,7 @@ enum
     SKIPPED = 77, // the exit status that meson counts as that
 };
 
-/// Say what this was built for. @return whether the processor can run it
+/// Print the backend of this build. @return whether the processor can run it
 static inline bool begin_backend( void )
 {
     const bool can = processor_has_what_this_was_built_for();

@@ -1,4 +1,4 @@
-/// Meshes to collide with, and naive answers to what is near and what is crossed.
+/// Collision meshes, and brute force results for closest points and crossings.
 #pragma once
 
 #include "support.h"
@@ -133,7 +133,7 @@ static inline test_mesh test_mesh_sheet( int n, float height )
     return m;
 }
 
-/// Vertices and triangles of a Wavefront file that has nothing else to say.
+/// Vertices and triangles of a Wavefront file without other statements.
 static inline test_mesh test_mesh_read( const char* path )
 {
     FILE* file = fopen( path, "r" );
@@ -159,7 +159,7 @@ static inline test_mesh test_mesh_read( const char* path )
     return m;
 }
 
-// ---- naive answers ----
+// ---- brute force ----
 
 static inline float* test_mesh_quads( const test_mesh* m )
 {
@@ -171,7 +171,7 @@ static inline float* test_mesh_quads( const test_mesh* m )
     return xyzw;
 }
 
-/// The closest triangle of all, the lowest of equals.
+/// The closest triangle of all; ties go to the lowest index.
 static inline int32_t naive_closest( const test_mesh* m, const float* xyzw, wisp_vec3 p, triangle_nearest* best )
 {
     int32_t found = -1;
@@ -189,7 +189,7 @@ static inline int32_t naive_closest( const test_mesh* m, const float* xyzw, wisp
     return found;
 }
 
-/// The triangle that is crossed first, the lowest of equals; -1 for none.
+/// The first triangle crossed; ties go to the lowest index; -1: none.
 static inline int32_t naive_intersection( const test_mesh* m, const float* xyzw, wisp_vec3 from, wisp_vec3 to,
                                           triangle_intersection* best )
 {
@@ -208,8 +208,8 @@ static inline int32_t naive_intersection( const test_mesh* m, const float* xyzw,
     return found;
 }
 
-/// How many turns the surface makes around a point, by solid angles (Van Oosterom and Strackee 1983): 1 inside a closed
-/// mesh, 0 outside.
+/// The winding number of the surface around a point, by solid angles (Van Oosterom and Strackee 1983): 1 inside a
+/// closed mesh, 0 outside.
 static inline double winding_number( const test_mesh* m, const float* xyzw, wisp_vec3 point )
 {
     double sum = 0.0;
@@ -256,7 +256,7 @@ static inline wisp_mesh_hit sweep( wisp_collision_mesh* tree, wisp_vec3 from, wi
     return hit;
 }
 
-/// The closest point is that of brute force, bit for bit. @return it
+/// The closest point equals that of brute force, bit for bit. @return it
 static inline wisp_mesh_nearest assert_closest_is_naive( const test_mesh* m, const float* xyzw,
                                                          wisp_collision_mesh* tree, wisp_vec3 p, float radius )
 {
@@ -287,8 +287,8 @@ static inline void crumple( test_mesh* m, const wisp_vec3* rest, int step )
     }
 }
 
-/// Refuse every request for memory in turn: each is a message and leaves nothing behind.
-/// @return how many requests a mesh needs; *bytes [2] are those that the mesh and that the host counts
+/// Refuse every request for memory in turn: each gives a message and leaves nothing behind.
+/// @return number of requests of a mesh; *bytes [2] are those that the mesh and that the host counts
 static inline int assert_refused_blocks_are_messages( const wisp_collision_mesh_def* def, int64_t bytes[2] )
 {
     for ( int n = 1;; ++n )
@@ -334,7 +334,7 @@ static inline wisp_vec3 centre_of( const test_mesh* m, float* size )
     return ( wisp_vec3 ){ 0.5f * ( lower.x + upper.x ), 0.5f * ( lower.y + upper.y ), 0.5f * ( lower.z + upper.z ) };
 }
 
-/// NaN, infinity and what is beyond the reach are counted and answered with nothing.
+/// NaN, infinity and points beyond the reach are counted and give no result.
 static inline void assert_refuses_bad_numbers( wisp_collision_mesh* tree )
 {
     const float bad[] = { NAN, -NAN, INFINITY, -INFINITY, 1.1e9f, 1e18f, 2e18f, -FLT_MAX };
@@ -380,7 +380,7 @@ static inline void assert_answers_the_ends_of_the_reach( wisp_collision_mesh* tr
     assert_int_equal( sweep( tree, ( wisp_vec3 ){ 0, 0, 0 }, ( wisp_vec3 ){ 1e-45f, 0, 0 } ).triangle, -1 );
 }
 
-/// Says so where the library was built without Embree: then there are no trees to test.
+/// Skips with a message where the library was built without Embree: then there are no trees to test.
 static inline bool test_trees_are_absent( void )
 {
     test_mesh m = test_mesh_sheet( 1, 0.0f );

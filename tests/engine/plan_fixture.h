@@ -1,5 +1,5 @@
-/// Tiny modules made of letters: passes a, b, c over components A, B, C. A test says what each pass needs, reads and
-/// writes, and reads the plan and what ran as text.
+/// Small modules named by letters: passes a, b, c over components A, B, C. A test declares what each pass requires,
+/// reads and writes, and compares the plan and the trace as text.
 #pragma once
 
 #include "support.h"
@@ -21,18 +21,18 @@ typedef struct fake_pass
     wisp_domain domain;
     const char *required, *excluded, *reads, *writes, *foreign; // letters; null for none
     char on_change;                                             // a letter, or 0
-    bool asks;                                                  // is_due answers what fake.due says
+    bool asks;                                                  // should_run returns fake.due
     int grain;
 } fake_pass;
 
 typedef struct fake_run
 {
-    const fake_pass* pass; // null: all passes of a join
+    const fake_pass* pass; // null: all passes of a fusion
     wisp_span span;
-    int substep_end; // of a join
+    int substep_end; // of a fusion
 } fake_run;
 
-// The module that tests declare, and what its passes did. One test, one thread and one world at a time.
+// The module that tests declare, and the trace of its passes. One test, one thread and one world at a time.
 static struct
 {
     const fake_pass* passes;
@@ -42,8 +42,8 @@ static struct
     fake_run runs[FAKE_TRACE];
     _Atomic int run_count;
     bool due;
-    int queried;     // how often is_due was called
-    int runs_before; // how many runs there were when it was called last
+    int queried;     // number of calls of should_run
+    int runs_before; // number of runs at its last call
     test_log log;
 } fake;
 
@@ -154,7 +154,7 @@ static inline void declare_fakes( const fake_pass* passes, int count )
     fake.due = true;
 }
 
-/// A world on one worker, so that what ran has an order.
+/// A world on one worker, so that the trace has an order.
 static inline wisp_world* open_world( const fake_pass* passes, int count )
 {
     declare_fakes( passes, count );
@@ -201,9 +201,9 @@ static inline void step( wisp_world* world )
     }
 }
 
-// ---- plans as reports ----
+// ---- plans as data ----
 
-/// The pass of that name, which is there.
+/// The pass of that name, which must exist.
 static inline const wisp_plan_pass* pass_of( const wisp_plan_info* report, const char* name )
 {
     for ( int i = 0; i < report->pass_count; ++i )
@@ -266,7 +266,7 @@ static inline const char* plan_text( wisp_world* world )
     return text;
 }
 
-/// Strands that have some components, and of which others are requested, have this plan.
+/// Strands with some components, of which others are requested, have this plan.
 static inline void assert_plan( wisp_world* world, const char* components, const char* requests, const char* text )
 {
     request( world, add_with( world, components ), requests );
@@ -277,8 +277,8 @@ static inline void assert_plan( wisp_world* world, const char* components, const
 #define ASSERT_PLAN( passes, components, requests, text )                                                            \
     assert_plan( OPEN_WORLD( passes ), components, requests, text )
 
-/// What ran since the last call: "a1.0" is pass a on group 0 of entity 1, "a1.0-3" on groups 0 to 2,
-/// "a1" an entity pass.
+/// Trace since the last call: "a1.0" is pass a on group 0 of entity 1, "a1.0-3" on groups 0 to 2, "a1" an entity
+/// pass.
 static inline const char* trace_text( void )
 {
     static char text[FAKE_TRACE];
@@ -298,7 +298,7 @@ static inline const char* trace_text( void )
     return text;
 }
 
-/// How often a pass ran since the last trace_text().
+/// Number of runs of a pass since the last trace_text().
 static inline int runs_of( const char* pass )
 {
     int count = 0;

@@ -1,4 +1,4 @@
-/// Packs of primitives that query others, of many kinds, for tests of the kernels of primitives.
+/// Packs of primitives that query others, in many configurations, for tests of the kernels of primitives.
 #pragma once
 
 #include "kernels_fixture.h"
@@ -19,7 +19,7 @@ typedef enum primitive_shape
 {
     EDGES,  // edges query edges
     FACES,  // points query triangles
-    SHAPES, // how many shapes there are
+    SHAPES, // number of shapes
 } primitive_shape;
 
 /// Side 0 queries side 1, or itself; then side 1 is not used.
@@ -71,7 +71,8 @@ static inline void put( scene* s, int side, int primitive, int k, double3 p )
     memcpy( corner( s, side, primitive, k ), xyz, sizeof( xyz ) );
 }
 
-/// Primitives are not called in the order of their lanes. The last lanes may have none: their points are those of others.
+/// The order of primitives differs from that of their lanes. The last lanes may be empty: their points are those of
+/// others.
 static inline void name_primitives( scene* s, int side )
 {
     s->rows[side] = 1 + ( s->seed + 2 * side ) % ROWS;
@@ -154,7 +155,7 @@ static inline double3 inside( scene* s, int side, int primitive )
     return p;
 }
 
-/// The insides of primitives meet those of others but for twice the query distance.
+/// The insides of primitives meet those of others, apart from twice the query distance.
 static inline void make_intersection( scene* s )
 {
     const int queried = queried_side( s );
@@ -170,7 +171,7 @@ static inline void make_intersection( scene* s )
     }
 }
 
-/// Of no length, or with all corners in one line; others are near.
+/// Without length, or with all corners collinear; others are near.
 static inline void make_degenerate( scene* s )
 {
     static const double FROM[] = { 0.0, 1.0, 3.0 };
@@ -189,7 +190,7 @@ static inline void make_degenerate( scene* s )
     make_intersection( s );
 }
 
-/// Queries lie on their targets; of some the points are the same, all of them or the first.
+/// Queries coincide with their targets; some share points, all of them or the first.
 static inline void make_twins( scene* s )
 {
     const int queried = queried_side( s );
@@ -208,7 +209,7 @@ static inline void make_twins( scene* s )
     }
 }
 
-/// Corners of a lattice: in one line, in one plane or the same, and differences have no rounding.
+/// Corners of a lattice: collinear, coplanar or equal, with differences that do not round.
 static inline void make_lattice( scene* s )
 {
     for ( int i = 0; i < POINTS; ++i )
@@ -231,7 +232,7 @@ typedef void make_fn( scene* s );
 static make_fn* const KINDS[] = { make_random, make_parallel, make_intersection, make_degenerate,
                                   make_twins,  make_lattice,  make_strange };
 
-/// Around what is a number.
+/// Around invalid numbers.
 static inline wisp_aabb box_around( scene* s, int side )
 {
     wisp_aabb box = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
@@ -289,7 +290,7 @@ static inline void run( const wisp_kernels* kernels, scene* s )
     look( kernels, s );
 }
 
-/// Two primitives alone, placed and looked at by the widest table.
+/// Two primitives alone, queried by the widest table.
 static inline scene* make_two( primitive_shape shape, float points[4][3], float within, float seen )
 {
     scene* s = new_scene( shape, 1 );
@@ -310,7 +311,7 @@ static inline scene* make_two( primitive_shape shape, float points[4][3], float 
     return s;
 }
 
-// ---- what they are ----
+// ---- reference values ----
 
 static inline int primitive_of( const scene* s, int side, int32_t item )
 {
@@ -319,7 +320,7 @@ static inline int primitive_of( const scene* s, int side, int32_t item )
     {
         ++primitive;
     }
-    assert_true( primitive < s->count[side] ); // else it is not there
+    assert_true( primitive < s->count[side] ); // otherwise it does not exist
     return primitive;
 }
 
@@ -349,7 +350,7 @@ static inline double distance_of( scene* s, int query, int queried )
     return isnan( sum ) ? sum : reference.distance;
 }
 
-/// Is a primitive farther from the other side's box than what is looked at?
+/// True if a primitive is farther from the other side's box than the query distance.
 static inline bool is_beyond( scene* s, int side, int primitive, const wisp_aabb* box )
 {
     double farthest = 0.0;
@@ -361,7 +362,7 @@ static inline bool is_beyond( scene* s, int side, int primitive, const wisp_aabb
             lower = fminf( lower, corner( s, side, primitive, c )[k] );
             upper = fmaxf( upper, corner( s, side, primitive, c )[k] );
         }
-        // as far as a primitive reaches to one side of its middle it is taken to reach to the other
+        // the extent of a primitive on one side of its centre is assumed for the other
         const wisp_primitive_pack* row = s->row[side] + primitive / 8;
         const float centre = row->centre[k][primitive % 8], reach = fmaxf( upper - centre, centre - lower );
         farthest = fmax( farthest, (double)( box->lower[k] - ( centre + reach ) ) );

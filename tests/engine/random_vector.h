@@ -5,7 +5,7 @@
 
 #include "double3.h"
 
-/// Components within `size`, the same in every run; (a, b) pick the vector.
+/// Components within `size`, the same in every run; (a, b) select the vector.
 static inline double3 random_vector( int a, int b, double size )
 {
     const float most = (float)size;

@@ -120,7 +120,7 @@ static inline void samples_mesh_free( samples_mesh* m )
     free( m->triangles );
 }
 
-// ---- a layer, with workers standing by ----
+// ---- a layer, with an active pool of workers ----
 
 typedef struct layer
 {

@@ -1,4 +1,4 @@
-/// Clouds of items, and a naive answer to who is near whom.
+/// Clouds of items, and neighbours by brute force.
 #pragma once
 
 #include "support.h"
@@ -15,12 +15,12 @@ typedef enum cloud_shape
     CLOUD_BALL,      // uniform in a cube around the origin
     CLOUD_SHEET,     // the same with z = 0
     CLOUD_NEGATIVE,  // a cube far on the negative side
-    CLOUD_CLUSTERS,  // dense heaps far apart
+    CLOUD_CLUSTERS,  // dense clusters far apart
     CLOUD_LINE,      // along a diagonal
     CLOUD_AXIS,      // along y alone
     CLOUD_ONE_POINT, // all items coincide
     CLOUD_LATTICE,   // a cubic lattice of a quarter: distances of exactly the radius, items exactly on cells' borders
-    CLOUD_SPREAD,    // two heaps a million apart, so that cells must widen
+    CLOUD_SPREAD,    // two clusters a million apart, so that cells must widen
     CLOUD_SHAPE_COUNT,
 } cloud_shape;
 
@@ -83,13 +83,13 @@ static inline int32_t owner_of( const float* quad )
     return owner;
 }
 
-// The radius at which every shape has items near each other, also where cells had to widen.
+// The radius at which every shape has items near each other, also where cells had to be widened.
 static inline float cloud_radius( cloud_shape shape )
 {
     return shape == CLOUD_CLUSTERS ? 0.04f : ( shape == CLOUD_LATTICE ? 0.25f : 0.125f );
 }
 
-// ---- builds, with workers standing by ----
+// ---- builds, with an active pool of workers ----
 
 static const int COUNTS[] = { 0, 1, 7, 8, 9, 100, 1000, 5000 };
 static const int WORKER_COUNTS[] = { 1, 2, 3, 8 };
@@ -99,7 +99,7 @@ static inline const wisp_kernels* baseline( void )
     return kernels_select( "baseline", NULL );
 }
 
-/// Builds run inside an entered pool, as a step runs them.
+/// Builds run inside an entered pool, as in a step.
 typedef struct space
 {
     test_host host;
@@ -108,7 +108,7 @@ typedef struct space
     const wisp_kernels* kernels;
     wisp_grid grid;
     wisp_neighbours found;
-    // of the build that runs
+    // of the running build
     const cloud* items;
     float cell;
     int fine; // 0 is 1

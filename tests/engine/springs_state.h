@@ -1,4 +1,4 @@
-/// A tangle of springs in rows, and all that the jobs of springs and conjugate gradients point at.
+/// Random springs in rows, and all arrays that the arguments of springs and conjugate gradients point to.
 #pragma once
 
 #include "kernels_fixture.h"
@@ -7,7 +7,7 @@
 
 enum
 {
-    SLICES = 140, // three blocks of 64 that sums are made of, the last of them not full
+    SLICES = 140, // three blocks of 64 for sums, the last of them not full
     ROWS = 8 * SLICES,
     VERTICES = ROWS - 11, // a slice and a half pad
     LINKS = 4 * VERTICES,
@@ -23,7 +23,7 @@ typedef struct spring
     float rest, load, ramp, damping;
 } spring;
 
-// A tangle of links, and all that the jobs point at.
+// Random links, and all arrays that the arguments point to.
 typedef struct springs
 {
     int link_count, entry_count;
@@ -49,7 +49,7 @@ static inline double3 lane_vector( const float ( *vectors )[3][8], int row )
     return double3_make( (double)v[0][row % 8], (double)v[1][row % 8], (double)v[2][row % 8] );
 }
 
-// ---- a tangle ----
+// ---- random links ----
 
 static inline void place_entries( springs* s )
 {
@@ -129,7 +129,7 @@ static inline springs* new_springs( void )
         s->position[row][3] = row < VERTICES ? test_random_float( row, 12, 1e-4f, 1e-3f ) : 1.0f;
         s->direction[row][3] = s->position[row][3];
     }
-    // two pairs of coincident vertices, and one that nothing is linked to
+    // two pairs of coincident vertices, and one without links
     memcpy( s->position[40], s->position[41], 3 * sizeof( float ) );
     memcpy( s->position[300], s->position[900], 3 * sizeof( float ) );
     add_spring( s, 40, 41, false );

@@ -1,4 +1,4 @@
-/// A store with components of every kind, and what its tests look at.
+/// A store with components of every kind, and the state that its tests check.
 #pragma once
 
 #include "support.h"
@@ -63,7 +63,7 @@ static inline int tear_down( void** state )
     return 0;
 }
 
-// An entity of so many strand rows and twice as many points; it must fit.
+// An entity with this number of strand rows and twice as many points; it must fit.
 static inline wisp_entity add( store* s, int rows )
 {
     const int counts[WISP_TABLE_COUNT] = {
@@ -89,7 +89,7 @@ static inline unsigned char* bytes_of( const store* s, wisp_entity entity, wisp_
     return store_column( s, store_find( s, entity ), c, column );
 }
 
-// Every byte of every column of an entity says whose it is.
+// Every byte of every column of an entity identifies its owner.
 static inline void write_all( store* s, wisp_entity entity )
 {
     for ( wisp_component c = 1; c < COMPONENT_END; ++c )

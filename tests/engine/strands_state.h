@@ -1,4 +1,4 @@
-/// Groups of strands of many lengths, and everything that the jobs of strand kernels point at.
+/// Groups of strands of many lengths, and all arrays that the arguments of strand kernels point to.
 #pragma once
 
 #include "kernels_fixture.h"
@@ -6,7 +6,7 @@
 enum
 {
     STRAND_GROUPS = 8,
-    // vertices of each group's longest strands: alike in pairs, and not
+    // vertices of each group's longest strands: equal in pairs, and different
     STRAND_ROWS = 3 + 20 + 20 + 9 + 1 + 1 + 2 + 2,
 };
 

@@ -1,5 +1,5 @@
-// Pairs of boxes: whatever searches, with any number of workers and on any instruction set, the pairs are those of a plain
-// double loop, in its order.
+// Pairs of boxes: for every search, number of workers and instruction set, the pairs are those of a double loop, in
+// its order.
 #include "support.h"
 
 #include "box_search.h"
@@ -14,15 +14,15 @@ enum
 typedef enum box_shape
 {
     BOXES_RANDOM,
-    BOXES_CLUSTERED,  // heaps far apart, so that cells must widen
+    BOXES_CLUSTERED,  // clusters far apart, so that cells must widen
     BOXES_SHEET,      // flat, exactly in a plane
     BOXES_FOLDED,     // three layers
     BOXES_UNEVEN,     // sizes from 1 to 1000
     BOXES_COINCIDENT, // all the same
-    BOXES_POINTS,     // without size, some on the same place
+    BOXES_POINTS,     // without size, some at the same position
     BOXES_LATTICE,    // faces that touch exactly
-    BOXES_HUGE,       // a few that reach to the ends of the floats
-    BOXES_WRONG,      // some with numbers that are none, or low above high
+    BOXES_HUGE,       // a few that reach to the largest floats
+    BOXES_WRONG,      // some with NaN, or lower above upper
     BOXES_NONE_RIGHT,
     BOXES_SHAPE_COUNT,
 } box_shape;
@@ -93,7 +93,7 @@ static void make_boxes( wisp_aabb* boxes, box_shape shape, int count, int seed )
     }
 }
 
-// ---- what is right ----
+// ---- reference ----
 
 typedef struct right_pairs
 {
@@ -102,7 +102,7 @@ typedef struct right_pairs
     size_t count;
 } right_pairs;
 
-// Written apart from the engine's own comparison.
+// Independent of the engine's own comparison.
 static bool is_right_box( const wisp_aabb* b )
 {
     return isfinite( b->lower[0] ) && isfinite( b->lower[1] ) && isfinite( b->lower[2] ) && isfinite( b->upper[0] ) &&
@@ -145,7 +145,7 @@ static void free_right_pairs( right_pairs* right )
     free( right->item );
 }
 
-// ---- finding, with workers standing by ----
+// ---- searches, with an active pool of workers ----
 
 typedef struct finder
 {
@@ -228,7 +228,7 @@ static int list_tables( const wisp_kernels* tables[4] )
 static const wisp_pair_search SEARCHES[] = { WISP_PAIR_SEARCH_AUTO, WISP_PAIR_SEARCH_GRID, WISP_PAIR_SEARCH_TREE,
                                              WISP_PAIR_SEARCH_BRUTE };
 
-// One finder for all, so that buffers and trees of one scene meet the next.
+// One finder for all, so that buffers and trees of one scene are reused for the next.
 static void check_everything( finder* f, const wisp_aabb* queries, int query_count, const wisp_aabb* boxes,
                               int count )
 {
@@ -281,7 +281,7 @@ static void every_search_finds_the_pairs_of_a_double_loop( void** state )
     }
 }
 
-// Pairs whose numbers add up to what three divides, put to the front in reverse.
+// Pairs whose indices add up to a multiple of three, moved to the front in reverse.
 static int keep_thirds( const void* context, int query, int32_t* items, int count )
 {
     const int* offset = context;
@@ -418,7 +418,7 @@ static void the_number_of_workers_does_not_show( void** state )
 static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
 {
     (void)state;
-    // sizes from 1 to 1000 and huge boxes among small ones are what a single grid cannot do
+    // a single grid cannot handle sizes from 1 to 1000 and huge boxes among small ones
     const box_shape shapes[] = { BOXES_RANDOM, BOXES_SHEET, BOXES_UNEVEN, BOXES_HUGE };
     static wisp_aabb boxes[5 * MAX_BOXES];
     const uint64_t count = WISP_COUNT( boxes );
@@ -428,7 +428,7 @@ static void a_grid_compares_far_fewer_boxes_than_there_are( void** state )
         make_boxes( boxes, shapes[i], (int)count, 30 );
         find_right( f,
                     &( wisp_aabb_args ){ .boxes = boxes, .box_count = (int)count, .search = WISP_PAIR_SEARCH_GRID } );
-        // seen both ways, with a margin around each box: an eighth of all is what the largest boxes alone leave
+        // in both directions, with a margin around each box: the largest boxes alone leave an eighth of all
         assert_true( f->pairs.tested < count * count / 8 + 12 * f->pairs.pair_count );
         finder_close( f );
     }
@@ -546,7 +546,7 @@ static void a_tree_that_has_decayed_is_built_again( void** state )
     wisp_aabb_args args = { .boxes = boxes, .box_count = MAX_BOXES, .search = WISP_PAIR_SEARCH_TREE };
     make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 0 );
     find_right( f, &args );
-    // every box somewhere else: what was near in the tree is near no more
+    // every box at another position: near ones in the tree are near no more
     make_boxes( boxes, BOXES_RANDOM, MAX_BOXES, 50 );
     find_right( f, &args );
     find_right( f, &args );
@@ -572,7 +572,7 @@ static void a_tree_is_built_again_when_other_boxes_are_right( void** state )
     }
     if ( box_tree_exists() )
     {
-        // nothing is built of nothing
+        // an empty build
         assert_int_equal( f->pairs.build_count, 4 );
         assert_int_equal( f->pairs.refit_count, 0 );
     }

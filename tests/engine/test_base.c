@@ -1,6 +1,6 @@
-// The bottom room: memory, messages, the assert hook, the clock, random numbers.
+// The lowest folder: memory, messages, the assert hook, the clock, random numbers.
 
-// Standard error is redirected and a child process aborts: POSIX, which -std=c17 hides unless it is asked for.
+// Standard error is redirected and a child process aborts: POSIX functions, which -std=c17 hides by default.
 #define _POSIX_C_SOURCE 200809L
 
 #include "unit.h"
@@ -272,7 +272,7 @@ static void an_arena_without_memory_says_null_and_recovers( void** state )
     assert_null( base_arena_push( &arena, 100, 8 ) );
     host.out_of_memory = false;
 
-    // The request was recorded, so the reset fulfils it in one block.
+    // The request was recorded, so the reset provides it in one block.
     base_arena_reset( &arena );
     assert_int_equal( host.allocate_count, 1 );
     assert_non_null( base_arena_push( &arena, 100, 8 ) );
@@ -462,7 +462,7 @@ static void without_a_host_warnings_go_to_stderr_and_information_goes_nowhere( v
     assert_string_equal( text, "wisp: tight 3\nwisp: torn\n" );
 }
 
-// An assert handler has no user pointer, so what it heard is kept here.
+// An assert handler has no user pointer, so its message is kept here.
 static int assert_count;
 static const char* assert_condition;
 static const char* assert_file;
@@ -499,7 +499,7 @@ static void a_failed_assert_without_a_handler_aborts( void** state )
     assert_true( child >= 0 );
     if ( child == 0 )
     {
-        // cmocka may have put a handler of its own there.
+        // cmocka may have set a handler of its own.
         signal( SIGABRT, SIG_DFL );
         close( STDERR_FILENO );
         wisp_assert_failed( "never", __FILE__, __LINE__ );
@@ -583,7 +583,8 @@ static void random_numbers_have_the_moments_of_a_uniform_law( void** state )
     assert_true( fabs( sum_of_squares / SAMPLE_COUNT - 1.0 / 12.0 ) < 3.5 * sqrt( 1.0 / 180.0 ) / root_count );
 }
 
-// Chi-square of 255 degrees of freedom: mean 255, standard deviation sqrt( 510 ) = 22.6. Too small is as suspicious.
+// Chi-square of 255 degrees of freedom: mean 255, standard deviation sqrt( 510 ) = 22.6. A value that is too small is
+// an error as well.
 static void assert_uniform_over_256_bins( const int bins[256], double sample_count )
 {
     double expected = sample_count / 256.0, chi_square = 0.0;

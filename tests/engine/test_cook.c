@@ -58,7 +58,7 @@ static int length( const test_strands* s, int strand )
 
 typedef void check_fn( const test_strands* user, const wisp_strand_topology* t, const float* rows );
 
-// Cook and pack every mix, hand it to the check, and see that all memory comes back.
+// Cook and pack every mix, run the check, and verify that all memory is freed.
 static void check_every_mix( check_fn* check )
 {
     for ( int m = 0; m < MIX_COUNT; ++m )

@@ -1,4 +1,4 @@
-// The plan as data: what a report says of passes that are kept, of those that are not, of modules, and of cost.
+// The plan as data: the report on selected and absent passes, on modules, and on cost.
 #include "plan_fixture.h"
 
 #define SHAPE WISP_STAGE_SHAPE
@@ -172,7 +172,7 @@ static void an_absent_pass_tells_which_of_four_things_keeps_it_away( void** stat
     wisp_world_destroy( world );
 }
 
-// Rows that a plan lays between two passes are no component that an entity was given.
+// Rows that a plan creates between two passes are no component of the entity.
 static void rows_between_passes_are_not_what_a_pass_could_need( void** state )
 {
     (void)state;

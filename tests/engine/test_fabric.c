@@ -1,4 +1,4 @@
-// Fabrics: what is cooked equals what brute force finds in the triangles, and nothing that runs at the same time meets.
+// Fabrics: cooked data equal brute force on the triangles, and parallel work shares no slots.
 #include "fabric_fixture.h"
 
 typedef struct test_case
@@ -258,7 +258,7 @@ static void components_come_one_after_another_attached_ones_first( void** state 
     test_mesh_free( &mesh );
 }
 
-// Neighbours around a vertex of the user's, in the user's numbers.
+// Neighbours around one of the user's vertices, in the user's numbering.
 static void assert_fan( const wisp_fabric* f, int vertex, const int* expected, int count )
 {
     int slot = f->vertex_slot[vertex];
@@ -303,7 +303,8 @@ static void a_shuffled_plane_is_ordered_as_narrow_as_its_rings( void** state )
         shuffled = reach > shuffled ? reach : shuffled;
     }
 
-    // a ring around a corner has at most two sides of the square, and an edge reaches no farther than the next ring
+    // a ring around a corner has at most two sides of the square, and an edge is at most as long as the distance to
+    // the next ring
     assert_true( test_bandwidth( fabric ) <= 2 * ( 40 + 40 ) );
     assert_true( test_bandwidth( fabric ) < shuffled / 8 );
     wisp_fabric_release( fabric );
@@ -395,7 +396,7 @@ static void cloth_wastes_few_lanes_and_crowded_poles_few_more( void** state )
             wisp_fabric* fabric = test_fabric_cook( &def );
             double fill = (double)fabric->link_count / fabric->link_order.slot_count;
 
-            // what is asked of cloth is 0.93; a list closes groups early around a pole, one spoke a group
+            // cloth requires 0.93; a list closes groups early around a pole, one spoke per group
             assert_true( fill > ( i == 2 && solve_order == WISP_SOLVE_ORDER_LIST ? 0.85 : 0.93 ) );
             wisp_fabric_release( fabric );
         }
@@ -556,7 +557,7 @@ static void a_fabric_dies_with_its_last_owner( void** state )
     wisp_fabric* fabric = NULL;
     assert_int_equal( wisp_fabric_cook( &def, &allocator, &fabric, NULL ), WISP_OK );
 
-    // all scratch memory is back, and what is left is what the fabric says it has
+    // all scratch memory is freed, and the remainder is the size that the fabric reports
     assert_int_equal( (int64_t)wisp_fabric_bytes( fabric ), atomic_load( &host.bytes ) );
     wisp_fabric_retain( fabric );
     wisp_fabric_release( fabric );

@@ -1,7 +1,7 @@
-// Coarse levels: which vertices, which links, which parents; on planes, where straight lines are the reference.
+// Coarse levels: their vertices, links and parents; on planes, where straight lines are the reference.
 #include "fabric_planes.h"
 
-// What a level's spacing is, in mean edges, at level 0 of the list.
+// Spacing of a level in mean edges, at level 0 of the list.
 #define FIRST_SPACING ( 2.0 * 0.72 )
 
 static wisp_fabric* cook_levels( const test_mesh* mesh, const int32_t* attachments, int count )
@@ -25,7 +25,7 @@ static double mean_edge( const wisp_fabric* f )
     return sum / f->edge_count;
 }
 
-// The level of every slot: how many levels of the list have it.
+// The level of every slot: number of levels of the list that contain it.
 static int* levels_of_slots( const wisp_fabric* f )
 {
     int* level = checked_calloc( (size_t)f->slot_count, sizeof( int ) );
@@ -39,7 +39,7 @@ static int* levels_of_slots( const wisp_fabric* f )
     return level;
 }
 
-// What holds of every mesh: nesting, children, weights, lengths.
+// Properties for every mesh: nesting, children, weights, lengths.
 static void assert_levels_hold( const wisp_fabric* f )
 {
     int* level = levels_of_slots( f );
@@ -53,7 +53,7 @@ static void assert_levels_hold( const wisp_fabric* f )
             members += level[slot] > l ? 1 : 0;
         }
 
-        // as many slots reached level l as it has, so whoever is in it was in all finer ones
+        // as many slots reached level l as it has, so its members are in all finer ones
         assert_int_equal( members, at->vertex_count );
         assert_int_equal( at->child_count, finer - at->vertex_count );
         finer = at->vertex_count;
@@ -115,7 +115,7 @@ static int wrong_links( const wisp_fabric* f, const wisp_vec3* flat, double tole
     return wrong;
 }
 
-// Children that their parents do not put where they are, on a flat mesh.
+// Children whose parents interpolate them to another position, on a flat mesh.
 static int wrong_children( const wisp_fabric* f, const wisp_vec3* flat, int l, double tolerance )
 {
     const wisp_fabric_level* at = &f->levels[l];
@@ -212,7 +212,7 @@ static void large_levels_run_in_tiles_and_small_ones_in_one( void** state )
     assert_true( finest->tile_count >= 4 && finest->tile_count <= f->levels[0].link_count / 512 );
     assert_int_equal( coarsest->tile_count, 1 );
 
-    // two workers have something to do in each colour
+    // two workers have work in each colour
     for ( int colour = 0; colour < finest->colour_count; ++colour )
     {
         assert_true( finest->colour_tile[colour + 1] - finest->colour_tile[colour] >= 2 );
@@ -339,7 +339,7 @@ static void levels_of_large_meshes_are_measured_over_coarse_ones_and_still_hold(
     assert_levels_hold( f );
     assert_true( f->level_count >= 5 );
 
-    // triangles between coarse vertices leave a few gaps at seams of the packing, where ways go along links
+    // triangles between coarse vertices leave a few gaps at seams of the packing, where paths go along links
     assert_in_range( wrong_links( f, mesh.points, 1e-4 ), 0, links / 500 );
     wisp_fabric_release( f );
     test_mesh_free( &mesh );
@@ -469,7 +469,7 @@ static void the_same_mesh_has_the_same_levels_bit_for_bit( void** state )
 
 // ---- memory ----
 
-// @param step every so many requests
+// @param step refuse every `step`-th request
 static void expect_failures( const test_mesh* mesh, int64_t step )
 {
     const int32_t attachments[] = { 0, 1, 5 };
@@ -486,7 +486,7 @@ static void levels_without_memory_fail_and_leak_nothing( void** state )
     test_mesh small = test_mesh_plane( 14, 14 ), large = test_mesh_plane( 130, 130 );
     expect_failures( &small, 1 );
 
-    // so large that marches run over coarse nets; requests of the fabric's other parts are the small one's business
+    // so large that marches run over coarse nets; requests of the fabric's other parts are tested on the small one
     expect_failures( &large, 7 );
     test_mesh_free( &small );
     test_mesh_free( &large );

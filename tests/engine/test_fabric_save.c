@@ -1,4 +1,5 @@
-// Saved fabrics: what was saved comes back word for word, and no bytes bring a fabric that kernels could not trust.
+// Saved fabrics: a loaded fabric equals the saved one word for word, and no bytes load as a fabric that kernels could
+// not trust.
 #include "fabric_fixture.h"
 
 #define HEAD_BYTES 24
@@ -39,7 +40,7 @@ static wisp_fabric* cook_full( int width, int height )
     return fabric;
 }
 
-// Sanitizers see a read behind the end only if the block ends there.
+// Sanitizers detect a read beyond the end only if the block ends there.
 static wisp_status load_exact( const void* bytes, size_t size, wisp_fabric** out, wisp_error* error )
 {
     unsigned char* block = malloc( size > 0 ? size : 1 );
@@ -179,7 +180,7 @@ static void set_word( saved* s, size_t word, uint32_t value )
     }
 }
 
-// A forger knows the hash.
+// A forger can compute the hash.
 static void forge_hash( saved* s )
 {
     uint64_t hash = 0;
@@ -229,13 +230,13 @@ static void a_forged_word_is_refused_or_harms_nobody( void** state )
         set_word( &s, word, kept );
     }
 
-    // what loads are other lengths, areas and points, which are a different fabric but not a dangerous one
+    // the remaining loads have other lengths, areas and points: a different fabric but not a dangerous one
     assert_true( loaded > 0 && refused > 3 * loaded );
     free( s.bytes );
     wisp_fabric_release( fabric );
 }
 
-// Save a fabric one of whose arrays was replaced, and see it refused.
+// Save a fabric with one replaced array, and check that it is rejected.
 static void assert_forgery_is_refused( wisp_fabric forged, const char* part )
 {
     forged.hash = fabric_hash( &forged );
@@ -273,7 +274,7 @@ static void lanes_that_share_a_vertex_are_refused( void** state )
             *a_x4 = copy_words( fabric->link_a_x4, count );
     int32_t *b_x4 = copy_words( fabric->link_b_x4, count ), *rest = copy_words( fabric->link_rest, count );
 
-    // bring a constraint of the same tile that shares a vertex with lane 0 into lane 1
+    // move a constraint of the same tile that shares a vertex with lane 0 into lane 1
     int32_t *columns[] = { number, a_x4, b_x4, rest }, other = 8;
     while ( a_x4[other] != a_x4[0] && b_x4[other] != a_x4[0] )
     {

@@ -1,4 +1,4 @@
-// Distances along a mesh to its attachments, against what geometry knows: planes, planes rolled up, spheres.
+// Distances along a mesh to its attachments, against geometric values: planes, planes rolled up, spheres.
 #include "fabric_planes.h"
 
 static wisp_fabric* cook_tethers( const test_mesh* mesh, const int32_t* attachments, int count )
@@ -62,7 +62,7 @@ static void on_a_plane_of_any_triangulation_a_tether_is_as_long_as_the_straight_
         wisp_fabric* f = cook_tethers( &mesh, attachments, 3 );
         assert_int_equal( f->tether_count, 3 );
 
-        // a march stops correcting at a part in a million a triangle, and crosses up to a hundred of them
+        // a march stops correcting at a millionth per triangle, and crosses up to a hundred of them
         assert_true( largest_error( f, mesh.points ) < 1e-4 );
         wisp_fabric_release( f );
         test_mesh_free( &mesh );
@@ -134,7 +134,7 @@ static void a_tether_goes_around_a_slit( void** state )
     int32_t behind = f->vertex_slot[first_upper + MIDDLE * SIZE + SIZE - 1];
 
     // ten columns and ten rows to the end of the slit, and the same back; a bent front is rebuilt from straight ones,
-    // so that up to a percent may be lost behind the bend, never won
+    // so up to a percent may be lost behind the bend, never gained
     double expected = 2.0 * sqrt( 200.0 );
     assert_true( tether_rest( f, 0, behind ) >= expected * ( 1.0 - 1e-6 ) );
     assert_true( tether_rest( f, 0, behind ) <= expected * 1.01 );
@@ -250,7 +250,7 @@ static void without_attachments_there_are_no_tethers( void** state )
     test_mesh_free( &mesh );
 }
 
-// ---- meshes that are hard on marches ----
+// ---- difficult meshes for marches ----
 
 static void slivers_folds_and_wild_edges_give_lengths_between_the_straight_line_and_the_edges( void** state )
 {

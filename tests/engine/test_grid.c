@@ -86,7 +86,7 @@ static void many_blocks_of_items_are_sorted_alike( void** state )
     free( c.xyzw );
 }
 
-// How far an item lies outside its cell, m; rounding is allowed to put it there.
+// Distance of an item from its cell, m; rounding may put it there.
 static double outside_cell( const wisp_grid* g, const float* quad )
 {
     int rest = cell_of( g, quad );
@@ -133,7 +133,7 @@ static void cells_are_as_wide_as_requested_unless_there_would_be_too_many( void*
         assert_int_equal( build_grid( s, &c, requested ), WISP_OK );
         const wisp_grid* g = &s->grid;
         assert_true( g->cell >= requested );
-        // four cells an item, and a few that a handful of items may have
+        // four cells per item, and a few that a handful of items may have
         assert_true( (double)g->dims[0] * g->dims[1] * g->dims[2] <= 4.0 * c.count + 64.0 );
         bool sparse = shape == CLOUD_SPREAD || shape == CLOUD_CLUSTERS || shape == CLOUD_LINE;
         assert_int_equal( g->is_widened, sparse );
@@ -187,7 +187,7 @@ static void cells_along_the_fastest_axis_are_cut_unless_there_would_be_too_many(
         assert_in_range( g->subdivisions, 1, 4 );
         assert_in_range( cut, g->subdivisions * ( whole - 1 ) + 1, g->subdivisions * whole );
         assert_true( rows * cut <= most );
-        // a cut less than asked for has a reason
+        // a cut less than requested has a reason
         assert_true( g->subdivisions == 4 || rows * ( g->subdivisions + 1 ) * whole > most );
         free( c.xyzw );
     }

@@ -1,5 +1,5 @@
-// On which side of a plane a point is, and whether a segment passes through a triangle: exact, so that the only
-// tolerance is none.
+// The side of a plane on which a point is, and whether a segment passes through a triangle: exact, so all tolerances
+// are zero.
 #include "intersections_fixture.h"
 
 static int side_of_whole( const whole_point p[4], const int powers[3] )
@@ -33,8 +33,7 @@ static float any_float( int a, int b )
 
 // ---- signs ----
 
-// Points in a plane, or as near to one as whole numbers can be: d = a + i (b - a) + k (c - a), and one unit beside
-// it.
+// Points in a plane, or as close to one as integers can be: d = a + i (b - a) + k (c - a), and one unit away from it.
 static void near_a_plane( int n, whole_point p[4] )
 {
     for ( int i = 0; i < 3; ++i )
@@ -187,7 +186,7 @@ static void coordinates_of_all_sizes_may_stand_beside_each_other( void** state )
     assert_true( seen[0] > 1000 && seen[1] > 100 && seen[2] > 1000 );
 }
 
-// The plane x = y has the normal (1, -1, 0), so the side is a comparison: of any two floats there are.
+// The plane x = y has the normal (1, -1, 0), so the side is a comparison of two floats, for any floats.
 static void a_plane_tells_any_two_floats_apart( void** state )
 {
     (void)state;
@@ -203,7 +202,7 @@ static void a_plane_tells_any_two_floats_apart( void** state )
     }
 }
 
-// Swapping two points changes the sign, and nothing but the sign.
+// Swapping two points changes only the sign.
 static void signs_alternate_with_the_order_of_points( void** state )
 {
     (void)state;
@@ -216,7 +215,7 @@ static void signs_alternate_with_the_order_of_points( void** state )
         {
             for ( int axis = 0; axis < 3; ++axis )
             {
-                // whole numbers near a plane; sums that are rounded; anything
+                // integers near a plane; sums that are rounded; anything
                 const float whole = (float)p[i].at[axis];
                 f[i][axis] = n % 3 == 0 ? whole : n % 3 == 1 ? 0.1f + whole : any_float( n, 3 * i + axis );
             }
@@ -292,7 +291,7 @@ static bool crosses_whole( const whole_point p[5] )
     return wisp_segment_intersects( f[0], f[1], f[2], f[3], f[4] );
 }
 
-// On a small lattice every way to touch happens: ends in the plane, through edges, through corners, flat triangles.
+// On a small lattice every kind of contact occurs: ends in the plane, through edges, through corners, flat triangles.
 static void only_what_passes_through_the_inside_crosses( void** state )
 {
     (void)state;
@@ -367,8 +366,8 @@ static void intersection_knows_neither_direction_nor_facing( void** state )
     assert_true( intersection > 100 );
 }
 
-// A line through a closed fan around an inner point leaves it nowhere: it passes through one triangle, or touches an
-// edge or the point. Rounded tests let rays slip through between two triangles, or hit both.
+// A line through a closed fan around an inner point cannot leave it elsewhere: it passes through one triangle, or
+// touches an edge or the point. Rounded tests let rays slip through between two triangles, or hit both.
 static void a_fan_has_no_gaps_and_no_overlaps( void** state )
 {
     (void)state;

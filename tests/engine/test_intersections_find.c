@@ -1,5 +1,5 @@
-// Intersections of whole shapes: what is found is what brute force in whole numbers finds, whatever searches and however
-// many work. Points lie on a lattice of 2^-10, so that all of it is exact.
+// Intersections of whole shapes: results equal brute force in integers, for every search and number of workers.
+// Points lie on a lattice of 2^-10, so that all of it is exact.
 #include "intersections_fixture.h"
 
 #include "jobs.h"
@@ -7,10 +7,10 @@
 enum
 {
     LATTICE_POWER = -10,
-    LATTICE = 1 << -LATTICE_POWER, // steps a metre
+    LATTICE = 1 << -LATTICE_POWER, // steps per metre
 };
 
-// ---- soups ----
+// ---- contact meshes ----
 
 typedef struct contact_mesh
 {
@@ -59,8 +59,7 @@ static void add_edge( contact_mesh* s, int32_t a, int32_t b )
     s->edges[2 * (size_t)s->edge_count++ + 1] = b;
 }
 
-// Squares of a grid of points that has `rows` rows of `columns` behind `first`; closed grids come back to where they
-// began.
+// Squares of a grid of points that has `rows` rows of `columns` from `first` on; closed grids return to their start.
 static void add_grid( contact_mesh* s, int32_t first, int columns, int rows, bool closed )
 {
     for ( int r = 0; r < ( closed ? rows : rows - 1 ); ++r )
@@ -216,7 +215,7 @@ static contact_mesh contact_mesh_make( shape what )
         {
             quad[axis] = ldexpf( (float)s.points[i].at[axis], LATTICE_POWER );
         }
-        quad[3] = NAN; // nobody looks at it
+        quad[3] = NAN; // not read
     }
     return s;
 }
@@ -249,7 +248,7 @@ static wisp_intersection* contact_mesh_brute( const contact_mesh* s, int* count 
     return list;
 }
 
-// ---- searches, with workers standing by ----
+// ---- searches, with an active pool of workers ----
 
 typedef struct searcher
 {
@@ -258,7 +257,7 @@ typedef struct searcher
     jobs_pool* pool;
     wisp_intersections found;
     wisp_error error;
-    // of the search that runs
+    // of the running search
     wisp_intersection_args args;
     wisp_status status;
 } searcher;
@@ -375,8 +374,9 @@ static void thick_tori_and_a_sheet_through_itself_cross( void** state )
     assert_true( count_of( CURL ) > 20 );
 }
 
-// What is closed is left as often as it is entered: the ring of a torus' edges crosses the other torus an even number
-// of times. Only edges that close a ring across the tube are looked at: every third edge, sixteen a ring.
+// A closed curve leaves a closed surface as often as it enters it: the ring of a torus' edges crosses the other torus
+// an even number of times. Only edges that close a ring across the tube are considered: every third edge, sixteen per
+// ring.
 static void a_closed_ring_crosses_a_closed_surface_an_even_number_of_times( void** state )
 {
     (void)state;
@@ -414,7 +414,7 @@ static void what_shares_a_point_does_not_count( void** state )
     searcher* r = searcher_open( 1 );
     for ( int how = 0; how < WISP_PAIR_SEARCH_COUNT; ++how )
     {
-        // the third edge begins on the corner under another number: it touches, and that is all
+        // the third edge begins on the corner under another number: it touches without crossing
         search( r, &s, (wisp_pair_search)how );
         assert_found( r, ( wisp_intersection[] ){ { 0, 0 } }, 1 );
     }
@@ -497,7 +497,7 @@ static void nothing_is_allocated_once_warm( void** state )
     contact_mesh_free( &s );
 }
 
-// Whichever request is refused, the call says so and the intersections of the call before it stay; or it did without.
+// Whichever request is refused, the call either reports it and keeps the previous intersections, or succeeds without.
 static void without_memory_the_last_intersections_stay( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Who does the work: every block once, one block a worker at a time, the same cut for every number of workers.
-// Workers only count; what they counted is judged on the thread of the test.
+// Execution of waves: every block once, one block per worker at a time, the same cut for every number of workers.
+// Workers only count; the thread of the test checks the counts.
 #include "support.h"
 
 #include "jobs.h"
@@ -21,7 +21,7 @@ typedef struct thread_host
 {
     int calls;
     int max_blocks_of_a_call;
-    // of the call that runs
+    // of the running call
     wisp_block_fn* run;
     void* context;
     int block_count;
@@ -69,7 +69,7 @@ static void thread_host_parallel_for( void* user, int block_count, wisp_block_fn
     }
 }
 
-// ---- waves that count themselves ----
+// ---- waves with counters ----
 
 typedef struct counted_wave
 {
@@ -155,7 +155,7 @@ static void a_host_with_threads_runs_every_block_once_and_one_a_worker( void** s
     assert_int_equal( wave.meetings, 0 );
 }
 
-// Waves around the largest one that the workers share, and behind it.
+// Waves around the largest one for which workers are used, and beyond it.
 static void run_large_waves( void* context )
 {
     counted_wave* wave = context;
@@ -441,11 +441,11 @@ typedef struct scratch_use
     const wisp_parallel* parallel;
     int blocks;
     _Atomic int missing;    // pieces that were null
-    _Atomic int misaligned; // or not on a cache line
+    _Atomic int misaligned; // or not aligned to a cache line
     _Atomic int damaged;    // or changed while their block ran
 } scratch_use;
 
-// Two pieces a block, filled with the worker's mark; a piece shared with another worker would show another one.
+// Two pieces per block, filled with the worker's mark; a piece shared with another worker would have the other mark.
 static void use_scratch( void* context, int block, int worker )
 {
     scratch_use* use = context;

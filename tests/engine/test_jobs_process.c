@@ -1,5 +1,5 @@
-// Threads and processes: none is started where none is asked for, and a process that never met a thread may fork.
-// This program starts workers in its children only.
+// Threads and processes: no thread is started unless requested, and a process without threads may fork. This program
+// starts workers in its children only.
 #include "support.h"
 
 #include "jobs.h"
@@ -41,7 +41,7 @@ static int thread_count( void )
     return count;
 }
 
-// Run in a child and hand its exit status back; a child that hangs is ended by its alarm.
+// Run in a child and return its exit status; a child that hangs is ended by its alarm.
 static int exit_of_child( int ( *run )( void ) )
 {
     fflush( NULL );
@@ -121,7 +121,7 @@ static void two_workers_are_two_threads( void** state )
     assert_int_equal( exit_of_child( threads_of_two_workers ), 2 );
 }
 
-// Hash of strands after a step with so many workers; 0 where something failed.
+// Hash of strands after a step with this number of workers; 0 after a failure.
 static uint64_t hash_after_a_step( int workers )
 {
     wisp_world_def def = wisp_default_world_def();
@@ -158,7 +158,7 @@ static void a_process_that_ran_one_worker_may_fork_and_its_child_may_run_three( 
 
 // ---- between steps ----
 
-// Threads of this process that the system has put to sleep.
+// Sleeping threads of this process.
 static int sleeping_threads( void )
 {
     DIR* tasks = opendir( "/proc/self/task" );
@@ -183,7 +183,7 @@ static int sleeping_threads( void )
     return count;
 }
 
-// The system starts, ends and puts to sleep in its own time; if it never does, the alarm of exit_of_child() comes.
+// The system starts, ends and suspends threads in its own time; if it never does, the alarm of exit_of_child() fires.
 static void wait_until( int ( *count )( void ), int requested )
 {
     while ( count() != requested )
@@ -237,7 +237,7 @@ static void do_nothing( void* context )
     (void)context;
 }
 
-// Threads that are still to come would hold locks of the libraries while this process forks.
+// Threads that are still starting would hold locks of the libraries while this process forks.
 static int threads_behind_the_first_step( void )
 {
     jobs_pool* pool = jobs_create( NULL, 8, NULL, NULL );
@@ -259,7 +259,7 @@ static void workers_sleep_between_steps_wake_for_the_next_and_end_with_their_poo
     assert_int_equal( exit_of_child( sleep_and_wake ), 0 );
 }
 
-// ---- worlds that are there twice ----
+// ---- worlds in two processes ----
 
 static wisp_world* world_of_parent;
 
@@ -273,8 +273,8 @@ static int step_world_of_parent( void )
     return same ? 0 : 1;
 }
 
-// The parent has threads, just started, and its child, which has none of them, steps the same world a step further than the hash
-// that is asked of it; then the parent does.
+// The parent has threads, just started. Its child, which has none of them, advances the same world one step beyond
+// the hash; then the parent does the same.
 static int fork_with_three_workers( void )
 {
     wisp_world_def def = wisp_default_world_def();
@@ -306,7 +306,7 @@ static int fork_with_three_workers( void )
 static void a_process_with_workers_may_fork_and_both_step_the_world( void** state )
 {
     (void)state;
-    for ( int i = 0; i < 20; ++i ) // what goes wrong while threads start goes wrong by chance
+    for ( int i = 0; i < 20; ++i ) // failures at the start of threads are random
     {
         assert_int_equal( exit_of_child( fork_with_three_workers ), 0 );
     }
@@ -322,7 +322,7 @@ static void count_warnings( void* user, wisp_log_level level, const char* messag
     warnings += level == WISP_LOG_WARNING && strstr( message, "no thread" ) != NULL ? 1 : 0;
 }
 
-// Threads whose stacks no address space can hold are what the system does not start.
+// The system cannot start threads whose stacks exceed the address space.
 static int step_without_threads( void )
 {
     pthread_attr_t attributes;

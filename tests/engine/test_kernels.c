@@ -1,4 +1,4 @@
-// Every kernel table gives the same bits, and the sums through the grid are those of brute force, bit for bit.
+// Every kernel table gives the same bits, and the sums through the grid equal those of brute force, bit for bit.
 #include "kernels_fixture.h"
 
 #include "frozen_hair.h"
@@ -142,7 +142,7 @@ static void make_cloud( cloud* c, int dimension, uint64_t seed )
     memcpy( c->xyzw[77], c->xyzw[3], 3 * sizeof( float ) ); // a pair without a direction
 }
 
-// The displacement of one slot by the plainest loop over all slots, with the kernel's own roundings.
+// The displacement of one slot by a loop over all slots, with the kernel's own roundings.
 static wisp_vec3 brute_force( const float ( *q )[4], const int32_t* owner, int slot, float h, float step )
 {
     float inverse_h = 1.0f / h;

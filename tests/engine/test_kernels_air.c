@@ -1,4 +1,4 @@
-// Air on the triangles around vertices: every table gives the same bits, and they are those of double precision.
+// Air on the triangles around vertices: every table gives the same bits, which agree with double precision.
 #include "kernels_fixture.h"
 
 #include "double3.h"
@@ -156,8 +156,8 @@ static void a_vertex_takes_a_third_of_the_air_on_its_triangles( void** state )
         }
         const double w = (double)s->position[v][3], dt = (double)args.dt, change = dt * w / ( 1.0 + dt * w * rate );
         const double3 expected = combine( 1.0, double3_from( s->old_velocity[v] ), change, force );
-        // forces of a handful of newtons on as little as half a gram are taken back by the rate: what remains is below the
-        // speeds of wind and vertices, and so is its rounding, some thirty times
+        // forces of a few newtons on as little as half a gram are reduced by the implicit rate: the result is below
+        // the speeds of wind and vertices, and so is its rounding, about thirty times
         const double tolerance = 30.0 * 10.0 * (double)FLT_EPSILON;
         assert_near( (double)s->velocity[v][0], expected.x, tolerance, "velocity along x of slot", v );
         assert_near( (double)s->velocity[v][1], expected.y, tolerance, "velocity along y of slot", v );

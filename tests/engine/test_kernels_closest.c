@@ -1,5 +1,5 @@
-// Kernels of closest points: every table gives the same bits, distances and weights are those of double precision, and
-// the plane across the normal parts the two sides.
+// Kernels of closest points: every table gives the same bits, distances and weights agree with double precision, and
+// the plane across the normal separates the two sides.
 #include "kernels_fixture.h"
 
 #include "contact_oracle.h"
@@ -12,7 +12,7 @@ enum
     SIDES_OF_NEAR = 7, // inside, three edges, three corners
 };
 
-// Of the size of a pair: sums of about eight numbers no larger, each rounded.
+// Relative to the size of a pair: sums of about eight numbers of at most that size, each rounded.
 static const double ROUNDING = 8.0 * (double)FLT_EPSILON;
 
 typedef enum pair_shape
@@ -66,7 +66,7 @@ static pairs* new_pairs( pair_shape shape )
         for ( int k = 0; k < 4; ++k )
         {
             s->point_x4[k][i] = 4 * ( ( 4 * i + k ) * 37 % ( 4 * PAIRS ) );
-            corner( s, i, k )[3] = k % 2 == 0 ? NAN : 1.0f; // not looked at
+            corner( s, i, k )[3] = k % 2 == 0 ? NAN : 1.0f; // not read
             put( s, i, k, random_vector( i, k, 1.0 ) );
         }
     }
@@ -177,7 +177,7 @@ static void make_far( pairs* s )
     }
 }
 
-// Corners of a coarse lattice: many are the same, in one line or in one plane, and differences have no rounding.
+// Corners of a coarse lattice: many are equal, collinear or coplanar, and differences do not round.
 static void make_lattice( pairs* s )
 {
     for ( int i = 0; i < PAIRS; ++i )
@@ -293,7 +293,7 @@ static void distances_alone_are_the_same_and_nothing_else_is_written( void** sta
 
 // ---- against double precision ----
 
-// What one pair is, and what was found.
+// Reference values of one pair, and the kernel's result.
 typedef struct found_pair
 {
     double3 x[4];
@@ -334,7 +334,7 @@ static void check_weights( const found_pair* f, int number )
         const float weight = side == 0 ? f->weight[k] : -f->weight[k];
         assert_true( weight >= 0.0f && weight <= 1.0f );
         sums[side] += weight;
-        // less the first corner, which changes nothing if the weights of all sum to nothing
+        // minus the first corner, which changes nothing if all weights sum to zero
         between = double3_add( between, double3_scale( (double)f->weight[k], double3_sub( f->x[k], f->x[0] ) ) );
     }
     assert_true( sums[0] == 1.0f && sums[1] == 1.0f );
@@ -342,7 +342,7 @@ static void check_weights( const found_pair* f, int number )
                  "length of the weighted sum of pair", number );
 }
 
-// How far the plane across the normal parts the sides, less than nothing if it does not.
+// By how much the plane across the normal separates the sides, negative if it does not.
 static double parted( const found_pair* f )
 {
     double lower = INFINITY, upper = -INFINITY;
@@ -367,8 +367,8 @@ static void check_normal( const found_pair* f, int number )
     assert_near( parted( f ), f->reference.distance, 2.0 * ROUNDING * f->size, "what parts pair", number );
     if ( f->reference.distance >= 1e-4 * f->size )
     {
-        // A vector off by a rounding of the size, four times as long as that which decides. Two points of a side may be
-        // equally near but for a rounding of the square, which is a root of it apart.
+        // A vector with an error of a rounding of the size, four times the threshold that decides. Two points of a
+        // side may be equally near up to a rounding of the square, so they can differ by its root.
         const double most = 4.0 * ROUNDING * f->size / f->reference.distance + sqrt( 16.0 * (double)FLT_EPSILON );
         assert_near( double3_angle( f->normal, f->reference.normal ), 0.0, fmin( most, 1e-2 ),
                      "angle of the normal of pair", number );
@@ -441,7 +441,8 @@ static void points_that_coincide_have_no_distance_and_no_normal( void** state )
     }
 }
 
-// Where the two sides meet but for rounding, the direction of what is left is rubbish; faces and edges know better.
+// Where the two sides meet up to rounding, the direction of the difference is meaningless; faces and edges have a
+// better one.
 static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
 {
     (void)state;
@@ -473,13 +474,13 @@ static void sides_that_meet_inside_keep_the_normal_of_the_face( void** state )
                           face = double3_cross( u, foreign );
             if ( double3_length( face ) < 0.01 * double3_length( u ) * double3_length( foreign ) )
             {
-                continue; // in a plane with itself, but for a hundredth
+                continue; // in its own plane, up to a hundredth
             }
             assert_true( f.distance <= ROUNDING * f.size );
             if ( f.distance > 0.0 )
             {
                 const double sine = fabs( double3_dot( f.normal, face ) ) / double3_length( face );
-                // the width is known to a rounding, and is a hundredth of the size at least
+                // the width is known to a rounding, and is at least a hundredth of the size
                 assert_near( sine, 1.0, 100.0 * ROUNDING, "cosine of the face and the normal of pair", i );
             }
         }
@@ -503,7 +504,7 @@ static void what_is_not_finite_has_no_finite_distance( void** state )
         run( widest_table(), s, true, 0, CLOSEST_GROUPS );
         for ( int i = 0; i < PAIRS; ++i )
         {
-            // neighbours in a group are none the worse
+            // neighbours in a group are not affected
             const float found = s->distance[i];
             assert_true( i % 2 == 0 ? found == clean->distance[i] : !isfinite( found ) );
         }

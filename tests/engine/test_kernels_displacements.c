@@ -1,4 +1,5 @@
-// Kernels of ways: every table gives the same bits, and lengths, strays and slack are held to double precision.
+// Kernels of displacements: every table gives the same bits, and lengths, deviations and separation bounds are
+// compared with double precision.
 #include "kernels_fixture.h"
 
 enum
@@ -28,9 +29,9 @@ static double length( double x, double y, double z )
     return sqrt( x * x + y * y + z * z );
 }
 
-// ---- ways of points ----
+// ---- displacements of points ----
 
-// Room for eights, and behind them what nobody may write.
+// Room for groups of eight, followed by guard values that must not change.
 typedef struct walk
 {
     _Alignas( 64 ) float before[POINTS + 8][4], now[POINTS + 8][4], way[POINTS + 8][4];
@@ -107,7 +108,7 @@ static void a_way_leads_from_before_to_now_give_or_take_a_share_of_it( void** st
     }
 }
 
-// Of [8, 8 + count) the sum, and whether one is fixed; with a number that is wrong where it is asked for, and beyond the end.
+// The sum over [8, 8 + count), and whether one is fixed; with an invalid number inside the range, and beyond its end.
 static void check_sum( const wisp_kernels* kernels, int seed, int count, bool has_fixed )
 {
     static const float WRONG[] = { NAN, INFINITY, -INFINITY, 3e38f, -1.1e6f };
@@ -160,7 +161,7 @@ static void what_is_too_long_or_no_number_adds_nothing( void** state )
     }
 }
 
-// Of all that keep to their ways one goes so many times as far from it as it may.
+// All points keep their displacements except one, which deviates by this multiple of its limit.
 static bool leaves( const wisp_kernels* kernels, int seed, int point, float times, int end )
 {
     walk w = make_walk( seed );
@@ -184,13 +185,13 @@ static void who_goes_farther_from_its_way_than_it_may_leaves_it( void** state )
             assert_false( leaves( tables[t], p, p, 0.999f, POINTS ) );
             assert_true( leaves( tables[t], p, p, 1.001f, POINTS ) );
             assert_true( leaves( tables[t], p, p, -1.001f, p + 1 ) );
-            assert_false( leaves( tables[t], p, p, 1.001f, p ) ); // behind the end
+            assert_false( leaves( tables[t], p, p, 1.001f, p ) ); // beyond the end
             assert_false( leaves( tables[t], p, p, NAN, POINTS ) );
         }
     }
 }
 
-// ---- slack ----
+// ---- separation bounds ----
 
 typedef struct standing
 {
@@ -242,7 +243,8 @@ static void count_slack( const wisp_kernels* kernels, standing* s, bool is_gone,
     s->due_count = kernels->find_active_pairs( &args, begin, end );
 }
 
-// Slack is lowered by no less than what sides came nearer, and hardly more; who has less than what may come is due.
+// The bound is lowered by at least the approach of the sides, and hardly more; a pair with less than the possible
+// approach is active.
 static void check_pair( const standing* before, const standing* found, int pair, bool is_gone, int* next )
 {
     const int a = before->first[pair], b = before->second[pair];
@@ -274,7 +276,7 @@ static void pairs_are_due_that_may_use_up_their_slack( void** state )
         assert_memory_equal( found.slack, expected.slack, (size_t)end * sizeof( float ) );
         assert_memory_equal( found.due + 8, expected.due + 8, (size_t)found.due_count * sizeof( int32_t ) );
         assert_memory_equal( found.slack, before.slack, 8 * sizeof( float ) );
-        found.due[8 + found.due_count] = -1; // there may be more behind them
+        found.due[8 + found.due_count] = -1; // more may follow them
         int next = 8;
         for ( int pair = 8; pair < end; ++pair )
         {
@@ -308,7 +310,7 @@ static void who_has_a_slack_or_a_way_that_is_no_number_is_due( void** state )
         count_slack( tables[i / 5], &s, true, 0, PAIRS - 3 );
         assert_int_equal( s.due_count, 1 );
         assert_int_equal( s.due[0], 19 );
-        count_slack( tables[i / 5], &s, true, 0, 19 ); // it is behind the end, but in the same eight
+        count_slack( tables[i / 5], &s, true, 0, 19 ); // it is beyond the end, but in the same group of eight
         assert_int_equal( s.due_count, 0 );
     }
 }

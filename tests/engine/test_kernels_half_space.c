@@ -1,4 +1,4 @@
-// Half spaces with friction: the kernel against the law written for one particle, bit for bit, in every table.
+// Half spaces with friction: the kernel against scalar code for one particle, bit for bit, in every table.
 #include "kernels_fixture.h"
 
 enum
@@ -11,7 +11,7 @@ typedef struct half_spaces
 {
     _Alignas( 64 ) float position[PARTICLES][4];
     float previous[PARTICLES][4];
-    float rows[PARTICLES][3][16]; // of three rows each particle has the one in the middle
+    float rows[PARTICLES][3][16]; // each particle has the middle one of three rows
     int32_t particle_x4[PARTICLES], row16[PARTICLES];
 } half_spaces;
 
@@ -27,8 +27,8 @@ enum
     KINETIC = 15,
 };
 
-// Particles a few thicknesses to both sides of their planes; every fifth is exactly at the gap and at rest. Half of the
-// sums are what an iteration before may have left.
+// Particles a few thicknesses to both sides of their planes; every fifth is exactly at the gap and at rest. Half of
+// the sums have values that a previous iteration may have left.
 static void make_rows( half_spaces* h )
 {
     memset( h, 0, sizeof( *h ) );

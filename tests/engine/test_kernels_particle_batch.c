@@ -1,4 +1,4 @@
-// Kernels of particles in blocks: every table gives the same bits, and these are those of scalars, particle by particle.
+// Kernels of particles in blocks: every table gives the same bits as scalar code, particle by particle.
 #include "kernels_fixture.h"
 
 enum
@@ -17,7 +17,7 @@ typedef struct block
     int begin, end, count, queried_count, stray_count;
 } block;
 
-// Some are pinned, some no numbers, some too far away to be particles.
+// Some are pinned, some NaN, some too far away to be particles.
 static block* new_block( int seed )
 {
     block* b = aligned_alloc( 64, ( sizeof( block ) + 63 ) / 64 * 64 );
@@ -34,7 +34,7 @@ static block* new_block( int seed )
             b->previous[i][k] = b->position[i][k] + test_random_float( key, 3 + k, -0.1f, 0.1f );
         }
         b->position[i][3] = i % 5 == seed % 5 ? 0.0f : 2.0f;
-        b->previous[i][3] = NAN; // not looked at
+        b->previous[i][3] = NAN; // not read
         b->clear[i] = i % 3 == 0 ? INFINITY : test_random_float( key, 6, 0.0f, 0.5f );
     }
     b->position[30][seed % 3] = NAN;
@@ -139,7 +139,7 @@ static void every_table_gives_the_same_bits( void** state )
     }
 }
 
-// ---- by scalars ----
+// ---- scalar code ----
 
 static bool is_place( const float* p )
 {
@@ -202,7 +202,7 @@ static float outside( float distance, float half )
     return fmaxf( fabsf( distance ) - half, 0.0f );
 }
 
-// The least that is said of the distance.
+// The lower bound of the distance.
 static float gap_of( const wisp_cull_args* s, wisp_vec3 p, float reach )
 {
     if ( s->shape == WISP_CULL_HALF_SPACE )

@@ -1,5 +1,5 @@
-// Kernels that go through particles one by one: rings against the oracle in double precision, time integration exactly
-// as in scalars, tethers and prolongation as what they promise.
+// Kernels over particles: rings against the oracle in double precision, time integration exactly as in scalar code,
+// tethers and prolongation by their properties.
 #include "kernels_fixture.h"
 
 #include "balloon_meshes.h"
@@ -19,7 +19,7 @@ static void* new_aligned( size_t size )
 
 enum
 {
-    BLOCK = 64, // slices that a kernel sums before it leaves floats
+    BLOCK = 64, // slices whose sum a kernel keeps in floats
 };
 
 typedef struct ball
@@ -31,7 +31,7 @@ typedef struct ball
     float ( *area )[8];
 } ball;
 
-// About `centre`, with inverse masses 1 .. 4. Positions of the mesh are made the floats that the kernel reads.
+// About `centre`, with inverse masses 1 .. 4. Positions of the mesh are rounded to the kernel's floats.
 static ball make_ball( float radius, wisp_vec3 centre )
 {
     ball b = { 0 };
@@ -130,7 +130,7 @@ static void volume_and_area_of_a_ball_are_those_of_the_oracle( void** state )
         double expected_area = vertex < 0 ? 0.0 : area[vertex];
         double3 found = column_of( b.gradient[slot / 8], slot % 8 );
 
-        // about six products and sums a triangle, of the size of the area
+        // about six products and sums per triangle, of the size of the area
         double tolerance = 8.0 * (double)FLT_EPSILON * expected_area;
         assert_near( double3_distance( found, expected ), 0.0, tolerance, "gradient of slot", slot );
         assert_near( (double)b.area[slot / 8][slot % 8], expected_area, tolerance, "area of slot", slot );
@@ -562,7 +562,7 @@ static void children_follow_their_parents_by_weight( void** state )
     free( start );
 }
 
-// Whatever is wrong with whichever number of whichever particle.
+// Every invalid value in every number of every particle.
 static void the_first_particle_beyond_the_bound_is_found( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Kernels of primitives near each other: every table gives the same bits, and what is found, bounded and measured is held to
-// double precision over all pairs.
+// Kernels of primitives near each other: every table gives the same bits, and pairs, bounds and distances are
+// compared with double precision over all pairs.
 #include "primitives_fixture.h"
 
 enum
@@ -8,7 +8,7 @@ enum
     SCENES = WISP_COUNT( KINDS ) * SHAPES * SEEDS,
 };
 
-// Places are sums of a few numbers no larger than the size, each rounded.
+// Positions are sums of a few numbers of at most the size, each rounded.
 static const double ROUNDING = 8.0 * (double)FLT_EPSILON;
 
 static make_fn* kind_of( int number )
@@ -16,7 +16,7 @@ static make_fn* kind_of( int number )
     return KINDS[number / SEEDS / SHAPES];
 }
 
-// The scene of a number below SCENES, placed and looked at.
+// The scene with a number below SCENES, queried.
 static scene* run_new( const wisp_kernels* kernels, int number )
 {
     scene* s = new_scene( number / SEEDS % SHAPES == 0 ? EDGES : FACES, number % SEEDS );
@@ -47,7 +47,7 @@ static void every_table_finds_the_same_pairs_in_the_same_order( void** state )
 
 // ---- several at a time ----
 
-// What the scenes that begin with a number find one after the other is what they find when asked at once.
+// Scenes queried one after the other give the same results as when queried at once.
 static void check_together( const wisp_kernels* kernels, int first, int count )
 {
     static int32_t of[WISP_PRIMITIVE_BATCH * ROOM], names[2][WISP_PRIMITIVE_BATCH * ROOM],
@@ -112,7 +112,7 @@ static void jobs_at_once_find_what_each_finds_alone( void** state )
     assert_int_equal( widest_table()->find_near_points( NULL, 0, &( wisp_primitive_pairs ){ .id = NULL } ), 0 );
 }
 
-// ---- where primitives are ----
+// ---- bounds of primitives ----
 
 static double3 lane_of( const float rows[3][8], int primitive )
 {
@@ -125,7 +125,8 @@ static void assert_near_vector( double3 found, double3 expected, double toleranc
     assert_near( double3_distance( found, expected ), 0.0, tolerance, what, number );
 }
 
-// The plane of the arms: its normal is known to a rounding over the height, and no corner is out of it but for `rounded`.
+// The plane of the edge vectors: its normal is known to a rounding over the height, and no corner is outside it
+// except for `rounded`.
 static void check_plane( scene* s, int primitive, double size )
 {
     const wisp_primitive_pack* row = s->row[1] + primitive / 8;
@@ -198,9 +199,9 @@ static void primitives_are_placed_where_their_points_are( void** state )
     }
 }
 
-// ---- what is near ----
+// ---- pairs found ----
 
-// Of pairs that are farther than twice of what is asked, how many were found.
+// Number of pairs found that are farther apart than twice the query distance.
 typedef struct tally
 {
     int far, far_found;
@@ -221,13 +222,14 @@ static float min_of( const scene* s )
     float least = s->least[0];
     for ( int l = 0; l < 8; ++l )
     {
-        assert_true( s->least[l] > s->within ); // also false for what is no number
+        assert_true( s->least[l] > s->within ); // also false for NaN
         least = fminf( least, s->least[l] );
     }
     return least;
 }
 
-// What is not found is farther than was asked, and no nearer than the least, or than what is not looked at.
+// A pair that is not found is farther than the query distance, and at least as far as the smallest bound or the limit
+// of the search.
 static void check_pair( scene* s, int query, int queried, bool is_found, tally* t )
 {
     const bool is_lower = queried_side( s ) == 0 && item_of( s, 0, query ) >= item_of( s, 0, queried );
@@ -301,7 +303,7 @@ static void the_min_is_never_raised( void** state )
     }
 }
 
-// One not straight over the middle of the other, seen and not.
+// One not directly above the middle of the other, found and not.
 static void check_over( primitive_shape shape, float away )
 {
     float points[SHAPES][4][3] = {
@@ -316,7 +318,7 @@ static void check_over( primitive_shape shape, float away )
     s = make_two( shape, points[shape], 0.5f, 0.6f );
     for ( int side = 0; side < 2; ++side )
     {
-        // one of them alone is out of sight
+        // one of them alone is out of reach
         const wisp_aabb box = s->box[side];
         s->box[side].lower[2] -= 10.0f;
         s->box[side].upper[2] += 10.0f;
@@ -325,7 +327,7 @@ static void check_over( primitive_shape shape, float away )
         assert_true( min_of( s ) == INFINITY );
         s->box[side] = box;
     }
-    // one beside it is in sight, and on the query's points
+    // its neighbour is within reach, and on the query's points
     s->count[1] = 2;
     s->row[1][0].item[1] = 0;
     for ( int k = 0; k < s->corners[1]; ++k )
@@ -349,7 +351,7 @@ static void primitives_over_each_other_are_as_far_as_the_plane_between_tells( vo
     }
 }
 
-// Across both there is no direction that has any digits left.
+// Across both, no direction has any valid digits.
 static void edges_that_are_all_but_parallel_are_found( void** state )
 {
     (void)state;
@@ -426,7 +428,7 @@ static void pairs_come_nearer_by_no_more_than_their_points( void** state )
     }
 }
 
-// Two sets as far apart as their seed has it along the first direction. Of the second set some points are in it twice.
+// Two sets with a given distance along the first direction. Some points of the second set occur twice.
 static point_sets make_apart( int seed, float along[3][3] )
 {
     point_sets s = make_sets( seed );
@@ -459,7 +461,7 @@ static float find_apart( const wisp_kernels* kernels, const point_sets* s, float
     return kernels->separation( &args );
 }
 
-// By the best of the directions, not below -1; @return how far the points are apart.
+// By the best of the directions, not below -1; @return the distance of the points.
 static double apart_of( const point_sets* s, float along[3][3], double* parted )
 {
     double nearest = INFINITY;
@@ -495,7 +497,7 @@ static void sets_are_apart_as_the_best_direction_has_it( void** state )
         const double nearest = apart_of( &s, along, &parted ), tolerance = ROUNDING * ( 2.0 + 0.1 * seed );
         for ( int turn = 0; turn < 3 * count; ++turn )
         {
-            // whichever direction comes first
+            // for any order of the directions
             float turned[3][3];
             memcpy( turned, along[turn % 3], ( 3 - (size_t)( turn % 3 ) ) * sizeof( along[0] ) );
             memcpy( turned[3 - turn % 3], along, (size_t)( turn % 3 ) * sizeof( along[0] ) );
@@ -521,7 +523,7 @@ static void directions_of_no_length_tell_nothing( void** state )
         {
             float with[3][3] = { { 0 } };
             assert_true( find_apart( widest_table(), &s, with ) < 0.0f );
-            with[k][0] = 1e-23f; // whose square is none
+            with[k][0] = 1e-23f; // whose square overflows
             assert_true( find_apart( widest_table(), &s, with ) < 0.0f );
             memcpy( with[k], along[1], sizeof( along[1] ) );
             const float alone = find_apart( widest_table(), &s, with );

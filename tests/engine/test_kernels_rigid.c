@@ -1,10 +1,10 @@
-// The rigid motion of particles: every table gives the same bits, sums are held to double precision, and velocities go the
-// share of their way and no farther.
+// The rigid motion of particles: every table gives the same bits, sums are compared with double precision, and
+// velocities change by the given fraction of their difference.
 #include "kernels_fixture.h"
 
 enum
 {
-    COUNT = 600, // more than two parts of the sums
+    COUNT = 600, // more than two blocks of the sums
     KINDS = 5,
 };
 
@@ -14,7 +14,8 @@ typedef struct crowd
     wisp_rigid_args args;
 } crowd;
 
-// Near the world's origin or far from it, slow or fast, spread out or along a line, or so heavy that squares are no floats.
+// Near the world's origin or far from it, slow or fast, spread out or along a line, or so heavy that squares
+// overflow.
 static crowd make_crowd( int kind )
 {
     crowd c = { .args = { .origin = { 0.0f, 0.0f, 0.0f } } };
@@ -65,7 +66,7 @@ static void every_table_gives_the_same_bits( void** state )
     }
 }
 
-// Sums, and those of the sizes of their terms.
+// Sums, and those of the absolute values of their terms.
 static void add_terms( const crowd* c, int i, double sums[16], double sizes[16] )
 {
     const float *p = c->position[i], *v = c->velocity[i];

@@ -1,5 +1,5 @@
-// Kernels of points on meshes: every table gives the same bits, blends and normals are those of double precision, and who is held
-// is held rightly.
+// Kernels of points on meshes: every table gives the same bits, blends and normals agree with double precision, and
+// bounds of counts are evaluated correctly.
 #include "kernels_fixture.h"
 
 enum
@@ -11,7 +11,7 @@ enum
     RING = 7, // entries of a slice
 };
 
-// Sums of three products of numbers below 3, each rounded, and what comes of their squares.
+// Sums of three products of numbers below 3, each rounded, and the effect on their squares.
 static const double ROUNDING = 8.0 * 3.0 * (double)FLT_EPSILON;
 
 typedef struct blends
@@ -54,7 +54,7 @@ static void fill_points( blends* b )
     }
 }
 
-// Triangles of a few sizes, some of them without area, and bounds that are met, missed, or met by a hair.
+// Triangles of a few sizes, some of them without area, and bounds that are met, missed, or met within rounding.
 static void fill_elements( blends* b )
 {
     for ( int e = 0; e < ELEMENTS; ++e )
@@ -208,7 +208,7 @@ static void make_strange( blends* b )
     memset( b->normal[30], 0, sizeof( b->normal[30] ) );
 }
 
-// Which NaN comes out of arithmetic on NaNs is nobody's promise.
+// The bits of a NaN that arithmetic on NaNs gives are unspecified.
 static void settle_nans( blends* b )
 {
     for ( int i = 0; i < 4 * POINTS; ++i )
@@ -374,7 +374,7 @@ static int count_held( const blends* b, int number )
     return count;
 }
 
-// Bounds as they are kept have room for rounding; here they have none, so a hair is allowed.
+// Stored bounds have room for rounding; here they have none, so a rounding is allowed.
 static void who_is_held_is_within_its_bounds( void** state )
 {
     (void)state;

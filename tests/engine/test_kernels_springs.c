@@ -1,5 +1,5 @@
-// Springs and conjugate gradients over rows: every table gives the same bits, and forces, derivatives, right sides and
-// products are those of plain formulas in double precision.
+// Springs and conjugate gradients over rows: every table gives the same bits, and forces, derivatives, right sides
+// and products agree with formulas in double precision.
 #include "springs_state.h"
 
 // ---- every table ----
@@ -61,8 +61,8 @@ static void sums_are_those_of_blocks_in_order( void** state )
 
 // ---- the arc ----
 
-// Eight bending links of length 1 that are y long, each between a vertex and one at the origin, with a ramp so steep that it
-// is the arc that counts.
+// Eight bending links of length 1 at a length of y, each between a vertex and one at the origin, with a ramp so steep
+// that the arc determines the force.
 typedef struct arcs
 {
     _Alignas( 64 ) float position[16][4];
@@ -149,9 +149,9 @@ static void an_arc_as_long_as_at_rest_or_longer_pulls_nowhere( void** state )
     free( a );
 }
 
-// ---- plain formulas ----
+// ---- formulas ----
 
-// A link at its ends, in double: pull, K1', K2', and how far single precision may be from them.
+// A link at the positions of its ends, in double: pull, K1', K2', and the error bounds of single precision.
 typedef struct term
 {
     double3 d;
@@ -220,7 +220,7 @@ typedef struct plain_rows
     double3 rhs[ROWS];
     double off[ROWS]; // kg m/s
     double matrix[ROWS][3][3];
-    double size[ROWS]; // kg, sums of what the matrix is a sum of
+    double size[ROWS]; // kg, sums of the terms of the matrix
     int undirected;
 } plain_rows;
 
@@ -282,7 +282,7 @@ static plain_rows* plain_formulas( const springs* s, int variant )
     return p;
 }
 
-// Neither may a link of the tangle stand at a corner of its law, where one precision takes the one side and one the other.
+// No link of the test may be at a corner of its force law, where the two precisions may take different sides.
 static void forces_and_right_sides_are_those_of_plain_formulas( void** state )
 {
     (void)state;
@@ -317,7 +317,7 @@ static void assert_same_rows( const springs* s, const springs* expected )
     assert_memory_equal( s->axis, expected->axis, sizeof( s->axis ) );
 }
 
-// Loads of links that bend are no stiffness.
+// Forces of bending links add no stiffness.
 static void no_link_is_stiffer_than_the_stiffest( void** state )
 {
     (void)state;
@@ -349,7 +349,7 @@ static void no_link_is_stiffer_than_the_stiffest( void** state )
     free( s );
 }
 
-// With velocities that are 0, places are the positions; those have no coordinate that is read.
+// With zero velocities, places are the positions, of which no coordinate is read.
 static void links_span_places_where_there_are_some( void** state )
 {
     (void)state;
@@ -371,7 +371,7 @@ static void links_span_places_where_there_are_some( void** state )
     free( s );
 }
 
-// What a link lacks within its reach stiffens the matrix, and pulls nowhere.
+// The missing length of a slack link within its reach stiffens the matrix, and pulls nothing.
 static void a_reach_stiffens_and_does_not_pull( void** state )
 {
     (void)state;
@@ -431,7 +431,7 @@ static double3 times_inverse( const springs* s, int row, double3 v )
                          xz * v.x + yz * v.y + zz * v.z );
 }
 
-// |1 - P A| of a row, over the largest entry of A times that of P: what a condition number multiplies.
+// |1 - P A| of a row, over the largest entry of A times that of P: the factor of a condition number.
 static double doubt_of( const springs* s, const plain_rows* p, int row )
 {
     double worst = 0.0;
@@ -468,7 +468,7 @@ static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
     }
     for ( int k = 0; k < s->link_count; ++k )
     {
-        s->link[k].damping = 0.05f; // so that no direction of a light vertex is free
+        s->link[k].damping = 0.05f; // so that a light vertex is free in no direction
     }
     place_entries( s );
     for ( int variant = 0; variant < FULL; ++variant )
@@ -490,7 +490,8 @@ static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
     free( s );
 }
 
-// One link that is k h^2 / m = 1 to 1e12 times as heavy as the vertex at its end: conjugate gradients need r'Pr > 0 for any r.
+// One link with k h^2 / m of 1 to 1e12 relative to the vertex at its end: conjugate gradients need r'Pr > 0 for any
+// r.
 static void the_preconditioner_is_positive_however_light_a_vertex_is( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Kernels over groups of strands: every instruction set gives the same bits, lanes keep out of each other, and what each kernel
-// promises of a single strand. The oracle in double precision holds them to the equations in tests/modules.
+// Kernels over groups of strands: every instruction set gives the same bits, lanes are independent, and properties of
+// each kernel for a single strand. tests/modules compares them with the oracle in double precision.
 #include "strands_state.h"
 
 static const float DT = 1.0f / 600.0f;
@@ -92,7 +92,7 @@ static void ranges_of_groups_may_be_cut_anywhere( void** state )
     assert_memory_equal( whole.tension, cut.tension, sizeof( whole.tension ) );
 }
 
-// ---- what moves and what does not ----
+// ---- moving and held vertices ----
 
 static bool is_vertex( const strands_state* s, int g, int row, int lane )
 {
@@ -244,7 +244,7 @@ static void what_is_not_finite_is_laid_out_too( void** state )
     s.position[8][0][1] = 3e30f;
     const wisp_strand_stretch_args args = stretch_args( &s, DT, 8 );
     assert_int_equal( widest_table()->strand_stretch( &args, 0, STRAND_GROUPS ), 3 );
-    assert_true( largest_error( &s ) < 1e-2 ); // false for what is not finite
+    assert_true( largest_error( &s ) < 1e-2 ); // false for NaN and infinity
     assert_true( s.tension[5][3] == 0.0f );
 }
 

@@ -1,13 +1,14 @@
-// Kernels of surfaces: every table gives the same bits, and one projection is that of the oracle in double precision.
+// Kernels of surfaces: every table gives the same bits, and one projection agrees with the oracle in double
+// precision.
 #include "kernels_fixture.h"
 
 #include "constraint_oracle.h"
 
 #include "wisp/fabric.h"
 
-// Positions are below 3 m and every step of a projection rounds a number of that size or a smaller one. The longest
-// chain of roundings between a position and its successor is that of the dihedral: differences, a product, a normal
-// and its square, an arc tangent of a few, a quotient, two products, a sum.
+// Positions are below 3 m and every step of a projection rounds a number of at most that size. The longest chain of
+// roundings between two positions is that of the dihedral: differences, a product, a normal and its square, an arc
+// tangent of a few roundings, a quotient, two products, a sum.
 static const double ROUNDING = 24.0 * (double)FLT_EPSILON;
 
 static const int ALL[4] = { 0, 1, 2, 3 };
@@ -56,7 +57,7 @@ static constraints* copy_of( const constraints* s )
 
 // ---- every table ----
 
-// Constraints that have nothing to say, so little that it underflows, or so much that it nearly overflows.
+// Constraints that are satisfied, so small that they underflow, or so large that they nearly overflow.
 static void make_odd( constraints* s, int first )
 {
     for ( int c = first; c < first + 48; ++c )
@@ -230,7 +231,7 @@ static double limit_of_oracle( const constraints* s, int c, particles* all, cons
     return 0.0;
 }
 
-// Every constraint has its particles for itself, so the oracle may look at them one by one.
+// Every constraint has its own particles, so the oracle may check them one by one.
 static void compare_with_oracle( run_fn* run, project_fn* oracle, bool with_lambda )
 {
     constraints *before = new_constraints( true ), *after = new_constraints( true );
@@ -285,7 +286,7 @@ static void two_ends_share_a_step_as_their_inverse_masses( void** state )
     free( s );
 }
 
-// Two compliant links and a row of three particles on a line: where iterations settle, both links and both free
+// Two compliant links and a row of three particles on a line: where iterations converge, both links and both free
 // particles are in balance.
 static void iterations_settle_where_compliance_balances( void** state )
 {
@@ -388,7 +389,7 @@ static void hinges_move_as_the_oracle_says( void** state )
 }
 
 // With one free corner a projection moves it by -C / |g|^2 g, so that the gradient can be read back. Here C is small,
-// because the angle is nearly at rest, and the oracle's angle by central differences says what g is.
+// because the angle is nearly at rest, and central differences of the oracle's angle give g.
 static void dihedral_gradients_are_central_differences_of_the_angle( void** state )
 {
     (void)state;
@@ -458,7 +459,7 @@ static void an_angle_is_positive_where_the_opposite_vertices_are_on_the_side_of_
     free( s );
 }
 
-// What a hinge is made of at rest, as whoever cooks it must: c = sqrt( Q / s ) from a column of the oracle's Q.
+// Rest data of an isometric hinge, as cooking must compute them: c = sqrt( Q / s ) from a column of the oracle's Q.
 static void set_isometric( constraints* s, int c, const double3 rest[4], double q[4][4] )
 {
     assert_true( constraint_oracle_isometric_matrix( rest, q ) );
@@ -476,7 +477,7 @@ static void set_isometric( constraints* s, int c, const double3 rest[4], double 
     }
 }
 
-// A flat hinge that is carried away and turned has no energy; a bent one has the oracle's.
+// A flat hinge that is moved and rotated has no energy; a bent one has the oracle's.
 static void an_isometric_hinge_knows_bending_from_moving( void** state )
 {
     (void)state;
@@ -529,9 +530,9 @@ static void an_isometric_hinge_knows_bending_from_moving( void** state )
     }
 }
 
-// ---- what no projection may do ----
+// ---- invariants of projections ----
 
-// Sums of m dp and of p x m dp, and how large the terms are that cancel in them.
+// Sums of m dp and of p x m dp, and the size of the terms that cancel in them.
 static void sum_momentum( constraints* before, constraints* after, int c, int corners )
 {
     double3 linear = { 0.0, 0.0, 0.0 }, angular = linear;
@@ -567,8 +568,8 @@ static void projections_keep_linear_and_angular_momentum( void** state )
     free( before );
 }
 
-// Coincident, without area, pinned (some of them a thousand kilometres apart), or padding: not a bit moves, of positions
-// or of lambda.
+// Coincident, without area, pinned (some of them a thousand kilometres apart), or padding: no bit of positions or
+// lambda changes.
 static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void** state )
 {
     (void)state;
@@ -604,7 +605,7 @@ static void constraints_without_a_direction_or_a_free_end_leave_every_bit( void*
     free( before );
 }
 
-// Lengths and heights of all magnitudes, far from rest, and masses from a milligram to a mountain's.
+// Lengths and heights of all magnitudes, far from rest, and masses from a milligram to that of a mountain.
 static void no_projection_throws_a_particle_to_infinity( void** state )
 {
     (void)state;

@@ -205,7 +205,7 @@ static void P( _random_numbers_are_the_scalar_ones )( void** state )
 #undef DRAWN
 }
 
-// Over the operands, which include every kind of strange number, and over angles that occur.
+// Over the operands, which include all special numbers, and over usual angles.
 static void P( _trigonometry_is_the_scalar_one )( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Trigonometry against double precision, rotations against what a rotation is. Built once per backend of lane.h, whose flags
-// change no bit of them either.
+// Trigonometry against double precision, rotations against their defining properties. Built once per backend of
+// lane.h, whose flags must not change a bit of them either.
 #include "math_fixture.h"
 
 // ---- trigonometry
@@ -16,7 +16,7 @@ static void check_sincos( float x )
     }
 }
 
-// Every 499th float, so that all exponents have their share, and where the error of all floats was found largest.
+// Every 499th float, so that all exponents occur, and the neighbourhood of the largest error of all floats.
 static void sine_and_cosine_keep_their_bound( void** state )
 {
     (void)state;

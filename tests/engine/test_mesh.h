@@ -1,4 +1,4 @@
-/// A mesh as a user hands it over.
+/// A mesh as a user provides it.
 #pragma once
 
 #include "unit.h"

@@ -1,5 +1,4 @@
-// Meshes to collide with: every answer against brute force, whatever the tree went through; signs against solid
-// angles.
+// Collision meshes: every result against brute force, after any changes of the tree; signs against solid angles.
 #include "mesh_fixture.h"
 
 #include <pthread.h>
@@ -108,7 +107,7 @@ static void triangles_that_share_what_is_nearest_answer_with_the_lowest( void** 
         assert_int_equal( on.triangle, lowest );
         assert_memory_equal( &on.point, m.points + v, sizeof( wisp_vec3 ) );
 
-        // above a corner that sticks out it stays the corner, seen from all its triangles alike
+        // above a convex corner it stays the corner, with equal distances to all its triangles
         wisp_mesh_nearest above = closest( tree, test_along( m.points[v], 0.003f, on.normal ), 1.0f );
         bool is_corner = memcmp( &above.point, m.points + v, sizeof( wisp_vec3 ) ) == 0;
         assert_true( !is_corner || above.triangle == lowest );
@@ -181,7 +180,7 @@ static void the_sign_tells_inside_from_outside( void** state )
     }
 }
 
-// A slender spike: next to its edges and its tip the nearest face alone would tell inside for outside.
+// A slender spike: next to its edges and its tip the nearest face alone would give the wrong side.
 static void signs_hold_next_to_sharp_edges_and_tips( void** state )
 {
     (void)state;
@@ -255,7 +254,8 @@ static void the_normal_is_the_gradient_of_the_distance( void** state )
         {
             continue;
         }
-        // on the way to the closest point it stays the closest, so all of the step counts: places of up to 2 are rounded
+        // on the way to the closest point it stays the closest, so the whole step counts: positions of up to 2 are
+        // rounded
         float inward = at.distance > 0.0f ? -step : step;
         wisp_mesh_nearest then = closest( tree, test_along( p, inward, at.normal ), INFINITY );
         assert_float_equal( then.distance - at.distance, inward, 6e-7f );
@@ -315,8 +315,8 @@ static void the_first_intersection_is_that_of_brute_force( void** state )
     }
 }
 
-// Paths that aim exactly at corners and edges, at any speed, cross the sheet; so does each of two paths end to end, or
-// just the other.
+// Paths that aim exactly at corners and edges, at any speed, cross the sheet; of two successive paths through it, one
+// crosses.
 static void nothing_tunnels_through_a_thin_sheet( void** state )
 {
     (void)state;
@@ -332,7 +332,7 @@ static void nothing_tunnels_through_a_thin_sheet( void** state )
             aim = i % 3 == 1 ? test_along( m.points[v], test_random_float( i, 30, 0.0f, 1.0f ),
                                            test_along( m.points[v - 1], -1.0f, m.points[v] ) )
                              : aim;
-            float up = ldexpf( 1.0f, test_random( i, 11, 14 ) - 1 ); // up to 4 km in a step
+            float up = ldexpf( 1.0f, test_random( i, 11, 14 ) - 1 ); // up to 4 km per step
             float slope = i % 2 == 0 ? 0.0f : 0.01f;
             wisp_vec3 from = { aim.x + slope * aim.z, up, aim.z };
             wisp_vec3 to = { aim.x - slope * aim.z, -up, aim.z };
@@ -340,7 +340,7 @@ static void nothing_tunnels_through_a_thin_sheet( void** state )
             assert_true( down.triangle >= 0 && down.side == 1.0f );
             assert_true( back.triangle >= 0 && back.side == -1.0f );
 
-            // a stop on the way: one of the halves crosses, and not both
+            // a stop on the way: exactly one of the halves crosses
             wisp_vec3 stop = down.point;
             int crossed = ( sweep( tree, from, stop ).triangle >= 0 ) + ( sweep( tree, stop, to ).triangle >= 0 );
             assert_true( crossed == 1 || ( waves == 1 && crossed == 2 ) );
@@ -414,7 +414,7 @@ static void a_wrong_point_is_refused_and_its_neighbours_stay( void** state )
     for ( int k = 0; k < WISP_COUNT( bad ); ++k )
     {
         memcpy( points, m.points, (size_t)m.point_count * sizeof( wisp_vec3 ) );
-        points[3].y = 0.5f; // right, and not to be taken either
+        points[3].y = 0.5f; // valid, but not to be used either
         points[77].z = bad[k];
         wisp_error error = { 0 };
         assert_int_equal( wisp_collision_mesh_update( tree, points, &error ), WISP_BAD_INPUT );

@@ -1,8 +1,7 @@
-// Trees of meshes at their limits: what a query may hold that no library should see, meshes that are none, memory that
-// runs out.
+// Trees of meshes at their limits: invalid queries, invalid meshes, lack of memory.
 #include "mesh_fixture.h"
 
-// ---- inputs without an answer ----
+// ---- inputs without a result ----
 
 static void numbers_that_are_none_are_counted_and_answered_with_nothing( void** state )
 {
@@ -83,7 +82,7 @@ static void a_limit_of_memory_is_kept_by_embree( void** state )
     wisp_collision_mesh_def def = test_mesh_def( &m, false );
     wisp_collision_mesh* tree;
     wisp_error error = { 0 };
-    def.memory_limit = 20000; // of some 50 bytes a triangle
+    def.memory_limit = 20000; // of about 50 bytes per triangle
     assert_int_equal( wisp_collision_mesh_create( &def, NULL, &tree, &error ), WISP_NO_MEMORY );
     assert_null( tree );
     assert_one_message( error.message );
@@ -102,7 +101,7 @@ static void denormal_numbers_keep_their_meaning_for_the_host( void** state )
     closest( tree, m.points[0], 1.0f );
     sweep( tree, m.points[0], m.points[1] );
     volatile float least = FLT_MIN;
-    volatile float half = 0.5f * least; // zero where a library has left the processor in another mode
+    volatile float half = 0.5f * least; // zero where a library has changed the processor's mode
     assert_true( half > 0.0f );
     wisp_collision_mesh_release( tree );
     test_mesh_free( &m );

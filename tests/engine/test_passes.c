@@ -1,5 +1,5 @@
-// What the passes of every world do with components that a module attaches: links, hinges, limits, tethers, levels,
-// carried pins, the guard and what is observed.
+// The passes of every world with components that a module attaches: links, hinges, limits, tethers, levels, moving
+// pins, the guard and statistics.
 #include "surface_fixture.h"
 
 static const float DT = 0.01f;
@@ -63,13 +63,13 @@ static void a_pbd_link_keeps_its_share_of_the_error_each_iteration( void** state
         open_world( &h, 1, iterations );
         wisp_entity e = add_link( &h, 1.5f, WISP_LINK_STIFFNESS, 0.25f );
         run( h.world, 1 );
-        // a few roundings of places near 1.5 m, 1.2e-7 m each
+        // a few roundings of positions near 1.5 m, 1.2e-7 m each
         assert_near( (double)point_of( h.world, e, 2 ).x, 1.0 + 0.5 * pow( 0.75, iterations ), 5e-7 );
         close_world( &h );
     }
 }
 
-// A lone constraint is solved by its first iteration; those behind find C + a lambda = 0 only if lambda was kept.
+// A single constraint is solved by its first iteration; later ones find C + a lambda = 0 only if lambda was kept.
 static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** state )
 {
     (void)state;
@@ -88,13 +88,13 @@ static void an_xpbd_link_answers_alike_with_any_number_of_iterations( void** sta
         {
             largest = fmax( largest, fabs( (double)lambda[slot] ) );
         }
-        // what lambda ends with is -C / (w + a); one iteration need not keep it
+        // the final lambda is -C / (w + a); one iteration need not keep it
         assert_near( largest, iterations == 1 ? 0.0 : 0.5 / ( w + alpha ), 1e-6 );
         close_world( &h );
     }
 }
 
-// Carried over, lambda would remember a stretch already paid for: the second step would differ.
+// Kept across substeps, lambda would repeat a correction made before: the second step would differ.
 static void lambda_starts_at_nothing_in_every_substep( void** state )
 {
     (void)state;
@@ -123,7 +123,7 @@ static void a_strain_limit_brings_a_length_back_from_both_sides( void** state )
     {
         hosted h;
         open_world( &h, 1, 60 );
-        // the free vertex hangs on another link with limits, so its length ends within 1 % of the bound that it broke
+        // the free vertex hangs on another link with limits, so its length ends within 1 % of the exceeded limit
         wisp_entity e = add_link( &h, links[i].start, WISP_LINK_STIFFNESS, 0.0f );
         assert_int_equal( wisp_set_strain_limit( h.world, e, 0.9f, 1.1f ), WISP_OK );
         run( h.world, 1 );
@@ -212,7 +212,7 @@ static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
     }
     run( h.world, 1 );
     assert_true( has_pass( h.world, "surface.levels" ) );
-    // 0.3 everywhere before; the pinned corner is pulled at by one vertex and its neighbours
+    // 0.3 everywhere before; the pinned corner is pulled by one vertex and its neighbours
     assert_true( motion_stats_of( h.world, stretched ).strain_mean < 0.1 );
     for ( int v = 0; v < 17 * 17; ++v )
     {
@@ -222,7 +222,7 @@ static void levels_pull_a_stretched_sheet_and_leave_a_slack_one( void** state )
     close_world( &h );
 }
 
-// ---- carried pins, step by substep ----
+// ---- moving pins, step by substep ----
 
 enum
 {
@@ -301,7 +301,7 @@ static void what_leaves_the_bounds_is_halted_with_its_lowest_vertex_named( void*
     run( h->world, 2 );
     const wisp_fabric* f = wisp_world_fabric( h->world, e );
     float* velocity = wisp_world_column( h->world, e, WISP_PARTICLE_VELOCITY, 0 );
-    velocity[4 * f->vertex_slot[17]] = 2e8f; // 2e6 m in a step
+    velocity[4 * f->vertex_slot[17]] = 2e8f; // 2e6 m per step
     run( h->world, 1 );
     assert_true( wisp_is_halted( h->world, e ) );
     assert_one_message( h->log.last );
@@ -329,7 +329,7 @@ static void a_vertex_that_was_pinned_stays_pinned_when_its_entity_is_put_back( v
     assert_true( point_of( h->world, e, 0 ).y < free );
 }
 
-// ---- what is observed ----
+// ---- statistics ----
 
 static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
 {
@@ -361,8 +361,8 @@ static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
         inertia += 0.01 * ( (double)ball.points[v].x * (double)ball.points[v].x +
                             (double)ball.points[v].z * (double)ball.points[v].z );
     }
-    // velocities are differences of places of 1 m, rounded to 6e-8 m, over 1e-4 s: 6e-4 m/s each, averaged over 258
-    // vertices
+    // velocities are differences of positions of 1 m, rounded to 6e-8 m, over 1e-4 s: 6e-4 m/s each, averaged over
+    // 258 vertices
     assert_near( q.mass, mass, 1e-6 );
     assert_near( q.volume, volume, 1e-5 );
     assert_true( q.volume > 0.9 * 4.0 / 3.0 * 3.14159265358979 );
@@ -373,7 +373,7 @@ static void stats_of_a_turning_ball_are_those_of_the_mesh( void** state )
     for ( int v = 0; v < ball.vertex_count; ++v )
     {
         const wisp_vec3 p = ball.points[v], n = normals[v];
-        // outward; a mesh of 512 triangles leans by less than 5 degrees
+        // outward; the normals of a mesh of 512 triangles are within 5 degrees
         assert_true( p.x * n.x + p.y * n.y + p.z * n.z > 0.996f );
         assert_near( sqrt( (double)( n.x * n.x + n.y * n.y + n.z * n.z ) ), 1.0, 1e-6 );
     }
@@ -428,7 +428,7 @@ static void nobody_asks_so_nobody_runs( void** state )
     assert_true( has_pass( h->world, "surface.speed" ) );
 }
 
-// What touches only its own particles runs on a block of them while it is in the cache.
+// A pass that touches only its own particles runs on a block of them while it is in the cache.
 static void gravity_and_prediction_share_a_node( void** state )
 {
     hosted* h = *state;

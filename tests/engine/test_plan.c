@@ -1,5 +1,5 @@
-// What a scene asks for, and the passes that answer it: which exist, in which order, what is refused, when a plan is
-// compiled, and what it prints.
+// Requests of a scene, and the passes selected for them: their existence and order, rejected plans, the time of
+// compilation, and the printed plan.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
@@ -40,7 +40,7 @@ static void a_pass_without_what_it_needs_is_absent( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( LONE );
-    request( world, add_with( world, "A" ), "A" ); // the user's own rows answer the request
+    request( world, add_with( world, "A" ), "A" ); // the user's own rows satisfy the request
     assert_string_equal( plan_text( world ), "" );
     wisp_world_destroy( world );
 }
@@ -118,9 +118,9 @@ static void a_removed_entity_takes_its_requests_along( void** state )
     wisp_world_destroy( world );
 }
 
-// ---- what is refused ----
+// ---- rejected plans ----
 
-// The plan is refused by a message that holds all of these words.
+// The plan is rejected by a message that contains all of these words.
 static void assert_refused( wisp_world* world, const char* const* words, int count )
 {
     assert_string_equal( plan_text( world ), "refused" );
@@ -291,7 +291,7 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
     assert_int_equal( plans_of_a_step( world ), 1 );
     assert_int_equal( plans_of_a_step( world ), 0 );
 
-    // what changes no structure
+    // without effect on the structure
     request( world, e, "A" );
     assert_int_equal( wisp_world_attach( world, e, letter( 'N' ) ), WISP_OK );
     assert_int_equal( wisp_world_detach( world, e, letter( 'P' ) ), WISP_OK );
@@ -299,7 +299,7 @@ static void a_plan_is_compiled_again_when_the_structure_changed_and_only_then( v
     assert_string_equal( plan_text( world ), "[after] a" );
     assert_int_equal( plans_of_a_step( world ), 0 );
 
-    // and what does
+    // with effect on it
     wisp_entity other = add_with( world, "" );
     assert_int_equal( plans_of_a_step( world ), 1 );
     assert_int_equal( wisp_world_attach( world, other, letter( 'N' ) ), WISP_OK );
@@ -394,7 +394,7 @@ static void keep_line( void* user, const char* line )
     snprintf( p->lines[p->count++], sizeof( p->lines[0] ), "%s", line );
 }
 
-// The line that begins with this word and names this pass holds the reason.
+// The line that begins with this word and names this pass contains the reason.
 static void assert_printed( const printed* p, const char* word, const char* pass, const char* reason )
 {
     char name[40];

@@ -1,5 +1,5 @@
-// Passes that touch components of other entities: where they stand among those entities' passes, and that they neither make
-// passes exist nor supply anything.
+// Passes that touch components of other entities: their place among those entities' passes, and that they neither
+// make passes exist nor supply anything.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
@@ -44,7 +44,7 @@ static void it_makes_no_pass_of_another_entity_exist( void** state )
 {
     (void)state;
     wisp_world* world = OPEN_WORLD( ACROSS );
-    add_with( world, "N" ); // nobody wants anything of it
+    add_with( world, "N" ); // nothing requests a component of it
     request( world, add_with( world, "M" ), "B" );
     assert_string_equal( plan_text( world ), "[after] meet" );
     wisp_world_destroy( world );

@@ -1,4 +1,4 @@
-// Passes that can run together do where an entity has all that the join needs and nothing that it does not know, once each substep.
+// Fused passes run together where an entity has all that the fusion requires and no other passes, once per substep.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
@@ -6,10 +6,10 @@
 enum
 {
     SUBSTEPS = 5,
-    STEPS = 60, // in which every substep of every block is timed once
+    STEPS = 60, // within these, every substep of every block is timed once
 };
 
-// Move, then project, then read: a substep. Hold and blow may be there, spoil may not.
+// A substep is move, then project, then read. Hold and blow are allowed, spoil is not.
 static const fake_pass PASSES[] = {
     { .name = "hold", .stage = WISP_STAGE_FORCE, .domain = GROUP, .required = "H", .reads = "A", .writes = "A" },
     { .name = "spoil", .stage = WISP_STAGE_FORCE, .domain = GROUP, .required = "K", .reads = "A", .writes = "A" },
@@ -36,7 +36,7 @@ static wisp_world* open_joined( int iterations )
     return open_world_with( &def );
 }
 
-// So often did the substeps of groups run: together, and pass by pass.
+// Number of substeps of groups that ran fused, and pass by pass.
 typedef struct tally
 {
     int together[SUBSTEPS], apart[SUBSTEPS];

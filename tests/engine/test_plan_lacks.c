@@ -1,5 +1,5 @@
-// Passes that an entity must not have something for: which exist, what the printed plan says of them, and that the engine's
-// own passes leave alone what a module solves for.
+// Passes that exclude components: which exist, their line in the printed plan, and that the engine's own passes skip
+// surfaces with an external solver.
 #include "plan_fixture.h"
 
 #include "wisp/fabric.h"
@@ -140,9 +140,9 @@ static void a_printed_plan_says_what_keeps_a_pass_away( void** state )
     wisp_world_destroy( world );
 }
 
-// ---- surfaces that are solved for ----
+// ---- surfaces with an external solver ----
 
-// A triangle with all that asks for the engine's own passes: gravity, a pin that is carried, damping.
+// A triangle with everything that makes the engine's own passes run: gravity, a moving pin, damping.
 static wisp_entity add_surface( wisp_world* world )
 {
     static const wisp_vec3 POINTS[3] = { { 0.0f, 0.0f, 0.0f }, { 1.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 1.0f } };
@@ -219,7 +219,7 @@ static void strain_limits_of_a_solved_surface_are_refused( void** state )
     expect_refusal( world, wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_CONFLICT, "strain limits" );
     assert_int_equal( wisp_world_hash( world ), before );
     assert_false( wisp_world_has( world, e, WISP_LINK_LIMIT ) );
-    assert_int_equal( wisp_set_strain_limit( world, e, 0.0f, INFINITY ), WISP_OK ); // there is none to take away
+    assert_int_equal( wisp_set_strain_limit( world, e, 0.0f, INFINITY ), WISP_OK ); // there is none to remove
     assert_int_equal( wisp_world_detach( world, e, WISP_PARTICLE_EXTERNAL_SOLVER ), WISP_OK );
     assert_int_equal( wisp_set_strain_limit( world, e, 0.9f, 1.1f ), WISP_OK );
     wisp_world_destroy( world );

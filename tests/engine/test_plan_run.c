@@ -1,4 +1,4 @@
-// How a plan runs: item by item, loop by loop, and only when due.
+// Execution of a plan: item by item, loop by loop, and only when due.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP

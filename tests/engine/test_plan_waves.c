@@ -33,7 +33,7 @@ static void any_pair_of_writes_or_of_a_read_and_a_write_conflicts( void** state 
         { NULL, "A", "A", "B", "B", "[after] a b" },  // read after write
         { "A", "B", "A", "A", "AB", "[after] a b" },  // write after read
         { NULL, "A", NULL, "A", "A", "[after] a b" }, // write after write
-        { "A", "B", "A", "C", "BC", "[after] a,b" },  // read beside read
+        { "A", "B", "A", "C", "BC", "[after] a,b" },  // two reads
     };
     for ( int i = 0; i < WISP_COUNT( pairs ); ++i )
     {

@@ -1,5 +1,5 @@
-// Passes that compute, for every number of workers: results, failures, counters, workspaces, who gets which workers,
-// and the profile.
+// Passes with work, for every number of workers: results, failures, counters, workspaces, assignment of workers, and
+// the profile.
 #include "plan_fixture.h"
 
 #define GROUP WISP_DOMAIN_STRAND_GROUP
@@ -280,7 +280,7 @@ static void a_workspace_is_one_zeroed_block_a_worker_kept_from_step_to_step( voi
     assert_int_equal( work.released, 3 );
 }
 
-// ---- who works ----
+// ---- assignment of workers ----
 
 // A host's loop that counts its calls and runs backwards.
 static void counting_parallel_for( void* user, int block_count, wisp_block_fn* run, void* context )
@@ -439,7 +439,7 @@ static void a_profile_sums_to_no_more_than_its_step( void** state )
                 assert_true( p.lines[i].seconds >= 0.0 );
                 sum += p.lines[i].seconds;
             }
-            // shares of a wave are quotients, so their sum may round up
+            // fractions of a wave are quotients, so their sum may round up
             assert_true( sum <= p.seconds * ( 1.0 + 1e-12 ) );
             step( world );
         }
@@ -458,11 +458,12 @@ static void a_profile_tells_fused_passes_apart( void** state )
         step( world );
         wisp_profile p = wisp_world_profile( world );
         assert_true( p.lines[0].seconds > 0.0 );
-        // each of eight groups spins at least so long; shares of a wave are quotients, so their sum may round down
+        // each of eight groups spins at least this long; fractions of a wave are quotients, so their sum may round
+        // down
         assert_true( p.lines[0].seconds + p.lines[1].seconds >= 8.0 * ( SHORT + LONG ) * ( 1.0 - 1e-12 ) );
         told_apart += p.lines[1].seconds > 3.0 * p.lines[0].seconds ? 1 : 0;
     }
-    // shares come from samples, and a busy machine may disturb one; ten times the work shows in most of them
+    // fractions come from samples, and a busy machine may disturb one; ten times the work shows in most of them
     assert_true( told_apart > 10 );
     wisp_world_destroy( world );
 }

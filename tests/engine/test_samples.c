@@ -1,7 +1,7 @@
-// Points on a mesh: how many there are (boundary particle paper), where they stand, and that it does not matter how they came there.
+// Points on a mesh: their counts (boundary particle paper) and positions, and that the path to them does not matter.
 #include "samples_fixture.h"
 
-// Numbers of about 3 m are rounded a few times to place a point.
+// Numbers of about 3 m are rounded a few times to compute a point.
 static const double PLACE_ROUNDING = 3.0 * 4.0 * 1.2e-7;
 
 // ---- counts ----
@@ -59,7 +59,7 @@ static void the_reference_sphere_has_the_counts_of_the_table( void** state )
     samples_mesh_free( &m );
 }
 
-// ---- places ----
+// ---- positions ----
 
 static double distance_of( const float* a, const float* b )
 {
@@ -153,7 +153,7 @@ static void gaps_along_edges_are_those_of_the_policy( void** state )
     samples_mesh_free( &m );
 }
 
-// ---- how they came there ----
+// ---- independence of the history ----
 
 static void copy_settings( wisp_samples_args* to, const wisp_samples_args* from )
 {
@@ -165,7 +165,7 @@ static void copy_settings( wisp_samples_args* to, const wisp_samples_args* from 
     to->triangle_spacing = from->triangle_spacing;
 }
 
-// Swell and shear, so that some steps change nobody, some a few and some many.
+// Swell and shear, so that some steps change no element, some a few and some many.
 static void deform( const float* rest, samples_mesh* m, int step )
 {
     const float amounts[] = { 0.0f, 1e-7f, 1e-4f, 3e-2f, 1e-3f, 0.2f, 0.2001f, 1e-5f, 0.0f };
@@ -213,7 +213,7 @@ static void refreshing_in_place_equals_sampling_from_scratch( void** state )
         }
         layer_close( kept );
     }
-    assert_true( in_place >= 12 && some >= 24 ); // both cases were met
+    assert_true( in_place >= 12 && some >= 24 ); // both cases have occurred
     free( rest );
     samples_mesh_free( &m );
 }
@@ -338,7 +338,7 @@ static void a_state_put_back_brings_its_points_back( void** state )
     const size_t edges = (size_t)m.edge_count * sizeof( int32_t ),
                  triangles = (size_t)m.triangle_count * sizeof( int32_t );
     deform( rest, &m, 5 );
-    layer_update( back ); // warm memory of something else
+    layer_update( back ); // used memory of another layer
     memcpy( back->args.edge_length, through->args.edge_length, edges );
     memcpy( back->args.edge_points, through->args.edge_points, edges );
     memcpy( back->args.triangle_extent, through->args.triangle_extent, 2 * triangles );
@@ -539,7 +539,7 @@ static void normals_that_cancel_give_way_to_those_of_faces( void** state )
     const float* n = l->samples.normals;
     assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
 
-    // faces back to back cancel, too: then the last normal stays
+    // faces back to back also cancel: then the previous normal stays
     float* fourth = m.position + 4 * 3;
     fourth[0] = 0.0f;
     fourth[1] = 1.5f;
@@ -551,7 +551,7 @@ static void normals_that_cancel_give_way_to_those_of_faces( void** state )
     assert_true( n[0] == 0.0f && n[1] == 0.0f && n[2] == 1.0f && n[3] == 0.0f );
     layer_close( l );
 
-    // and a layer that never had one has none
+    // and a layer without previous normals has none
     layer* other = layer_open( &m, 0.5f, 1 );
     layer_update( other );
     n = other->samples.normals;
@@ -589,7 +589,7 @@ static void normals_along_lines_are_between_those_of_their_ends( void** state )
         }
     }
     assert_true( line->samples.count > line->samples.edge_count );
-    assert_true( largest < 1e-6 ); // ends of one length weigh alike: the two modes meet
+    assert_true( largest < 1e-6 ); // ends of equal length have equal weight: the two modes agree
     memcpy( m.normal + 4, ( const float[4] ){ 0.0f, 0.0f, 1.0f, 0.0f }, 4 * sizeof( float ) );
     layer_update( line );
     layer_update( plain );
@@ -598,7 +598,7 @@ static void normals_along_lines_are_between_those_of_their_ends( void** state )
     {
         largest = fmax( largest, fabs( (double)line->samples.normals[i] - (double)plain->samples.normals[i] ) );
     }
-    assert_true( largest > 0.01 ); // and part where they do not
+    assert_true( largest > 0.01 ); // and differ otherwise
     layer_close( line );
     layer_close( plain );
     samples_mesh_free( &m );

@@ -1,5 +1,5 @@
 // Bodies with a closed form: distances against their own gradients, paths against dense sampling, poses against each
-// other, and the inputs that have no answer.
+// other, and inputs without a result.
 #include "support.h"
 
 #include "wisp/shapes.h"
@@ -48,7 +48,7 @@ static void assert_near( wisp_vec3 a, wisp_vec3 b, float tolerance )
 
 // ---- distances ----
 
-// The definition, in the simplest words.
+// The definition, as directly as possible.
 static double plain_distance( const wisp_shape* s, wisp_vec3 p )
 {
     double x = (double)p.x, y = (double)p.y, z = (double)p.z;
@@ -102,7 +102,7 @@ static void the_closest_point_lies_on_the_surface_at_that_distance( void** state
     }
 }
 
-// Kinks, where the gradient jumps, and the reach of a difference around them.
+// Kinks, where the gradient jumps, and the distance around them that a difference covers.
 static bool is_near_kink( const wisp_shape* s, wisp_vec3 p, float reach )
 {
     wisp_vec3 q = { fabsf( p.x ), fabsf( p.y ), fabsf( p.z ) };
@@ -141,8 +141,8 @@ static void the_normal_is_the_gradient_of_the_distance( void** state )
                 double behind = plain_distance( SHAPES + k, blend( p, -step, e ) );
                 g[axis] = (float)( ( ahead - behind ) / ( 2.0 * (double)step ) );
             }
-            // curvature jumps where the round of an edge begins: step / (4 distance), and the distance is 0.05 or more;
-            // besides, places are rounded by 6e-8 over the step
+            // curvature jumps where the round of an edge begins: step / (4 distance), and the distance is 0.05 or
+            // more; in addition, positions are rounded by 6e-8 over the step
             assert_near( gradient, s.normal, 5.4e-3f );
             assert_float_equal( length_of( gradient ), 1.0f, 5.4e-3f );
             ++compared;
@@ -223,7 +223,7 @@ static double sampled_time( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
     return 2.0;
 }
 
-// The least distance of the path: a graze that sampling cannot see is told from a wrong answer by it.
+// The smallest distance of the path, which distinguishes a graze that sampling misses from a wrong result.
 static double min_distance( const wisp_shape* s, wisp_vec3 a, wisp_vec3 b )
 {
     double least = INFINITY;
@@ -260,7 +260,7 @@ static void a_path_meets_the_surface_where_sampling_does( void** state )
             ++met;
             wisp_vec3 at = blend( a, hit.time, blend( b, -1.0f, a ) );
             assert_true( hit.time >= 0.0f && hit.time <= 1.0f );
-            // rounding of a place on a path of up to 5 m
+            // rounding of a position on a path of up to 5 m
             assert_near( at, hit.point, 2e-6f );
             assert_true( fabs( plain_distance( SHAPES + k, hit.point ) ) <= 5e-7 );
             double first = sampled_time( SHAPES + k, a, b );
@@ -347,7 +347,7 @@ static void beginning_on_the_surface_counts_only_on_the_way_in( void** state )
     for ( int k = 0; k < WISP_COUNT( SHAPES ); ++k )
     {
         wisp_shape_hit hit;
-        // through the whole body and out again, so that the end tells nothing
+        // through the whole body and out again, so that the end shows nothing
         assert_true( wisp_shape_cast( SHAPES + k, on[k], blend( on[k], -5.0f, outward[k] ), &hit ) );
         assert_float_equal( hit.time, 0.0f, 0.0f );
         assert_near( hit.normal, outward[k], 1e-6f );
@@ -412,7 +412,7 @@ static wisp_transform turned_about_z( float degrees )
                                 ( wisp_vec3 ){ degrees, 0, 0 } );
 }
 
-// The largest departure from a uniform turn, degrees.
+// The largest deviation from a uniform rotation, degrees.
 static float turn_error( float degrees, float sign )
 {
     wisp_transform from = turned_about_z( 0.0f ), to = turned_about_z( degrees );
@@ -438,7 +438,7 @@ static void poses_between_two_go_the_short_way_at_nearly_constant_speed( void** 
     assert_true( turn_error( 20.0f, 1.0f ) <= 0.02f );
     assert_true( turn_error( 90.0f, 1.0f ) <= 2.0f );
     assert_true( turn_error( 90.0f, -1.0f ) <= 2.0f );
-    assert_true( turn_error( 90.0f, 1.0f ) > 0.5f ); // the bound is worth stating
+    assert_true( turn_error( 90.0f, 1.0f ) > 0.5f ); // the bound is not much too large
 
     wisp_transform a = random_pose( 3, 0 ), b = random_pose( 4, 0 );
     wisp_transform first = wisp_transform_interpolate( a, b, 0.0f ), last = wisp_transform_interpolate( a, b, 1.0f );
@@ -455,12 +455,12 @@ static void velocity_is_what_moves_a_point_from_pose_to_pose( void** state )
         wisp_vec3 p = random_point( i, 30, 1.0f ), start = wisp_transform_to_world( a, p );
         wisp_vec3 v = wisp_transform_velocity( a, b, 0.25f, p );
         assert_near( blend( start, 0.25f, v ), wisp_transform_to_world( b, p ),
-                     2e-6f ); // roundings of places of up to 4
+                     2e-6f ); // roundings of positions of up to 4
         assert_near( wisp_transform_velocity( a, b, 0.0f, p ), ( wisp_vec3 ){ 0, 0, 0 }, 0.0f );
     }
 }
 
-// ---- inputs without an answer ----
+// ---- inputs without a result ----
 
 static void numbers_that_are_none_are_answered_with_nothing( void** state )
 {

@@ -1,4 +1,4 @@
-// Who is near whom: neighbours against brute force, for every instruction set that runs here and any number of workers.
+// Neighbours against brute force, for every instruction set that runs here and any number of workers.
 #include "space_fixture.h"
 
 enum
@@ -14,15 +14,15 @@ static int count_of( cloud_shape shape, int i )
 
 // ---- brute force ----
 
-// Neighbours of one query in slot order, and how many there are.
+// Neighbours of one query in slot order, and their number.
 typedef struct naive_list
 {
     int near_count, skin_count;
     int32_t near[NO_LIMIT], skin[NO_LIMIT];
 } naive_list;
 
-// Distances are summed x, y, z in single precision without fused operations, as the engine promises everywhere, so
-// that an item on the very border is judged alike.
+// Distances are summed x, y, z in single precision without fused operations, as in the engine, so that an item
+// exactly on the border is treated the same.
 static void search_naively( const wisp_grid* g, const wisp_neighbour_query* query, int q, naive_list* list )
 {
     const float* p = query->xyzw + 4 * (size_t)q;
@@ -51,8 +51,8 @@ static int at_most( int count, int limit )
     return count < limit ? count : limit;
 }
 
-// Wrong entries of one lane: the first `limit` near ones in order, as many of the shell behind them, then the query's own
-// number to the slice's end.
+// Wrong entries of one lane: the first `limit` near ones in order, as many of the shell after them, then the query's
+// own number to the slice's end.
 static int wrong_entries( const wisp_neighbours* found, int q, const naive_list* expected, int limit )
 {
     const wisp_neighbour_list* list = &found->all;
@@ -71,7 +71,7 @@ static int wrong_entries( const wisp_neighbours* found, int q, const naive_list*
     return wrong;
 }
 
-// No list is longer than its slice's longest lane needs.
+// No list is longer than the longest lane of its slice.
 static bool is_too_long( const wisp_neighbours* found, int slice )
 {
     int near = 0;
@@ -99,7 +99,7 @@ static size_t entries_of_all( const wisp_neighbour_list* list, int slices )
     return sum;
 }
 
-// @return how many neighbours, near and in the shell, brute force found
+// @return number of neighbours, near and in the shell, by brute force
 static int64_t assert_found_by_brute_force( const space* s, const wisp_neighbour_query* query )
 {
     naive_list* list = checked_malloc( sizeof( naive_list ) );
@@ -136,7 +136,7 @@ static float* quads_by_slot( const wisp_grid* g, const cloud* c )
     return xyzw;
 }
 
-// Every item asks for its neighbours. @return how many were found
+// Query the neighbours of every item. @return number found
 static int64_t check_cloud( space* s, const cloud* c, float radius, float skin, int limit )
 {
     assert_int_equal( build_grid( s, c, skin > radius ? skin : radius ), WISP_OK );
@@ -166,7 +166,7 @@ static void check_every_cloud( space* s, int first_count, int last_count )
             int64_t alone = check_cloud( s, &c, radius, 0.0f, NO_LIMIT );
             s->fine = 4 - i % 4;
             int64_t with_shell = check_cloud( s, &c, radius, 1.25f * radius, NO_LIMIT );
-            // a check of nothing would show nothing; on the lattice all but the shell is empty
+            // a check without neighbours would show nothing; on the lattice everything but the shell is empty
             assert_true( c.count < 1000 || shape == CLOUD_LATTICE || alone > 0 );
             assert_true( c.count < 1000 || with_shell > alone || shape == CLOUD_ONE_POINT );
             free( c.xyzw );
@@ -260,7 +260,7 @@ static void place_on_borders( cloud* c, const wisp_grid* g, float radius )
 static void items_on_the_borders_of_cells_find_each_other( void** state )
 {
     (void)state;
-    // found by search: with these numbers thousands of pairs are missed if cells are no wider than the radius
+    // found by search: with these numbers thousands of pairs are missed if cells are exactly as wide as the radius
     const float radius = 0.201205894f, first = -641.421692f, last = 140.0f;
     cloud c = make_cloud( CLOUD_ONE_POINT, BORDER_ITEMS );
     for ( int32_t i = 0; i < c.count; ++i )
@@ -269,7 +269,7 @@ static void items_on_the_borders_of_cells_find_each_other( void** state )
         memcpy( c.xyzw + 4 * i + 3, &i, sizeof( i ) );
     }
     space* s = space_open( 1, baseline() );
-    // the ends decide about the cells, so that they stay as they are when the others move
+    // the ends determine the cells, so that they stay the same when the others move
     for ( s->fine = 1; s->fine <= 4; ++s->fine )
     {
         assert_int_equal( build_grid( s, &c, radius ), WISP_OK );
@@ -367,7 +367,7 @@ static void a_radius_wider_or_narrower_than_the_cells_finds_the_same( void** sta
     space_close( s );
 }
 
-// Points that are no items of the grid ask: inside, outside, far away, on the other side of the origin.
+// Queries that are no items of the grid: inside, outside, far away, on the other side of the origin.
 static void assert_strangers_find_their_neighbours( cloud_shape shape )
 {
     cloud c = make_cloud( shape, 1000 ), strangers = make_cloud( CLOUD_BALL, 203 );
@@ -437,7 +437,7 @@ static void a_second_build_of_the_same_asks_for_no_memory( void** state )
     space_close( s );
 }
 
-// A large cloud behind a small one, so that warm buffers must grow too. @return the first status that is not OK
+// A large cloud after a small one, so that warm buffers must grow too. @return the first status that is not OK
 static wisp_status build_two( space* s, const cloud* small, const cloud* large )
 {
     const cloud* clouds[] = { small, large };

@@ -1,4 +1,4 @@
-// The step clock: substeps of constant length from steps of any length, and how far kinematic targets have come.
+// The step clock: substeps of constant length from steps of any length, and the interpolation of kinematic targets.
 #include "unit.h"
 
 #include "step_clock.h"
@@ -67,7 +67,7 @@ static void steps_of_any_length_have_substeps_that_barely_change( void** state )
     free( frame );
 }
 
-// A pin that is told where to be at the end of each step moves at constant speed over all substeps.
+// A pin with a target for the end of each step moves at constant speed over all substeps.
 static void a_steady_target_is_followed_at_a_steady_speed( void** state )
 {
     (void)state;

@@ -157,7 +157,7 @@ static void ranges_close_up_behind_a_removed_entity_and_keep_their_contents( voi
     }
 }
 
-// Entities come, change and go by chance; whoever is left always finds his own bytes.
+// Random addition, change and removal of entities; the remaining ones always keep their own bytes.
 static void contents_survive_any_order_of_coming_and_going( void** state )
 {
     fixture* f = *state;
@@ -333,7 +333,7 @@ static bool attach_shape( store* s, wisp_entity entity )
 }
 
 // Refuse the n-th request of a change for every n: it fails and changes nothing until n is beyond its last request,
-// and succeeds at once when memory is back. @return how many requests could be refused
+// and succeeds at once when memory is available again. @return how many requests could be refused
 static int refuse_every_request( fixture* f, bool shaped, change_fn* change, bool rest )
 {
     int failures = 0;

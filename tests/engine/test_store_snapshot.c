@@ -1,4 +1,4 @@
-// What walks the columns: hash, snapshot, restore; and what waits to be done on an entity.
+// Walks over the columns: hash, snapshot, restore; and pending changes of an entity.
 #include "store_fixture.h"
 
 // ---- hash ----
@@ -152,7 +152,7 @@ static void what_means_nothing_between_steps_is_in_no_hash_and_no_snapshot( void
     }
 }
 
-// The bytes are refused with a message, and nothing has changed.
+// The bytes are rejected with a message, and nothing has changed.
 static void assert_refused( store* s, const void* bytes, size_t size )
 {
     visible before = look_at( s );
@@ -171,7 +171,7 @@ static void a_snapshot_cut_anywhere_is_refused( void** state )
     spoil_all( &f->s );
     for ( size_t size = 0; size < shot.size; ++size )
     {
-        // a block of exactly this size, so that a sanitizer sees a byte read too far
+        // a block of exactly this size, so that a sanitizer detects a byte read beyond the end
         unsigned char* cut = checked_malloc( size > 0 ? size : 1 );
         memcpy( cut, shot.bytes, size );
         assert_refused( &f->s, cut, size );
@@ -246,7 +246,7 @@ static void an_empty_store_restores_an_empty_snapshot( void** state )
     free( shot.bytes );
 }
 
-// ---- what waits ----
+// ---- pending changes ----
 
 enum
 {
@@ -293,7 +293,7 @@ static void rows_that_are_new_wake_their_watchers_and_their_writers( void** stat
     assert_true( store_attach( &f->s, e, SHAPE ) );
     assert_true( store_find( &f->s, e )->dirty == ( store_bit( WATCHER ) | store_bit( WRITER ) ) );
     store_find( &f->s, e )->dirty = 0;
-    assert_true( store_attach( &f->s, e, SHAPE ) ); // they are there already
+    assert_true( store_attach( &f->s, e, SHAPE ) ); // they exist already
     assert_true( store_find( &f->s, e )->dirty == 0 );
 }
 

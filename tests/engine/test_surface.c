@@ -1,4 +1,4 @@
-// Surfaces: particles in time, pins, the guard, and what is read of them.
+// Surfaces: particles in time, pins, the guard, and statistics.
 #include "surface_fixture.h"
 
 static const float DT = 0.01f;
@@ -8,7 +8,7 @@ static void run( wisp_world* world, int steps )
     run_steps( world, steps, DT );
 }
 
-// A plane of n x n vertices whose points and figures are wanted.
+// A plane of n x n vertices whose points and statistics are requested.
 static wisp_entity add_plane( hosted* h, int n, const int32_t* pins, int pin_count )
 {
     test_mesh mesh = test_plane( n, 0.1f );
@@ -37,7 +37,8 @@ static void a_surface_in_free_fall_gains_g_t_and_no_strain( void** state )
     assert_int_equal( wisp_set_gravity( h->world, e, ( wisp_vec3 ){ 0.0f, -9.8f, 0.0f } ), WISP_OK );
     run( h->world, 100 );
     wisp_motion_stats q = motion_stats_of( h->world, e );
-    // the sum of 100 steps of symplectic Euler; velocities are read back from positions, whose rounding at 5 m is 5e-7 m
+    // the sum of 100 steps of symplectic Euler; velocities are differences of positions, whose rounding at 5 m is
+    // 5e-7 m
     assert_near( q.momentum[1] / q.mass, -9.8 * 1.0, 1e-3 );
     assert_near( q.centre[1], -9.8 * 1e-4 * 100.0 * 101.0 / 2.0, 1e-3 );
     assert_near( q.strain_max, 0.0, 2e-5 );
@@ -125,7 +126,7 @@ static void a_nan_halts_its_entity_alone( void** state )
     assert_int_equal( hash_of( h->world, bad, WISP_SURFACE_POINTS ), before );
     run( h->world, 2 );
 
-    // the one beside it never noticed: it is where it would be in a world of its own
+    // its neighbour was not affected: it is where it would be in a world of its own
     wisp_world* alone;
     assert_int_equal( wisp_world_create( &h->def, &alone, NULL ), WISP_OK );
     wisp_world* mixed = h->world;
@@ -183,13 +184,13 @@ static void rigid_motion_keeps_momentum_energy_and_shape( void** state )
         first[n] = motion_stats_of( h->world, e[n] );
     }
     run( h->world, 99 );
-    double mean = 0.0; // of what is off along z
+    double mean = 0.0; // of the error along z
     for ( int n = 0; n < STARTS; ++n )
     {
         const wisp_motion_stats q = motion_stats_of( h->world, e[n] );
         const double x = q.momentum[0] / q.mass - 1.0 - 0.01 * n, z = q.momentum[2] / q.mass - 3.0 + 0.01 * n;
-        // velocities are differences of positions (rounding 6e-8 m near 1 m, 1.2e-7 m near 3 m) over 0.01 s, averaged over 81
-        // vertices; along z 100 steps made up to 5e-5 of it
+        // velocities are differences of positions (rounding 6e-8 m near 1 m, 1.2e-7 m near 3 m) over 0.01 s, averaged
+        // over 81 vertices; along z 100 steps added up to 5e-5 of it
         assert_near( x, 0.0, 2e-5 );
         assert_near( z, 0.0, 1e-4 );
         mean += z / STARTS;

@@ -1,7 +1,8 @@
-// The search for a setting, on surfaces of time and error that are made up: it is held against all choices of the product.
+// The search for a configuration, on synthetic functions of time and error: compared with all configurations of the
+// product.
 #include "tune_fixture.h"
 
-// ---- what all choices say ----
+// ---- results of all configurations ----
 
 static int best_by_error( const surface* s, double target )
 {
@@ -54,7 +55,7 @@ static void the_cheapest_choice_that_meets_an_error_is_found_without_running_all
         configurations += size_of( &s );
         wisp_tune_release( &found );
     }
-    assert_true( 4 * runs < configurations ); // a fifth of them is what it takes
+    assert_true( 4 * runs < configurations ); // it needs a fifth of them
 }
 
 static void the_most_accurate_choice_within_a_budget_is_found_without_running_all( void** state )
@@ -110,7 +111,7 @@ static void nothing_is_concluded_across_values_without_order( void** state )
         surface s = make_surface( seed, 6, 1, 4 );
         for ( int i = 0; i < size_of( &s ); ++i )
         {
-            // The third parameter changes time and error by whatever it likes.
+            // The third parameter changes time and error arbitrarily.
             s.ms[i] *= 0.3 + random_unit( seed, 40, i % 4 );
             s.error[i] *= 0.3 + random_unit( seed, 41, i % 4 );
         }
@@ -137,7 +138,7 @@ static void noise_of_times_never_lets_an_error_pass( void** state )
         const int chosen = number_of( &s, found.configuration );
         assert_true( found.meets_target );
         assert_true( s.error[chosen] <= target );
-        // Two times that are off by a tenth each, the wrong way, differ by 1.1 / 0.9.
+        // Two times with errors of a tenth each, of opposite signs, differ by 1.1 / 0.9.
         assert_true( s.ms[chosen] <= 1.23 * s.ms[best_by_error( &s, target )] );
         wisp_tune_release( &found );
     }
@@ -152,7 +153,7 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
         for ( int i = 0; i < size_of( &s ); ++i )
         {
             const int configuration[3] = { i / 12, i / 3 % 4, i % 3 };
-            // One rough corner and one fine one.
+            // One coarse corner and one fine one.
             s.is_halted[i] =
                 configuration[0] + configuration[1] < 2 || configuration[0] + configuration[1] + configuration[2] > 7;
         }
@@ -172,7 +173,7 @@ static void choices_that_halt_are_never_chosen_and_hide_no_other( void** state )
     }
 }
 
-// ---- what cannot be met ----
+// ---- targets that cannot be met ----
 
 static void an_error_out_of_reach_gives_the_most_accurate_choice_and_says_so( void** state )
 {
@@ -217,7 +218,7 @@ static void where_every_choice_halts_nothing_is_met( void** state )
     wisp_tune_release( &found );
 }
 
-// ---- how runs are spent ----
+// ---- use of the runs ----
 
 static void no_choice_is_run_twice_but_to_measure_it_again( void** state )
 {
@@ -319,7 +320,8 @@ static double best_of_many( const many_surface* s, double target )
     return best;
 }
 
-// Ruling out takes more than sixty runs here, so the limit falls into it: how much dearer the choice is than the best.
+// Ruling out takes more than sixty runs here, so the limit cuts it: the excess cost of the configuration over the
+// best.
 static void a_limit_of_runs_leaves_enough_to_look_beside_the_best( void** state )
 {
     (void)state;

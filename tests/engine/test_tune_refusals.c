@@ -1,4 +1,4 @@
-// What the search for a setting refuses, and how it ends where a host or memory fails.
+// Invalid input of the search for a configuration, and its end after a failure of the host or of memory.
 #include "tune_fixture.h"
 
 static void assert_no_search( searched* args, wisp_status expected, const char* words )

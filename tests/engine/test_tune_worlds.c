@@ -1,5 +1,5 @@
-// The search for a setting of worlds: a small cloth that falls from two corners, and a check of what is told that shares
-// no code with it.
+// The search for a configuration of worlds: a small cloth that falls from two corners, and an independent check of
+// the result.
 #include "surface_fixture.h"
 
 #include "wisp/tune.h"
@@ -153,12 +153,12 @@ static wisp_tune_result find( cloth_host* host, const wisp_tune_def* args )
     return found;
 }
 
-// ---- what is found ----
+// ---- results ----
 
 static void an_error_that_is_told_as_met_is_met_when_it_is_measured_apart( void** state )
 {
     (void)state;
-    // The error of a choice in the middle is a target that some meet and some miss.
+    // The error of a configuration in the middle is a target that some meet and some miss.
     static const int middle[2] = { 2, 0 };
     double target, largest;
     measure_errors( middle, &target, &largest );
@@ -224,7 +224,7 @@ static void a_host_may_step_worlds_itself( void** state )
     wisp_tune_release( &stepped );
 }
 
-// ---- what is refused ----
+// ---- rejected input ----
 
 static void assert_no_worlds( cloth_host* host, const wisp_tune_def* args, const wisp_tune_worlds_def* def,
                               wisp_status expected, const char* words )

@@ -1,5 +1,5 @@
-// Meshes searched by voxels: every answer is that of brute force, and that of the tree where there is one, to the last
-// bit, whatever the size of the voxels.
+// Meshes searched by voxels: every result equals that of brute force, and that of the tree if there is one, to the
+// last bit, for any size of the voxels.
 #include "mesh_fixture.h"
 
 enum
@@ -10,8 +10,8 @@ enum
 
 // ---- meshes ----
 
-// Long triangles, the slenderest of which is as wide as a hundred-thousandth of its length. More slender ones still have
-// a face in double precision, but the nearest point on it is rounding.
+// Long triangles, the slenderest of which is as wide as a hundred-thousandth of its length. More slender ones still
+// have a face in double precision, but the nearest point on it is rounding.
 static test_mesh make_needles( int count )
 {
     test_mesh m = test_mesh_reserve( 3 * count, count );
@@ -28,7 +28,7 @@ static test_mesh make_needles( int count )
     return m;
 }
 
-// Points and lines among triangles: corners that coincide, corners in a row, the same corner twice.
+// Points and lines among triangles: coincident corners, collinear corners, the same corner twice.
 static test_mesh make_degenerate( void )
 {
     test_mesh m = test_mesh_ball( 6, false );
@@ -268,7 +268,7 @@ static void answers_are_those_of_brute_force_and_of_the_tree_bit_for_bit( void**
         test_mesh m = make_mesh( which );
         float size;
         centre_of( &m, &size );
-        // of the mean edge, far smaller than can be, and as large as the mesh
+        // of the mean edge, far smaller than possible, and as large as the mesh
         const float sizes[] = { 0.0f, 1e-3f * size, 3.0f * size };
         wisp_collision_mesh* tree = make_tree_if_any( &m, false );
         int answered = 0, crossed = 0, queries = which == BUNNY ? QUERIES / 8 : QUERIES;
@@ -319,7 +319,7 @@ static void the_middle_of_a_ball_finds_the_lowest_of_what_is_equally_far( void**
     test_mesh m = test_mesh_ball( 16, false );
     float* xyzw = test_mesh_quads( &m );
     wisp_collision_mesh* voxels = make_voxels( &m, false, 0.0f );
-    assert_true( wisp_collision_mesh_get_stats( voxels ).voxel_count > 15 * 15 * 15 ); // blocks are looked at
+    assert_true( wisp_collision_mesh_get_stats( voxels ).voxel_count > 15 * 15 * 15 ); // blocks are searched
     for ( int i = 0; i < 200; ++i )
     {
         wisp_vec3 p = test_point( i, 3, i < 100 ? 1e-3f : 0.5f );
@@ -349,7 +349,7 @@ static void few_triangles_are_looked_at_near_the_surface( void** state )
         wisp_collision_mesh_closest( voxels, &query, 1, &nearest, &work );
         wisp_collision_mesh_cast( voxels, &path, 1, &hit, &work );
     }
-    // a voxel of a mean edge is touched by some 8 triangles, and 8 voxels are in reach
+    // a voxel of a mean edge is touched by about 8 triangles, and 8 voxels are within reach
     assert_true( work.tested < 40 * work.queried );
     assert_int_equal( work.queried, 2000 );
     assert_int_equal( work.refused, 0 );
@@ -423,7 +423,7 @@ static void an_update_that_fails_leaves_everything_as_it_was( void** state )
     wisp_vec3* moved = copy_points( &m );
     int answered = 0, crossed = 0;
 
-    moved[3].y = 0.5f; // right, and not to be taken either
+    moved[3].y = 0.5f; // valid, but not to be used either
     moved[77].z = NAN;
     wisp_error error = { 0 };
     assert_int_equal( wisp_collision_mesh_update( voxels, moved, &error ), WISP_BAD_INPUT );
@@ -483,7 +483,8 @@ static void voxels_are_no_more_than_there_may_be( void** state )
         info = wisp_collision_mesh_get_stats( fine );
         assert_true( info.voxel_count >= 1 && info.voxel_count <= 16 * m.triangle_count );
         assert_true( info.coarse && info.voxel_size > 1e-8f );
-        // 4 bytes a voxel, 8 a block of at least one, 64 places of 4 bytes a triangle; once it grows by half more
+        // 4 bytes per voxel, 8 per block of at least one, 64 places of 4 bytes per triangle; once it grows by half
+        // more
         size_t most = 3 * (size_t)m.triangle_count * ( 16 * ( 4 + 8 ) + 64 * 4 ) / 2 + 4096;
         assert_true( wisp_collision_mesh_bytes( fine ) - wisp_collision_mesh_bytes( wide ) <= most );
         wisp_collision_mesh_release( wide );
@@ -499,7 +500,7 @@ static void voxels_are_as_large_as_queried_for( void** state )
     wisp_collision_mesh* queried = make_voxels( &m, false, 0.125f );
     wisp_collision_mesh_stats info = wisp_collision_mesh_get_stats( queried );
     assert_true( info.voxel_size == 0.125f && !info.coarse );
-    assert_int_equal( info.voxel_count, 17 * 17 * 17 ); // 16 over the diameter, and what rounding may come to
+    assert_int_equal( info.voxel_count, 17 * 17 * 17 ); // 16 over the diameter, and the effect of rounding
     wisp_collision_mesh* own = make_voxels( &m, false, 0.0f );
     info = wisp_collision_mesh_get_stats( own );
     // a quarter of a circle's length, cut into 20, and its diagonal in every third edge

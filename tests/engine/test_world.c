@@ -1,4 +1,4 @@
-// The public face: who is alive in a world, what it shows, and what it remembers.
+// The public interface of worlds: stale handles, requests, views, instances, snapshots, counters.
 #include "saved_world.h"
 #include "world_fixture.h"
 
@@ -263,7 +263,7 @@ static void a_snapshot_of_strands_cut_differently_is_refused( void** state )
     assert_int_equal( status, WISP_BAD_INPUT );
 }
 
-// A world with these modules, and frozen hair that has answered its first command.
+// A world with these modules, and frozen hair that has run its first command.
 static wisp_world* open_frozen_world( const wisp_module* const* modules, int count, wisp_entity* out )
 {
     wisp_world_def def = wisp_default_world_def();
@@ -384,7 +384,7 @@ static void a_hundred_worlds_live_side_by_side_and_agree( void** state )
     {
         step( worlds[i] );
     }
-    // one goes its own way, and the others do not notice
+    // one gets a different command, and the others are not affected
     assert_int_equal( wisp_command_frozen_hair( worlds[50], entities[50], ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } ),
                       WISP_OK );
     step( worlds[50] );

@@ -80,7 +80,7 @@ static void a_step_of_its_own_shows_its_own_points( void** state )
     assert_true( fabs( x_of( h->world, e ) - 3.0 * (double)DT ) < 1e-5 );
 }
 
-// Interpolation is for the eye: a hash is that of the step, and what is restored is shown as it was.
+// Interpolation is for display: a hash is that of the step, and a restored state is shown without interpolation.
 static void hashes_and_restored_points_are_those_of_the_step( void** state )
 {
     hosted* h = *state;

@@ -1,9 +1,9 @@
-// What a world refuses: definitions of worlds, of modules and of strands, each by its own message.
+// Invalid definitions of worlds, of modules and of strands, each rejected by its own message.
 #include "world_fixture.h"
 
 // ---- definitions of worlds ----
 
-// Refused with one message that holds these words, and without a world.
+// Rejected with one message that contains these words, and without a world.
 static void assert_no_world( const wisp_world_def* def, const char* words )
 {
     wisp_world* world = (wisp_world*)(uintptr_t)1;
@@ -133,7 +133,7 @@ static void a_definition_that_was_not_filled_by_default_is_wrong_code( void** st
     assert_int_equal( asserts, 1 );
 }
 
-// ---- modules that declare wrongly ----
+// ---- invalid declarations of modules ----
 
 static const wisp_column_def VALUE[] = { { "value", 4 } }, WIDE[] = { { "value", 8 } };
 

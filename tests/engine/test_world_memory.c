@@ -1,7 +1,7 @@
-// Memory: what a world holds, what it gives back, and what happens when the host has none at any one moment.
+// Memory: the size of a world, its release, and lack of memory at any moment.
 #include "world_fixture.h"
 
-// ---- what a world holds ----
+// ---- size of a world ----
 
 static void a_world_knows_every_byte_it_was_lent( void** state )
 {
@@ -81,7 +81,7 @@ static void a_world_with_many_workers_gives_everything_back( void** state )
 
 // ---- warm steps ----
 
-// The same command again and again. @return requests for memory in ten warm steps
+// The same command repeatedly. @return requests for memory in ten warm steps
 static int64_t requests_of_warm_steps( int workers )
 {
     hosted h = { 0 };
@@ -118,7 +118,7 @@ enum
     SCENE_LENGTH = 6,
 };
 
-// A scene grows by calls; each is made again when the host had no memory for it.
+// A scene grows by calls; each is repeated when the host had no memory for it.
 typedef struct scene
 {
     hosted h;
@@ -192,7 +192,7 @@ static wisp_status request_width( scene* s )
     return wisp_request( s->h.world, s->first, WISP_POINT_WIDTH );
 }
 
-// A step that failed half way has taken its command; the same event from rest gives the same bits.
+// A step that failed half way has consumed its command; the same event from rest gives the same bits.
 static wisp_status step_first( scene* s )
 {
     if ( s->step_failed )
@@ -217,7 +217,7 @@ static const struct
     { chill_second, true },   { step_first, false },
 };
 
-// @return whether the call failed, and was made again
+// @return whether the call failed and was repeated
 static bool call_until_it_works( scene* s, int number )
 {
     uint64_t hash = s->h.world != NULL ? wisp_world_hash( s->h.world ) : 0;
@@ -242,7 +242,7 @@ static bool call_until_it_works( scene* s, int number )
     return true;
 }
 
-// What the scene shows. A call that was made again may have left another generation in a handle, so handles are out.
+// Visible state of the scene. A repeated call may have left another generation in a handle, so handles are left out.
 static uint64_t shown_by( scene* s )
 {
     return hash_of( s->h.world, s->first, WISP_STRAND_POINTS ) ^
@@ -250,8 +250,8 @@ static uint64_t shown_by( scene* s )
            5 * hash_of( s->h.world, s->first, WISP_POINT_WIDTH );
 }
 
-// Build the scene with the n-th request refused, and with `rest` all behind it until the first call fails.
-// @return what it shows; *refused says whether there were n requests, *failures counts calls that failed
+// Build the scene with the n-th request refused, and with `rest` all later ones until the first call fails.
+// @return its visible state; *refused says whether there were n requests, *failures counts calls that failed
 static uint64_t build_scene( int workers, int n, bool rest, bool* refused, int* failures )
 {
     scene s = { .strands = test_strands_of( SCENE_STRANDS, SCENE_LENGTH ) };
@@ -283,7 +283,7 @@ static void refuse_every_request( int workers, bool rest )
         assert_int_equal( build_scene( workers, n, rest, &refused, &failures ), shown );
         scenes_that_failed += failures > 0 ? 1 : 0;
     }
-    // each call asks at least once, and the world alone for several blocks
+    // each call makes at least one request, and the world alone several
     assert_true( scenes_that_failed > WISP_COUNT( CALLS ) );
 }
 

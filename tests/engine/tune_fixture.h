@@ -1,4 +1,4 @@
-/// Surfaces of time and error that are made up, and a search over them.
+/// Synthetic functions of time and error, and a search over them.
 #pragma once
 
 #include "support.h"
@@ -7,13 +7,13 @@
 
 #define CHOICES_MAX 400
 
-/// Time and error of every choice of three parameters, and what the search requested.
+/// Time and error of every configuration of three parameters, and the requests of the search.
 typedef struct surface
 {
     int counts[3];
     double ms[CHOICES_MAX], error[CHOICES_MAX];
     bool is_halted[CHOICES_MAX];
-    double noise; ///< times are off by up to this share
+    double noise; ///< times have errors of up to this fraction
     int queried[CHOICES_MAX];
     int run_count;
     int fail_at; ///< run that fails, from 1; 0: none
@@ -59,7 +59,7 @@ static inline surface make_surface( uint64_t seed, int a, int b, int c )
     return s;
 }
 
-// Every sample is off by a share of its own, so that values are in order no more.
+// Every sample has a different error, so that values are no longer in order.
 static inline void make_bumpy( surface* s, uint64_t seed, double fraction )
 {
     for ( int i = 0; i < size_of( s ); ++i )
@@ -116,7 +116,7 @@ static inline wisp_tune_result find( searched* s )
     return result;
 }
 
-// Targets that some choices of a surface meet and some do not.
+// Targets that some configurations meet and some do not.
 static inline double between( const double* numbers, int count, double fraction )
 {
     double lower = numbers[0], upper = numbers[0];

@@ -1,4 +1,4 @@
-/// Worlds with the modules that come with the engine, on a host that counts its memory.
+/// Worlds with the modules of the engine, on a host that counts its memory.
 #pragma once
 
 #include "support.h"
@@ -66,7 +66,7 @@ static inline int close_hosted( void** state )
     return 0;
 }
 
-/// Frozen hair that clumps: neighbours lie within its radius.
+/// Frozen hair that clumps: neighbours are within its radius.
 static inline wisp_frozen_hair_def clumping_def( void )
 {
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();

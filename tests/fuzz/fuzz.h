@@ -1,4 +1,4 @@
-/// What every fuzz target shares: a demand, and what a refusal is.
+/// Shared by all fuzz targets: assertions, and the form of a rejection.
 #pragma once
 
 #ifndef _XOPEN_SOURCE
@@ -25,7 +25,7 @@ static inline void demand( bool condition )
     }
 }
 
-/// Input was refused with a message, which is one printable line.
+/// Input was rejected with a message, which is one printable line.
 static inline void demand_refusal( wisp_status status, const wisp_error* error )
 {
     demand( status == WISP_BAD_INPUT && error->status == status && error->message[0] != 0 );

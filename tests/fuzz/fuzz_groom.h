@@ -1,4 +1,4 @@
-/// What both groom fuzz targets do with a groom that was read: describe it, check it, and write and read it again.
+/// Shared by both groom fuzz targets, for a groom that was read: describe it, check it, and write and read it back.
 #pragma once
 
 #include "fuzz.h"
@@ -53,7 +53,7 @@ static inline void fuzz_round_trip( const wisp_groom* groom )
     wisp_groom_release( &again );
 }
 
-/// @param status what the reader said
+/// @param status of the reader
 static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_groom* groom )
 {
     if ( status != WISP_OK )
@@ -62,7 +62,7 @@ static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_g
         demand( groom->offsets == NULL && groom->points == NULL );
         return;
     }
-    // Either answer is right; a refusal must come with its message.
+    // The groom may be accepted or rejected; a rejection must come with its message.
     wisp_error check = { .status = WISP_OK };
     demand( wisp_groom_check( groom, &check ) == WISP_OK || check.message[0] != 0 );
     fuzz_round_trip( groom );

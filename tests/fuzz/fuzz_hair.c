@@ -1,4 +1,4 @@
-// Any bytes as a .hair file: refused with a message, or read, checked, described, written and read again.
+// Any bytes as a .hair file: rejected with a message, or read, checked, described, written and read back.
 #include "fuzz_groom.h"
 
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )

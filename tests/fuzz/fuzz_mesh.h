@@ -1,4 +1,4 @@
-/// What both mesh fuzz targets do with a mesh that was read: examine, repair, describe, and write and read it again.
+/// Shared by both mesh fuzz targets, for a mesh that was read: examine, repair, describe, and write and read it back.
 #pragma once
 
 #include "fuzz.h"
@@ -39,7 +39,7 @@ static inline void fuzz_examine( const wisp_mesh* mesh )
     free( text );
 }
 
-/// A repair keeps its promises, or refuses with a message and leaves the mesh alone.
+/// A repair has the documented effect, or is rejected with a message and leaves the mesh unchanged.
 static inline void fuzz_repair( wisp_mesh* mesh )
 {
     wisp_mesh_repairs repairs;
@@ -57,7 +57,7 @@ static inline void fuzz_repair( wisp_mesh* mesh )
     wisp_mesh_repairs_release( &repairs );
 }
 
-/// @param status what the reader said
+/// @param status of the reader
 static inline void fuzz_use( wisp_status status, const wisp_error* error, wisp_mesh* mesh )
 {
     if ( status != WISP_OK )

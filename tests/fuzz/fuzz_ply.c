@@ -1,4 +1,4 @@
-// Any bytes as a .ply mesh: refused with a message, or read, examined, repaired, described, written and read again.
+// Any bytes as a .ply mesh: rejected with a message, or read, examined, repaired, described, written and read back.
 #include "fuzz_mesh.h"
 
 int LLVMFuzzerTestOneInput( const uint8_t* data, size_t size )

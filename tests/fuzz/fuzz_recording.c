@@ -1,5 +1,5 @@
-// Any bytes as a .wisp and as a .pc2 file: refused with a message, or described and read frame by frame. Checksums
-// would keep nearly all bytes from what is behind them, so a second run makes them right.
+// Any bytes as a .wisp and as a .pc2 file: rejected with a message, or described and read frame by frame. Checksums
+// would hide nearly all bytes after them, so a second run corrects them.
 #include "fuzz.h"
 
 #include "../bad/bad_recordings.h"
@@ -27,7 +27,7 @@ static void demand_body( const wisp_record_body* body )
     }
 }
 
-// All bytes are accounted for: header, whole frames, and a tail that is told or the mark of the end.
+// All bytes are accounted for: header, whole frames, and either a reported tail or the mark of the end.
 static void demand_sizes( const wisp_recording_info* info, size_t size )
 {
     uint64_t end = info->first_byte + (uint64_t)info->frame_count * info->frame_bytes;
@@ -35,7 +35,7 @@ static void demand_sizes( const wisp_recording_info* info, size_t size )
     demand( info->complete ? info->tail_bytes == 0 && end + 24 == size : end + info->tail_bytes == size );
 }
 
-// Frames that are read are finite; those that are refused leave no trace in the points.
+// Accepted frames are finite; rejected ones leave no trace in the points.
 static bool read_frames( wisp_recording* recording, wisp_vec3** points, int body_count, int frame_count )
 {
     bool good = true;

@@ -1,4 +1,5 @@
-// Any bytes as a scene: refused with one message that begins with the name, or read into a scene whose promises hold.
+// Any bytes as a scene: rejected with one message that begins with the name, or read into a scene that satisfies its
+// invariants.
 #include "fuzz.h"
 
 #include "scene.h"

@@ -1,6 +1,6 @@
-// Runs a fuzz target over files and over damaged copies of them, for compilers without libFuzzer and for the test suite:
-// link it with one target. A finding stops the program as it would stop the fuzzer. The damage is a function of the file's
-// place on the command line and of the copy's number, so that a finding comes back.
+// Runs a fuzz target over files and over damaged copies of them, for compilers without libFuzzer and for the test
+// suite: link it with one target. A finding stops the program as it would stop the fuzzer. The damage is a function
+// of the file's position on the command line and of the copy's number, so that a finding is reproducible.
 #include "wisp/module/random.h"
 
 #include <dirent.h>
@@ -23,7 +23,8 @@ typedef struct replay_input
     size_t size;
 } replay_input;
 
-// The whole file in a block exactly as long, so that a checker sees a read past its end; an empty file gets one byte.
+// The whole file in a block exactly as long, so that a sanitizer detects a read beyond it; an empty file gets one
+// byte.
 static bool read_whole( const char* path, replay_input* input )
 {
     FILE* file = fopen( path, "rb" );
@@ -51,7 +52,7 @@ static size_t roll( replay_dice* dice, size_t sides )
     return sides == 0 ? 0 : (size_t)( wisp_random_bits( dice->key, dice->file, dice->copy, dice->draw++ ) % sides );
 }
 
-// One wound: a bit, a byte, the end, a piece doubled, a piece lost.
+// One kind of damage: a bit, a byte, the end, a piece doubled, a piece lost.
 static size_t wound( replay_dice* dice, unsigned char* bytes, size_t size, size_t room )
 {
     static const unsigned char telling[] = { 0x00, 0xff, 0x7f, 0x80, 0x01, '0', '-', ':',
@@ -94,7 +95,7 @@ static void run_damaged( const replay_input* input, int file, int copies )
         {
             size = wound( &dice, work, size, room );
         }
-        // exactly as long again, for the checker
+        // exactly as long again, for the sanitizer
         unsigned char* exact = malloc( size > 0 ? size : 1 );
         if ( exact != NULL )
         {

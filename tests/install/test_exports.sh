@@ -1,5 +1,5 @@
 #!/bin/sh
-# The shared library shows names that begin with wisp_, and no other.
+# Checks that the shared library exports only names that begin with wisp_.
 #
 #     test_exports.sh LIBWISP.SO
 set -eu
@@ -14,7 +14,7 @@ if [ -n "$foreign" ]; then
     exit 1
 fi
 
-# An empty list would pass the check above; these three are what nobody can do without.
+# An empty list would pass the check above; every host needs these three.
 for name in wisp_world_create wisp_world_step wisp_world_destroy; do
     if ! printf '%s\n' "$names" | grep -qx "$name"; then
         echo "$name is not visible"

@@ -1,6 +1,6 @@
 #!/bin/bash
-# Installs into a folder of its own and uses Wisp from there: the examples against the shared and the static library, every header by
-# itself, and the programs.
+# Installs into a folder of its own and uses Wisp from there: the examples against the shared and the static library,
+# every header by itself, and the programs.
 #
 #     test_install.sh SOURCE-TREE BUILD-FOLDER COMPILER...
 set -euo pipefail
@@ -11,7 +11,7 @@ shift 2
 compiler=("$@")
 strict=(-std=c17 -Wall -Wextra -Wpedantic -Werror)
 
-# A space in the path, because people have them.
+# A space in the path, which users may have.
 folder=$(mktemp -d "${TMPDIR:-/tmp}/wisp install.XXXXXX")
 trap 'rm -rf "$folder"' EXIT
 
@@ -34,7 +34,7 @@ export PKG_CONFIG_PATH="${pc%/*}"
 unset PKG_CONFIG_LIBDIR PKG_CONFIG_SYSROOT_DIR
 prefix=$(printf '%q' "$root$(sed -n 's/^prefix=//p' "$pc")")
 
-# The prefix goes in and the words come out as a shell would write them, so a shell must read them.
+# The output is quoted for a shell, so a shell must read it.
 words()
 {
     eval "result=($(pkg-config --define-variable=prefix="$prefix" "$@" wisp))"
@@ -47,7 +47,7 @@ words --static --libs
 static=("${result[@]}")
 libdir=$(dirname "$(find "$root" -name 'libwisp.so')")
 
-# The archive by its path: -lwisp would take the shared library that lies beside it.
+# The archive by its path: -lwisp would link the shared library in the same folder.
 for i in "${!static[@]}"; do
     if [ "${static[$i]}" = -lwisp ]; then
         static[i]="$libdir/libwisp.a"
@@ -98,7 +98,7 @@ build_and_run()
         cat "$folder/static.txt"
         fail "$1 with the static library"
     }
-    # Times differ from run to run, what is computed does not.
+    # Times differ from run to run, results do not.
     diff <(grep hash "$folder/shared.txt") <(grep hash "$folder/static.txt") ||
         fail "$1 computes something else with the static library"
     echo "$1 builds and runs, shared and static"

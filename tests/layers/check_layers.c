@@ -10,9 +10,9 @@
 #include <string.h>
 
 #define EFFECTS_MAX 256
-#define NAME_SIZE 256 ///< an include or a word in a message; what is longer is cut
+#define NAME_SIZE 256 ///< an include or a word in a message; longer ones are cut
 
-/// Patterns of the rules that look for words.
+/// Patterns of the rules that search for words.
 typedef enum pattern
 {
     PATTERN_INCLUDE,      ///< 1: quote or bracket, 2: the name
@@ -42,7 +42,7 @@ static const char* const pattern_texts[PATTERN_COUNT] = {
     [PATTERN_MESON_OUT] = "'[^']*(\\.\\.|engine/)[^']*'",
 };
 
-/// A word that the engine must not know, and the folder it comes from.
+/// A word that the engine must not contain, and the folder it comes from.
 typedef struct effect_word
 {
     char word[64];
@@ -60,7 +60,7 @@ typedef struct checker
     int found;
 } checker;
 
-/// A line of a file, as the rules see it.
+/// A line of a file, prepared for the rules.
 typedef struct place
 {
     const char* path;
@@ -97,9 +97,9 @@ static bool match( const regex_t* regex, const char* text, int group, char* out,
     return true;
 }
 
-// ---- where an include leads ----
+// ---- resolution of includes ----
 
-// Take "." and ".." out of folder/name, as a compiler would find the file.
+// Remove "." and ".." from folder/name, as a compiler would find the file.
 static void join( char* out, size_t size, const char* from_path, const char* name )
 {
     const char* slash = strrchr( from_path, '/' );
@@ -121,8 +121,8 @@ static void join( char* out, size_t size, const char* from_path, const char* nam
     }
 }
 
-// Could `path` be what `name` means on some include path? Public headers are reached as wisp/<name>, where an
-// installed module's header is too. Generated headers stand in the tree with .in behind them.
+// Whether `path` can be the file `name` on some include path. Public headers are included as wisp/<name>, where an
+// installed module's header is too. Generated headers are in the tree with .in appended.
 static bool could_mean( const char* path, const char* name )
 {
     char text[2 * NAME_SIZE + 32];
@@ -142,8 +142,9 @@ static bool could_mean( const char* path, const char* name )
     return ( is_end && layer_of( path ).kind != LAYER_PUBLIC ) || strcmp( path, name ) == 0;
 }
 
-// A name that several layers have is judged by the best of them: the include paths of meson decide which one it is.
-// @return null if all is well; "" if no file of the tree has the name
+// A name that occurs in several layers is judged by the best of them: the include paths of meson decide which one it
+// is.
+// @return null if it is allowed; "" if no file of the tree has the name
 static const char* include_fault( const checker* c, const char* from, const char* name, bool is_quoted )
 {
     char beside[PATH_MAX];
@@ -164,7 +165,7 @@ static const char* include_fault( const checker* c, const char* from, const char
     return fault;
 }
 
-// What libwisp may take from the system. OpenMP and intrinsics have rules of their own.
+// System headers allowed in libwisp. OpenMP and intrinsics have rules of their own.
 static bool is_system_header_fine( const layer_info* here, const char* name )
 {
     static const char standard[] =
@@ -186,7 +187,7 @@ static bool is_system_header_fine( const layer_info* here, const char* name )
     return ( is_jobs && is_of_threads ) || ( is_space && begins( name, "embree" ) );
 }
 
-// ---- the rules of one line ----
+// ---- rules for one line ----
 
 static bool is_library( const layer_info* here )
 {
@@ -264,8 +265,8 @@ static const char* meson_layer_fault( const layer_info* from, const char* name )
     return is_engine_word && !is_for_grooms ? "outside the engine only engine/include/wisp is seen" : NULL;
 }
 
-// Every name on the line, each judged by itself. math_lib_dep is the C library's and no layer's: "math_lib" does not
-// end there, so the pattern passes it by.
+// Every name on the line, each judged separately. math_lib_dep is the C library's and no layer's: "math_lib" does not
+// end there, so the pattern skips it.
 static void check_meson_layers( checker* c, const place* at, const layer_info* from )
 {
     regmatch_t groups[4];
@@ -373,9 +374,9 @@ static bool check_file( checker* c, const char* path )
     return good;
 }
 
-// ---- the words of the effects ----
+// ---- names of effects ----
 
-// Words that name data or geometry, which an engine may speak of although a folder's name has them.
+// Words for data or geometry, which the engine may use although a folder's name contains them.
 static bool is_generic( const char* word )
 {
     static const char words[] = " strand strands hair look appearance collision environment cloth triangle triangles "
@@ -385,7 +386,7 @@ static bool is_generic( const char* word )
     return strstr( words, between ) != NULL;
 }
 
-// @param word as in a folder's name; an underscore stands for any separator or none
+// @param word as in a folder's name; an underscore matches any separator or none
 static bool add_effect( checker* c, const char* word )
 {
     for ( int i = 0; i < c->effect_count; ++i )
@@ -400,7 +401,7 @@ static bool add_effect( checker* c, const char* word )
         fprintf( c->out, "modules: more than %d words in the names of effects\n", EFFECTS_MAX );
         return false;
     }
-    // An underscore beside the word is a border too: frozen_look and WISP_FROZEN speak of frozen.
+    // An underscore next to the word is a border too: frozen_look and WISP_FROZEN contain frozen.
     char text[512] = "(^|[^[:alnum:]])";
     size_t length = strlen( text );
     for ( const char* at = word; *at && length < sizeof( text ) - 64; ++at )
@@ -429,7 +430,7 @@ static bool add_effects_of( checker* c, const char* folder )
             good = add_effect( c, word );
         }
     }
-    // Where every word is generic, only the whole name tells the effect; a single such word tells none.
+    // Where every word is generic, only the whole name identifies the effect; a single such word does not.
     return good && ( special > 0 || strchr( folder, '_' ) == NULL || add_effect( c, folder ) );
 }
 

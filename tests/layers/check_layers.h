@@ -3,7 +3,7 @@
 
 #include <stdio.h>
 
-/// @param root folder that holds engine/, modules/ and whatever else there is of app, bench, examples, tests
-/// @param out receives one line a violation, `path:line: message`, in the order of paths and lines
-/// @return violations found; -1 if there is no engine to look at or a file cannot be read, and the reason is in `out`
+/// @param root folder that contains engine/, modules/ and any of app, bench, examples, tests
+/// @param out receives one line per violation, `path:line: message`, in the order of paths and lines
+/// @return number of violations; -1 if there is no engine to check or a file cannot be read, with the reason in `out`
 int check_layers( const char* root, FILE* out );

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/// A layer of the engine, and how far up the public headers it may see reach. Layers of one level do not see each
-/// other.
+/// A layer of the engine, and the highest public headers that it may include. Layers of one level must not include
+/// each other.
 typedef struct engine_room
 {
     const char* name;
@@ -53,7 +53,7 @@ static bool begins( const char* text, const char* start )
     return strncmp( text, start, strlen( start ) ) == 0;
 }
 
-// The folder behind the prefix; nothing for a file that lies right in it.
+// The folder after the prefix; empty for a file directly in it.
 static void copy_folder( char* out, size_t size, const char* rest )
 {
     const char* slash = strchr( rest, '/' );
@@ -103,13 +103,13 @@ static const char* file_name( const char* path )
     return slash ? slash + 1 : path;
 }
 
-// Headers of the engine that only modules include; a host needs none of them.
+// Headers of the engine that only modules include; a host does not need them.
 static bool is_for_modules( const char* path )
 {
     return begins( path, "engine/include/wisp/module/" );
 }
 
-// A module shows one header, modules/<name>/<name>.h; the rest of its folder is its own.
+// A module publishes one header, modules/<name>/<name>.h; the rest of its folder is private.
 static bool is_module_face( const char* path, const char* module )
 {
     char face[160];
@@ -141,7 +141,7 @@ static const char* engine_fault( const layer_info* from, const layer_info* to, c
     return to->level == from->level ? "that layer is beside this one, not below it" : "that layer is above this one";
 }
 
-// What a host includes leads to nothing that only modules need.
+// Headers for hosts include no headers for modules.
 static const char* public_fault( const char* from_path, const layer_info* to, const char* to_path )
 {
     if ( to->kind != LAYER_PUBLIC )

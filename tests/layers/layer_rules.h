@@ -11,7 +11,7 @@ typedef enum layer_kind
     LAYER_APP,      ///< app
     LAYER_EXAMPLES, ///< examples
     LAYER_ORACLE,   ///< tests/oracle
-    LAYER_TESTS,    ///< tests: free to look anywhere
+    LAYER_TESTS,    ///< tests: may include everything
     LAYER_NOWHERE,
 } layer_kind;
 
@@ -19,12 +19,12 @@ typedef struct layer_info
 {
     layer_kind kind;
     char name[64]; ///< of the engine's layer or of the module; empty for the files that list them
-    int level;     ///< of an engine's layer, from 0 at the bottom; -1 if the order does not know it
+    int level;     ///< of an engine's layer, from 0 at the bottom; -1 for an unlisted layer
 } layer_info;
 
 layer_info layer_of( const char* path );
 /// Level of an engine's layer by name, -1 if there is no such layer.
 int layer_level( const char* name );
 
-/// @return null if it may, else what is wrong with it: "plan is above store"
+/// @return null if it may, else the violation: "plan is above store"
 const char* layer_fault( const char* from, const char* to );

@@ -124,7 +124,7 @@ static char* skip_literal( char* at )
     return *at == quote ? at + 1 : at;
 }
 
-// Blank until the end mark, which is blanked too unless it is the line's end.
+// Blank up to the end mark, which is blanked too unless it is the line's end.
 static char* blank_until( char* at, const char* end )
 {
     char* stop = strstr( at, end );

@@ -10,17 +10,17 @@ typedef struct layer_tree
     int count, capacity;
 } layer_tree;
 
-/// List the files below root/folder. Names that begin with a dot are left out. A folder that is not there adds nothing.
+/// List the files below root/folder. Names that begin with a dot are left out. A missing folder adds nothing.
 /// @return false without memory
 bool layer_tree_add( layer_tree* tree, const char* root, const char* folder );
 void layer_tree_sort( layer_tree* tree );
 bool layer_tree_has( const layer_tree* tree, const char* path );
 void layer_tree_release( layer_tree* tree );
 
-/// @return the text of root/path with a zero behind it, for free(); null if it cannot be read
+/// @return the zero-terminated text of root/path, for free(); null if it cannot be read
 char* layer_text_read( const char* root, const char* path );
 
-/// Put blanks where C comments are. Line ends and strings stay, so line numbers and #include lines do too.
+/// Replace C comments by blanks. Line ends and strings stay, so line numbers and #include lines do too.
 void layer_text_blank_c( char* text );
 /// The same for comments that run from '#' to the end of the line.
 void layer_text_blank_hash( char* text );

@@ -1,4 +1,4 @@
-// The tree keeps to its layers; and the check that says so finds what is planted, one violation at a time.
+// The tree respects its layers; and the check finds planted violations, one at a time.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -22,11 +22,11 @@ typedef struct planted
 {
     const char* path;
     const char* text;
-    const char* line; ///< what the report begins with, behind the path; null if there is nothing to find
-    const char* word; ///< what the report also holds
+    const char* line; ///< beginning of the report after the path; null if there is nothing to find
+    const char* word; ///< another part of the report
 } planted;
 
-// A tree as it should be, with an include across every dependency that is allowed.
+// A valid tree, with an include across every dependency that is allowed.
 static const planted clean_tree[] = {
     { "engine/include/wisp/base.h", "#include <stdint.h>\n", NULL, NULL },
     { "engine/include/wisp/jobs.h", "#include \"wisp/base.h\"\n", NULL, NULL },
@@ -90,7 +90,7 @@ static const planted violations[] = {
     { "app/engine.c", "#include \"store.h\"\n", ":1:", "only engine/include/wisp" },
     { "bench/up.c", "#include \"main.c\"\n", ":1:", "benchmark stands" },
     { "examples/inside.c", "#include \"alloc.h\"\n", ":1:", "only engine/include/wisp" },
-    // what cannot be judged, and what the library must not stand on
+    // unknown names, and forbidden dependencies of the library
     { "engine/plan/gone.c", "#include \"gone.h\"\n", ":1:", "gone.h" },
     { "app/gone.c", "#include \"gone.h\"\n", ":1:", "no file" },
     { "engine/plan/computed.c", "#include HEADER\n", ":1:", "computed" },
@@ -127,7 +127,7 @@ static const planted violations[] = {
     { "app/meson.build", "executable(engine_includes)\n", ":1:", "engine" },
 };
 
-// ---- a tree of our own ----
+// ---- a small tree ----
 
 static void write_file( const char* root, const planted* file )
 {
@@ -171,7 +171,7 @@ static int remove_tree( void** state )
     return status;
 }
 
-/// @param text receives what was printed, for free()
+/// @param text receives the printed report, for free()
 static int check( const char* root, char** text )
 {
     size_t size;
@@ -182,7 +182,7 @@ static int check( const char* root, char** text )
     return found;
 }
 
-// What the report must be of exactly this file, this line and this word.
+// The report must be of exactly this file, this line and this word.
 static bool is_report_of( const planted* wrong, const char* text )
 {
     char start[160];
@@ -235,7 +235,7 @@ static void each_planted_violation_is_found_with_file_and_line( void** state )
         assert_true( is_right );
         assert_int_equal( remove( path ), 0 );
 
-        // A file that was there before is needed again by the ones behind it.
+        // A file that was there before is needed again by later ones.
         for ( size_t k = 0; k < sizeof( clean_tree ) / sizeof( clean_tree[0] ); ++k )
         {
             if ( strcmp( clean_tree[k].path, violations[i].path ) == 0 )

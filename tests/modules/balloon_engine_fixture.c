@@ -17,7 +17,7 @@ balloon_scene balloon_scene_of( const balloon_mesh* mesh )
     };
     scene.def.buoyancy = false;
     scene.def.drag_coefficient = 0.0f;
-    scene.def.keep_angular_momentum = false; // the paper does not, nor does the oracle
+    scene.def.keep_angular_momentum = false; // neither the paper nor the oracle has this
     return scene;
 }
 
@@ -211,7 +211,7 @@ static double mass_of( const float* p )
     return p[3] > 0.0f ? 1.0 / (double)p[3] : 0.0;
 }
 
-// The sums below are of the columns as they are now, not of the last step's figures.
+// The sums below use the present columns, not the statistics of the last step.
 
 static int count_of( const balloon_flight* flight )
 {

@@ -1,5 +1,5 @@
-/// What the tests of the engine's balloon share: a scene, a flight of it in a world of its own, and the double-precision
-/// oracle fed with the engine's very floats.
+/// Shared by the tests of the engine's balloon: a scene, its flight in a separate world, and the double-precision
+/// oracle with exactly the engine's floats.
 #pragma once
 
 #include "support.h"
@@ -10,12 +10,12 @@
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
-/// What flies. Zero pins, no gravity, no damping: only what a test sets acts.
+/// A balloon and its world. All zero: no pins, no gravity, no damping.
 typedef struct balloon_scene
 {
     const balloon_mesh* mesh; ///< in double, rounded once to the engine's floats
-    double scale;             ///< the balloon starts at so many times its rest shape
-    wisp_vec3 place;          ///< m, and there
+    double scale;             ///< initial scale of the rest shape
+    wisp_vec3 place;          ///< m, initial centre
     float area_density;       ///< kg/m^2
     wisp_vec3 gravity;        ///< m/s^2
     float damping;            ///< 1/s
@@ -23,17 +23,17 @@ typedef struct balloon_scene
     int pin_count;
     bool bend_links;
     wisp_balloon_def def;
-    float dt; ///< s, a step
+    float dt; ///< s per step
     int substeps, iterations;
     int workers;
     const char* isa;
-    wisp_parallel_for_fn* parallel_for; ///< the host's loop; null: none
+    wisp_parallel_for_fn* parallel_for; ///< loop of the host; null: none
     void* parallel_for_user;
     wisp_allocator allocator;
 } balloon_scene;
 
-/// The source's balloon in a vacuum: 0.02 kg/m^2, steps of 1/60 s, 10 substeps of 2 iterations, no gravity, buoyancy or
-/// drag, statistics requested.
+/// The balloon of the paper in a vacuum: 0.02 kg/m^2, steps of 1/60 s, 10 substeps of 2 iterations, no gravity,
+/// buoyancy or drag, statistics requested.
 balloon_scene balloon_scene_of( const balloon_mesh* mesh );
 /// The same in air under 9.8 m/s^2.
 balloon_scene balloon_scene_in_air( const balloon_mesh* mesh );
@@ -51,14 +51,14 @@ typedef struct balloon_flight
     const balloon_scene* scene;
 } balloon_flight;
 
-/// A world with this module alone whose log is silent. @param scene its host; may be null
+/// A world with this module alone and a silent log. @param scene its host; may be null
 wisp_world* balloon_world_create( const balloon_scene* scene );
-/// The mesh of the scene as a surface, not yet a balloon.
+/// Add the mesh of the scene as a surface, not yet a balloon.
 wisp_entity balloon_surface_add( wisp_world* world, const balloon_scene* scene );
-/// As a balloon, with statistics of balloon and surface requested.
+/// Add it as a balloon, with statistics of balloon and surface requested.
 wisp_entity balloon_add( wisp_world* world, const balloon_scene* scene );
 
-/// A flight of a scene, which must live as long.
+/// The flight of a scene, which must outlive it.
 balloon_flight balloon_start( const balloon_scene* scene );
 void balloon_end( balloon_flight* flight );
 void balloon_steps( const balloon_flight* flight, int steps );
@@ -68,33 +68,33 @@ double3 balloon_momentum( const balloon_flight* flight );
 double3 balloon_angular_momentum( const balloon_flight* flight );
 double3 balloon_from( const double v[3] );
 
-/// The engine's own column, slot by slot: [slot][4].
+/// The engine's own column, indexed by slot: [slot][4].
 float* balloon_positions( const balloon_flight* flight );
 float* balloon_velocities( const balloon_flight* flight );
-/// Velocities of up to `speed` a coordinate, the same in every run.
+/// Set velocities of up to `speed` per coordinate, the same in every run.
 void balloon_stir( const balloon_flight* flight, float speed );
 void balloon_throw( const balloon_flight* flight, wisp_vec3 velocity );
 
-/// Is every position and velocity a number, and is the balloon not frozen?
+/// True if every position and velocity is finite and the balloon is not halted.
 bool balloon_is_finite( const balloon_flight* flight );
 uint64_t balloon_hash( const balloon_flight* flight );
-/// Does the plan run this pass?
+/// True if the plan runs this pass.
 bool balloon_has_pass( wisp_world* world, const char* pass );
 
-/// In which order the oracle projects.
+/// The oracle's order of projection.
 typedef enum balloon_order
 {
-    BALLOON_ORDER_ENGINE, ///< link by link as the engine's schedule has them; edges and bend links need one stiffness
+    BALLOON_ORDER_ENGINE, ///< link by link in the engine's schedule; edges and bend links need the same stiffness
     BALLOON_ORDER_PARTED, ///< all edges, then all bend links, each in the engine's order
 } balloon_order;
 
-/// The oracle in the very state of a flight: its floats widened, masses, velocities, rest lengths, pins and gas. Pinned
-/// vertices weigh nothing in it, because the engine shares forces among those that move. Vertices are slots.
+/// The oracle in the state of a flight: its floats widened, masses, velocities, rest lengths, pins and gas. Pinned
+/// vertices have no mass in it, because the engine distributes forces among free vertices. Vertices are slots.
 balloon_oracle balloon_oracle_of( const balloon_flight* flight, balloon_order order );
-/// Largest distance between a vertex of the engine and the oracle's, m.
+/// Largest distance between a vertex of the engine and the same of the oracle, m.
 double balloon_distance( const balloon_flight* flight, const balloon_oracle* oracle );
 
 /// Fails unless |actual - expected| <= tolerance; a NaN fails.
 void balloon_assert_close( double actual, double expected, double tolerance );
-/// The same for the share by which they differ.
+/// The same for the relative difference.
 void balloon_assert_fraction( double actual, double expected, double tolerance );

@@ -1,4 +1,4 @@
-/// The engine's boundary points beside those of the oracle, on the same floats.
+/// The engine's boundary points compared with those of the oracle, on the same floats.
 #pragma once
 
 #include "support.h"
@@ -9,7 +9,7 @@
 
 #include "wisp/module/sampling.h"
 
-/// How both sample.
+/// Settings of both.
 typedef struct duel_def
 {
     double spacing; ///< m, exactly a float
@@ -25,13 +25,13 @@ typedef struct duel_def
 
 typedef struct duel
 {
-    balloon_mesh mesh; ///< the caller's
+    balloon_mesh mesh; ///< owned by the caller
     duel_def def;
     double3* x; ///< widened floats
     boundary_oracle_layer oracle;
-    boundary_oracle_point* before; ///< what the oracle had before its last update
+    boundary_oracle_point* before; ///< memory of the oracle before its last update
     int before_count;
-    boundary_oracle_memory* memory_before; ///< [element_count] of which only numbers count
+    boundary_oracle_memory* memory_before; ///< [element_count], only counts are used
     test_host host;
     wisp_allocator allocator;
     jobs_pool* pool;
@@ -96,7 +96,7 @@ static inline void duel_fill_args( duel* d )
     };
 }
 
-/// Close with duel_close(). The mesh stays the caller's.
+/// Close with duel_close(). The caller keeps the mesh.
 static inline duel* duel_open( const balloon_mesh* mesh, const duel_def* def )
 {
     duel* d = checked_calloc( 1, sizeof( duel ) );
@@ -156,7 +156,7 @@ static inline void duel_run( void* context )
         wisp_samples_update( &d->samples, jobs_everyone( d->pool ), kernels_select( d->def.isa, NULL ), &d->args );
 }
 
-// Lets the oracle be where it is after this, and remembers where it was.
+// Update the oracle at these positions and keep its previous memory.
 static inline void duel_remember( duel* d )
 {
     const boundary_oracle_layer* o = &d->oracle;
@@ -173,7 +173,7 @@ static inline void duel_remember( duel* d )
     }
 }
 
-/// Both follow these positions, rounded to floats. Vertex normals are the oracle's, rounded.
+/// Update both at these positions, rounded to floats. Vertex normals are the oracle's, rounded.
 static inline void duel_update( duel* d, const double3* x )
 {
     for ( int i = 0; i < d->mesh.vertex_count; ++i )
@@ -181,7 +181,8 @@ static inline void duel_update( duel* d, const double3* x )
         const float quad[4] = { (float)x[i].x, (float)x[i].y, (float)x[i].z, 1.0f };
         memcpy( d->position + 4 * (size_t)i, quad, sizeof( quad ) );
     }
-    // in a loop of its own: gcc 12 takes a pair of doubles that becomes floats and doubles again for the pair it was
+    // in a separate loop: gcc 12 does not round a pair of doubles that is converted to floats and back in one
+    // expression
     for ( int i = 0; i < d->mesh.vertex_count; ++i )
     {
         const float* quad = d->position + 4 * (size_t)i;

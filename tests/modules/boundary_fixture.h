@@ -107,7 +107,7 @@ static inline uint64_t layer_hash_bytes( uint64_t seed, const void* bytes, size_
     return hash;
 }
 
-/// Of all that a layer shows.
+/// Hash of all outputs of a layer.
 static inline uint64_t layer_hash( ball_world* b, wisp_entity e )
 {
     const wisp_boundary_view view = layer_of( b, e );

@@ -1,4 +1,4 @@
-/// What the tests of the boundary oracle share: the reference sphere, layers that must come about, comparisons.
+/// Shared by the tests of the boundary oracle: the reference sphere, layers that must succeed, comparisons.
 #pragma once
 
 #include "oracle_support.h"
@@ -44,7 +44,7 @@ static inline void must_update( boundary_oracle_layer* layer, const double3* x )
     assert_true( boundary_oracle_update( layer, x ) );
 }
 
-/// A layer on a mesh where it is, updated once.
+/// A layer on a mesh at its present positions, updated once.
 static inline boundary_oracle_layer layer_on( const balloon_mesh* mesh, const boundary_oracle_options* options )
 {
     boundary_oracle_layer layer;
@@ -58,7 +58,7 @@ static inline int inner_points( const boundary_oracle_layer* layer )
     return layer->point_count - layer->edge_point_count;
 }
 
-/// Points and what they are, bit by bit.
+/// Compare points and their identities bit by bit.
 static inline void assert_same_points( const boundary_oracle_layer* a, const boundary_oracle_layer* b )
 {
     assert_int_equal( a->point_count, b->point_count );

@@ -1,5 +1,5 @@
-/// Definitions of which each has one wrong value. A file lists them as BROKEN_DEFS( X ), in which each line is
-/// X( what the message must name, the statement that breaks the definition `d` ), and includes this one afterwards.
+/// Definitions with one wrong value each. A file lists them as BROKEN_DEFS( X ), in which each line is X( what the
+/// message must name, the statement that breaks the definition `d` ), and includes this one afterwards.
 #pragma once
 
 enum

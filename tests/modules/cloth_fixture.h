@@ -1,4 +1,4 @@
-/// What the tests of cloth share: worlds with chosen substeps, rectangles that hang, cloth that says what went wrong.
+/// Shared by the tests of cloth: worlds with chosen substeps, hanging rectangles, cloth that reports its failures.
 #pragma once
 
 #include "engine/surface_fixture.h"
@@ -55,7 +55,7 @@ static inline wisp_entity add_cloth( wisp_world* world, const wisp_fabric_def* f
     return e;
 }
 
-/// Velocity of a vertex in the user's order, to read and to write.
+/// Velocity of a vertex in the user's order, readable and writable.
 static inline float* velocity_of( wisp_world* world, wisp_entity e, int vertex )
 {
     float* column = wisp_world_column( world, e, WISP_PARTICLE_VELOCITY, 0 );

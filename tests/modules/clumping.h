@@ -1,4 +1,4 @@
-/// How much hair has clumped: strands that all have the same number of vertices.
+/// Measures of clumping for strands that all have the same number of vertices.
 #pragma once
 
 #include "unit.h"

@@ -1,5 +1,5 @@
-/// Reference for contact generation: particle by particle and body by body, a closest point query after a test of the body's
-/// box. The module, which works on blocks, must write the same bits.
+/// Reference for contact generation: particle by particle and body by body, a closest point query after a test of the
+/// body's box. The module works on blocks and must give the same bits.
 #pragma once
 
 #include "block_culling.h"
@@ -128,8 +128,8 @@ static inline bool one_moves( const collision_find_args* args, int slot )
            collision_is_finite( collision_load( old ) );
 }
 
-/// All bodies for one block of slots, in their order. The block counts: a body that is away from all of it is as far from
-/// each of its particles as from the box around them.
+/// All bodies for one block of slots, in their order. The block matters: if a body is beyond reach of the whole
+/// block, its distance to each particle is taken as the distance to the block's box.
 static inline void find_one_by_one( const collision_find_args* args, const collision_view* views, int view_count,
                                     int begin, int end )
 {
@@ -145,7 +145,7 @@ static inline void find_one_by_one( const collision_find_args* args, const colli
             collision_widen( &lower, &upper, collision_load( args->previous + (size_t)slot * 4 ) );
         }
     }
-    bool moves[COLLISION_BLOCK]; // as it was before any body moved anything
+    bool moves[COLLISION_BLOCK]; // before any body moved anything
     for ( int slot = begin; slot < end; ++slot )
     {
         moves[slot - begin] = one_moves( args, slot );

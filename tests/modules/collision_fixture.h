@@ -44,7 +44,7 @@ static inline void run_for( wisp_world* world, float dt, int steps )
     run_steps( world, steps, dt );
 }
 
-/// A surface of a mesh that collides as `def` says; its points and statistics are requested.
+/// Add a surface of a mesh that collides according to `def`; its points and statistics are requested.
 static inline wisp_entity add_colliding( wisp_world* world, const test_mesh* mesh, const wisp_collision_def* def )
 {
     wisp_fabric_def fabric = test_fabric_def( mesh );
@@ -107,7 +107,7 @@ static inline wisp_quat about_z( double angle )
     return ( wisp_quat ){ 0.0f, 0.0f, (float)sin( 0.5 * angle ), (float)cos( 0.5 * angle ) };
 }
 
-/// A square cloth with its middle at `middle`.
+/// A square cloth centred at `middle`.
 static inline wisp_entity add_cloth( wisp_world* world, int n, float side, wisp_vec3 middle, float gravity )
 {
     test_mesh mesh = test_plane( n, side / (float)( n - 1 ) );
@@ -153,7 +153,7 @@ static inline void run_busy( wisp_world* world, wisp_entity ball, int from, int 
     }
 }
 
-/// Is there an Embree to build trees with?
+/// True if Embree is available to build trees.
 static inline bool has_meshes( void )
 {
     hosted* h = new_colliding( 1, 1, 1 );

@@ -1,5 +1,5 @@
-/// Surfaces of an external solver, and their contacts with bodies: their particles are moved by a module of this
-/// file, which does nothing but follow their velocities.
+/// Surfaces of an external solver, and their contacts with bodies: a module in this file moves their particles by
+/// their velocities and does nothing else.
 #pragma once
 
 #include "collision_fixture.h"
@@ -10,7 +10,7 @@
 static const float DT = 1.0f / 60.0f;
 static const float MARGIN = 0.02f;
 
-// ---- a solver that solves nothing ----
+// ---- a solver without forces ----
 
 static inline void follow( wisp_frame* frame, const wisp_span* span, void* user )
 {
@@ -81,7 +81,7 @@ static inline wisp_collision_def thin( void )
     return def;
 }
 
-// A small triangle whose vertex 0 is at a place.
+// A small triangle with vertex 0 at a given position.
 static inline wisp_entity add_probe( wisp_world* world, wisp_vec3 at )
 {
     test_mesh mesh = test_triangle( at, 1e-3f );
@@ -98,7 +98,7 @@ static inline void give_velocity( wisp_world* world, wisp_entity e, float x, flo
     assert_int_equal( wisp_set_velocity( world, e, ( wisp_vec3 ){ x, y, z }, ( wisp_vec3 ){ 0 } ), WISP_OK );
 }
 
-// ---- what was sensed ----
+// ---- contacts found ----
 
 typedef struct sensed
 {
@@ -129,7 +129,7 @@ static inline sensed touch_of( wisp_world* world, wisp_entity e, int vertex, int
                        friction[2] };
 }
 
-// Only vertex 0 is looked at, and only by its nearest body.
+// Only vertex 0 is checked, and only its nearest body.
 static inline sensed sense( wisp_world* world, wisp_entity e )
 {
     run_for( world, DT, 1 );
@@ -167,7 +167,7 @@ static inline bool is_planned( wisp_world* world, const char* pass )
 
 // ---- meshes ----
 
-// A ball of radius 0.3, or a square of side 2 in the plane y = 0. Without Embree there is none.
+// A ball of radius 0.3, or a square of side 2 in the plane y = 0. Without Embree there are no meshes.
 static inline bool add_mesh( wisp_world* world, bool double_sided, wisp_transform pose )
 {
     test_mesh mesh = double_sided ? test_plane( 3, 1.0f ) : test_ball( 4 );

@@ -1,5 +1,5 @@
-/// What the tests of contact share: worlds of cloth, balloons, strands and bodies that meet, meshes that are put somewhere,
-/// and intersections counted by asking every edge about every triangle.
+/// Shared by the tests of contact: worlds of cloth, balloons, strands and bodies that meet, meshes at given
+/// positions, and intersections counted by testing every edge against every triangle.
 #pragma once
 
 #include "cloth_fixture.h"
@@ -40,7 +40,7 @@ static inline void set_contact( wisp_world* world, wisp_entity e, const wisp_con
     assert_status( world, wisp_set_contact( world, e, def ), WISP_OK );
 }
 
-/// Of a thickness, without friction.
+/// A definition with this thickness, without friction.
 static inline wisp_contact_def contact_of( float thickness )
 {
     wisp_contact_def def = wisp_default_contact_def();
@@ -87,7 +87,7 @@ static inline test_mesh ball_of( int level, float radius, wisp_vec3 centre )
     return m;
 }
 
-/// Particles of a mesh, whose points and statistics are requested. Frees the mesh.
+/// Add particles of a mesh, whose points and statistics are requested. Frees the mesh.
 static inline wisp_entity add_mesh( wisp_world* world, test_mesh* mesh, const int32_t* pins, int pin_count,
                                     float area_density )
 {
@@ -116,7 +116,7 @@ static inline wisp_entity add_pinned( wisp_world* world, test_mesh* mesh )
     return e;
 }
 
-/// Cloth of a mesh. Frees the mesh.
+/// Add cloth of a mesh. Frees the mesh.
 static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const int32_t* pins, int pin_count,
                                        wisp_vec3 gravity )
 {
@@ -128,7 +128,7 @@ static inline wisp_entity add_draping( wisp_world* world, test_mesh* mesh, const
     return e;
 }
 
-/// A balloon of 0.1 kg/m^2, taut, that air drags and does not lift. Frees the mesh.
+/// Add a balloon of 0.1 kg/m^2, taut, with drag and without buoyancy. Frees the mesh.
 static inline wisp_entity add_balloon( wisp_world* world, test_mesh* mesh, wisp_vec3 gravity )
 {
     const wisp_entity e = add_mesh( world, mesh, NULL, 0, 0.1f );
@@ -140,7 +140,7 @@ static inline wisp_entity add_balloon( wisp_world* world, test_mesh* mesh, wisp_
     return e;
 }
 
-/// A plane that stands still, its normal y turned to `up` (a unit vector along an axis), which `e` and others collide with.
+/// Add a static plane, its normal y turned to `up` (a unit vector along an axis), with which `e` and others collide.
 static inline void add_floor( wisp_world* world, wisp_vec3 at, wisp_vec3 up )
 {
     wisp_collider_def def = wisp_default_collider_def();
@@ -206,7 +206,7 @@ static inline int count_passing( wisp_world* world, wisp_entity edges_of, wisp_e
     return count;
 }
 
-/// Among some surfaces, each with each and with itself.
+/// Intersections among some surfaces, each with each and with itself.
 static inline int count_all_passing( wisp_world* world, const wisp_entity* surfaces, int count )
 {
     int passing = 0;
@@ -222,7 +222,7 @@ static inline int count_all_passing( wisp_world* world, const wisp_entity* surfa
 
 // ---- state ----
 
-/// Where a vertex is, three floats, the user's number.
+/// Position of a vertex, three floats, by the user's index.
 static inline const float* place_of( wisp_world* world, wisp_entity e, int vertex )
 {
     const float* column = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
@@ -242,7 +242,7 @@ static inline double mean_of( wisp_world* world, wisp_entity e, int axis )
     return sum / f->vertex_count;
 }
 
-/// J, of several surfaces.
+/// J, sum over several surfaces.
 static inline double energy_of( wisp_world* world, const wisp_entity* surfaces, int count )
 {
     double sum = 0.0;
@@ -266,7 +266,7 @@ static inline void momentum_of( wisp_world* world, const wisp_entity* surfaces, 
     }
 }
 
-/// How far a point is inside a closed surface, m; 0 outside. By solid angles (van Oosterom and Strackee 1983).
+/// Depth of a point inside a closed surface, m; 0 outside. By solid angles (van Oosterom and Strackee 1983).
 static inline double depth_inside( wisp_world* world, wisp_entity closed, const float* at )
 {
     const wisp_fabric* f = wisp_world_fabric( world, closed );
@@ -310,6 +310,5 @@ static inline double depth_inside( wisp_world* world, wisp_entity closed, const 
         turns += 2.0 * atan2( volume, length[0] * length[1] * length[2] + dot[0] * length[2] + dot[1] * length[0] +
                                           dot[2] * length[1] );
     }
-    return fabs( turns ) > 6.2831853 ? nearest
-                                     : 0.0; // 4 pi inside, 0 outside; to the nearest vertex, which is farther
+    return fabs( turns ) > 6.2831853 ? nearest : 0.0; // 4 pi inside, 0 outside; to the nearest vertex
 }

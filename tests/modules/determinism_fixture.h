@@ -1,5 +1,6 @@
-/// Tests of determinism for any table of cases: the same bits for any number of workers, any instruction set and any host's loop,
-/// behind a snapshot and in another world, without memory once warm, and the same as in the golden file.
+/// Tests of determinism for any table of cases: the same bits for any number of workers, any instruction set and any
+/// loop of the host, after a snapshot and in another world, without allocation once warm, and the same as the golden
+/// file.
 ///
 /// A test file describes its cases by a `determinism` and passes that to determinism_main().
 #pragma once
@@ -17,8 +18,8 @@ typedef struct place_to_run
 
 static const place_to_run PLAIN = { 1, "baseline", NULL };
 
-/// Points, for the golden file; and everything that a step leaves behind, whose hash also changes when a column is added to the
-/// engine.
+/// Hashes of the points, for the golden file, and of all state after a step, which also changes when a column is
+/// added to the engine.
 typedef struct traces
 {
     uint64_t motion, state;
@@ -28,7 +29,7 @@ typedef struct traces
 typedef struct determinism_run
 {
     int number; // of the case
-    int steps;  // so far
+    int steps;  // steps so far
     wisp_world* world;
     test_host* host;
 } determinism_run;
@@ -38,21 +39,21 @@ typedef struct determinism_case
     const char* name;
     int steps;
     int warm_workers;  // warm steps are counted with 1 worker to this many
-    int rehearsal;     // steps of the same motion that are run once before warm steps are counted
-    bool is_one_block; // so small that no worker helps with it
+    int rehearsal;     // steps of the same motion that run once before warm steps are counted
+    bool is_one_block; // so small that no second worker takes part
 } determinism_case;
 
 typedef struct determinism
 {
     const char* golden_file;
     int case_count;
-    bool every_pair; // each instruction set with each number of workers; else each of both
+    bool every_pair; // every instruction set with every number of workers; otherwise each alone
     determinism_case ( *describe )( int number );
     determinism_run* ( *open )( int number, const place_to_run* place, int* calls );
     void ( *run )( determinism_run* r, int steps );
     traces ( *traces_of )( determinism_run* r );
-    void ( *check )( determinism_run* r ); // what a case is there for has happened in its steps
-    void ( *nudge )( determinism_run* r ); // the least change of how a case starts
+    void ( *check )( determinism_run* r ); // whether the event that the case tests has happened during its steps
+    void ( *nudge )( determinism_run* r ); // smallest change of the initial state of a case
     void ( *close )( determinism_run* r );
 } determinism;
 
@@ -137,7 +138,7 @@ static void motion_is_that_of_the_golden_file( void** state )
     golden_check( d->golden_file, d->case_count, run_numbered, d );
 }
 
-// A hash that forgot something would let everything pass.
+// A hash that left something out would let everything pass.
 static void cases_and_a_nudge_have_other_hashes( void** state )
 {
     const determinism* d = *state;
@@ -158,7 +159,7 @@ static void cases_and_a_nudge_have_other_hashes( void** state )
     }
 }
 
-// Run some steps and come back.
+// Run some steps and restore the start.
 static void run_there_and_back( const determinism* d, determinism_run* r, int steps )
 {
     const int before = r->steps;
@@ -192,7 +193,7 @@ static void a_step_that_is_warm_asks_for_no_memory( void** state )
     }
 }
 
-// Into the world that it came from, and into one that was just made.
+// Restore into the original world, and into a new one.
 static void a_snapshot_goes_on_to_the_same_bits( void** state )
 {
     const determinism* d = *state;
@@ -205,7 +206,7 @@ static void a_snapshot_goes_on_to_the_same_bits( void** state )
         const saved_world saved = save_world( both[0]->world );
         d->run( both[0], steps );
         assert_true( d->traces_of( both[0] ).state != straight.state );
-        d->run( both[1], 1 ); // what is requested has its columns with the plan
+        d->run( both[1], 1 ); // columns of requested outputs exist once the plan does
         for ( int k = 0; k < 2; ++k )
         {
             assert_status( both[k]->world, wisp_world_restore( both[k]->world, saved.bytes, saved.size ), WISP_OK );

@@ -1,4 +1,5 @@
-/// Worlds of one entity each that tests of all effects share: cloth of three kinds, implicit cloth, a balloon, strands of two kinds.
+/// Worlds of one entity each, shared by tests of all effects: cloth of three kinds, implicit cloth, a balloon,
+/// strands of two kinds.
 #pragma once
 
 #include "cloth_fixture.h"
@@ -14,7 +15,7 @@ static const wisp_module* const EFFECTS[] = {
     &wisp_strands_module, &wisp_collision_module,      &wisp_contact_module
 };
 
-/// Adds an entity with its effect.
+/// Add an entity with its effect.
 typedef wisp_entity effect_setup( wisp_world* world );
 
 static inline wisp_entity hang( wisp_world* world, wisp_cloth_bending bending, bool is_implicit )
@@ -59,7 +60,7 @@ static inline wisp_entity implicit_cloth( wisp_world* world )
     return hang( world, WISP_CLOTH_BENDING_LINKS, true );
 }
 
-// Without gravity, which would carry it away: it swells and comes to rest.
+// Without gravity, so that it stays: it swells and comes to rest.
 static inline wisp_entity balloon( wisp_world* world )
 {
     test_mesh mesh = test_ball( 3 );

@@ -1,11 +1,11 @@
-/// What the closed forms of frozen hair share.
+/// Shared by the closed forms of frozen hair.
 #pragma once
 
 #include "frozen_hair_engine_fixture.h"
 
 static const double u = HAIR_ROUNDING;
 
-/// The largest distance from the origin: what coordinates round by is this times u.
+/// The largest distance from the origin: coordinates round by this times u.
 static inline double extent( const wisp_vec3* points, int count )
 {
     double most = 0.0;

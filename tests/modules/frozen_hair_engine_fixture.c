@@ -48,7 +48,7 @@ static wisp_vec3 offset_from_root( hair_shape shape, int dimension, float phase,
         return dimension == 2 ? ( wisp_vec3 ){ 3.0f * swing, 7.0f * fall, 0.0f }
                               : ( wisp_vec3 ){ 3.0f * swing * ahead, 7.0f * fall, 3.0f * swing * aside };
     }
-    // loops in the plane fall slower than they turn, so that no two neighbouring segments come to lie in one line
+    // loops in the plane fall more slowly than they turn, so that no two neighbouring segments are collinear
     return dimension == 2 ? ( wisp_vec3 ){ 4.0f * sway, 2.0f * fall + 4.0f * swing, 0.0f }
                           : ( wisp_vec3 ){ 4.0f * sway, 4.0f * fall, 4.0f * swing };
 }
@@ -65,7 +65,7 @@ static void shape_groom( hair_groom* groom, hair_shape shape, float spacing )
     side = groom->dimension == 2 ? groom->strand_count : side;
     for ( int s = 0; s < groom->strand_count; ++s )
     {
-        // a little freedom, small enough that no bend of a wave comes near to straight
+        // a little freedom, small enough that no bend of a wave is nearly straight
         float phase = 0.3f + 0.2f * ( wisp_random_unit_float( key, (uint32_t)s, 0, 0 ) - 0.5f );
         float heading = 6.28318531f * wisp_random_unit_float( key, (uint32_t)s, 1, 0 );
         float x = grid * (float)( s % side ), z = grid * (float)( s / side );

@@ -1,5 +1,5 @@
-/// What the tests of the engine's frozen hair share: grooms, worlds and runs that must succeed, and the oracle fed
-/// with the engine's very floats. frozen_hair_fixture.h serves the tests of the oracle itself.
+/// Shared by the tests of the engine's frozen hair: grooms, worlds and runs that must succeed, and the oracle with
+/// exactly the engine's floats. frozen_hair_fixture.h serves the tests of the oracle itself.
 #pragma once
 
 #include "unit.h"
@@ -23,19 +23,19 @@ typedef struct hair_groom
 {
     int strand_count, vertex_count, dimension;
     int32_t* offsets;  ///< [strand_count + 1]
-    wisp_vec3* points; ///< [vertex_count], m; about 7 mm a segment
+    wisp_vec3* points; ///< [vertex_count], m; about 7 mm per segment
 } hair_groom;
 
-/// Roots stand on a line (2D) or on a square lattice (3D).
+/// Make a groom with roots on a line (2D) or on a square lattice (3D).
 /// @param spacing m between roots, rounded to a multiple of 2^-14 m
 hair_groom hair_groom_create( hair_shape shape, int dimension, int strands, int vertices, float spacing );
-/// As hair_groom_create(), strand s having counts[s] vertices.
+/// As hair_groom_create(); strand s has counts[s] vertices.
 hair_groom hair_groom_create_mixed( hair_shape shape, int dimension, int strands, const int* counts, float spacing );
-/// From given points, strand s having counts[s] vertices.
+/// From given points; strand s has counts[s] vertices.
 hair_groom hair_groom_from( int dimension, int strands, const int* counts, const wisp_vec3* points );
 void hair_groom_destroy( hair_groom* groom );
 
-/// Who runs the engine. Zero-initialised: one worker, the best instruction set, the C library's memory.
+/// Settings of the engine. Zero-initialised: one worker, the best instruction set, the C library's memory.
 typedef struct hair_host
 {
     int workers; ///< 0 counts as 1
@@ -45,29 +45,29 @@ typedef struct hair_host
     wisp_allocator allocator;
 } hair_host;
 
-/// A world with the modules frozen_hair, environment and strand_appearance whose log is silent.
+/// A world with the modules frozen_hair, environment and strand_appearance and a silent log.
 wisp_world* hair_world_create( const hair_host* host );
-/// Add a groom and ask for its points.
+/// Add a groom and request its points.
 wisp_entity hair_add( wisp_world* world, const hair_groom* groom );
-/// Add a groom with frozen hair and ask for its points.
+/// Add a groom with frozen hair and request its points.
 wisp_entity hair_add_frozen( wisp_world* world, const hair_groom* groom, const wisp_frozen_hair_def* def );
 void hair_set( wisp_world* world, wisp_entity entity, const wisp_frozen_hair_def* def );
 void hair_step( wisp_world* world );
 void hair_command( wisp_world* world, wisp_entity entity, wisp_vec3 cursor );
-/// The points now. Lives until the world changes.
+/// The present points, valid until the world changes.
 const wisp_vec3* hair_view( wisp_world* world, wisp_entity entity, int vertex_count );
-/// A copy of the points now, to be freed.
+/// A copy of the present points, to be freed.
 wisp_vec3* hair_points( wisp_world* world, wisp_entity entity, int vertex_count );
 wisp_frozen_hair_stats hair_stats( wisp_world* world, wisp_entity entity );
 
-/// What the groom looks like after its first command, to be freed. @param host may be null
+/// The points of a groom after its first command, to be freed. @param host may be null
 wisp_vec3* hair_run( const hair_host* host, const hair_groom* groom, const wisp_frozen_hair_def* def );
 
 /// Defaults with all three stages off.
 wisp_frozen_hair_def hair_no_stages( void );
 /// Defaults with the freeze stage alone.
 wisp_frozen_hair_def hair_freeze_only( void );
-/// Defaults with the align stage alone: a cursor that every strand feels.
+/// Defaults with the align stage alone: a cursor that reaches every strand.
 wisp_frozen_hair_def hair_align_only( wisp_vec3 cursor );
 /// Defaults with the clump stage alone.
 wisp_frozen_hair_def hair_clump_only( void );
@@ -94,7 +94,7 @@ bool hair_same_bits( const wisp_vec3* a, const wisp_vec3* b, int count );
 double hair_distance( wisp_vec3 a, wisp_vec3 b );
 /// Fails unless |actual - expected| <= tolerance; a NaN fails.
 void hair_assert_close( double actual, double expected, double tolerance );
-/// Fails unless every coordinate is a number.
+/// Fails unless every coordinate is finite.
 void hair_assert_finite( const wisp_vec3* points, int count );
 
 /// 2^-24, the unit of rounding of a float.

@@ -1,4 +1,4 @@
-/// What the tests of frozen hair share: scenes and runs that must succeed, random inputs, comparisons.
+/// Shared by the tests of frozen hair: scenes and runs that must succeed, random inputs, comparisons.
 #pragma once
 
 #include "oracle_support.h"

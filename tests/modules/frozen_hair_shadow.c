@@ -1,6 +1,6 @@
 #include "frozen_hair_shadow.h"
 
-// What the engine makes of the groom with some stages on, after earlier commands with all of them.
+// The engine's result for the groom with some stages on, after earlier commands with all of them.
 typedef struct partial_run
 {
     const hair_host* host;
@@ -19,7 +19,7 @@ static wisp_vec3* run_partly( const partial_run* run, const wisp_frozen_hair_def
         hair_set( world, entity, run->whole );
         hair_step( world );
     }
-    // without a stage there is no command, the shape is what the earlier ones left; base = rest starts from rest
+    // without a stage there is no command, and the shape is that of the earlier ones; base = rest starts from rest
     hair_set( world, entity, part );
     hair_step( world );
     wisp_vec3* points = hair_points( world, entity, run->groom->vertex_count );
@@ -46,7 +46,7 @@ static void hold( hair_shadow* shadow, const char* stage, int iteration, const d
     }
 }
 
-// The shape that the stages start from.
+// The input shape of the stages.
 static wisp_vec3* find_base( const partial_run* run )
 {
     if ( run->whole->base == WISP_FROZEN_BASE_PREVIOUS && run->commands > 0 )
@@ -67,7 +67,7 @@ static wisp_vec3* find_base( const partial_run* run )
     return points;
 }
 
-// Compares one stage and moves on: `current` becomes what the engine made of it.
+// Compare one stage and continue: `current` becomes the engine's result.
 static void advance( hair_shadow* shadow, const char* stage, int iteration, const double3* expected,
                      const double* bound, wisp_vec3** current, wisp_vec3* next, int count )
 {
@@ -156,7 +156,7 @@ hair_shadow hair_follow( const hair_host* host, const hair_groom* groom, const w
     return shadow;
 }
 
-// ---- the pipeline at once ----
+// ---- the whole pipeline ----
 
 static double3 shifted( double3 p, double amount, int trial, int v, int dimension )
 {

@@ -1,6 +1,6 @@
-// What rounding may do to one step of the method, operation by operation. u = 2^-24 bounds the relative error of
-// every float operation; a constant in front of it counts operations, rounded up. Everything is added as if all
-// errors pulled the same way, so a bound is never too small, and about ten times what is seen.
+// Bounds of the rounding error in one step of the method, operation by operation. u = 2^-24 bounds the relative error
+// of every float operation; a constant in front of it counts operations, rounded up. All errors are added as if they
+// had the same sign, so a bound is never too small, and about ten times the observed error.
 #include "frozen_hair_shadow.h"
 
 static const double u = HAIR_ROUNDING;
@@ -9,9 +9,9 @@ static const double pi = 3.14159265358979323846;
 
 // ---- freeze ----
 
-// How far the bend axis may be off. The cross product of two unit tangents, each known within 6 u, is known within 14
-// u, and its direction within that over its length. Where both precisions see a straight strand the axis is cos psi
-// b1 + sin psi b2: psi within 2 pi 3 u, sine and cosine within 2 u, b1 and b2 within 8 u.
+// Error of the bend axis. The cross product of two unit tangents, each known within 6 u, is known within 14 u, and
+// its direction within that over its length. Where both precisions find a straight strand the axis is cos psi b1 +
+// sin psi b2: psi within 2 pi 3 u, sine and cosine within 2 u, b1 and b2 within 8 u.
 static double axis_error( double sine, int vertex )
 {
     bool straight_in_any_precision = vertex == 1 || sine == 0.0;
@@ -158,7 +158,7 @@ void hair_bound_align( const hair_oracle* oracle, const double3* in, double* bou
 
 // ---- clump ----
 
-// What one iteration needs of every vertex.
+// Data of one iteration for every vertex.
 typedef struct clump_errors
 {
     const hair_oracle* oracle;
@@ -171,8 +171,8 @@ typedef struct clump_errors
 } clump_errors;
 
 // The force adds N vectors (1 - r/h)^2 (q - p)/r. With r within 4 u and r/h within 6 u, a square is within 14 u of
-// its root U and the vector within 24 u U; adding N of them rounds by N u of the sum of lengths. Where the input is
-// off, the vector follows by its steepest slopes 2 U/h and U^2/r, or turns round altogether.
+// its root U and the vector within 24 u U; adding N of them rounds by N u of the sum of lengths. An error of the
+// input changes the vector by its steepest slopes 2 U/h and U^2/r, or reverses it.
 static double force_error( const clump_errors* c, int v )
 {
     const double h = c->oracle->options.clump_radius;
@@ -193,8 +193,8 @@ static double force_error( const clump_errors* c, int v )
     return sum + count * u * lengths;
 }
 
-// The guard projects the step onto a ball. A projection does not part its arguments further, and one from far outside
-// keeps only the error of the direction; the ball's radius is half of a distance.
+// The guard projects the step onto a ball. A projection does not increase the distance of its arguments, and one from
+// far outside keeps only the error of the direction; the ball's radius is half of a distance.
 static double guarded_error( const clump_errors* c, frozen_oracle_adhesion a, double error )
 {
     const frozen_oracle_options* o = &c->oracle->options;
@@ -232,9 +232,9 @@ static void find_steps( clump_errors* c )
     }
 }
 
-// delta is a mean of changes |r1 - r0| / h, weighted by g(r0). A change is known within the two ends' errors; the
-// mean moves with its weights by at most twice their errors over their sum. A clamp and an absolute value part
-// nothing.
+// delta is a mean of changes |r1 - r0| / h, weighted by g(r0). A change is known within the errors of its two ends;
+// the mean moves with its weights by at most twice their errors over their sum. A clamp and an absolute value do not
+// increase errors.
 static double delta_error( const clump_errors* c, int v )
 {
     const frozen_oracle_options* o = &c->oracle->options;

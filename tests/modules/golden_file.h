@@ -1,4 +1,4 @@
-/// Hashes of cases in a file of data/golden, a line each: its name, then sixteen digits.
+/// Hashes of cases in a file of data/golden, one per line: the name, then sixteen digits.
 #pragma once
 
 #include <inttypes.h>
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/// What a case is called, and what it hashes to now.
+/// The name of a case and its present hash.
 typedef struct golden_hash
 {
     const char* name;
@@ -28,7 +28,8 @@ static inline void golden_write( const char* path, int count, golden_case_fn* ru
     assert_int_equal( fclose( file ), 0 );
 }
 
-/// All cases are as the file has them, in its order. WISP_GOLDEN=write in the environment writes it first.
+/// Fails unless all cases equal those of the file, in its order. WISP_GOLDEN=write in the environment writes it
+/// first.
 static inline void golden_check( const char* path, int count, golden_case_fn* run, const void* context )
 {
     const char* mode = getenv( "WISP_GOLDEN" );

@@ -1,5 +1,5 @@
-/// What the tests of the engine's guide hair share: the scenes of the oracle's tests in a world, moved by hand, with every
-/// number rounded to what a float holds before either side sees it.
+/// Shared by the tests of the engine's guide hair: the scenes of the oracle's tests in a world, moved by hand, with
+/// every number rounded to a float before either side uses it.
 #pragma once
 
 #include "guide_oracle_fixture.h"
@@ -12,7 +12,7 @@
 
 #define FRAME ( 1.0f / 60.0f )
 
-/// Who runs the engine. Zero-initialised: one worker, the best instruction set.
+/// Settings of the engine. Zero-initialised: one worker, the best instruction set.
 typedef struct guide_host
 {
     int workers;
@@ -106,7 +106,7 @@ static inline wisp_vec3 guide_narrow( double3 p )
     return ( wisp_vec3 ){ (float)p.x, (float)p.y, (float)p.z };
 }
 
-// Volatile, because gcc 12 drops the way to floats and back where it vectorises a pair of doubles.
+// Volatile, because gcc 12 drops the conversion to floats and back where it vectorises a pair of doubles.
 static inline double3 guide_round( double3 p )
 {
     const volatile float x = (float)p.x, y = (float)p.y, z = (float)p.z;
@@ -174,7 +174,7 @@ static inline void guide_write( wisp_world* world, wisp_entity entity, wisp_comp
     }
 }
 
-/// Turn every root of an entity about an axis. The strand's number times `more` is added to the angle.
+/// Turn every root of an entity about an axis. The strand's index times `more` is added to the angle.
 static inline void guide_turn_roots( wisp_world* world, wisp_entity entity, double3 axis, double angle, double more )
 {
     guide_ok( world, wisp_world_attach( world, entity, WISP_STRAND_ROOT ) );
@@ -204,7 +204,7 @@ typedef struct flock
     wisp_entity targets, ghosts;
 } flock;
 
-// A point of a polyline at a share of its segments.
+// A point of a polyline at a fraction of its segments.
 static inline double3 guide_along( const double3* nodes, int count, double fraction )
 {
     const double at = fraction * ( count - 1 );
@@ -243,7 +243,7 @@ static inline void guide_follow( flock* f, wisp_ghosts_def def )
     guide_ok( f->world, wisp_set_ghosts( f->world, f->ghosts, &def ) );
 }
 
-/// Give the engine and the caller the same targets, rounded.
+/// Give the same rounded targets to the engine and the caller.
 static inline void guide_place( flock* f, const double3* x, const double3* v )
 {
     for ( int n = 0; n < f->s.target_count * NODES; ++n )
@@ -255,7 +255,7 @@ static inline void guide_place( flock* f, const double3* x, const double3* v )
     guide_write( f->world, f->targets, WISP_STRAND_VELOCITY, f->v );
 }
 
-/// One frame of the swinging head, and the engine's step.
+/// Advance the swinging head by one frame, and the engine by one step.
 static inline void guide_swing( flock* f )
 {
     swing( &f->s, 8 );

@@ -1,4 +1,4 @@
-/// What the tests of guide hair share: a scene of targets and ghosts around them, its motion, comparisons.
+/// Shared by the tests of guide hair: a scene of targets and ghosts around them, its motion, comparisons.
 #pragma once
 
 #include "oracle_support.h"
@@ -34,7 +34,7 @@ typedef struct scene
     int projections;
 } scene;
 
-// Ghosts stand at growing distances from their target, so that none is as far from the centre as another.
+// Ghosts are at increasing distances from their target, so that no two are equally far from the centre.
 static inline scene make_scene( int target_count, int ghosts_a_target )
 {
     scene s = { .target_count = target_count, .ghost_count = target_count * ghosts_a_target };
@@ -59,7 +59,7 @@ static inline scene make_scene( int target_count, int ghosts_a_target )
     return s;
 }
 
-// One frame of all targets with the head 8 cm to the left and right of its place, once a second and a half.
+// One frame of all targets; the head moves 8 cm to the left and right, once in a second and a half.
 static inline void swing( scene* s, int iterations )
 {
     constraint_oracle_skips skips = { 0 };
@@ -139,7 +139,7 @@ static inline double largest_strain( const scene* s, int a )
     return largest;
 }
 
-// Eq. 1 once more, from the outside in: every pair's distance first, minima afterwards.
+// Eq. 1 in the other order: every pair's distance first, minima afterwards.
 static inline double brute_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes )
 {
     double table[32][32], sum = 0.0;

@@ -1,4 +1,4 @@
-/// Worlds of implicit cloth on a host that counts its memory: chains of vertices that hang, sheets, chosen links.
+/// Worlds of implicit cloth on a host that counts its memory: hanging chains of vertices, sheets, chosen links.
 #pragma once
 
 #include "cloth_fixture.h"
@@ -38,7 +38,7 @@ static inline int open_implicit_world( void** state )
 
 #define IMPLICIT_TEST( test ) cmocka_unit_test_setup_teardown( test, open_implicit_world, close_hosted )
 
-/// Solved as far as single precision goes.
+/// Solved to the limit of single precision.
 static inline wisp_implicit_cloth_def exact_def( void )
 {
     wisp_implicit_cloth_def def = wisp_default_implicit_cloth_def();
@@ -77,7 +77,7 @@ enum
 
 static const float CHAIN_LINK = 0.125f; // m
 
-/// Vertices 0 to 3 hang down from 0, which is pinned like 4, a vertex that only makes triangles of them.
+/// Vertices 0 to 3 hang from 0, which is pinned. So is 4, a vertex that only completes the triangles.
 static inline test_mesh chain_mesh( void )
 {
     static const int32_t TRIANGLES[9] = { 0, 1, 4, 1, 2, 4, 2, 3, 4 };
@@ -94,7 +94,7 @@ static inline test_mesh chain_mesh( void )
     return m;
 }
 
-/// Links 0-1, 1-2, 2-3, of which the first `links` are there; each vertex weighs `mass`. @param points null: at rest
+/// Links 0-1, 1-2, 2-3, of which the first `links` exist; each vertex has this `mass`. @param points null: at rest
 static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def* def, int links, float mass,
                                      const wisp_vec3* points )
 {
@@ -116,7 +116,7 @@ static inline wisp_entity add_chain( wisp_world* world, wisp_implicit_cloth_def*
 
 // ---- sheets ----
 
-/// n x n vertices that hang by two corners unless they are free, a 32nd of a metre apart. Points and statistics are
+/// n x n vertices, a 32nd of a metre apart, that hang by two corners unless they are free. Points and statistics are
 /// requested.
 static inline wisp_entity add_sheet( wisp_world* world, const wisp_implicit_cloth_def* def, int n, bool pinned )
 {
@@ -143,7 +143,7 @@ static inline void place_vertex( wisp_world* world, wisp_entity e, int vertex, w
     memcpy( moves + quad, &velocity, sizeof( velocity ) );
 }
 
-/// Every vertex up to `by` away from where it is, with a velocity of up to `speed`.
+/// Displace every vertex by up to `by`, with a velocity of up to `speed`.
 static inline void crumple_sheet( wisp_world* world, wisp_entity e, float by, float speed )
 {
     const wisp_fabric* fabric = wisp_world_fabric( world, e );

@@ -1,4 +1,4 @@
-/// The engine of implicit cloth and the oracle side by side: the same sheet, disturbed, with the same switches, substep by
+/// Implicit cloth in the engine and in the oracle: the same disturbed sheet with the same switches, substep by
 /// substep. The oracle takes its bodies from the engine.
 #pragma once
 
@@ -109,7 +109,7 @@ static inline void match_params( const wisp_implicit_cloth_def* def, triangle_or
     p->speculative = def->speculative;
 }
 
-// The oracle starts where the engine's floats are, with the masses that it has.
+// The oracle starts from the engine's floats and masses.
 static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_implicit_cloth_def* def )
 {
     double3 points[DUEL_VERTICES];
@@ -156,8 +156,8 @@ static inline void start_oracle( match* m, const test_mesh* mesh, const wisp_imp
     }
 }
 
-/// A sheet whose vertices stand a millimetre and a half off a grid of a 32nd of a metre at rest, and another 2 mm off that in the
-/// beginning, moving up to 0.2 m/s.
+/// A sheet whose vertices are 1.5 mm off a grid of a 32nd of a metre at rest. At the start they are displaced by
+/// another 2 mm and move at up to 0.2 m/s.
 static inline match* open_match( const duel* rules )
 {
     match* m = checked_calloc( 1, sizeof( match ) );
@@ -194,7 +194,8 @@ static inline void close_match( match* m )
 
 // ---- bodies ----
 
-// What the engine has sensed in this substep of the body with this friction: its rows keep all but the names.
+// The engine's contact input in this substep for the body with this friction; its rows have everything except
+// identifiers.
 static inline bool sensed_touch( void* user, int vertex, double3 x, triangle_oracle_touch* touch )
 {
     match* m = user;
@@ -232,7 +233,7 @@ static inline void carry_pin( match* m )
     m->oracle.target[pin] = double3_from( &target.x );
 }
 
-/// @param friction [body_count] static friction, another one for each body
+/// @param friction [body_count] static friction, different for each body
 static inline void step_both( match* m, const double* friction, int body_count )
 {
     triangle_oracle_body body[WISP_MAX_PARTICLE_CONTACTS];
@@ -252,7 +253,7 @@ static inline void step_both( match* m, const double* friction, int body_count )
     triangle_oracle_step( &m->oracle, (double)m->rules->dt, &bodies );
 }
 
-/// The farthest that a vertex of the one is from that of the other, m.
+/// The largest distance between a vertex of one and the same vertex of the other, m.
 static inline double apart( match* m, int* vertex )
 {
     double most = 0.0;

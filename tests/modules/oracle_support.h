@@ -1,4 +1,4 @@
-/// What tests of oracles share: closeness, and random numbers that are the same in every run.
+/// Shared by tests of oracles: closeness, and random numbers that are the same in every run.
 #pragma once
 
 #include "unit.h"
@@ -30,7 +30,7 @@ static inline double random_between( int n, int m, double lower, double upper )
     return lower + ( upper - lower ) * wisp_random_unit( key, (uint32_t)n, (uint32_t)m, 0 );
 }
 
-/// Components in (-1, 1); n and m pick the vector.
+/// Components in (-1, 1); n and m select the vector.
 static inline double3 random_vector( int n, int m )
 {
     return double3_make( random_between( n, 3 * m, -1.0, 1.0 ), random_between( n, 3 * m + 1, -1.0, 1.0 ),

@@ -1,5 +1,5 @@
-/// The engine of moving strands and the oracle side by side: the same strands, kicks and head in both, and a substep of the oracle in
-/// the order of the module's passes.
+/// Moving strands in the engine and in the oracle: the same strands, velocities and head in both, and a substep of
+/// the oracle in the order of the module's passes.
 #pragma once
 
 #include "strands_fixture.h"
@@ -16,9 +16,9 @@ enum
 
 static const int COUNTS[STRANDS] = { 1, 1, 1, 2, 2, 2, 3, 3, 3, 9, 9, 9, 20, 20, 20 };
 static const float SEGMENT = 0.005f; // m
-// The kernel's last pass of Newton is the one behind which no squared length is off by more than this share.
+// The kernel ends Newton after the pass in which no squared length is off by more than this fraction.
 static const double EXACT = 4e-5;
-// The module's caps of dt^2 EI / (m l^3), of any rod and of a curled one times the fourth power of its turn.
+// The module's limits of dt^2 EI / (m l^3), for any rod, and for a curled one times the fourth power of its turn.
 static const double MAX_STIFFNESS = 6e4, MAX_CURLED = 0.08;
 
 typedef struct duel
@@ -52,7 +52,7 @@ typedef struct match
     double3 gravity;         // of the oracle
     wisp_transform from, to; // of the head, in this step
     double3 rest[STRANDS][LONGEST];
-    double balanced[STRANDS]; // fraction of the weight that the rest shape holds
+    double balanced[STRANDS]; // fraction of the weight that the rest shape carries
     double rest_tension[STRANDS][LONGEST];
     strand_oracle strand[STRANDS];
 } match;
@@ -72,7 +72,7 @@ static inline wisp_vec3 crooked_step( int strand, int i )
     return ( wisp_vec3 ){ scale * d.x, scale * d.y, scale * d.z };
 }
 
-// Crooked, curled and straight by turns, each kind hanging, sticking out or rising.
+// Crooked, curled and straight in turn; each kind hangs, sticks out or rises.
 static inline wisp_vec3 shape_at( int strand, int i, int count, float length )
 {
     (void)count;
@@ -143,8 +143,8 @@ static inline double turn_of( const strand_oracle* strand, int i )
                              double3_scale( 1.0 / strand->length[i], b ) );
 }
 
-// EI of vertex i over that which the module allows it: above 1 the module lowers it. The mass is the mean of those vertices
-// around that move.
+// EI of vertex i relative to the module's limit: above 1 the module lowers it. The mass is the mean of those
+// neighbouring vertices that move.
 static inline double over_the_cap( const match* m, const strand_oracle* strand, int i )
 {
     double mass = 0.0, turn = 0.0;
@@ -168,14 +168,14 @@ static inline void stiffen( const match* m, strand_oracle* strand )
     for ( int i = 0; i + 1 < strand->count; ++i )
     {
         const double over = fmax( over_the_cap( m, strand, i ), 1.0 );
-        // the balance under a lowered stiffness is the module's own choice, and not what is compared here
+        // the balance under a lowered stiffness is the module's own choice and is not compared here
         assert_true( over == 1.0 || m->rules->rest != WISP_STRAND_REST_SAG_FREE );
         strand->stiffness[i] /= over;
         strand->twist_stiffness[i] /= over;
     }
 }
 
-// A straight rod begins with no more than the weight of what is behind the segment, between pins with four times the whole.
+// A straight rod starts with at most the weight beyond the segment, between pins with four times the whole weight.
 static inline void bound_tension( const match* m, strand_oracle* strand )
 {
     double whole = 0.0, behind = 0.0;
@@ -226,7 +226,7 @@ static inline void shape_oracle( match* m, int n, int first_vertex )
     memcpy( m->rest_tension[n], strand->tension, sizeof( m->rest_tension[n] ) );
 }
 
-// Every vertex that moves gets the same velocity, of up to `speed`, in both.
+// Give every free vertex the same velocity, of up to `speed`, in both.
 static inline void kick( match* m, float speed )
 {
     const wisp_strand_topology* t = wisp_world_strands( m->s.world, m->e );
@@ -320,7 +320,7 @@ static inline double3 angular_velocity( pose a, pose b, double dt )
     return half_sine > 0.0 ? double3_scale( 2.0 * atan2( half_sine, turn.w ) / ( half_sine * dt ), axis ) : axis;
 }
 
-// Behind so many substeps: it turns about an axis of its own and goes 0.6 m/s.
+// After this number of substeps: it turns about an axis of its own and moves at 0.6 m/s.
 static inline wisp_transform head_behind( const duel* rules, int substeps )
 {
     const float t = rules->carried ? rules->dt * (float)substeps : 0.0f;
@@ -421,7 +421,7 @@ static inline bool is_exact( const strand_oracle* strand )
     return exact;
 }
 
-// Lanes of a group pass together, until all are exact.
+// Lanes of a group iterate together until all are exact.
 static inline void stretch_group( match* m, int iteration )
 {
     bool exact = false;
@@ -463,7 +463,7 @@ static inline void oracle_substep( match* m, int substep )
 
 // ---- comparing ----
 
-// A step of both, number `step` from 0.
+// One step of both, number `step` from 0.
 static inline void step_both( match* m, int step )
 {
     m->from = m->to;
@@ -476,7 +476,7 @@ static inline void step_both( match* m, int step )
     }
 }
 
-// The farthest that a vertex of the one is from that of the other, m; not a number where a vertex is at none.
+// The largest distance between a vertex of one and the same vertex of the other, m; NaN if a vertex is NaN.
 static inline double apart( match* m, int* strand, int* vertex )
 {
     const wisp_vec3* points = strand_points( m->s.world, m->e );

@@ -1,4 +1,4 @@
-/// What the tests of moving strands share: shapes, kicks, sums over a strand, frames that go along.
+/// Shared by the tests of moving strands: shapes, velocities, sums over a strand, frames that are carried along.
 #pragma once
 
 #include "oracle_support.h"
@@ -171,7 +171,7 @@ static inline void carry_frames( strand_oracle* strand )
     }
 }
 
-// Displaced at random, with the lengths that it has at rest; frames go along.
+// Displaced at random, with rest lengths; frames are carried along.
 static inline void deform( strand_oracle* strand, int key, double by )
 {
     double3 direction[MAX_STRAND_ORACLE];
@@ -188,7 +188,7 @@ static inline void deform( strand_oracle* strand, int key, double by )
     carry_frames( strand );
 }
 
-// The rod's twist alone, as often as it needs: nothing moves where everything is held.
+// The rod's twist alone, iterated until it converges: nothing moves, because everything is held.
 static inline void settle_twist( strand_oracle* strand )
 {
     strand_oracle held = *strand;

@@ -1,4 +1,5 @@
-/// What the tests of strands share: worlds with chosen workers and substeps, strands that hang, stick out or curl, plans as text.
+/// Shared by the tests of strands: worlds with chosen workers and substeps, strands that hang, stick out or curl,
+/// plans as text.
 #pragma once
 
 #include "engine/surface_fixture.h"
@@ -6,7 +7,8 @@
 #include "collision.h"
 #include "strands.h"
 
-/// A world of these modules that is not made yet: what else it needs goes into s->def. Modules live as long as it does.
+/// A world of these modules that is not created yet: further settings go into s->def. Modules live as long as it
+/// does.
 static inline void prepare_strands( hosted* s, const wisp_module* const* modules, int module_count )
 {
     *s = ( hosted ){ 0 };
@@ -36,7 +38,7 @@ static inline void open_strands( hosted* s, int substeps, int iterations, int wo
     open_prepared( s );
 }
 
-/// Where vertex i of a strand of `count` vertices stands; `length` is the strand's, in m.
+/// Position of vertex i of a strand of `count` vertices; `length` is the strand's, in m.
 typedef wisp_vec3 strand_curve( int strand, int i, int count, float length );
 
 /// Out along x.
@@ -126,7 +128,7 @@ static inline const wisp_vec3* strand_points( wisp_world* world, wisp_entity e )
     return view_of( world, e, WISP_STRAND_POINTS ).data;
 }
 
-/// The farthest that a vertex is from where its curve puts it, m.
+/// The largest distance of a vertex from its position on the curve, m.
 static inline double drift_from( wisp_world* world, wisp_entity e, int strand_count, int vertex_count,
                                  strand_curve* curve, float length )
 {
@@ -157,7 +159,7 @@ static inline void plan_text_add( void* user, const char* line )
     assert_true( t->length < sizeof( t->text ) );
 }
 
-/// Is there a line that names the pass and holds the word?
+/// True if a line names the pass and contains the word.
 static inline bool plan_says( wisp_world* world, const char* pass, const char* word )
 {
     static plan_text t;

@@ -7,7 +7,7 @@
 
 // ---- against the oracle ----
 
-// A full pear that moves, spins off its axis and blows: everything acts.
+// A full pear that moves, spins off its axis and has an open outlet: all forces act.
 static balloon_scene busy_scene( const balloon_mesh* mesh )
 {
     balloon_scene scene = balloon_scene_in_air( mesh );
@@ -21,8 +21,8 @@ static balloon_scene busy_scene( const balloon_mesh* mesh )
     return scene;
 }
 
-// Rounding: places of 0.3 m are kept to 1.5e-8 m, and the some twelve links of a vertex, its volume and its prediction
-// round once each in an iteration.
+// Rounding: positions of 0.3 m are kept to 1.5e-8 m, and the dozen links of a vertex, its volume and its prediction
+// round once each per iteration.
 static const double ROUNDING = 1e-6;
 
 static void one_substep_is_the_oracles_in_every_mode( void** state )
@@ -35,8 +35,8 @@ static void one_substep_is_the_oracles_in_every_mode( void** state )
     {
         balloon_scene scene = busy_scene( &mesh );
         bool thrusts = mode / 12 % WISP_BALLOON_DRAG_COUNT == WISP_BALLOON_DRAG_SIGNED;
-        // the engine limits the thrust of `signed` as it limits drag, the oracle does not: at a tenth of the step the two
-        // are a hundredth of that drag's way of 1e-5 m apart
+        // the engine limits the thrust of `signed` as it limits drag, the oracle does not: at a tenth of the step the
+        // two differ by a hundredth of that drag's displacement of 1e-5 m
         scene.dt = thrusts ? 1.0f / 6000.0f : 1.0f / 600.0f;
         scene.substeps = 1;
         scene.def.solver = scene.def.volume = mode % 2 == 0 ? WISP_SOLVER_XPBD : WISP_SOLVER_PBD;
@@ -101,7 +101,7 @@ static void the_stats_of_a_substep_are_the_oracles( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// How far engine and oracle are apart.
+// Differences between engine and oracle.
 typedef struct quantities
 {
     double volume, target;   // shares
@@ -156,7 +156,7 @@ static balloon_scene course_scene( const course* c, const balloon_mesh* mesh, co
     return scene;
 }
 
-// One substep a step, so that every substep's jet is read.
+// One substep per step, so that every substep's jet is read.
 static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int steps, double3* impulse )
 {
     *impulse = double3_make( 0.0, 0.0, 0.0 );
@@ -169,13 +169,13 @@ static void fly_both( const balloon_flight* flight, balloon_oracle* oracle, int 
     }
 }
 
-// 60 frames of 10 substeps. In the engine's order of links what differs is rounding; with all edges before all cross
-// links, as the paper has it, both are only as close as the solver is converged.
+// 60 frames of 10 substeps. In the engine's order of links the difference is rounding; with all edges before all
+// cross links, as in the paper, both agree only as closely as the solver has converged.
 static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles( void** state )
 {
     (void)state;
     balloon_mesh mesh = balloon_pear( 2 );
-    // by three vertices, because two let it swing
+    // three vertices, because two let it swing
     const int32_t pins[3] = { balloon_mesh_farthest( &mesh, double3_make( 0.0, -1.0, 0.0 ) ),
                               balloon_mesh_farthest( &mesh, double3_make( 0.0, 0.0, 1.0 ) ),
                               balloon_mesh_farthest( &mesh, double3_make( 1.0, 0.0, 0.0 ) ) };
@@ -205,7 +205,7 @@ static void a_second_of_a_held_an_inflating_and_a_flying_balloon_is_the_oracles(
         balloon_assert_close( d.target, 0.0, same ? 1e-6 : 0.01 );
         balloon_assert_close( d.pressure, 0.0, same ? 1e-3 : 0.05 );
         balloon_assert_close( d.impulse, 0.0, same ? 1e-5 : 0.05 );
-        // a metre and a half on their way, at 2 m/s; a pear that turns in the air sets small differences forth
+        // after moving 1.5 m at 2 m/s; a pear that turns in the air amplifies small differences
         balloon_assert_close( d.centre, 0.0, same ? 2e-4 : 0.1 );
         balloon_assert_close( d.velocity, 0.0, same ? 2e-3 : 0.3 );
         balloon_oracle_destroy( &oracle );
@@ -253,7 +253,7 @@ static void two_particles_return_to_their_distance_and_move_in_the_ratio_of_thei
                                 ( 1.75 - (double)position[2 * i + 1][0] ) / 0.6 };
             double excess = 2.5 - (double)rest[i],
                    w = (double)WEIGHTS[n / 2][0] / (double)( WEIGHTS[n / 2][0] + WEIGHTS[n / 2][1] );
-            // towards each other where stretched; one projection solves a lone constraint, rounding is left
+            // towards each other where stretched; one projection solves a single constraint up to rounding
             balloon_assert_close( moved[0], w * excess, 1e-6 );
             balloon_assert_close( moved[1], ( 1.0 - w ) * excess, 1e-6 );
         }
@@ -287,7 +287,7 @@ static void a_closed_mesh_has_three_edges_for_two_faces_and_a_bend_link_over_eac
             crosses[1] += link >= f->edge_count && ( a > b ? a : b ) == 4 && ( a > b ? b : a ) == 3 ? 1 : 0;
         }
         assert_int_equal( crosses[0], f->edge_count );
-        // over the three edges of the bipyramid's ring, which is no face, lie its two tips and nothing else
+        // across the three edges of the bipyramid's ring, which is no face, are its two tips and nothing else
         assert_true( n != 1 || crosses[1] == 3 );
         balloon_end( &flight );
         balloon_mesh_destroy( meshes + n );
@@ -316,7 +316,7 @@ static void the_volume_of_a_cube_is_its_edge_cubed_wherever_it_is( void** state 
     balloon_mesh_destroy( &mesh );
 }
 
-// Eq. 8: the area vectors that drag, outlet and volume share
+// Eq. 8: the area vectors that drag, outlet and volume use
 static void area_vectors_are_the_gradient_of_the_volume( void** state )
 {
     (void)state;
@@ -468,9 +468,9 @@ static double settled_pressure( const balloon_mesh* mesh, int substeps, int iter
     return pressure;
 }
 
-// Pressures of a static sphere, made in double and in another order of links: its virial is met within 1 %, its converged rows
-// within 3 % in every reading, as by the oracle, and a percent for floats, whose volume of 0.017 m^3 is 1e-7 and so 0.01 Pa
-// exact but whose links round to 1e-7 of lengths that strain by 6 %.
+// Pressures of a static sphere, computed in double and in another order of links. Its virial agrees within 1 % and
+// its converged rows within 3 % in every reading, as for the oracle. Another percent is for floats: a volume of 0.017
+// m^3 is exact to 1e-7, hence to 0.01 Pa, but links round to 1e-7 of lengths that strain by 6 %.
 static void the_pressure_readings_agree_where_substeps_make_them( void** state )
 {
     (void)state;
@@ -547,7 +547,7 @@ static void a_scaled_spring_mesh_presses_as_its_closed_form_says( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// A slack skin holds no pressure, however much smaller than its rest shape.
+// A slack skin has no pressure, however much smaller than its rest shape.
 static void a_slack_skin_reads_no_pressure( void** state )
 {
     (void)state;
@@ -562,7 +562,7 @@ static void a_slack_skin_reads_no_pressure( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// lambda / dt^2 belongs to the substep that made it
+// lambda / dt^2 belongs to the substep that computed it
 static void a_step_of_another_length_does_not_change_what_the_multiplier_reads( void** state )
 {
     (void)state;

@@ -1,9 +1,9 @@
-// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
-// data/golden/balloon.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, and the same as in
+// data/golden/balloon.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "balloon_engine_fixture.h"
 #include "determinism_fixture.h"
 
-// ---- cases: meshes without the C library's mathematics but its square root ----
+// ---- cases: meshes that need nothing of the C library's mathematics except its square root ----
 
 typedef struct golden_case
 {
@@ -24,7 +24,7 @@ static const golden_case CASES[] = {
     { "flying-large", 5, false, true, WISP_SOLVER_XPBD, WISP_BALLOON_SPIN_VELOCITY, 1.2f, 0.0f, 3 },
 };
 
-// Of each level, made once.
+// One per level, made once.
 static balloon_mesh meshes[6];
 
 static const int32_t PINS[3] = { 5, 70, 110 };
@@ -110,7 +110,7 @@ static determinism_case describe( int number )
     return ( determinism_case ){ c->name, c->steps, .warm_workers = 3, .is_one_block = c->level < 5 };
 }
 
-// Figures are read, not felt.
+// Statistics are read only and have no effect.
 static void asking_for_stats_does_not_change_a_bit( void** state )
 {
     (void)state;

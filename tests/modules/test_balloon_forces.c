@@ -1,5 +1,5 @@
-// What acts on the balloon from outside: gravity, buoyancy, drag and jet (Fig. 4). Numbers of
-// equations, figures and sections are those of the balloon paper (docs/methods.md).
+// External forces on the balloon: gravity, buoyancy, drag and jet (Fig. 4). Numbers of equations, figures and
+// sections are those of the balloon paper (docs/methods.md).
 #include "balloon_engine_fixture.h"
 
 static const double PI = 3.14159265358979323846;
@@ -90,7 +90,7 @@ static void three_grams_lift_off_at_the_radius_of_the_source( void** state )
     assert_true( height_of_three_grams( 1.005 * reference ) > 1e-3 );
 }
 
-// Shared by mass it turns nothing
+// Distributed by mass, it does not turn the body
 static void buoyancy_is_g_times_the_difference_of_the_gases_and_turns_nothing( void** state )
 {
     (void)state;
@@ -137,7 +137,7 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
         double speed = double3_length( u ), full = 0.5 * AIR * 0.5 * PI * 0.15 * 0.15 * speed * speed;
         print_message( "           drag mode %d: %.4f pi r^2\n", mode, -double3_dot( f, u ) / speed / full );
         balloon_assert_close( -double3_dot( f, u ) / speed / full, factor[mode], allowed[mode] );
-        // nothing aside
+        // nothing sideways
         balloon_assert_close( double3_length( double3_cross( f, u ) ) / speed / full, 0.0, 1e-3 );
         if ( mode == WISP_BALLOON_DRAG_MAX )
         {
@@ -155,8 +155,8 @@ static void keep_rigid( const balloon_flight* flight )
     balloon_throw( flight, ( wisp_vec3 ){ (float)( p.x / mass ), (float)( p.y / mass ), (float)( p.z / mass ) } );
 }
 
-// Eq. 11. The limit that keeps drag from reversing v brakes less than the plain force: +2.4 % of speed at substeps of 1/600 s, +0.2 % at
-// 1/6000 s; here each of 480 substeps is 1/1200 s.
+// Eq. 11. The limit that keeps drag from reversing v decelerates less than the plain force: +2.4 % of speed at
+// substeps of 1/600 s, +0.2 % at 1/6000 s; here each of 480 substeps is 1/1200 s.
 static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
 {
     (void)state;
@@ -206,7 +206,7 @@ static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state
 
 // ---- jet ----
 
-// A pear without bend links, scaled by 1.1 and just so stiff that it presses with `gauge` (references, section 1).
+// A pear without bend links, scaled by 1.1, whose stiffness gives the pressure `gauge` (references, section 1).
 static balloon_scene pressed_scene( const balloon_mesh* mesh, double gauge )
 {
     balloon_scene scene = balloon_scene_of( mesh );
@@ -255,7 +255,7 @@ static void the_outlet_has_the_speed_flow_and_thrust_of_the_specification( void*
     balloon_mesh_destroy( &mesh );
 }
 
-// Reaction (section III.3) at constant pressure: the shape is put back in every step
+// Reaction (section III.3) at constant pressure: the shape is restored in every step
 static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void** state )
 {
     (void)state;
@@ -277,7 +277,8 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
         memcpy( balloon_positions( &flight ), shape, bytes );
         memset( balloon_velocities( &flight ), 0, bytes );
     }
-    // velocities come back from positions of 0.17 m: 1.5e-8 m / 1e-4 s a vertex, in the mean of 162 and of 100 steps
+    // velocities are differences of positions of 0.17 m: 1.5e-8 m / 1e-4 s per vertex, in the mean of 162 and of 100
+    // steps
     double allowed = 100.0 * mass * 1.5e-8 / 1e-4 / sqrt( 162.0 * 100.0 ) / ( 0.5 * 0.01 );
     balloon_assert_fraction( gained, balloon_oracle_true_jet_impulse( 1e-4, 2500.0, 0.01 ), 4.0 * allowed );
     assert_true( 4.0 * allowed < 0.01 );
@@ -286,7 +287,7 @@ static void a_jet_at_constant_pressure_has_the_impulse_of_its_closed_form( void*
     balloon_mesh_destroy( &mesh );
 }
 
-// Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the gas that is missing is the gas that left
+// Sections III.2 and III.3: M dv = -sum mdot v_e n dt, and the lost gas is the gas that flowed out
 static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
 {
     (void)state;
@@ -313,13 +314,14 @@ static void what_leaves_the_outlet_is_what_the_body_gains( void** state )
     }
     double size = double3_length( given );
     assert_true( size > 1e-3 );
-    // each substep rounds positions of up to a metre to 3e-8 m, so a velocity to 2e-5 m/s, and 600 add up as a walk
+    // each substep rounds positions of up to a metre to 3e-8 m, so a velocity to 2e-5 m/s, and 600 errors add as a
+    // random walk
     balloon_assert_close( double3_distance( balloon_momentum( &flight ), given ) / size, 0.0, 1e-3 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
 }
 
-// Section III.2: 10 Pa and 50 Pa. The skin is put at its pressure by its scale, and read in the step that follows.
+// Section III.2: 10 Pa and 50 Pa. The scale of the skin sets its pressure, which is read in the next step.
 static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void** state )
 {
     (void)state;
@@ -335,7 +337,7 @@ static void the_jet_ends_at_ten_pascal_and_starts_again_only_above_fifty( void**
     double per = 1000.0 / ( 0.1 / 1.21 ); // P = per (s - 1) / s^2
     for ( int n = 0; n < WISP_COUNT( gauge ); ++n )
     {
-        // a float's scale gives the pressure to 1e-2 Pa, so aim beside the border
+        // a float's scale gives the pressure to 1e-2 Pa, so test next to the threshold
         double aim = gauge[n] + ( expected[n] ? 0.2 : -0.2 ), e = 0.0;
         for ( int k = 0; k < 20; ++k )
         {
@@ -384,7 +386,7 @@ static void a_shut_outlet_blows_nothing_and_an_opened_one_does( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Several vertices: the outlet is where their mean is and points where their area vectors do.
+// Several vertices: the outlet is at their mean and has the direction of their area vectors.
 static void an_outlet_of_several_vertices_points_along_their_common_normal( void** state )
 {
     (void)state;
@@ -405,7 +407,7 @@ static void an_outlet_of_several_vertices_points_along_their_common_normal( void
     balloon_steps( &flight, 1 );
     double3 jet = balloon_from( balloon_read( &flight ).jet );
     balloon_assert_fraction( double3_length( jet ), 0.2, 1e-5 );
-    // area vectors are not all of one size: within a tenth of a vertex's distance
+    // area vectors differ in size: within a tenth of a vertex's distance
     balloon_assert_close( -double3_dot( jet, mean ) / double3_length( jet ) / double3_length( mean ), 1.0, 1e-3 );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -442,7 +444,7 @@ static void the_four_external_forces_point_where_they_should( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// The drag shown is the one that acted: of the velocity before the other forces.
+// The reported drag is the one that acted: of the velocity before the other forces.
 static void the_forces_shown_are_the_momentum_gained( void** state )
 {
     (void)state;
@@ -450,7 +452,7 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
     balloon_scene scene = balloon_scene_in_air( &mesh );
     scene.dt = 1.0f / 240.0f;
     scene.substeps = 1;
-    scene.area_density = 0.2f; // heavy, so that it stays near the origin and its velocities are read back well
+    scene.area_density = 0.2f; // heavy, so that it stays near the origin and its velocities are exact enough
     scene.scale = 1.05;
     scene.def.gas_ratio = 1.2f;
     balloon_scene_give_outlet( &scene, 0, true );
@@ -465,7 +467,8 @@ static void the_forces_shown_are_the_momentum_gained( void** state )
                                    double3_add( balloon_from( f.drag ), balloon_from( f.jet ) ) );
         double3 gained = double3_sub( balloon_momentum( &flight ), before );
         double3 given = double3_scale( (double)scene.dt, sum );
-        // some 30 roundings a vertex of 1.5e-8 m over 1/240 s, as a walk, in the mean of 162 of together 0.06 kg
+        // about 30 roundings per vertex of 1.5e-8 m over 1/240 s, as a random walk, in the mean of 162 with 0.06 kg
+        // in total
         balloon_assert_close( double3_distance( gained, given ), 0.0, 1e-7 );
         assert_true( double3_length( balloon_from( f.drag ) ) > 0.05 && double3_length( given ) > 1e-3 );
     }

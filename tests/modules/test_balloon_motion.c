@@ -1,5 +1,5 @@
-// How the balloon turns and what its motion keeps: torque, inertia, spin, momentum (balloon paper,
-// Eq. 13-17). Where a bound is one of doubles, the comment says what floats can keep.
+// Rotation and conservation laws of the balloon: torque, inertia, spin, momentum (balloon paper, Eq. 13-17). Where a
+// bound is one of doubles, the comment gives that of floats.
 #include "balloon_engine_fixture.h"
 
 #include "balloon_internal.h"
@@ -13,8 +13,8 @@ static double3 vertex_of( const balloon_flight* flight, int vertex )
 
 // ---- torque ----
 
-// A body whose particles nothing holds together: springs of 1e-6 N/m and a millionth of the volume's error. What changes a
-// velocity is the jet alone, which the gas law drives.
+// A body whose particles are almost unconnected: springs of 1e-6 N/m and a millionth of the volume's error. Only the
+// jet changes a velocity, and the gas law drives it.
 static balloon_scene loose_body( const balloon_mesh* mesh, int outlet )
 {
     balloon_scene scene = balloon_scene_of( mesh );
@@ -54,7 +54,7 @@ static void a_radial_jet_has_no_torque_and_turns_nothing( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Eq. 13-14. L = sum m x x v does not notice that x has moved along v.
+// Eq. 13-14. L = sum m x x v is independent of displacements of x along v.
 static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( void** state )
 {
     (void)state;
@@ -75,7 +75,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     double3 given = double3_scale( (double)scene.dt, torque );
     // 162 velocities read back from positions: 1.5e-8 m over 1/600 s each
     balloon_assert_close( double3_distance( gained, given ) / double3_length( given ), 0.0, 1e-4 );
-    // and nothing to the momentum but the jet
+    // and the momentum changes only by the jet
     double3 pushed = double3_sub( balloon_momentum( &flight ), momentum );
     double3 jet = double3_scale( (double)scene.dt, balloon_from( f.jet ) );
     balloon_assert_close( double3_distance( pushed, jet ) / double3_length( jet ), 0.0, 1e-4 );
@@ -83,7 +83,7 @@ static void a_jet_beside_the_centre_adds_dt_r_cross_f_to_the_angular_momentum( v
     balloon_mesh_destroy( &mesh );
 }
 
-// Section III.4: a kick and the way that it goes are both proportional to dt, so lengths change by dt^4
+// Section III.4: a kick and its displacement are both proportional to dt, so lengths change by dt^4
 static void a_kick_leaves_the_edges_as_long_as_they_are( void** state )
 {
     (void)state;
@@ -189,7 +189,7 @@ typedef struct turned
     double apart; // rad, between the quaternion's direction of a long chord and the body's own
 } turned;
 
-// The printed spin keeps its omega once the valve is shut, so this turns at a constant rate.
+// The printed spin keeps its omega once the outlet is closed, so this turns at a constant rate.
 static turned turn_for_a_second( const balloon_mesh* mesh, int steps )
 {
     balloon_scene scene = loose_pear( mesh );
@@ -232,13 +232,13 @@ static void an_orientation_stays_of_unit_length_and_its_error_falls_with_dt_squa
         assert_true( t.omega > 0.5 && t.omega < 3.0 );
         balloon_assert_close( t.norm, 1.0, 1e-14 );
         balloon_assert_fraction( error, t.omega * t.omega * dt * dt / 12.0, 0.01 );
-        // positions of floats, turned so many times
+        // positions of floats, turned many times
         balloon_assert_close( t.apart, 0.0, 1e-4 );
     }
     balloon_mesh_destroy( &mesh );
 }
 
-// Positions turn, velocities stay. In a skin that holds together both are mixed, as in the oracle; here nothing does.
+// Positions turn, velocities stay. A connected skin mixes both, as in the oracle; here nothing does.
 static void the_printed_spin_turns_positions_and_gives_no_angular_momentum( void** state )
 {
     (void)state;
@@ -284,7 +284,7 @@ static void without_spin_an_offset_jet_pushes_and_does_not_turn( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- what motion keeps ----
+// ---- conservation ----
 
 // Eq. 4, momentum: sum m Dp = 0
 static void internal_constraints_keep_the_momentum_in_every_step( void** state )
@@ -308,8 +308,8 @@ static void internal_constraints_keep_the_momentum_in_every_step( void** state )
             mass = balloon_motion_stats( &flight ).mass;
             worst = fmax( worst, double3_distance( balloon_momentum( &flight ), before ) / mass );
         }
-        // 1e-12 is a bound of doubles. In floats a vertex rounds some 50 times by 1.5e-8 m, over 1/60 s, as a walk,
-        // in the mean of 162: 5e-7 m/s, and the largest of 50 such
+        // 1e-12 is a bound of doubles. In floats a vertex rounds about 50 times by 1.5e-8 m, over 1/60 s, as a random
+        // walk, in the mean of 162: 5e-7 m/s, and the largest of 50 such values
         print_message( "           largest change of mean velocity in a step: %.1e m/s\n", worst );
         balloon_assert_close( worst, 0.0, 3e-6 );
         balloon_end( &flight );
@@ -345,8 +345,9 @@ static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_sub
     balloon_mesh_destroy( &mesh );
 }
 
-// Gauss-Seidel moves a vertex while it looks for its links' forces, so a taut skin pulls with a small torque of its own even
-// at rest. It is the method's: the oracle has the same in the same order of links. Damped by 30/s it is read off as a spin.
+// Gauss-Seidel moves vertices while it solves for its links' forces, so a taut skin exerts a small torque even at
+// rest. This belongs to the method: the oracle has the same in the same order of links. With damping of 30/s it is
+// measured as a spin.
 static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void** state )
 {
     (void)state;
@@ -377,8 +378,8 @@ static void a_full_balloon_at_rest_turns_by_itself_only_as_the_method_does( void
     balloon_mesh_destroy( &mesh );
 }
 
-// What the pass balloon.angular takes away: nothing acts on a balloon at rest, so nothing may turn it, however full it is
-// and whatever the order of the sweep. What is left is float rounding of positions, divided by a substep.
+// What the pass balloon.angular removes: nothing acts on a balloon at rest, so it must not turn, however full it is
+// and whatever the order of the sweep. The remainder is float rounding of positions, divided by a substep.
 static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_kept( void** state )
 {
     (void)state;
@@ -394,13 +395,13 @@ static void a_full_balloon_at_rest_does_not_turn_when_its_angular_momentum_is_ke
         balloon_steps( &flight, 120 );
         double spin = double3_length( balloon_from( balloon_read( &flight ).angular_velocity ) );
         print_message( "           %3d substeps: %.4f rad/s after two seconds\n", substeps, spin );
-        balloon_assert_close( spin, 0.0, 0.2 ); // without the pass it is tens
+        balloon_assert_close( spin, 0.0, 0.2 ); // without the pass it is several tens
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );
 }
 
-// The pass takes away what projections add and nothing else: a spin that a body has, it keeps.
+// The pass removes what projections add and nothing else: an existing spin is kept.
 static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept( void** state )
 {
     (void)state;
@@ -412,7 +413,7 @@ static void a_spinning_balloon_keeps_its_spin_when_its_angular_momentum_is_kept(
     assert_int_equal( wisp_set_velocity( flight.world, flight.entity, still, spin ), WISP_OK );
     balloon_steps( &flight, 60 );
     double3 turning = balloon_from( balloon_read( &flight ).angular_velocity );
-    // the skin gives way by a thousandth or so to the spin, and its inertia with it
+    // the spin stretches the skin by about a thousandth, and with it the inertia
     balloon_assert_close( turning.y, 3.0, 0.02 );
     balloon_assert_close( turning.x, 0.0, 0.005 );
     balloon_end( &flight );
@@ -434,7 +435,7 @@ static void stats_turn_with_a_body_that_spins( void** state )
     double3 p = vertex_of( &flight, 0 ), o = mesh.positions[0];
     double seen = atan2( o.x * p.y - o.y * p.x, o.x * p.x + o.y * p.y );
     double told = 2.0 * atan2( f.orientation[3], f.orientation[0] );
-    // a radian a second, braked a little by what the projections lose; body and quaternion agree
+    // a radian per second, reduced a little by losses of the projections; body and quaternion agree
     balloon_assert_close( told, 1.0, 0.02 );
     balloon_assert_close( seen, told, 5e-3 );
     balloon_end( &flight );

@@ -1,5 +1,5 @@
-// Open skins (`allow_open`): each hole is closed by a virtual fan for the volume alone. The oracle is held to
-// central differences, the engine to the oracle, and both to what is true whatever the method.
+// Open skins (`allow_open`): each hole is closed by a virtual fan for the volume alone. The oracle is compared with
+// central differences, the engine with the oracle, and both with properties that hold for any method.
 #include "saved_world.h"
 #include "balloon_engine_fixture.h"
 
@@ -7,8 +7,8 @@
 
 // ---- open meshes ----
 
-// What is left of a mesh on the near side of two planes: triangles with a vertex beyond one are gone, and so are vertices
-// without a triangle.
+// The part of a mesh on the near side of two planes: triangles with a vertex beyond one are removed, and so are
+// vertices without a triangle.
 static balloon_mesh cut( const balloon_mesh* whole, double3 normal, double above, double below )
 {
     balloon_mesh mesh = { .positions = calloc( (size_t)whole->vertex_count, sizeof( double3 ) ),
@@ -111,7 +111,7 @@ static void the_oracles_gradient_is_that_of_the_capped_volume( void** state )
             balloon_assert_close( ( above - below ) / ( 2.0 * h ), of[k], 1e-6 * largest );
         }
     }
-    // V knows no place, and is of the third degree
+    // V does not depend on the position, and is of the third degree
     balloon_assert_close( double3_length( sum ) / largest, 0.0, 1e-12 );
     balloon_assert_fraction( dot, 3.0 * volume, 1e-12 );
     free( gradient );
@@ -191,8 +191,8 @@ static balloon_scene busy_scene( const balloon_mesh* mesh, wisp_solver solver )
     return scene;
 }
 
-// As of a closed skin: places of 0.3 m are kept to 1.5e-8 m, and the some twelve links of a vertex, its volume and its
-// prediction round once each in an iteration.
+// As for a closed skin: positions of 0.3 m are kept to 1.5e-8 m, and the dozen links of a vertex, its volume and its
+// prediction round once each per iteration.
 static const double ROUNDING = 1e-6;
 
 static void a_step_of_an_open_skin_is_the_oracles( void** state )
@@ -214,7 +214,7 @@ static void a_step_of_an_open_skin_is_the_oracles( void** state )
         print_message( "           %s: engine and oracle are %.2g m apart\n",
                        solver == WISP_SOLVER_PBD ? "pbd" : "xpbd", distance );
         balloon_assert_close( distance, 0.0, ROUNDING );
-        // forces as the second step began, of vertices by then a rounding apart
+        // forces at the start of the second step, of vertices that differ by a rounding then
         wisp_balloon_stats f = balloon_read( &flight );
         balloon_assert_fraction( f.rest_volume, oracle.rest_volume, 1e-12 );
         balloon_assert_fraction( f.volume, oracle.volume, 1e-5 );
@@ -245,11 +245,11 @@ static void half_a_second_of_an_open_skin_is_the_oracles( void** state )
     }
     wisp_balloon_stats f = balloon_read( &flight );
     double3 centre = balloon_oracle_centre( oracle.x, oracle.mass, oracle.vertex_count );
-    // the skin swings, and its roundings with it: volumes and the centre are what does not depend on them
+    // the skin swings, and its rounding with it: volumes and the centre do not depend on that
     balloon_assert_fraction( f.target_volume, oracle.gas_volume, 1e-6 );
     balloon_assert_fraction( f.volume, oracle.volume, 1e-5 );
     balloon_assert_close( double3_distance( balloon_from( f.centre ), oracle.centre ), 0.0, 1e-4 );
-    assert_true( double3_distance( centre, oracle.centre ) > 1e-4 ); // a step later it is elsewhere
+    assert_true( double3_distance( centre, oracle.centre ) > 1e-4 ); // one step later it has moved
     balloon_oracle_destroy( &oracle );
     balloon_end( &flight );
     balloon_mesh_destroy( &mesh );
@@ -280,8 +280,8 @@ static void a_flat_fan_restores_the_volume_of_the_closed_mesh( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Whole numbers, wherever the cube is; what rounds is the sixth of each area vector and their sum of up to 3, whose float
-// has steps of 2.4e-7, before a third of it is taken.
+// Whole numbers, wherever the cube is. Only the sixth of each area vector rounds, and their sum of up to 3, whose
+// float has steps of 2.4e-7, before a third of it is taken.
 static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
 {
     (void)state;
@@ -289,7 +289,7 @@ static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
     mesh.triangle_count -= 2;
     balloon_scene scene = open_scene( &mesh );
-    scene.substeps = 1; // so that nothing has moved yet
+    scene.substeps = 1; // before anything has moved
     const wisp_balloon_stats near = first_stats( &scene );
     scene.place = ( wisp_vec3 ){ 1e3f, -1e3f, 1e3f };
     const wisp_balloon_stats far = first_stats( &scene );
@@ -299,8 +299,8 @@ static void a_cube_without_a_face_has_the_volume_of_the_cube( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Pressure on skin and fans together is none: the gradients sum to zero. Without the fans' share the two mouths of different
-// size would drive this pear along its axis.
+// Pressure on skin and fans together exerts no force: the gradients sum to zero. Without the fans' part the two
+// mouths of different size would drive this pear along its axis.
 static void gas_behind_fans_moves_no_centre_of_mass( void** state )
 {
     (void)state;
@@ -322,8 +322,8 @@ static void gas_behind_fans_moves_no_centre_of_mass( void** state )
         skin = double3_add( skin, double3_make( (double)g[0], (double)g[8], (double)g[16] ) );
         mass += (double)( scene.area_density * fabric->area[slot] );
     }
-    // what the pressure would do in half a second on the skin alone, against what rounding did in 300 substeps: 1.5e-8 m a
-    // vertex and projection is 1e-5 m/s, and hundreds of vertices take the mean of theirs
+    // the effect of the pressure in half a second on the skin alone, against rounding in 300 substeps: 1.5e-8 m per
+    // vertex and projection is 1e-5 m/s, and hundreds of vertices average theirs
     double alone = f.pressure * double3_length( skin ) * 0.5 / mass;
     double speed = double3_length( balloon_momentum( &flight ) ) / mass;
     print_message( "           %.2g m/s, and %.2g m/s if the skin were pushed alone\n", speed, alone );
@@ -348,7 +348,7 @@ static void an_open_skin_takes_the_volume_it_is_queried_for( void** state )
         balloon_flight flight = balloon_start( &scene );
         balloon_steps( &flight, 120 );
         wisp_balloon_stats f = balloon_read( &flight );
-        balloon_assert_fraction( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 asks a closed skin for 1 %
+        balloon_assert_fraction( f.volume, 1.5 * f.rest_volume, 0.01 ); // Fig. 3 demands 1 % of a closed skin
         balloon_end( &flight );
     }
     balloon_mesh_destroy( &mesh );
@@ -463,7 +463,7 @@ static void an_open_mesh_without_leave_is_refused_with_its_first_open_edge( void
     (void)state;
     balloon_mesh mesh;
     assert_true( balloon_mesh_cube( &mesh, 1.0 ) );
-    // the last triangle is gone: its first edge in the user's order is whichever of its neighbours comes first
+    // the last triangle is removed: its first edge in the user's order is that of the first neighbour
     const int* gone = mesh.triangles + 33;
     int from = -1, to = -1;
     for ( int n = 0; n < 33 && from < 0; ++n )
@@ -493,7 +493,7 @@ static void holes_that_meet_at_a_vertex_are_refused( void** state )
     (void)state;
     balloon_mesh sphere = balloon_sphere( 1, 0.15 ), mesh = { sphere.vertex_count, 0, sphere.positions, NULL };
     mesh.triangles = checked_calloc( 3 * (size_t)sphere.triangle_count, sizeof( int ) );
-    // of the triangles around vertex 0 every other one: five or six leave at least two holes that meet there
+    // every other triangle around vertex 0: five or six triangles leave at least two holes that meet there
     int around = 0, left_out = 0;
     int taken[2][2] = { { -1, -1 }, { -1, -1 } };
     for ( int t = 0; t < sphere.triangle_count; ++t )

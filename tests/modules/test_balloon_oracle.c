@@ -1,6 +1,6 @@
-// The balloon's equations on their double-precision oracle, and what its meshes say about themselves. Motion is in
-// test_balloon_oracle_motion.c, the constraints of Eq. 3-8 in test_constraint_oracle.c. Numbers of
-// equations, figures and sections are those of the balloon paper (docs/methods.md).
+// The balloon's equations and the topology of its meshes on the double-precision oracle. Motion is in
+// test_balloon_oracle_motion.c, the constraints of Eq. 3-8 in test_constraint_oracle.c. Numbers of equations, figures
+// and sections are those of the balloon paper (docs/methods.md).
 #include "oracle_support.h"
 
 #include "oracle/balloon_meshes.h"
@@ -150,7 +150,7 @@ static void the_gas_amount_comes_from_its_volume_at_atmospheric_pressure( void**
     double amount = balloon_oracle_gas_amount( 101325.0, 1.0, 293.15 );
     assert_close( amount, 41.57, 5e-3 );
     assert_close( balloon_oracle_gas_pressure( amount, 0.5, 293.15 ), 2.0 * 101325.0, 1e-9 );
-    // moles taken as added cubic metres need 41.57 volumes before they press as much as the air outside
+    // moles taken as added cubic metres need 41.57 volumes before their pressure equals that of the atmosphere
     assert_close( balloon_oracle_gas_pressure_printed( amount * 0.014, 0.014, 293.15 ), 101325.0, 1e-9 );
 }
 
@@ -205,13 +205,13 @@ static void the_drag_of_a_rigid_sphere_is_what_each_variant_says( void** state )
     double speed = double3_length( v ), full = 0.5 * air_density() * 0.5 * pi * 0.15 * 0.15 * speed * speed;
     const balloon_oracle_drag variant[] = { BALLOON_ORACLE_DRAG_MAX, BALLOON_ORACLE_DRAG_ABS,
                                             BALLOON_ORACLE_DRAG_SIGNED, BALLOON_ORACLE_DRAG_NORMAL };
-    // the measured factors; they depend in the fourth digit on the direction in which the mesh is met
+    // the measured factors; they depend in the fourth digit on the direction of the flow
     const double expected[] = { 0.9987, 1.9975, 0.0, 4.0 / 3.0 }, allowed[] = { 1e-3, 2e-3, 1e-12, 3e-3 };
     for ( int n = 0; n < 4; ++n )
     {
         double3 f = sphere_drag( &mesh, variant[n], v );
         assert_close( -double3_dot( f, v ) / speed / full, expected[n], allowed[n] );
-        // nothing aside
+        // nothing sideways
         assert_close( double3_length( double3_cross( f, v ) ) / speed / full, 0.0, 1e-3 );
     }
     balloon_mesh_destroy( &mesh );
@@ -250,7 +250,7 @@ static void the_outlet_speed_flow_and_thrust_have_the_magnitudes_of_the_specific
     }
     assert_true( balloon_oracle_outlet_speed( 0.0, helium_density() ) == 0.0 );
     assert_true( balloon_oracle_outlet_speed( -500.0, helium_density() ) == 0.0 );
-    // with a frozen constant an emptier balloon blows harder
+    // with a frozen constant an emptier balloon has a stronger jet
     assert_true( balloon_oracle_outlet_speed_printed( 103825.0, 102000.0, helium_density() ) >
                  balloon_oracle_outlet_speed_printed( 103825.0, 103000.0, helium_density() ) );
 }
@@ -290,7 +290,7 @@ static void a_radial_jet_has_no_torque_and_an_offset_one_has_r_cross_f( void** s
     balloon_mesh_destroy( &mesh );
 }
 
-// What Eq. 14 and the kick do to the angular momentum and to the momentum of an asymmetric body.
+// The effect of Eq. 14 and the kick on the angular momentum and the momentum of an asymmetric body.
 static void kick_pear( double dt, double3* gained, double3* momentum_change, double3* expected, double* strain )
 {
     balloon_mesh mesh;
@@ -339,7 +339,7 @@ static void a_kick_adds_dt_tau_to_the_angular_momentum_and_nothing_to_the_moment
         // relative to the 6 g body at 0.1 m/s
         assert_close( double3_length( change ) / 6e-4, 0.0, 1e-12 );
     }
-    // the increment and the way that it goes are both proportional to dt: a kick strains by its fourth power
+    // the increment and its displacement are both proportional to dt: a kick strains by its fourth power
     assert_true( strain[0] > 1e-6 );
     assert_close( strain[0] / strain[1], 16.0, 0.1 );
 }
@@ -565,7 +565,7 @@ static void winding_is_repaired_and_an_inside_out_mesh_is_turned( void** state )
                 turned += 1;
             }
         }
-        // a body turns a wholly inverted mesh by itself
+        // a body reverses a wholly inverted mesh by itself
         assert_int_equal( create_from( &mesh, NULL ), round == 1 ? WISP_BAD_INPUT : WISP_OK );
         assert_true( balloon_mesh_orient( &mesh, &flipped ) );
         assert_int_equal( flipped, turned );

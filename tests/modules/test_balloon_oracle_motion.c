@@ -70,10 +70,10 @@ static double body_volume_ratio( const balloon_oracle* body )
     return balloon_oracle_present_volume( body ) / body->rest_volume;
 }
 
-// Pressures of a static sphere in three readings. The table was made without bend pairs. Its virial is met within 1 %, its converged rows
-// (100 and 400 substeps) within 2 % in every reading; the gas and the multiplier of unconverged rows, which that
-// section calls useless, differ by up to 57 Pa of the 2410 Pa that all approach, more than another order of the edges
-// (9 Pa).
+// Pressures of a static sphere in three readings. The table was made without bend pairs. Its virial agrees within 1
+// %, its converged rows (100 and 400 substeps) within 2 % in every reading. In unconverged rows, which that section
+// calls useless, gas and multiplier differ by up to 57 Pa of the limit of 2410 Pa, more than with another order of
+// the edges (9 Pa).
 static void the_three_pressure_readings_follow_the_table_of_the_specification( void** state )
 {
     (void)state;
@@ -102,7 +102,7 @@ static void the_three_pressure_readings_follow_the_table_of_the_specification( v
         assert_close( virial / row[n].virial, 1.0, 0.01 );
         if ( row[n].substeps == 400 )
         {
-            // 3 (P - P_atm) V = sum T l is what the virial reads, so this is also the check at rest
+            // the virial reads 3 (P - P_atm) V = sum T l, so this is also the check at rest
             assert_close( gas / virial, 1.0, 0.05 );
             assert_close( multiplier / virial, 1.0, 0.05 );
             assert_close( gas / multiplier, 1.0, 0.05 );
@@ -152,7 +152,7 @@ static void the_volume_follows_a_ramp_of_its_gas( void** state )
         for ( int n = 0; n < 60; ++n )
         {
             balloon_oracle_step( &body );
-            // so slow a ramp is a chain of equilibria
+            // so slow that the ramp is a series of equilibria
             assert_close( balloon_oracle_present_volume( &body ) / body.gas_volume, 1.0, 0.01 );
         }
         assert_close( body.gas_volume / body.rest_volume, half == 0 ? 1.3 : 1.0, 1e-12 );
@@ -175,7 +175,7 @@ static void a_balloon_in_a_vacuum_falls_as_a_stone( void** state )
     {
         assert_close( body.v[i].y, -9.8, 1e-9 );
     }
-    // 600 substeps, each rounds positions of some metres to 1e-15 m and divides by 1/600 s
+    // 600 substeps; each rounds positions of a few metres to 1e-15 m and divides by 1/600 s
     assert_close( body_momentum( &body ).y / body.total_mass, -9.8, 1e-10 );
     balloon_oracle_destroy( &body );
 }
@@ -207,14 +207,15 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     double reference = balloon_oracle_true_terminal_speed( 0.15, 0.003, 9.8, 1.20410, 0.16639, 0.5 );
     assert_close( reference, 2.32, 5e-3 );
     balloon_oracle_options options = balloon_oracle_default_options();
-    // the limit that keeps drag from reversing v brakes less than the plain force: +2.4 % of speed at dt = 1/600 s, +0.2 % at 1/6000 s
+    // the limit that keeps drag from reversing v decelerates less than the plain force: +2.4 % of speed at dt = 1/600
+    // s, +0.2 % at 1/6000 s
     options.dt = 1.0 / 1200.0;
     options.substeps = 1;
     balloon_oracle body = new_sphere( 3, 0.003 / ( 4.0 * pi * 0.15 * 0.15 ), &options );
     for ( int n = 0; n < 480; ++n )
     {
         balloon_oracle_step( &body );
-        // keep the shape: every vertex moves as the centre does
+        // keep the shape: every vertex moves like the centre
         double3 v = double3_scale( 1.0 / body.total_mass, body_momentum( &body ) );
         for ( int i = 0; i < body.vertex_count; ++i )
         {
@@ -226,7 +227,7 @@ static void a_rigid_sphere_rises_at_its_terminal_speed( void** state )
     assert_true( balloon_oracle_true_terminal_speed( 0.08, 0.003, 9.8, 1.20410, 0.16639, 0.5 ) == 0.0 );
 }
 
-// A light skin thrown at 300 m/s with frames as steps
+// A light skin launched at 300 m/s with one substep per frame
 static void drag_stops_a_thrown_balloon_and_does_not_throw_it_back( void** state )
 {
     (void)state;
@@ -387,7 +388,7 @@ static void the_angular_momentum_of_a_spinning_pair_drifts_in_proportion_to_dt( 
     }
 }
 
-// Spin: a body whose jet has ended
+// Spin of a body whose jet has ended
 static void the_angular_momentum_of_a_spinning_balloon_drifts_less_with_more_substeps( void** state )
 {
     (void)state;
@@ -523,7 +524,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
     }
 }
 
-// The printed recipe turns positions and leaves velocities, so the particles do not get the spin
+// The printed form turns positions and keeps velocities, so the particles do not receive the spin
 static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_momentum( void** state )
 {
     (void)state;
@@ -541,11 +542,11 @@ static void the_printed_spin_turns_positions_and_gives_hardly_any_angular_moment
         momentum[mode] = double3_length( body_angular_momentum( &body ) );
         balloon_oracle_destroy( &body );
     }
-    // what there is comes from the skin, which swings while it empties; measured 0.10 of the kick's
+    // the remainder comes from the skin, which swings while it empties; measured 0.10 of the kick's
     assert_true( momentum[1] < 0.2 * momentum[0] );
 }
 
-// V <= 0 after a collapse, and a pinned vertex through everything
+// V <= 0 after a collapse, with a vertex pinned all the time
 static void a_collapsed_balloon_stays_finite_and_says_so( void** state )
 {
     (void)state;

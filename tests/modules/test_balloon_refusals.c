@@ -1,4 +1,4 @@
-// What a balloon cannot be is refused with one message that names it, and the refused call has changed nothing.
+// Invalid balloons are rejected with one message that names the error, and the rejected call changes nothing.
 #include "balloon_engine_fixture.h"
 
 // X( what the message must name, the statement that breaks a definition )
@@ -124,8 +124,8 @@ static void an_open_mesh_has_no_volume( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, whose triangles must run
-// twice in one direction somewhere.
+// A strip of three triangles turned once: one-sided, with a border; and a closed one-sided shell, in which two
+// triangles must run along some edge in the same direction.
 static void a_one_sided_mesh_encloses_nothing( void** state )
 {
     (void)state;
@@ -150,7 +150,7 @@ static void a_one_sided_mesh_encloses_nothing( void** state )
 static void an_edge_of_four_triangles_is_no_skin( void** state )
 {
     (void)state;
-    // two tetrahedra that share an edge and nothing else
+    // two tetrahedra that have only an edge in common
     double3 points[6] = { { 0.0, 0.0, 0.0 }, { 0.0, 0.0, 1.0 },  { 1.0, 0.0, 0.5 },
                           { 1.0, 1.0, 0.5 }, { -1.0, 0.0, 0.5 }, { -1.0, -1.0, 0.5 } };
     int triangles[24] = { 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3, 0, 4, 1, 0, 1, 5, 0, 5, 4, 1, 4, 5 };
@@ -245,7 +245,7 @@ static void a_world_without_the_module_says_so( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Each request in turn is refused: the surface stays what it was, and the same call then succeeds.
+// Each request for memory is refused in turn: the surface stays the same, and the same call then succeeds.
 static void a_host_without_memory_leaves_the_surface_as_it_was( void** state )
 {
     (void)state;

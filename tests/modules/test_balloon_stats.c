@@ -1,5 +1,5 @@
-// The figures of the balloon paper as experiments in the engine (Fig. 5 to 7), and what a balloon costs in memory.
-// Every result is of frames of 1/60 s with 10 substeps of 2 iterations.
+// The figures of the balloon paper as experiments in the engine (Fig. 5 to 7), and the memory of a balloon. Every
+// result is of frames of 1/60 s with 10 substeps of 2 iterations.
 #include "balloon_engine_fixture.h"
 
 static double spin_of( const balloon_flight* flight )
@@ -169,7 +169,8 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
         balloon_scene_give_outlet( &scene, balloon_mesh_farthest( &mesh, double3_make( 0.3, 1.0, 0.1 ) ), false );
         balloon_flight flight = balloon_start( &scene );
         double rest = rest_volume_of( &flight );
-        // a full skin slowly turns by itself (test_balloon_motion.c), so it is released before its outlet has left the top
+        // a full skin slowly turns by itself (test_balloon_motion.c), so it is released while its outlet is still at
+        // the top
         inflate( &flight, 0.4 * n * rest, 15 );
         wisp_motion_stats q = balloon_motion_stats( &flight );
         double rising = q.momentum[1] / q.mass;
@@ -198,7 +199,7 @@ static void a_balloon_rises_until_it_is_released_and_turns_back_the_faster_the_f
     balloon_mesh_destroy( &mesh );
 }
 
-// V_min below V_rest lets the end shape be limp
+// V_min below V_rest allows a limp final shape
 static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
 {
     (void)state;
@@ -211,7 +212,7 @@ static void a_guard_below_the_rest_volume_lets_a_balloon_go_limp( void** state )
     inflate( &flight, -rest, 60 );
     wisp_balloon_stats f = balloon_read( &flight );
     balloon_assert_fraction( f.target_volume / rest, (double)0.6f, 1e-12 );
-    // as far as 2 kN/m let themselves be crumpled
+    // up to 2 kN/m can be crumpled
     assert_true( balloon_motion_stats( &flight ).volume < 0.7 * rest );
     assert_true( balloon_is_finite( &flight ) );
     balloon_end( &flight );
@@ -238,7 +239,7 @@ static void memory_is_proportional_to_the_vertices( void** state )
         double each = bytes / mesh.vertex_count;
         print_message( "           %5d vertices: %.0f bytes a vertex\n", mesh.vertex_count, each );
         first = level == 3 ? each : first;
-        // small meshes pay for pages and padding; none of it grows with the volume
+        // small meshes need more for pages and padding; nothing grows with the volume
         assert_true( each < 1.5 * first && each > 100.0 && each < 2000.0 );
         wisp_world_destroy( empty );
         balloon_end( &flight );

@@ -1,5 +1,5 @@
-// Every switch with every other, which passes each of them makes, and the balloons that a scene should not contain but does:
-// collapsed, flat, pinned all over, NaN.
+// Every switch with every other, the passes of each, and balloons that a scene should not contain: collapsed, flat,
+// pinned all over, NaN.
 #include "balloon_engine_fixture.h"
 
 // ---- switches ----
@@ -27,7 +27,7 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
         balloon_steps( &flight, 30 );
         assert_true( balloon_is_finite( &flight ) );
         wisp_balloon_stats f = balloon_read( &flight );
-        // half a second after its release a balloon is neither empty of space nor a hundred metres away
+        // half a second after its release a balloon has volume and is less than a hundred metres away
         assert_true( f.volume > 0.5 * f.rest_volume && f.volume < 2.0 * f.rest_volume );
         assert_true( double3_length( balloon_from( f.centre ) ) < 100.0 );
         balloon_end( &flight );
@@ -37,7 +37,7 @@ static void every_combination_of_switches_flies_for_half_a_second( void** state 
     balloon_mesh_destroy( &mesh );
 }
 
-// A name of a pass, and the flags of the scenes below in which it runs.
+// The name of a pass, and the flags of the scenes below in which it runs.
 typedef struct pass_row
 {
     const char* pass;
@@ -111,7 +111,7 @@ static void switches_may_be_changed_in_flight_and_passes_go_with_them( void** st
     }
     balloon_steps( &flight, 5 );
     f = balloon_read( &flight );
-    // nothing of the jet that was is shown
+    // no value of the earlier jet is reported
     assert_true( f.gas_lost == 0.0 && f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.jet_starts == 0.0 );
     assert_true( double3_length( balloon_from( f.jet ) ) + double3_length( balloon_from( f.drag ) ) == 0.0 );
     assert_int_equal( wisp_set_balloon_inflation( flight.world, flight.entity, 1e-3f ), WISP_OK );
@@ -150,7 +150,7 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
         balloon_steps( &flight, 20 );
         assert_true( balloon_is_finite( &flight ) );
         wisp_balloon_stats f = balloon_read( &flight );
-        // a point has no direction to grow into: (9) sees the least volume that it may
+        // a point has no direction to grow; Eq. 9 uses the smallest allowed volume
         balloon_assert_fraction( f.volume, 1e-3 * f.rest_volume, 1e-12 );
         assert_true( f.mass_flow == 0.0 && f.outlet_speed == 0.0 && f.gas_lost == 0.0 );
         assert_true( isfinite( f.pressure ) );
@@ -159,7 +159,7 @@ static void a_collapsed_balloon_stays_finite_and_its_outlet_silent( void** state
     balloon_mesh_destroy( &mesh );
 }
 
-// One that is only flat rises again.
+// A balloon that is only flat inflates again.
 static void a_flattened_or_everted_balloon_stays_finite( void** state )
 {
     (void)state;
@@ -188,7 +188,7 @@ static void a_flattened_or_everted_balloon_stays_finite( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Two vertices on one place: an edge without length, two triangles without area.
+// Two vertices at one position: an edge without length, two triangles without area.
 static void edges_without_length_and_triangles_without_area_do_no_harm( void** state )
 {
     (void)state;
@@ -314,12 +314,12 @@ static void a_nan_halts_its_balloon_alone_and_what_is_kept_of_it_stays_a_number(
             assert_true( balloon_hash( &alone ) == balloon_hash( &good ) );
             balloon_end( &alone );
 
-            // and once it may go on, it does
+            // and once it is released, it continues
             assert_int_equal( wisp_resume( bad.world, bad.entity ), WISP_OK );
             balloon_steps( &bad, 5 );
             assert_true( balloon_is_finite( &bad ) && balloon_hash( &bad ) != before );
             wisp_balloon_stats f = balloon_read( &bad ), g = balloon_read( &good );
-            // nothing of its gas has gone while it was no number, nor while it stood still
+            // no gas has left while its state was NaN, nor while it was halted
             assert_true( f.gas_lost <= g.gas_lost );
             const double numbers[] = {
                 f.target_volume,       f.volume,    f.pressure, f.gas_lost, f.orientation[0], f.orientation[3],

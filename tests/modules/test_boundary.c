@@ -1,4 +1,4 @@
-// Boundary particles in a world: passive, there only when asked for, right after whatever happens to the surface.
+// Boundary particles in a world: passive, present only when requested, and correct whatever happens to the surface.
 #include "saved_world.h"
 #include "boundary_fixture.h"
 
@@ -45,11 +45,11 @@ static void without_a_layer_there_is_no_pass( void** state )
     assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK );
     assert_int_equal( wisp_world_plan_passes( b->world ), passes );
     assert_true( wisp_world_memory( b->world ) < memory + 4096 );
-    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK ); // nothing left to take away
+    assert_int_equal( wisp_unset_boundary( b->world, b->ball ), WISP_OK ); // nothing left to remove
     ball_close( b );
 }
 
-// ---- what it shows ----
+// ---- outputs ----
 
 static void elements_are_in_the_users_numbers( void** state )
 {
@@ -98,8 +98,8 @@ static void elements_are_in_the_users_numbers( void** state )
 static void normals_of_a_ball_point_away_from_its_centre( void** state )
 {
     (void)state;
-    // vertex normals of this mesh are off by the unevenness of its triangles, which falls with the length of edges: 0.030 and
-    // 0.016 as measured
+    // the error of vertex normals of this mesh comes from the unevenness of its triangles, which falls with the
+    // length of edges: measured 0.030 and 0.016
     double largest[2] = { 0.0, 0.0 };
     for ( int i = 0; i < 2; ++i )
     {
@@ -212,7 +212,7 @@ static void a_near_eye_sees_more_points( void** state )
     ball_close( b );
 }
 
-// An edge has its points once, so both sides see the same ones; limits hold for it whatever is asked.
+// An edge has its points once, so both sides have the same ones; limits hold for it whatever the request.
 static void limits_of_the_spacing_hold( void** state )
 {
     (void)state;
@@ -234,7 +234,7 @@ static void limits_of_the_spacing_hold( void** state )
     ball_close( b );
 }
 
-// ---- whatever happens ----
+// ---- changes of the surface ----
 
 static void instances_have_layers_of_their_own( void** state )
 {
@@ -252,7 +252,7 @@ static void instances_have_layers_of_their_own( void** state )
     assert_int_equal( wisp_read_boundary( b->world, bare, &view ), WISP_CONFLICT );
     assert_one_message( wisp_world_message( b->world ) );
 
-    // rows close up over what goes, and the rest stays right
+    // rows close up over removed ones, and the rest stays correct
     ball_world* alone = ball_open( 2, 1, NULL );
     wisp_entity only;
     assert_int_equal( wisp_add_instance( alone->world, alone->ball, &only ), WISP_OK );
@@ -287,7 +287,7 @@ static void a_restored_snapshot_has_the_points_of_its_time( void** state )
     ball_steps( b, 20 );
     assert_int_equal( wisp_world_restore( b->world, saved.bytes, saved.size ), WISP_OK );
     ball_steps( b, 1 );
-    // what was sampled anew on the way back is not what was on the way there, so all but that figure is compared
+    // the number of resampled elements depends on the path, so everything except it is compared
     const int first = stats_of( b, b->ball ).points;
     for ( int i = 1; i < 6; ++i )
     {

@@ -1,18 +1,19 @@
-// The engine's boundary points against those of the double-precision oracle, element by element and point by point: counts,
-// parents, weights, places, normals, and what is sampled anew.
+// The engine's boundary points against those of the double-precision oracle, element by element and point by point:
+// counts, parents, weights, positions, normals, and the elements that are resampled.
 //
-// The engine measures lengths in double precision from the floats that both are given, so counts are equal and not merely
-// near: an edge's length over the spacing is the same double in both; a height or a line differs by some 1e-15, and no
-// ratio of these meshes is as near as that to an integer. Only with hysteresis does the engine remember lengths as floats,
-// where a count could differ within 1e-7 of an integer; none does here.
+// The engine measures lengths in double precision from the same floats as the oracle, so counts are equal and not
+// merely close: an edge's length over the spacing is the same double in both. A height or a line differs by some
+// 1e-15, and no ratio of these meshes is that close to an integer. Only with hysteresis does the engine keep lengths
+// as floats, where a count could differ within 1e-7 of an integer; none does here.
 #include "boundary_duel_fixture.h"
 
 #include "mesh.h"
 
 // ---- tolerances ----
 
-// A weight is a double rounded to a float; places are three products and two sums in floats, of numbers no larger than the
-// largest coordinate: a rounding for each of three weights, three products and two sums, half an epsilon each.
+// A weight is a double rounded to a float. A position is three products and two sums in floats, of numbers no larger
+// than the largest coordinate: a rounding for each of three weights, three products and two sums, half an epsilon
+// each.
 static double place_tolerance( const duel* d )
 {
     double most = 0.0;
@@ -29,8 +30,8 @@ static double length_of_sum( double3 a, double3 b, double fraction )
     return double3_length( double3_add( double3_scale( 1.0 - fraction, a ), double3_scale( fraction, b ) ) );
 }
 
-// The same for the sum of normals, whose own three are rounded too, and three more to make it unit; all of that over the
-// length of the sum, and with lines over that of its ends, because a short sum is mostly rounding.
+// The same for the sum of normals, whose own three are rounded too, and three more for the normalisation; all of that
+// over the length of the sum, and with lines over that of its ends, because a short sum is mostly rounding.
 static double normal_tolerance( const duel* d, const boundary_oracle_point* p )
 {
     const double3* n = d->oracle.vertex_normal;
@@ -109,7 +110,7 @@ static bool is_same_generator( const boundary_oracle_point* a, const boundary_or
            ( !even || memcmp( a->weight, b->weight, sizeof( a->weight ) ) == 0 );
 }
 
-// How many elements have other points than before: they must be sampled anew.
+// Number of elements whose points differ from before: these must be resampled.
 static int elements_with_other_points( const duel* d )
 {
     const boundary_oracle_layer* o = &d->oracle;
@@ -135,7 +136,7 @@ static int elements_with_other_points( const duel* d )
     return changed;
 }
 
-// Counts that give no points may change unseen, so the oracle, which looks at counts, may say case B more often.
+// Counts without points may change unnoticed, so the oracle, which compares counts, may report case B more often.
 static void assert_anew( const duel* d )
 {
     const int least = elements_with_other_points( d );
@@ -176,7 +177,7 @@ enum
     SHEET = 21, // vertices a side
 };
 
-// Open, with a slit in it, laid around a body, its vertices where no pattern puts them.
+// Open, with a slit in it, placed around a body, its vertices without any pattern.
 static balloon_mesh garment( void )
 {
     double3 points[SHEET * SHEET];
@@ -197,7 +198,7 @@ static balloon_mesh garment( void )
     return mesh_of( points, SHEET * SHEET, triangles, 2 * count );
 }
 
-// A sheet whose vertices fall together here and there, or onto one line: sides without length, triangles without area.
+// A sheet with coincident and collinear vertices: sides without length, triangles without area.
 static balloon_mesh with_degenerate_triangles( void )
 {
     balloon_mesh mesh = garment();
@@ -205,7 +206,7 @@ static balloon_mesh with_degenerate_triangles( void )
     {
         double3* x = mesh.positions + n;
         *x = double3_make( 0.1 * ( n % SHEET ) + 0.003 * ( n % 7 ), 0.1 * ( n / SHEET ) + 0.004 * ( n % 5 ), 0.0 );
-        x->x = n / SHEET == 8 ? 0.75 : x->x; // a whole row in one column, and the one beside it
+        x->x = n / SHEET == 8 ? 0.75 : x->x; // a whole row in one column, and the next one
         x->x = n / SHEET == 9 ? 0.75 : x->x;
         *x = n % SHEET == 5 && n > 0 ? mesh.positions[n - 1] : *x;
     }
@@ -216,7 +217,7 @@ typedef struct named_mesh
 {
     const char* name;
     balloon_mesh ( *make )( void );
-    double spacing; // exactly a float, and no part of any regular side
+    double spacing; // exactly a float, and no fraction of any regular side
 } named_mesh;
 
 static const named_mesh MESHES[] = {
@@ -243,7 +244,7 @@ static double spacing_of( const named_mesh* named, const balloon_mesh* mesh )
     return (double)(float)( 0.2 * sum / ( 3 * mesh->triangle_count ) );
 }
 
-// Swelling and shrinking by a hundredth, every vertex at its own time.
+// Swells and shrinks by a hundredth, every vertex with its own phase.
 static void pulsate( double3* x, const balloon_mesh* mesh, int frame )
 {
     for ( int i = 0; i < mesh->vertex_count; ++i )
@@ -334,7 +335,7 @@ static void points_follow_a_pulsation_as_those_of_the_oracle( void** state )
     }
 }
 
-// Bits of a row of four, padding left out.
+// Bits of a row of four, without the padding.
 static void assert_same_rows( const void* a, const void* b, int count )
 {
     assert_memory_equal( a, b, (size_t)count * 4 * sizeof( float ) );
@@ -383,7 +384,7 @@ static void what_followed_in_place_has_the_bits_of_what_is_sampled_anew( void** 
     balloon_mesh_destroy( &mesh );
 }
 
-// The number of lines changes and no number of points on them does: they all stand elsewhere.
+// The number of lines changes and no number of points on them does: all points move.
 static void a_line_more_without_points_moves_the_lines_below_it( void** state )
 {
     (void)state;
@@ -470,8 +471,8 @@ static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_b
     balloon_mesh_destroy( &mesh );
 }
 
-// With barycentric normals: along lines the engine's normals keep the weights of the last step, too, and are off by some
-// 1e-6 rad here.
+// With barycentric normals. Along lines the engine's normals also keep the weights of the last step, and differ by
+// some 1e-6 rad here.
 static void a_refused_layer_follows_with_the_weights_it_had( void** state )
 {
     (void)state;
@@ -483,7 +484,7 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
         duel* d = duel_open( &mesh, &def );
         duel_update( d, mesh.positions );
         const int points = d->samples.count;
-        // the oracle refuses by its estimate, the engine by what it has counted
+        // the oracle rejects by its estimate, the engine by its count
         d->oracle.options.cap = 1.0;
         d->args.limit = points - 1;
         pulsate( x, &mesh, 5 );
@@ -495,7 +496,7 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
         {
             assert_point( d, p, place_tolerance( d ) );
         }
-        // with room again it is sampled as if nothing had been
+        // with enough room again it is sampled as before
         d->oracle.options.cap = 1e9;
         d->args.limit = 4000000;
         duel_update( d, x );
@@ -508,7 +509,7 @@ static void a_refused_layer_follows_with_the_weights_it_had( void** state )
 static void normals_that_cancel_are_those_of_the_faces_or_of_the_last_step( void** state )
 {
     (void)state;
-    // both sides of one sheet: vertices and edges have no normal, faces have; then a triangle that loses its area
+    // both sides of one sheet: vertices and edges have no normal, faces have; then a triangle loses its area
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1.25, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };
     const duel_def def = { .spacing = 0.1875 };
@@ -526,7 +527,7 @@ static void normals_that_cancel_are_those_of_the_faces_or_of_the_last_step( void
     duel_update( d, mesh.positions );
     const double3 flat[3] = { points[0], points[1], points[0] };
     duel_update( d, flat );
-    // the side that is as long as it was keeps its normals, the one that is not has none to keep
+    // the side of unchanged length keeps its normals, the other has none to keep
     assert_true( d->oracle.point_count > 4 && d->oracle.fallback_normals == d->oracle.point_count );
     assert_agree( d );
     assert_true( d->oracle.points[0].normal.z == 1.0 );

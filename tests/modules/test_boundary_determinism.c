@@ -1,5 +1,5 @@
-// The same bits for any number of workers, any instruction set and after any restart, and the same as yesterday:
-// data/golden/boundary.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and after any restart, and the same as in
+// data/golden/boundary.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "boundary_fixture.h"
 #include "golden_file.h"
 
@@ -55,7 +55,7 @@ static void workers_and_instruction_sets_do_not_change_a_bit( void** state )
 {
     (void)state;
     static const int WORKERS[] = { 1, 2, 3, 5, 8 };
-    static const char* const ISAS[] = { "baseline", "avx2", "avx512" }; // a cap: the widest that there is below it
+    static const char* const ISAS[] = { "baseline", "avx2", "avx512" }; // a limit: the widest spacing below it
     for ( int n = 0; n < WISP_COUNT( CASES ); ++n )
     {
         const uint64_t expected = hash_case( CASES + n, 1, "baseline" );
@@ -85,7 +85,7 @@ static void layers_are_those_of_the_golden_file( void** state )
     golden_check( golden_file, WISP_COUNT( CASES ), run_numbered, NULL );
 }
 
-// A hash that forgot something would let everything pass.
+// A hash that left something out would let everything pass.
 static void a_hash_tells_cases_apart( void** state )
 {
     (void)state;

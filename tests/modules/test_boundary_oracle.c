@@ -194,7 +194,7 @@ static void height_times_base_is_twice_the_area( void** state )
     {
         const double3 corner[3] = { random_vector( n, 0 ), random_vector( n, 1 ), random_vector( n, 2 ) };
         const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
-        const double slender = axis.base / axis.height; // a sliver loses as many digits as it is slender
+        const double slender = axis.base / axis.height; // a sliver loses as many digits as its aspect ratio has
         assert_close( axis.height * axis.base / doubled_area( corner ), 1.0, 1e-12 * fmax( 1.0, slender ) );
         assert_close( double3_dot( axis.upward, axis.along ), 0.0, 1e-12 * fmax( 1.0, slender ) );
     }
@@ -317,7 +317,7 @@ static void inner_points_fill_the_area_from_below_as_the_spacing_falls( void** s
     balloon_mesh_destroy( &mesh );
 }
 
-// ---- what holds for every point ----
+// ---- properties of every point ----
 
 static void assert_order( const boundary_oracle_point* a, const boundary_oracle_point* b )
 {
@@ -442,7 +442,7 @@ static void rows_are_parallel_to_the_axis_and_inside_before_and_after_a_translat
             assert_close( upper, requested, 1e-12 );
             assert_true( p->weight[0] > 0.0 && p->weight[1] > 0.0 && p->weight[2] > 0.0 );
         }
-        // equal sides may pick another axis when coordinates are rounded far from the origin: counts of those agree
+        // equal sides may give another axis when coordinates are rounded far from the origin: counts of those agree
         for ( int k = 0; k < 3; ++k )
         {
             mesh.positions[k] = double3_add( corner[k], far );

@@ -1,4 +1,5 @@
-// What goes beyond the paper in double precision: local spacing, and contact that boundary particles pass on.
+// Extensions of the paper in double precision: local spacing, and contact that boundary particles pass on to their
+// parents.
 #include "boundary_oracle_fixture.h"
 
 #include "oracle/contact_oracle.h"
@@ -51,7 +52,7 @@ static void the_least_that_a_criterion_asks_for_counts_within_the_limits( void**
     assert_true( boundary_oracle_local_spacing( &all, 0.1, p0, p1, x, x, 0.5 ) == 0.01 );
 }
 
-// One value an edge, from what both its ends know: a layer that is given them.
+// One value per edge, from data of both its ends, and a layer with these values.
 static boundary_oracle_layer adapted( const balloon_mesh* mesh, const double3* rest, double d,
                                       const boundary_oracle_criteria* criteria, double* edge, double* triangle )
 {
@@ -63,7 +64,7 @@ static boundary_oracle_layer adapted( const balloon_mesh* mesh, const double3* r
         const double3 *x = mesh->positions, *n = layer.vertex_normal;
         const double length = double3_distance( rest[a], rest[b] );
         edge[e] = boundary_oracle_local_spacing( criteria, d, x[a], x[b], n[a], n[b], length );
-        // the same from its other end
+        // the same from the other end
         const double back = boundary_oracle_local_spacing( criteria, d, x[b], x[a], n[b], n[a], length );
         assert_close( back, edge[e], 1e-15 );
         assert_true( edge[e] >= criteria->least && edge[e] <= criteria->most );
@@ -150,7 +151,7 @@ static void points_grow_fewer_with_distance_and_both_sides_of_an_edge_agree( voi
         boundary_oracle_layer layer = adapted( &mesh, mesh.positions, 0.1, &criteria, edge, triangle );
         assert_true( layer.point_count < last );
         last = layer.point_count;
-        // an edge's points are one set, no matter which of its triangles looks at them
+        // an edge's points are one set, whichever of its triangles is considered
         for ( int m = 1; m < layer.edge_point_count; ++m )
         {
             assert_true( layer.points[m].element != layer.points[m - 1].element ||
@@ -216,7 +217,7 @@ static void a_point_below_a_plane_comes_to_stand_on_it_by_its_parents( void** st
             assert_close( double3_length( move ), along, 1e-14 );
             assert_close( along * t.w[0] * t.b[0], first * t.w[k] * t.b[k], 1e-14 );
         }
-        // once it is there, nothing is left to do; above the plane nothing ever was
+        // once it has moved, nothing is left to do; above the plane there was nothing to do
         t.offset -= 1e-3;
         assert_false( boundary_oracle_contact( 3, t.x, t.w, t.b, t.normal, t.offset, 0.0, NULL ) );
     }
@@ -239,7 +240,7 @@ static void contact_keeps_momentum_and_its_moment( void** state )
             moment = double3_add( moment, double3_cross( t.before[k], m_dx ) );
             y = double3_add( y, double3_scale( t.b[k], t.before[k] ) );
         }
-        // what the plane gets is the rest of the sum, and it gets it where the point is
+        // the plane receives the rest of the sum, at the position of the point
         assert_close( double3_length( sum ), 0.0, 1e-14 );
         const double3 on_plane = double3_cross( y, double3_scale( plane_move / plane_w, t.normal ) );
         assert_close( double3_length( double3_add( moment, on_plane ) ), 0.0, 1e-14 );
@@ -247,7 +248,7 @@ static void contact_keeps_momentum_and_its_moment( void** state )
     }
 }
 
-// The plane as a side of its own: a fourth vertex that carries it.
+// The plane as a separate side: a fourth vertex that carries it.
 static void it_is_the_law_of_two_weighted_points_with_a_plane_for_the_second( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Boundary particles that follow a moving surface, and the balloon under them, in double precision.
+// Boundary particles on a moving surface, and the balloon that carries them, in double precision.
 #include "boundary_oracle_fixture.h"
 
 #include "oracle/balloon_oracle.h"
@@ -86,7 +86,7 @@ static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
     // nothing moved: nothing changed
     must_update( &layer, mesh.positions );
     assert_int_equal( layer.changed_elements, 0 );
-    // one vertex moved: its six edges and six triangles are all that may change
+    // one vertex moved: only its six edges and six triangles may change
     mesh.positions[300] = double3_scale( 1.05, mesh.positions[300] );
     must_update( &layer, mesh.positions );
     assert_true( layer.changed_elements > 0 && layer.changed_elements <= 12 );
@@ -102,7 +102,7 @@ static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
     balloon_mesh_destroy( &mesh );
 }
 
-// Cost of resampling: pulsation, the share of elements in case B, of edges and of all
+// Cost of resampling: pulsation, the fraction of elements in case B, of edges and of all
 static void more_pulsation_puts_more_elements_into_case_b( void** state )
 {
     (void)state;
@@ -121,8 +121,8 @@ static void more_pulsation_puts_more_elements_into_case_b( void** state )
             scale_all( x, mesh.positions, mesh.vertex_count, factor );
             must_update( &layer, x );
             fraction[n] += layer.changed_elements / ( 20.0 * layer.element_count );
-            // an edge is in case B when its length over the spacing has passed an integer; lengths scale to a
-            // rounding, so those that near to one are not asked
+            // an edge is in case B when its length over the spacing has passed an integer; lengths scale up to a
+            // rounding, so edges that close to an integer are not checked
             for ( int e = 0; e < layer.edge_count; ++e )
             {
                 const balloon_mesh_edge* edge = layer.topology.edges + e;
@@ -164,7 +164,7 @@ static void hysteresis_stills_a_count_that_flickers( void** state )
     assert_true( changes[0] > 50 );
     assert_int_equal( changes[1], 0 );
     balloon_mesh_destroy( &mesh );
-    // it lets go beyond its margin, either way
+    // beyond its margin the count changes, in both directions
     for ( int r = 0; r < BOUNDARY_ORACLE_ROUNDING_COUNT; ++r )
     {
         const boundary_oracle_rounding rounding = (boundary_oracle_rounding)r;
@@ -237,7 +237,7 @@ static void a_soft_skin_takes_half_to_three_times_its_rest_volume( void** state 
     }
 }
 
-// The body of the other oracle, with the options that make it this one.
+// The body of the other oracle, with the options that give the same model.
 static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( void** state )
 {
     (void)state;
@@ -276,7 +276,7 @@ static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( v
         boundary_oracle_balloon_step( &balloon, FRAME );
         for ( int i = 0; i < 872; ++i )
         {
-            // sums run in another order here and there
+            // some sums run in another order
             assert_close( double3_distance( body.x[i], balloon.x[i] ), 0.0, 1e-12 );
         }
     }
@@ -290,7 +290,7 @@ static void the_balloon_is_that_of_the_balloon_oracle_where_both_say_the_same( v
 static void damping_is_a_rate_and_not_a_factor_a_step( void** state )
 {
     (void)state;
-    // 0.59 every 1/60 s, and the two decimals that it is printed with
+    // 0.59 per 1/60 s, printed with two decimals
     assert_close( exp( -31.7 / 60.0 ), 0.59, 0.001 );
     double speed[2];
     for ( int n = 0; n < 2; ++n )
@@ -304,7 +304,7 @@ static void damping_is_a_rate_and_not_a_factor_a_step( void** state )
         speed[n] = balloon.v[0].x;
         boundary_oracle_balloon_destroy( &balloon );
     }
-    // a translation asks nothing of the constraints: what is left is rounding of positions of 2.5 m over dt
+    // constraints have no effect on a translation: the remainder is rounding of positions of 2.5 m over dt
     assert_close( speed[0], exp( -31.7 * 0.1 ), 1e-9 );
     assert_close( speed[1], speed[0], 1e-9 );
 }
@@ -326,7 +326,7 @@ static void a_gust_hits_a_vertex_once_or_as_printed_once_a_face( void** state )
             hit += times > 0.0 ? 1 : 0;
             most = fmax( most, times );
             assert_close( times, balloon.hits[i], 1e-12 );
-            assert_true( times == 0.0 || double3_dot( balloon.x[i], gust ) < 0.4 * RADIUS ); // the side it comes from
+            assert_true( times == 0.0 || double3_dot( balloon.x[i], gust ) < 0.4 * RADIUS ); // the side of the wind
         }
         print_message( "%s: %d hits on %d vertices, %.0f at most\n", printed ? "as printed" : "resolved", hits, hit,
                        most );
@@ -353,7 +353,7 @@ static void the_balloon_stays_finite_for_every_dt_and_force_of_the_table( void**
         const double error = volume_stiffness( &balloon ) - 1.0;
         print_message( "%s, gravity %5.2f m/s^2, dt 1/%-3.0f s: volume error %+.1e\n", n < 9 ? "fresh" : "stale",
                        gravity[n / 3 % 3], hz, error );
-        // a body that falls freely is at rest for its skin; what the damping changes is the same for all vertices
+        // a body in free fall has a skin at rest; damping is the same for all vertices
         assert_true( fabs( error ) < 1e-9 );
         boundary_oracle_balloon_destroy( &balloon );
     }

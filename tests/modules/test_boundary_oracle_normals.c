@@ -1,4 +1,4 @@
-// Normals of boundary particles on their double-precision oracle, and what has no length, area or direction.
+// Normals of boundary particles on their double-precision oracle, and elements without length, area or direction.
 #include "boundary_oracle_fixture.h"
 
 // ---- Sections 5.1 and 5.2: normals ----
@@ -6,7 +6,7 @@
 static void vertex_normals_are_means_of_unit_face_normals( void** state )
 {
     (void)state;
-    // a floor and a wall, the wall a hundred times as large: both count alike
+    // a floor and a wall, the wall a hundred times as large: both have the same weight
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, -1 }, { 0, 100, 0 }, { 5, 5, 5 } };
     const int triangles[] = { 0, 1, 2, 0, 3, 1 };
     double3 normal[5];
@@ -40,8 +40,8 @@ static void an_edge_normal_is_unit_begins_and_ends_at_the_vertices( void** state
 static void barycentric_normals_are_exact_for_a_linear_field( void** state )
 {
     (void)state;
-    // N = x / R at corners on a sphere is a linear function that has the same length at each of them, which is what
-    // its direction inside asks for: unit normals of a function whose length varies have lost that length
+    // N = x / R at corners on a sphere is a linear function with the same length at each corner. Only then is its
+    // direction inside exact: unit normals of a function whose length varies have lost that length
     double worst = 0.0;
     for ( int n = 0; n < 100; ++n )
     {
@@ -62,7 +62,7 @@ static void barycentric_normals_are_exact_for_a_linear_field( void** state )
         const double3 scanned = boundary_oracle_inner_normal( corner, &axis, q, r, BOUNDARY_ORACLE_SCANLINE );
         worst = fmax( worst, double3_angle( scanned, y ) );
     }
-    // the ends of a line are normalised before they are mixed: close, and another rule
+    // the ends of a line are normalised before they are blended: close, but another rule
     assert_true( worst > 1e-3 );
 }
 
@@ -177,7 +177,7 @@ static void what_has_no_length_or_area_has_no_points_there( void** state )
 static void normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step( void** state )
 {
     (void)state;
-    // two triangles, one the back of the other: every vertex normal cancels, edges too, faces do not
+    // two triangles, one the reverse of the other: every vertex normal cancels, edges too, faces do not
     const double3 points[] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } };
     const int triangles[] = { 0, 1, 2, 0, 2, 1 };
     balloon_mesh mesh = mesh_of( points, 3, triangles, 2 );
@@ -194,7 +194,7 @@ static void normals_that_cancel_give_way_to_the_face_and_then_to_the_last_step( 
     boundary_oracle_destroy( &layer );
     balloon_mesh_destroy( &mesh );
 
-    // an edge whose triangle loses its area keeps its counts, and what it looked along
+    // an edge whose triangle loses its area keeps its counts and its normals
     mesh = one_triangle( double3_make( 0, 0, 0 ), double3_make( 1, 0, 0 ), double3_make( 0, 1, 0 ) );
     layer = layer_on( &mesh, &options );
     const double3 flat[3] = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 0, 0 } };

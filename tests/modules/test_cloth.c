@@ -1,10 +1,9 @@
-// Cloth as a whole: what stiffness means, far constraints, and cases that broke others.
+// Cloth as a whole: the meaning of stiffness, far constraints, and cases that broke other engines.
 #include "cloth_fixture.h"
 
 // ---- threads ----
 
-// A strip of 2 x 9 vertices that hangs under its weight: in double precision, relaxed until nothing moves, and in the
-// engine.
+// A strip of 2 x 9 vertices that hangs under its weight: in double precision, relaxed to rest, and in the engine.
 enum
 {
     ROWS = 9,
@@ -21,7 +20,7 @@ static double compliance_at( const wisp_cloth_def* c, double x, double y )
            (double)c->shear_compliance * s2 * c2;
 }
 
-// By descent on the energy of its springs, `weight` on each vertex.
+// By descent on the energy of its springs, with `weight` on each vertex.
 static double relaxed_extension( const test_mesh* mesh, const wisp_cloth_def* cloth, double weight )
 {
     static double p[COUNT][2], pull[COUNT][2], v[COUNT][2];
@@ -46,7 +45,7 @@ static double relaxed_extension( const test_mesh* mesh, const wisp_cloth_def* cl
                 double rx = (double)mesh->points[b].x - (double)mesh->points[a].x;
                 double ry = (double)mesh->points[b].y - (double)mesh->points[a].y;
                 double x = p[b][0] - p[a][0], y = p[b][1] - p[a][1], rest = hypot( rx, ry ), now = hypot( x, y );
-                // an edge of two triangles is visited twice, one of the border once: only the diagonals and the rungs
+                // an edge of two triangles is visited twice, an open one once: only the diagonals and the rungs
                 // inside are inner edges of this strip
                 bool inner = ( rx != 0.0 && ry != 0.0 ) || ( ry == 0.0 && a / 2 != 0 && a / 2 != ROWS - 1 );
                 double tension = ( inner ? 0.5 : 1.0 ) * ( now - rest ) / ( compliance_at( cloth, rx, ry ) * now );
@@ -105,7 +104,7 @@ static void strips_along_warp_weft_and_between_stretch_by_their_compliances( voi
         extension[i] = hung_extension( &mesh, &cloth, 0.01 );
         double expected = relaxed_extension( &mesh, &cloth, 0.01 );
         print_message( "           %-10s %.6f m, relaxed in double %.6f m\n", names[i], extension[i], expected );
-        // a place of 0.4 m is rounded to 1.5e-8 m of g dt^2 = 4e-5 m
+        // a position of 0.4 m is rounded to 1.5e-8 m of g dt^2 = 4e-5 m
         assert_near( extension[i] / expected, 1.0, 2e-3 );
     }
     assert_true( extension[0] < 0.5 * extension[1] );
@@ -130,7 +129,7 @@ typedef struct hanging
 
 typedef struct stretch
 {
-    double sag;           // m, of the middle of the last row below its rest place
+    double sag;           // m, displacement of the middle of the last row from its rest position
     double largest, mean; // strain, averaged over the second half of the time
 } stretch;
 
@@ -189,7 +188,7 @@ static stretch hang( const hanging* c, double time )
     return s;
 }
 
-// A sheet of links of the same compliance is the same sheet whatever its mesh, but for the border: n columns of links
+// A sheet of links of the same compliance is the same sheet on any mesh, apart from its border: n columns of links
 // carry n - 1 columns of mass, so the sheet of 17 is 3 % stiffer than that of 33.
 static void static_stretch_does_not_depend_on_the_vertex_count( void** state )
 {
@@ -239,7 +238,7 @@ static void static_stretch_does_not_depend_on_iterations_or_frame_rate( void** s
     }
 }
 
-// The hanging cloth of performance.md: 64 x 64, two corners, 1 kg a vertex.
+// The hanging cloth of performance.md: 64 x 64, two corners, 1 kg per vertex.
 static hanging big_cloth( void )
 {
     return ( hanging ){ .n = 64,
@@ -304,7 +303,7 @@ static void place( start how, wisp_vec3* points, int count, float size )
     }
 }
 
-// After two seconds the cloth is finite, or halted, counted and told; its neighbour, which nothing was done to, is
+// After two seconds the cloth is finite, or halted, counted and reported; its neighbour, which was not disturbed, is
 // not halted.
 static void assert_survives( float scale, start how, float heavy, float seconds, wisp_cloth_bending bending,
                              wisp_solver solver )
@@ -379,7 +378,7 @@ static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** stat
     assert_false( wisp_is_halted( h->world, e ) );
     const wisp_vec3 at = point_of( h->world, e, 0 ), other = point_of( h->world, e, 80 );
     assert_true( at.x == 100.0f );
-    // a diagonal of 1.13 m hangs from it, and has as much stretch as one pass a step leaves
+    // a diagonal of 1.13 m hangs from it, with as much stretch as one pass per step leaves
     assert_true( vec_distance( at, other ) < 1.5 );
     test_mesh_free( &mesh );
 }
@@ -387,7 +386,7 @@ static void a_pin_that_jumps_a_hundred_metres_takes_its_cloth_along( void** stat
 static void bad_meshes_are_cloth_all_the_same( void** state )
 {
     hosted* h = *state;
-    // a square, its first triangle twice and once turned round, one without area, a vertex that nobody names
+    // a square, its first triangle twice and once reversed, one without area, an unreferenced vertex
     const wisp_vec3 points[] = { { 0, 0, 0 },    { 0.1f, 0, 0 }, { 0.1f, 0, 0.1f },
                                  { 0, 0, 0.1f }, { 0.2f, 0, 0 }, { 1, 1, 1 } };
     const int32_t triangles[] = { 0, 2, 1, 0, 3, 2, 0, 2, 1, 0, 1, 2, 0, 1, 4 };

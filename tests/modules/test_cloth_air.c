@@ -21,7 +21,7 @@ static wisp_entity add_triangle( wisp_world* world, wisp_vec3 wind, float drag, 
     return e;
 }
 
-// The force of a wind of 3 m/s that meets the plane at an angle, from the momentum of one short step, N.
+// The force of a wind of 3 m/s at an angle to the plane, from the momentum of one short step, N.
 static wisp_vec3 force_at( wisp_world* world, double degrees, float drag, float lift )
 {
     const double angle = degrees * 3.14159265358979 / 180.0;
@@ -47,10 +47,10 @@ static void force_on_a_triangle_is_that_of_the_formula( void** state )
         const wisp_vec3 drag = force_at( h->world, degrees[i], 1.28f, 0.0f );
         const wisp_vec3 lift = force_at( h->world, degrees[i], 0.0f, 0.9f );
         // the implicit step lowers the force by dt w k / 3 with k = 0.5 rho A |u| C = 0.18 N s/m: 0.6 %; at 10 g a
-        // place of 0.4 m is rounded to 3e-8 m, so a force to 3 x 0.01 kg x 3e-8 m / 1e-6 s^2 = 9e-4 N at worst
+        // position of 0.4 m is rounded to 3e-8 m, so a force to 3 x 0.01 kg x 3e-8 m / 1e-6 s^2 = 9e-4 N at worst
         assert_near( (double)drag.x, 1.28 * scale * c, 0.008 * scale + 9e-4 );
         assert_near( (double)drag.y, 1.28 * scale * s, 0.008 * scale + 9e-4 );
-        // across the wind: n' - (u . n') u with n' = +-y on the side that the wind blows to
+        // across the wind: n' - (u . n') u with n' = +-y on the leeward side
         double side = s < 0.0 ? -1.0 : 1.0;
         assert_near( (double)lift.x, 0.9 * scale * side * -s * c, 0.008 * scale + 9e-4 );
         assert_near( (double)lift.y, 0.9 * scale * side * c * c, 0.008 * scale + 9e-4 );
@@ -140,7 +140,7 @@ static void a_cloth_without_coefficients_has_no_air( void** state )
     assert_one_message( wisp_world_message( h->world ) );
 }
 
-// Air on a turned mesh is the turned force: the same plate broadside along z.
+// Air on a rotated mesh gives the rotated force: the same plate broadside along z.
 static void drag_knows_no_axis( void** state )
 {
     hosted* h = *state;
@@ -163,7 +163,7 @@ static void drag_knows_no_axis( void** state )
         speed[i] = ( i == 0 ? q.momentum[1] : q.momentum[2] ) / q.mass;
         test_mesh_free( &mesh );
     }
-    // places of 0.3 m in 0.01 s
+    // positions of 0.3 m in 0.01 s
     assert_near( speed[0] / speed[1], 1.0, 1e-4 );
     assert_true( speed[0] > 0.5 );
 }

@@ -1,8 +1,8 @@
-// Bending against the elastica: rigidity in N m, whatever the mesh, the kind of hinge and the size of the strip.
+// Bending against the elastica: rigidity in N m, for any mesh, kind of hinge and size of the strip.
 //
-// How a strip between free edges must bend follows from the energy of a hinge, 1/2 B e^2 t^2 / A. A moment M a metre
-// of width W turns every hinge that crosses the strip at an angle f to its normal by t = M W cos f / (B e^2 / A),
-// which turns the strip by t cos f:
+// The bending of a strip between free edges follows from the energy of a hinge, 1/2 B e^2 t^2 / A. A moment M per
+// metre of width W turns every hinge that crosses the strip at an angle f to its normal by t = M W cos f / (B e^2 /
+// A), which turns the strip by t cos f:
 //   one row of equilateral triangles of edge a: W = a sqrt(3)/2, e^2/A = 2/sqrt(3), f = 30 degrees, a hinge every
 // a/2:
 //   curvature 9/8 M/B, so the strip has 8/9 of the rigidity (a plate of Poisson's ratio -1/3 between free edges);
@@ -30,8 +30,8 @@ typedef struct shape
     double drop, reach; // of the tip, over the length
 } shape;
 
-// The first cell is pinned. The first hinge that can turn stands for the clamp and half a spacing of hinges on both
-// sides of it, so the clamped edge is half a spacing behind it: the free length makes the error of a discrete beam
+// The first cell is pinned. The first hinge that can turn represents the clamp and half a spacing of hinges on both
+// sides of it, so the clamped edge is half a spacing behind it: with this free length the error of a discrete beam is
 // second order.
 static test_mesh strip_of( const beam* b, double* clamp )
 {
@@ -82,7 +82,7 @@ static shape hang_out( const beam* b )
     surface.pin_count = b->mesh == EQUILATERAL ? 3 : 4;
     wisp_cloth_def cloth = cloth_of( b );
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
-    // the first mode has 3.516 sqrt(g / (G L)) rad/s and is damped critically; it has 20 of its times to settle
+    // the first mode has 3.516 sqrt(g / (G L)) rad/s and critical damping; it has 20 time constants to settle
     double slowest = 3.516 * sqrt( 9.81 / ( b->load * b->length ) );
     assert_status( h.world, wisp_set_damping( h.world, e, (float)( 2.0 * slowest ) ), WISP_OK );
     const float seconds = (float)( sqrt( b->length / 0.1 ) / 60.0 );
@@ -97,10 +97,10 @@ static shape hang_out( const beam* b )
 
 static const wisp_cloth_bending KINDS[] = { WISP_CLOTH_BENDING_DIHEDRAL, WISP_CLOTH_BENDING_ISOMETRIC };
 
-// What the heavy elastica says: theta'' = -G (1 - s) cos theta.
+// The heavy elastica: theta'' = -G (1 - s) cos theta.
 static const shape AT_1 = { 0.12347140, 0.99124640 }, AT_10 = { 0.70019972, 0.65635376 };
 
-// A beam of ten hinges is off by 1/12 of the squared spacing where it is bent most: 1 to 2 % of the drop.
+// A beam of ten hinges has an error of 1/12 of the squared spacing where it bends most: 1 to 2 % of the drop.
 static void a_clamped_strip_bends_as_the_heavy_elastica( void** state )
 {
     (void)state;
@@ -128,7 +128,7 @@ static void rigidity_does_not_depend_on_the_mesh_or_its_resolution( void** state
             shape right = hang_out( &( beam ){ RIGHT, KINDS[k], 10.0, cells, 0.1 } );
             print_message( "           %2d cells: %.4f equilateral, %.4f right, %.4f\n", cells, equal.drop,
                            right.drop, AT_10.drop );
-            // the clamp takes one diagonal in five, ten or fifteen out of a row of right triangles
+            // the clamp uses one diagonal in five, ten or fifteen of a row of right triangles
             assert_near( equal.drop / AT_10.drop, 1.0, 0.02 );
             assert_near( right.drop / AT_10.drop, 1.0, 0.3 / cells );
         }
@@ -162,7 +162,7 @@ static test_mesh creased_mesh( void )
     return m;
 }
 
-// How far the flap's end is from the other end after two seconds without gravity, m.
+// Distance of the flap's end from the other end after two seconds without gravity, m.
 static double span_in_the_end( const wisp_cloth_def* cloth, bool born_creased )
 {
     hosted h;
@@ -187,17 +187,17 @@ static void a_crease_of_the_rest_shape_stays_and_another_opens( void** state )
 {
     (void)state;
     const double crease = sqrt( 0.05 + 0.04 * cos( 0.5 ) ),
-                 flat = 0.3; // two sides of 0.2 and 0.1 m, and stretched out
+                 flat = 0.3; // two sides of 0.2 and 0.1 m, and flat
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bend_rigidity = 1e-3f;
     for ( int solver = 0; solver < WISP_SOLVER_COUNT; ++solver )
     {
         cloth.solver = (wisp_solver)solver;
         cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-        // an angle is measured to 4e-7 rad, and every step may move it by as much
+        // an angle is computed to 4e-7 rad, and every step may change it by as much
         assert_near( span_in_the_end( &cloth, true ), crease, 1e-5 );
         assert_near( span_in_the_end( &cloth, false ), flat, 1e-4 );
-        cloth.bending = WISP_CLOTH_BENDING_ISOMETRIC; // knows no rest angle: it flattens whatever is creased
+        cloth.bending = WISP_CLOTH_BENDING_ISOMETRIC; // has no rest angle: it flattens any crease
         assert_near( span_in_the_end( &cloth, false ), flat, 1e-4 );
         cloth.bending = WISP_CLOTH_BENDING_NONE;
         assert_near( span_in_the_end( &cloth, false ), crease, 1e-5 );
@@ -260,8 +260,8 @@ static double strain_of_solid( float size, float flatness, wisp_cloth_bending be
     return strain;
 }
 
-// Gravity moves a vertex by 27 um in a substep, so a mesh of a millimetre is strained a lot whatever its bending; bending must
-// not add to it.
+// Gravity moves a vertex by 27 um in a substep, so a mesh of a millimetre has large strain with or without bending;
+// bending must not add to it.
 static void small_and_thin_solids_are_no_more_strained_with_dihedral_bending( void** state )
 {
     (void)state;

@@ -1,8 +1,8 @@
 // Cloth against closed forms: springs, chains, pendulums, momentum, energy.
 #include "cloth_fixture.h"
 
-// Threads along y that stretch by `compliance`, and nothing else that holds: rungs and diagonals of 1e11 m/N and more
-// bear less than 1e-11 N.
+// Threads along y that stretch by `compliance`, with no other support: rungs and diagonals of 1e11 m/N and more carry
+// less than 1e-11 N.
 static wisp_cloth_def threads_alone( float compliance )
 {
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -14,8 +14,7 @@ static wisp_cloth_def threads_alone( float compliance )
     return cloth;
 }
 
-// How far a vertex of 0.1 kg hangs below its place on one spring of 100 N/m, m. The third corner only makes it a
-// triangle.
+// Displacement of a vertex of 0.1 kg on one spring of 100 N/m, m. The third corner only completes the triangle.
 static double spring_extension( int substeps, int iterations, float seconds )
 {
     hosted h;
@@ -47,7 +46,7 @@ static void a_spring_stretches_by_m_g_over_k_at_any_step_and_iteration_count( vo
     {
         for ( int s = 0; s < WISP_COUNT( seconds ); ++s )
         {
-            // a lone constraint is solved exactly by one iteration; a position of 0.1 m is rounded to 7e-9 m, and a
+            // a single constraint is solved exactly by one iteration; a position of 0.1 m is rounded to 7e-9 m, and a
             // stiffness of k dt^2 / m turns a rounding in every step into 1 / 0.004 of it at 1/480 s
             assert_near( spring_extension( 1, iterations[i], seconds[s] ), 0.1 * 9.81 / 100.0, 2e-6 );
         }
@@ -75,7 +74,7 @@ static double chain_error( int substeps, int iterations )
     surface.pin_count = 2;
     wisp_cloth_def cloth = threads_alone( compliance );
     wisp_entity e = add_cloth( h.world, &fabric, surface, &cloth, EARTH );
-    // the first mode of the chain has sqrt(k / m) pi / 2n = 15 rad/s, this damps it critically
+    // the first mode of the chain has sqrt(k / m) pi / 2n = 15 rad/s; this is critical damping
     assert_status( h.world, wisp_set_damping( h.world, e, 30.0f ), WISP_OK );
     run_steps( h.world, 120, 1.0f / 60.0f );
     double extension = -(double)CHAIN_LINKS * (double)link - (double)point_of( h.world, e, 2 * CHAIN_LINKS ).y;
@@ -84,8 +83,8 @@ static double chain_error( int substeps, int iterations )
     return extension / ( (double)compliance * (double)mass * 9.81 * CHAIN_LINKS * ( CHAIN_LINKS + 1 ) / 2.0 ) - 1.0;
 }
 
-// One pass a substep leaves an error of the order of w dt^2 / c, so halving dt quarters it. More passes take it to
-// the floor of floats: a vertex at 0.8 m moves in steps of 6e-8 m, so a residual below 3e-8 m of g dt^2 = 4.3e-5 m at
+// One pass per substep leaves an error of the order of w dt^2 / c, so halving dt quarters it. More passes reach the
+// floor of floats: a vertex at 0.8 m moves in steps of 6e-8 m, so a residual below 3e-8 m of g dt^2 = 4.3e-5 m at
 // 1/480 s, 7e-4 of the weight, is lost.
 static void a_bar_stretches_by_its_compliance_whatever_iterations_and_step( void** state )
 {
@@ -113,7 +112,7 @@ static double sag_of_strip( int columns, int substeps )
     wisp_vec3* start = checked_calloc( (size_t)mesh.vertex_count, sizeof( wisp_vec3 ) );
     for ( int v = 0; v < mesh.vertex_count; ++v )
     {
-        // the rest shape is laid flat; the strip starts as a V of its own length between the pins, 0.3 m deep
+        // the rest shape is flat; the strip starts as a V of its own length between the pins, 0.3 m deep
         double s = (double)( v % columns ) / (double)( columns - 1 );
         start[v] = ( wisp_vec3 ){ (float)( 0.8 * s ), (float)( -0.3 * ( 1.0 - fabs( 2.0 * s - 1.0 ) ) ),
                                   v < columns ? 0.0f : spacing };
@@ -138,7 +137,7 @@ static double sag_of_strip( int columns, int substeps )
     return sag;
 }
 
-// A chain of 40 links is within 0.05 % of the curve. One pass a substep leaves a stretch of the order of dt^2:
+// A chain of 40 links is within 0.05 % of the curve. One pass per substep leaves a stretch of the order of dt^2:
 // doubling the substeps should quarter the error, and does so by 3.3 to 3.9 here.
 static void a_pinned_strip_hangs_in_a_catenary( void** state )
 {
@@ -194,9 +193,9 @@ static double pendulum_period( double degrees, int substeps )
     return ( intersections[8] - intersections[0] ) / 4.0 / sqrt( length / 9.81 );
 }
 
-// The integrator takes energy of the order of the step, the more the larger the swing, and a smaller swing is a
-// shorter one: the error falls with the substeps. At 1/960 s it is mostly that loss; 90 degrees are stepped four
-// times finer.
+// The integrator loses energy of the order of the step, more for larger swings, and a smaller swing has a shorter
+// period: the error falls with the substeps. At 1/960 s that loss dominates; 90 degrees use four times as many
+// substeps.
 static void a_triangle_on_its_edge_swings_with_a_pendulums_period( void** state )
 {
     (void)state;
@@ -219,11 +218,11 @@ static void a_triangle_on_its_edge_swings_with_a_pendulums_period( void** state 
     }
 }
 
-// ---- what no constraint may change ----
+// ---- conserved quantities ----
 
 typedef struct drift
 {
-    double linear, angular; // change of momentum over the sum of its amounts
+    double linear, angular; // change of momentum relative to the sum of its absolute values
 } drift;
 
 static double norm( const double v[3] )
@@ -270,9 +269,10 @@ static drift drift_of( wisp_cloth_bending bending, int substeps )
     return ( drift ){ norm( change ) / norm( before.momentum ), norm( turn ) / norm( before.angular_momentum ) };
 }
 
-// Constraints push and pull in pairs: momentum stays but for rounding. A velocity is a difference of positions of
-// half a metre, rounded to 3e-8 m, over 1/240 s and more: 7e-6 m/s a substep of 0.37 m/s, 240 times. The turning is
-// taken about places that moved in the substep, so it is lost at first order: half the step loses half.
+// Constraint forces come in opposite pairs, so momentum is kept up to rounding. A velocity is a difference of
+// positions of half a metre, rounded to 3e-8 m, over 1/240 s and more: 7e-6 m/s per substep of 0.37 m/s, 240 times.
+// Angular momentum is taken about positions that moved in the substep, so its error is first order: half the step
+// loses half.
 static void constraints_keep_momentum_and_lose_turning_with_the_step_alone( void** state )
 {
     (void)state;
@@ -286,8 +286,8 @@ static void constraints_keep_momentum_and_lose_turning_with_the_step_alone( void
 
 typedef struct energy_stats
 {
-    double above_start; // highest energy over that of the start
-    double rise; // how far energy ever rises above what it was before; both as shares of what the fall sets free
+    double above_start; // highest energy relative to that of the start
+    double rise;        // largest rise of energy above its earlier minimum; both relative to the energy of the fall
 } energy_stats;
 
 static energy_stats energy_of_hanging( int substeps )
@@ -320,8 +320,8 @@ static energy_stats energy_of_hanging( int substeps )
     return ( energy_stats ){ highest / -depth, rise / -depth };
 }
 
-// Places of the start have no energy, so what is above 0 was made by the solver. A cloth that one pass a substep
-// leaves stretched gives that back as a rise: it falls with the stretch, at second order in the step.
+// Potential energy is 0 at the start, so a positive total was created by the solver. A cloth that one pass per
+// substep leaves stretched releases that as a rise: it falls with the stretch, at second order in the step.
 static void a_hanging_cloth_never_has_more_energy_than_it_began_with( void** state )
 {
     (void)state;

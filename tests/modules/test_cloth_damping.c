@@ -1,4 +1,4 @@
-// Damping by what differs from a rigid motion (Mueller et al. 2007, section 3.5).
+// Damping of the difference from a rigid motion (Mueller et al. 2007, section 3.5).
 #include "cloth_fixture.h"
 
 static const float DT = 1.0f / 480.0f;
@@ -15,7 +15,7 @@ static wisp_entity add_damped( wisp_world* world, const test_mesh* mesh, float r
     return add_cloth( world, &fabric, surface, &cloth, ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f } );
 }
 
-// All links as soft as can be: only damping acts on the velocities.
+// All links as soft as possible: only damping acts on the velocities.
 static void unlink_all( wisp_world* world, wisp_entity e, float rate )
 {
     wisp_cloth_def cloth = wisp_default_cloth_def();
@@ -60,11 +60,11 @@ static void shaking_dies_at_the_given_rate_and_momentum_stays( void** state )
     wisp_motion_stats last = motion_stats_of( h->world, e );
     for ( int k = 0; k < 3; ++k )
     {
-        // velocities are differences of places near 1 m, rounded to 6e-8 m, over 1/480 s: 3e-5 m/s a step and vertex,
-        // averaged over 81 vertices and 96 steps
+        // velocities are differences of positions near 1 m, rounded to 6e-8 m, over 1/480 s: 3e-5 m/s per step and
+        // vertex, averaged over 81 vertices and 96 steps
         assert_near( last.momentum[k] / last.mass, first.momentum[k] / first.mass, 1e-4 );
     }
-    // what is left of the shaking: v <- v / (1 + rate dt) in every step. A little of it turned the body, which stays
+    // the remainder of the shaking: v <- v / (1 + rate dt) in every step. A little of it turned the body, which stays
     double moving = 0.0;
     for ( int k = 0; k < 3; ++k )
     {
@@ -78,7 +78,7 @@ static void shaking_dies_at_the_given_rate_and_momentum_stays( void** state )
     test_mesh_free( &mesh );
 }
 
-// A sheet of 0.8 m, whose sums are those of one block, of two, or of all that there may be.
+// A sheet of 0.8 m, whose sums run over one block, over two, or over the maximum number.
 static const int SIDES[] = { 9, 45, 300 };
 
 static test_mesh sheet_of( int side )
@@ -86,7 +86,8 @@ static test_mesh sheet_of( int side )
     return test_plane( side, 0.8f / (float)( side - 1 ) );
 }
 
-// The angular momentum of each step is taken before and after damping by one that has none: the change is the same.
+// The angular momentum of each step is computed before and after damping by a step without damping: the change is the
+// same.
 static void check_turning( hosted* h, int side )
 {
     test_mesh mesh = sheet_of( side );
@@ -127,7 +128,7 @@ static void damping_takes_no_turning( void** state )
     }
 }
 
-// Ten turns a second, damping so strong that nothing but the rigid motion lives through a step.
+// Ten turns a second, with damping so strong that only the rigid motion remains after a step.
 static void check_rigid_turn( hosted* h, int side )
 {
     test_mesh mesh = sheet_of( side );
@@ -141,7 +142,7 @@ static void check_rigid_turn( hosted* h, int side )
     wisp_motion_stats first = motion_stats_of( h->world, e );
     run_steps( h->world, 1, 1e-4f );
     wisp_motion_stats second = motion_stats_of( h->world, e );
-    // places turn along a chord in a step: their moment of inertia grows by (w dt)^2 = 1e-6
+    // positions turn along a chord in a step: their moment of inertia grows by (w dt)^2 = 1e-6
     assert_near( second.angular_momentum[1] / first.angular_momentum[1], 1.0, 1e-4 );
     assert_near( second.kinetic_energy / first.kinetic_energy, 1.0, 1e-4 );
     test_mesh_free( &mesh );
@@ -155,7 +156,7 @@ static void a_rigid_turn_lives_through_any_damping( void** state )
     }
 }
 
-// Half a metre along a direction, so wide; it turns about an axis.
+// Half a metre along a direction, of this width; it turns about an axis.
 static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float width, wisp_vec3 turning,
                         double tolerance )
 {
@@ -191,16 +192,16 @@ static void check_line( hosted* h, wisp_vec3 along, wisp_vec3 foreign, float wid
     test_mesh_free( &mesh );
 }
 
-// All mass on a line has no moment of inertia about it, and turns about the others all the same.
+// A body with all mass on a line has no moment of inertia about it, and still turns about the others.
 static void a_body_that_is_a_line_keeps_turning( void** state )
 {
     const wisp_vec3 x = { 1.0f, 0.0f, 0.0f }, y = { 0.0f, 1.0f, 0.0f }, slanted = { 0.6f, 0.48f, 0.64f },
                     aside = { -0.8f, 0.36f, 0.48f };
-    // places of 0.5 m are rounded to 3e-8 m of 5e-5 m a step at the ends
+    // positions of 0.5 m are rounded to 3e-8 m of 5e-5 m per step at the ends
     check_line( *state, x, y, 0.0f, y, 2e-3 );
     check_line( *state, slanted, aside, 0.0f, aside, 2e-3 );
     check_line( *state, slanted, aside, 1e-7f, aside, 2e-3 );
-    // its moment about itself is lost in the rounding of the sums
+    // its moment about its own axis is lost in the rounding of the sums
     const wisp_vec3 both = { slanted.x + aside.x, slanted.y + aside.y, slanted.z + aside.z };
     for ( float width = 1e-3f; width > 1e-8f; width *= 0.5f )
     {
@@ -221,7 +222,7 @@ static void a_pinned_cloth_comes_to_rest_and_a_loose_vertex_is_no_pin( void** st
     test_mesh mesh = test_plane( 5, 0.1f );
     const int32_t pin = 0;
     wisp_entity pinned = add_damped( h->world, &mesh, 100.0f, &pin, 1 );
-    // the same mesh with a vertex that no triangle names: it has no mass, so it is pinned
+    // the same mesh with an unreferenced vertex: it has no mass, so it is pinned
     mesh.points = realloc( mesh.points, 26 * sizeof( wisp_vec3 ) );
     assert_non_null( mesh.points );
     mesh.points[mesh.vertex_count++] = ( wisp_vec3 ){ 5.0f, 5.0f, 5.0f };

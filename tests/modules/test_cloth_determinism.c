@@ -1,5 +1,5 @@
-// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
-// data/golden/cloth.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, and the same as in
+// data/golden/cloth.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "cloth_fixture.h"
 #include "determinism_fixture.h"
 
@@ -122,7 +122,7 @@ static determinism_case describe( int number )
     return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = 2 };
 }
 
-// Twenty small cloths of all kinds share waves; each is what it is in a world of its own.
+// Twenty small cloths of all kinds share waves; each has the same bits as in a world of its own.
 static void many_small_cloths_are_what_each_is_alone( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// What cloth refuses, in one message that names it, and that a refusal changes nothing.
+// Invalid cloth is rejected with one message that names the error, and a rejection changes nothing.
 #include "cloth_fixture.h"
 
 static wisp_entity add_plain( hosted* h, bool cross, bool hinges, bool attached )
@@ -39,7 +39,7 @@ static void every_number_has_its_range( void** state )
     {
         const char* name;
         size_t at;
-        float lower, upper; // just outside
+        float lower, upper; // just out of range
     } fields[] = {
         FIELD( warp_compliance, -1e-9f, 1.1e12f ),  FIELD( weft_compliance, -1e-9f, 1.1e12f ),
         FIELD( shear_compliance, -1e-9f, 1.1e12f ), FIELD( stretch_stiffness, -1e-9f, 1.0001f ),
@@ -151,7 +151,7 @@ static void a_world_without_the_module_says_so( void** state )
     close_world( &h );
 }
 
-// From one kind of cloth to one that needs all else, with each request for memory refused in turn.
+// From one kind of cloth to one that needs all other components, with each request for memory refused in turn.
 static void a_change_without_memory_leaves_the_old_cloth( void** state )
 {
     (void)state;
@@ -188,7 +188,7 @@ static void a_change_without_memory_leaves_the_old_cloth( void** state )
             break;
         }
     }
-    assert_in_range( refusals, 5, 98 ); // one a column at least
+    assert_in_range( refusals, 5, 98 ); // at least one per column
 }
 
 int main( void )

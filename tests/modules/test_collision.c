@@ -1,4 +1,4 @@
-// Bodies in closed form: what rests, what is pushed, what is refused, and what the plan holds.
+// Bodies in closed form: resting, pushed and rejected cases, and the plan.
 #include "saved_world.h"
 #include "collision_fixture.h"
 
@@ -38,7 +38,7 @@ static void what_falls_on_a_plane_comes_to_rest_and_does_not_jitter( void** stat
     for ( int n = 0; n < 120; ++n )
     {
         run_for( h->world, DT, 1 );
-        // a place near 1 m is rounded to 6e-8 m, which is 4e-6 m/s in a step; a handful of those
+        // a position near 1 m is rounded to 6e-8 m, which is 4e-6 m/s in a step; a few of those
         assert_true( motion_stats_of( h->world, e ).speed_max < 5e-5 );
     }
     assert_near( nearest( h->world, e, &plane, plane.pose ), 0.25 * 0.1 * ( 2.0 + sqrt( 2.0 ) ) / 3.0, 5e-3 );
@@ -53,7 +53,7 @@ static void contact_never_adds_energy( void** state )
     add_collider( h->world, &ball );
     wisp_collision_def collision = wisp_default_collision_def();
     collision.thickness = 0.01f;
-    // without a cloth's constraints, so that all that can add energy is the contact
+    // without a cloth's constraints, so that only contact can add energy
     test_mesh mesh = test_plane( 9, 0.05f );
     move_mesh( &mesh, 1.0f, ( wisp_vec3 ){ -0.2f, 1.0f, -0.2f } );
     wisp_entity e = add_colliding( h->world, &mesh, &collision );
@@ -88,7 +88,7 @@ static void cloth_comes_to_rest_around_each_closed_form_at_its_thickness( void**
         const wisp_collision_stats stats = collision_of( h->world, e );
         float thickness = 0.25f * 0.06f * ( 2.0f + sqrtf( 2.0f ) ) / 3.0f;
         assert_true( stats.contacts > 20 );
-        // the share of the thickness that is lost to rounding and to what several contacts leave to each other
+        // the fraction of the thickness that is lost to rounding and to the interaction of several contacts
         assert_true( stats.penetration <= 0.01f * thickness );
         assert_true( nearest( h->world, e, &body, body.pose ) >= 0.94 * (double)thickness );
         assert_true( nearest( h->world, e, &body, body.pose ) <= 1.06 * (double)thickness );
@@ -120,7 +120,7 @@ static void results_scale_with_the_scene( void** state )
     }
     for ( int k = 1; k < 3; ++k )
     {
-        // a cloth that folds makes much of a rounding: a thirtieth of the ball's radius after a second
+        // a cloth that folds amplifies rounding: a thirtieth of the ball's radius after a second
         assert_near( at[k].x, at[0].x, 0.01 );
         assert_near( at[k].y, at[0].y, 0.01 );
         assert_near( at[k].z, at[0].z, 0.01 );
@@ -142,12 +142,12 @@ static void what_starts_inside_leaves_without_flying_off( void** state )
         for ( int n = 0; n < 240; ++n )
         {
             run_for( h->world, DT, 1 );
-            // a particle is moved by ten edges a second; those that hang on it are drawn along at a few times that
+            // a particle is moved by ten edges a second; those linked to it follow at a few times that
             assert_true( motion_stats_of( h->world, e ).speed_max < 5.0 * 10.0 * (double)edge );
         }
         assert_true( collision_of( h->world, e ).penetration < 0.1f * edge );
         const wisp_motion_stats q = motion_stats_of( h->world, e );
-        // nothing pulls it back, so what velocity it was given it still has
+        // nothing pulls it back, so it still has the velocity that it received
         double momentum =
             sqrt( q.momentum[0] * q.momentum[0] + q.momentum[1] * q.momentum[1] + q.momentum[2] * q.momentum[2] );
         assert_true( momentum / q.mass < 10.0 * (double)edge );
@@ -165,7 +165,7 @@ static void a_body_at_100_m_s_sweeps_a_cloth_along( void** state )
     {
         wisp_collider_def body = body_of( kinds[k] );
         body.radius = 5.0f;
-        body.half_extent = ( wisp_vec3 ){ 1.0f, 0.002f, 1.0f }; // 1.67 m a step, 4 mm thick
+        body.half_extent = ( wisp_vec3 ){ 1.0f, 0.002f, 1.0f }; // 1.67 m per step, 4 mm thick
         const float below = kinds[k] == WISP_COLLIDER_BOX ? -0.8f : -6.0f - ( k == 2 ? 0.2f : 0.0f );
         body.pose.translation = ( wisp_vec3 ){ 0.0f, below, 0.0f };
         wisp_entity collider = add_collider( h->world, &body );
@@ -207,7 +207,7 @@ static void a_particle_at_100_m_s_stops_at_a_thin_plate( void** state )
     {
         assert_true( point_of( h->world, e, v ).y > 0.0f );
     }
-    // what goes along the plate goes on
+    // motion along the plate continues
     assert_near( motion_stats_of( h->world, e ).momentum[0] / motion_stats_of( h->world, e ).mass, 2.0, 1e-3 );
     assert_true( fabs( motion_stats_of( h->world, e ).momentum[1] ) < 1e-6 );
 }
@@ -300,7 +300,7 @@ static void nothing_to_collide_with_costs_no_pass( void** state )
     assert_int_equal( wisp_world_plan_passes( h->world ), bare + 3 );
     collision.enabled = false;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
-    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 ); // the body is still carried
+    assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 ); // the body is still moved
     collision.enabled = true;
     assert_int_equal( wisp_set_collision( h->world, e, &collision ), WISP_OK );
     assert_int_equal( wisp_remove( h->world, body ), WISP_OK );
@@ -319,7 +319,7 @@ static void removed_bodies_and_surfaces_are_forgotten( void** state )
     run_for( h->world, DT, 5 );
     assert_int_equal( wisp_remove( h->world, second ), WISP_OK );
     assert_int_equal( wisp_move_collider( h->world, second, plane.pose ), WISP_CONFLICT );
-    // a cloth in the body's slot is not taken for the body
+    // a cloth in the body's slot is not mistaken for the body
     wisp_entity other = add_cloth( h->world, 5, 0.4f, ( wisp_vec3 ){ 2.0f, 0.02f, 0.0f }, GRAVITY );
     assert_int_equal( other.index, second.index );
     run_for( h->world, DT, 60 );
@@ -371,7 +371,7 @@ static void a_snapshot_brings_moving_bodies_back( void** state )
     wisp_entity ball;
     busy_scene( h->world, &ball );
     run_busy( h->world, ball, 0, 20 );
-    // taken between being told to move and moving
+    // taken between setting a target and moving
     assert_int_equal(
         wisp_move_collider( h->world, ball, ( wisp_transform ){ about_z( 1.0 ), { 0.3f, 0.0f, 0.0f } } ), WISP_OK );
     const saved_world saved = save_world( h->world );

@@ -1,5 +1,6 @@
-// Contacts of a block of particles against contacts found one by one: who is left out early has nothing to meet. Every kind
-// of body, at rest, carried along and turning; particles around them, in them, and at the very limit of what is asked.
+// Contacts of a block of particles against contacts found one by one: particles that are left out early must have
+// none. Every kind of body, at rest, translating and rotating; particles around them, in them, and exactly at the
+// limit of the search distance.
 #include "collision_find_one.h"
 #include "collision_fixture.h"
 
@@ -87,8 +88,8 @@ static void free_meeting( meeting* m )
     free( m );
 }
 
-// A body stands, is carried, or is carried and turned; every fourth has the axes of the world and no place, so that
-// nothing is rounded on the way into its frame.
+// A body is at rest, translates, or translates and rotates; every fourth has the axes of the world and is at the
+// origin, so that nothing is rounded on the way into its frame.
 static void place_bodies( meeting* m, int trial )
 {
     for ( int b = 0; b < BODIES; ++b )
@@ -118,7 +119,7 @@ static void place_bodies( meeting* m, int trial )
 
 // ---- particles ----
 
-// Where the closest point is as far as contacts are looked for, give or take the last bits of it.
+// Where the closest point is at the search distance, up to the last bits.
 static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, wisp_vec3* now )
 {
     const wisp_vec3 q = wisp_transform_to_local( view->after, *now ), way = collision_sub( *now, *old );
@@ -138,7 +139,7 @@ static bool place_at_limit( const collision_view* view, int i, wisp_vec3* old, w
     return true;
 }
 
-// How many of them are at the limit.
+// Number of particles at the limit.
 static int place_particle( const meeting* m, int trial, int slot, float quad[4], float old_quad[4] )
 {
     const int key = trial * PARTICLES + slot, manner = slot % 6;
@@ -180,9 +181,9 @@ static collision_find_args job_on( particles* p )
     };
 }
 
-// ---- both ways ----
+// ---- both methods ----
 
-// @return how many particles were not asked, over all bodies
+// @return the number of particles without a query, over all bodies
 static int find_in_blocks( const meeting* m, particles* p, int first_body, int size )
 {
     const collision_find_args args = job_on( p );
@@ -245,12 +246,12 @@ static void a_block_finds_what_is_found_one_by_one( void** state )
             crowded += m->blocks->count[i] > WISP_COLLISION_CONTACTS ? 1 : 0;
         }
     }
-    // of 10 140 particles, which means 70 980 questions
+    // of 10 140 particles, which means 70 980 queries
     assert_true( at_limit > 2000 && spared > 20000 && met > 2000 && crowded > 20 );
     free_meeting( m );
 }
 
-// Alone, so that at a limit nothing else is met; on both sides of it, or it would not be one.
+// Alone, so that at a limit nothing else is met; on both sides of it, so that it is a limit.
 static void each_kind_of_body_is_exact_at_its_limit( void** state )
 {
     (void)state;
@@ -278,7 +279,7 @@ static void each_kind_of_body_is_exact_at_its_limit( void** state )
     free_meeting( m );
 }
 
-// A body that turns is asked for particle by particle, wherever the block is, so that no border can show.
+// A rotating body is queried particle by particle, wherever the block is, so that no border can show.
 static void contacts_do_not_depend_on_where_blocks_begin( void** state )
 {
     (void)state;
@@ -300,9 +301,9 @@ static void contacts_do_not_depend_on_where_blocks_begin( void** state )
     free_meeting( m );
 }
 
-// ---- what is clear ----
+// ---- particles without contact ----
 
-// Asked without any box or ball: the closest point of every body, and the path to it.
+// Queried without any bounding box or ball: the closest point of every body, and the path to it.
 static void assert_clear( const meeting* m, const particles* before, const particles* p, int i )
 {
     const wisp_vec3 now = collision_load( before->position[i] ), old = collision_load( before->previous[i] );
@@ -314,7 +315,7 @@ static void assert_clear( const meeting* m, const particles* before, const parti
         bool is_near;
         collision_closest( view->body, &query, 1, &nearest, &is_near );
         const wisp_vec3 from = wisp_transform_to_local( view->before, old );
-        // 1e-6 of the metre that places are apart: rounding of two poses
+        // 1e-6 of the metre between positions: rounding of two poses
         if ( ( is_near && nearest.distance < p->found[i][3] - 1e-6f ) ||
              ( nearest.distance > 1e-6f && collision_cast( view->body, from, query.point, &hit ) ) )
         {
@@ -333,7 +334,7 @@ static void who_has_no_contact_is_as_clear_as_it_says( void** state )
     {
         place_bodies( m, trial );
         place_particles( m, trial );
-        // the smaller a block, the farther it is from bodies as a whole
+        // the smaller a block, the farther its particles are from bodies as a whole
         find_in_blocks( m, m->blocks, 0, trial % 2 == 0 ? 8 : COLLISION_BLOCK );
         const collision_find_args args = job_on( m->singly );
         for ( int i = 0; i < PARTICLES; ++i )

@@ -19,7 +19,7 @@ static double along( const incline* i )
     return q.centre[0] * cos( i->angle ) + q.centre[1] * sin( i->angle );
 }
 
-// A stiff patch that lies on a slope at its thickness, and a cloth's constraints to be kept beside the contact.
+// A stiff patch that lies on a slope at its thickness, with the constraints of a cloth in addition to contact.
 static incline new_incline( double angle, float mu_static, float mu_kinetic, int substeps, int iterations )
 {
     incline i = { .h = new_colliding( substeps, iterations, 1 ), .angle = angle };
@@ -64,7 +64,8 @@ static void a_block_sticks_below_the_angle_of_friction( void** state )
         incline i = new_incline( angles[k % 2] * DEGREE, (float)mus[k % 2], (float)mus[k % 2],
                                  SOLVERS[k / 2].substeps, SOLVERS[k / 2].iterations );
         run_for( i.h->world, 1.0f / 60.0f, 300 );
-        // static friction cancels each substep's slip; what is left is the rounding of positions, 3e-8 m, over the steps
+        // static friction cancels each substep's slip; the remainder is the rounding of positions, 3e-8 m, over the
+        // steps
         assert_near( along( &i ), i.start, 2e-5 );
         free_colliding( i.h );
     }
@@ -82,7 +83,7 @@ static void a_block_slides_down_with_what_friction_leaves_of_gravity( void** sta
         wisp_motion_stats q = motion_stats_of( i.h->world, i.surface );
         double speed = -( q.momentum[0] * cos( a ) + q.momentum[1] * sin( a ) ) / q.mass;
         double expected = 9.8 * ( sin( a ) - mu * cos( a ) );
-        // exact in each substep but for rounding; at 12 degrees the two terms all but cancel
+        // exact in each substep up to rounding; at 12 degrees the two terms nearly cancel
         assert_near( speed, expected, 2e-4 + 1e-3 * expected );
         double h = 1.0 / 60.0 / SOLVERS[k / 3].substeps, n = 60.0 * SOLVERS[k / 3].substeps;
         assert_near( i.start - along( &i ), expected * h * h * n * ( n + 1.0 ) / 2.0, 2e-4 + 1e-3 * expected );
@@ -179,7 +180,7 @@ static void a_turning_roller_drags_what_lies_on_it( void** state )
         run_for( h->world, 0.01f, 1 );
     }
     const wisp_vec3 p = point_of( h->world, e, 0 );
-    // it rides along on the circle: a turn of 0.2 rad, seen at the thickness above the ball, less than 1% off
+    // it follows the circle: a turn of 0.2 rad at the thickness above the ball, less than 1% off
     assert_near( (double)p.x, 1.01 * sin( 0.2 ), 3e-3 );
     assert_near( sqrt( (double)p.x * (double)p.x + (double)p.y * (double)p.y ), 1.01, 1e-3 );
 }
@@ -194,7 +195,7 @@ enum
 };
 
 static const double PI = 3.14159265358979323846;
-static const float CORD_MASS = 0.01f; // kg, of a vertex; there are two a place
+static const float CORD_MASS = 0.01f; // kg per vertex; there are two per position
 
 // A strip two vertices wide over a post along z, hanging down on both sides, the ends straight below the horizontal.
 static test_mesh cord_over_post( double radius )
@@ -225,8 +226,8 @@ static void give_mass( wisp_world* world, wisp_entity e, int vertex, double mass
     position[(size_t)fabric->vertex_slot[vertex] * 4 + 3] = (float)( 1.0 / mass );
 }
 
-// What the cord's own weight, its acceleration and its flight add to the tension behind the post, for a line density: with
-// t the angle from the light side, dT/dt = mu (T - density v^2 + density r g sin t) + density r (a + g cos t).
+// Additions of the cord's own weight, acceleration and flight to the tension behind the post, for a line density:
+// with t the angle from the light side, dT/dt = mu (T - density v^2 + density r g sin t) + density r (a + g cos t).
 static double cord_part( double mu, double density, double radius, double acceleration, double speed )
 {
     enum
@@ -244,8 +245,9 @@ static double cord_part( double mu, double density, double radius, double accele
     return sum;
 }
 
-// Weights at the ends, the heavy one `ratio` times the light one of 1 kg. @return T2 / T1 while the cord slides, without what
-// the cord itself adds. Tensions follow from accelerations: an end with what hangs above it pulls with m (g -+ a).
+// Weights at the ends, the heavy one `ratio` times the light one of 1 kg. @return T2 / T1 while the cord slides,
+// without the additions of the cord itself. Tensions follow from accelerations: an end with everything that hangs
+// above it pulls with m (g -+ a).
 static double tension_ratio( float mu, double ratio )
 {
     const float dt = 1.0f / 200.0f;
@@ -276,7 +278,7 @@ static double tension_ratio( float mu, double ratio )
         give_mass( h->world, e, 2 * CORD - 2 + side, 0.5 * ratio );
     }
     double lower[3], upper[3];
-    run_for( h->world, dt, 20 ); // until what the weights stretch has come to rest
+    run_for( h->world, dt, 20 ); // until the stretch due to the weights has come to rest
     for ( int k = 0; k < 3; ++k )
     {
         run_for( h->world, dt, 20 );
@@ -289,7 +291,7 @@ static double tension_ratio( float mu, double ratio )
     const double up = ( upper[2] - 2.0 * upper[1] + upper[0] ) / ( window * window );
     assert_true( down > 0.5 );
     assert_near( up, down, 0.03 ); // the cord keeps its length; 0.3 % of gravity
-    // what hangs of the cord changes as it slides; of the edge at the weight half is the weight's
+    // the hanging length changes as the cord slides; half of the edge at the weight belongs to the weight
     const double density = 2.0 * (double)CORD_MASS / ( 2.0 * 0.205 * sin( 0.5 * PI / ARC ) );
     const double light = ( 1.0 - density * upper[1] - (double)CORD_MASS ) * ( (double)GRAVITY + up );
     const double heavy = ( ratio - density * lower[1] - (double)CORD_MASS ) * ( (double)GRAVITY - down );
@@ -305,15 +307,15 @@ static void a_cord_that_slides_around_a_post_pulls_with_the_ratio_of_a_capstan( 
     for ( int k = 0; k < 2; ++k )
     {
         const double ratio = tension_ratio( mus[k], 1.4 * expected[k] );
-        // The polygon gains ( ( 1 + mu t ) / ( 1 - mu t ) )^32 with t = tan( pi / 64 ), 1e-3 more than the circle; where
-        // it leaves the post is known to a tenth of an edge, 1e-2 rad of pi; accelerations to 0.3 %
+        // The polygon gains ( ( 1 + mu t ) / ( 1 - mu t ) )^32 with t = tan( pi / 64 ), 1e-3 more than the circle;
+        // the point where it leaves the post is known to a tenth of an edge, 1e-2 rad of pi; accelerations to 0.3 %
         assert_near( ratio, expected[k], 0.006 * expected[k] );
     }
 }
 
 // ---- iterations ----
 
-// A strip that hangs by its upper edge and all but touches the floor, while gravity pulls it sideways a little.
+// A strip that hangs by its upper edge and nearly touches the floor, while gravity pulls it sideways a little.
 static float sideways_after_12_steps( bool has_floor )
 {
     hosted* h = new_colliding( 1, 64, 1 );
@@ -345,8 +347,9 @@ static float sideways_after_12_steps( bool has_floor )
 static void a_push_that_later_iterations_undo_gives_no_friction( void** state )
 {
     (void)state;
-    // The first iteration finds the strip in the floor, then its links lift it. They are not quite there after 64
-    // iterations, so it rubs a little; were the first push to count in full, it would be held to a twentieth.
+    // The first iteration finds the strip in the floor, then its links lift it. They have not quite converged after
+    // 64 iterations, so there is a little friction; if the first push counted in full, the strip would be held to a
+    // twentieth.
     assert_true( sideways_after_12_steps( true ) > 0.5f * sideways_after_12_steps( false ) );
 }
 

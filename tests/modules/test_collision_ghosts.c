@@ -1,4 +1,5 @@
-// Strands that others carry, and bodies: ghosts beside a sphere, frozen hair on them, bodies that move, still strands.
+// Strands carried by others, and bodies: ghosts next to a sphere, frozen hair on them, bodies that move, static
+// strands.
 #include "guide_hair_fixture.h"
 
 #include "collision.h"
@@ -13,9 +14,9 @@ enum
 
 static const float THICKNESS = 0.004f;
 static const float RADIUS = 0.04f;
-static const wisp_vec3 CENTRE = { 0.1f, 0.9f, 0.042f }; // the nearest ghosts hang in it, their guides do not
+static const wisp_vec3 CENTRE = { 0.1f, 0.9f, 0.042f }; // the nearest ghosts hang inside it, their guides do not
 
-// A push is rounded in the body's frame and in the world, whose places are below 1.5 m.
+// A push is rounded in the body's frame and in the world, whose coordinates are below 1.5 m.
 static const double ROUNDED = 16.0 * (double)FLT_EPSILON;
 
 static wisp_world* new_world( int workers )
@@ -33,7 +34,7 @@ static wisp_world* new_world( int workers )
     return world;
 }
 
-// Six guides with six ghosts each, as in the other tests of ghosts, in a world that knows collision.
+// Six guides with six ghosts each, as in the other tests of ghosts, in a world with collision.
 static flock new_flock( int workers )
 {
     flock f = { .s = make_scene( TARGETS, GHOSTS / TARGETS ), .ghost_nodes = NODES };
@@ -86,7 +87,7 @@ static wisp_collision_stats stats_of( wisp_world* world, wisp_entity strands )
     return stats;
 }
 
-// To the surface of the sphere; below 0 inside.
+// Distance to the surface of the sphere; below 0 inside.
 static double gap_to( wisp_vec3 centre, wisp_vec3 p )
 {
     return vec_distance( p, centre ) - (double)RADIUS;
@@ -105,7 +106,7 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
         guide_swing( &plain );
         const wisp_vec3 *now = guide_points( f.world, f.ghosts ),
                         *without = guide_points( plain.world, plain.ghosts );
-        int near = 0, edge = 0; // vertices to be moved, and those that rounding decides about
+        int near = 0, edge = 0; // vertices to be moved, and those within rounding of the surface
         for ( int n = 0; n < POINTS; ++n )
         {
             const double gap = gap_to( CENTRE, without[n] );
@@ -114,7 +115,7 @@ static void ghosts_keep_the_thickness_where_they_would_be_in_a_body( void** stat
             near += moved ? 1 : 0;
             if ( moved )
             {
-                // at the thickness, straight out
+                // at the thickness, radially outwards
                 assert_close( gap_to( CENTRE, now[n] ), (double)THICKNESS, ROUNDED );
                 const double fraction = ( (double)RADIUS + (double)THICKNESS ) / ( (double)RADIUS + gap );
                 assert_close( (double)now[n].z - (double)CENTRE.z,
@@ -171,7 +172,7 @@ static void roots_stay_in_the_body_that_they_grow_from( void** state )
     wisp_world_destroy( f.world );
 }
 
-// The substeps of the world are four, of which only the last one's end counts.
+// The world has four substeps, of which only the last one's end counts.
 static void ghosts_keep_out_of_where_a_body_is_at_the_end_of_the_step( void** state )
 {
     (void)state;
@@ -237,7 +238,8 @@ static void bits_do_not_depend_on_workers( void** state )
     }
 }
 
-// Ghosts that are pushed and turn to a cursor each frame, against hair that stands still where they were pushed to.
+// Ghosts that are pushed and turn to a cursor each frame, against static hair at the positions to which they were
+// pushed.
 static void frozen_hair_starts_from_where_ghosts_were_pushed( void** state )
 {
     (void)state;
@@ -313,7 +315,7 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
         guide_step( world );
         const wisp_collision_stats stats = stats_of( world, hair );
         assert_true( stats.contacts >= 8 );
-        // what was moved is as far as it shall be
+        // vertices that were moved are at their distance
         assert_true( (double)stats.penetration <= ROUNDED );
         const int count = wisp_world_strands( world, hair )->vertex_count;
         wisp_vec3* before = checked_calloc( (size_t)count, sizeof( wisp_vec3 ) );
@@ -330,7 +332,7 @@ static void still_strands_leave_every_kind_of_body_and_then_rest( void** state )
     }
 }
 
-// Four ghosts' worth of strands over a floor, with dynamics that come later: asked again, they fall on it.
+// Strands for four ghosts over a floor, with dynamics added later: after the next request they fall on it.
 static void strands_that_move_later_collide_as_such_when_queried_again( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Sixteen strands against a body at once: the kernel against a scalar in double on wisp_shape_closest(), and every table
-// against the first, bit for bit.
+// Sixteen strands against a body at once: the kernel against a scalar version in double on wisp_shape_closest(), and
+// every table against the first, bit for bit.
 #include "kernels_fixture.h"
 
 #include "wisp/shapes.h"
@@ -26,7 +26,8 @@ static const wisp_shape SHAPES[] = {
     { .kind = WISP_SHAPE_BOX, .half_extent = { 0.7f, 0.5f, 0.6f } },
 };
 
-// Around the origin, most of them near the surfaces of bodies of about a metre; a fifth is pinned, a third remembers.
+// Around the origin, most of them near the surfaces of bodies of about a metre; a fifth is pinned, a third has
+// contacts from before.
 static void make_rows( contact_rows* r )
 {
     memset( r, 0, sizeof( *r ) );
@@ -69,12 +70,12 @@ static wisp_strand_contact_args job_on( contact_rows* r, const wisp_shape* shape
     };
 }
 
-// ---- the law again, one vertex, in double ----
+// ---- the same contact of one vertex in double ----
 
 typedef struct contact_vertex
 {
     double p[3], previous[3], pushed, left;
-    bool touches, near_edge; // near a place where the answer jumps
+    bool touches, near_edge; // near a discontinuity of the result
 } contact_vertex;
 
 static double dot( const double a[3], const double b[3] )
@@ -165,7 +166,7 @@ static void assert_vertex( const contact_rows* r, int i, const contact_vertex* v
                                  v->previous[1], v->previous[2], v->pushed, v->left };
     for ( int k = 0; k < 8; ++k )
     {
-        // places of about 1 m are rounded to 6e-8 some ten times; a normal near a centre makes more of it
+        // coordinates of about 1 m are rounded to 6e-8 about ten times; a normal near a centre amplifies that
         assert_near( (double)found[k], expected[k], 2e-6, "lane", i );
     }
 }

@@ -54,7 +54,7 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
         {
             run_for( h->world, DT, 1 );
             const wisp_collision_stats stats = collision_of( h->world, e );
-            // rounding in closed form; on a mesh also what a particle gains on the plane of a neighbouring face
+            // rounding in closed form; on a mesh also the offset from the plane of a neighbouring face
             assert_true( stats.penetration <= 0.05f * 0.0166f );
         }
         assert_true( collision_of( h->world, e ).penetration <= 0.01f * 0.0166f );
@@ -62,7 +62,7 @@ static void cloth_lies_on_a_mesh_as_on_the_closed_form( void** state )
         result[k] = motion_stats_of( h->world, e );
         free_colliding( h );
     }
-    // faces of the mesh lie up to 0.3 (1 - cos( 90 / 32 degrees )), 4e-4 m, inside the ball; cloth folds as it likes
+    // faces of the mesh lie up to 0.3 (1 - cos( 90 / 32 degrees )), 4e-4 m, inside the ball; cloth folds freely
     assert_near( result[0].centre[1], result[1].centre[1], 0.02 );
     assert_near( result[0].centre[0], result[1].centre[0], 0.02 );
     assert_near( result[0].centre[2], result[1].centre[2], 0.02 );
@@ -127,7 +127,7 @@ static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
     wisp_entity e = add_cloth( h->world, 7, 0.6f, ( wisp_vec3 ){ 0.03f, 0.7f, 0.02f }, 0.0f );
     for ( int n = 1; n <= 5; ++n )
     {
-        // turning as it goes
+        // rotating as it moves
         const wisp_transform pose = { about_z( 0.05 * n ), { 0.0f, 100.0f * DT * (float)n, 0.0f } };
         assert_int_equal( wisp_move_collider( h->world, double_sided, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
@@ -139,7 +139,7 @@ static void a_sheet_at_100_m_s_sweeps_particles_along( void** state )
     }
 }
 
-// Constraints move particles after contacts were looked for; what they drag through a sheet is caught.
+// Constraints move particles after the search for contacts; those that they pull through a sheet are caught.
 static void cloth_that_is_torn_through_a_sheet_by_its_pins_stays_on_its_side( void** state )
 {
     (void)state;
@@ -178,7 +178,7 @@ static void what_starts_inside_a_mesh_leaves_without_flying_off( void** state )
     run_for( h->world, DT, 240 );
     assert_true( collision_of( h->world, e ).penetration < 0.1f * edge );
     const wisp_motion_stats q = motion_stats_of( h->world, e );
-    // no faster than it is moved out, ten edges a second
+    // at most at the limit of ten edges a second
     assert_true( fabs( q.momentum[1] ) / q.mass < 10.0 * (double)edge );
     assert_true( q.centre[1] > 0.2 && q.centre[1] < 2.0 );
     free_colliding( h );
@@ -250,7 +250,7 @@ static void trees_go_with_their_bodies( void** state )
     }
     run_for( h->world, DT, 60 );
     assert_true( motion_stats_of( h->world, e ).centre[1] < -1.0 );
-    add_ball( h->world, true, 1.0f ); // and what is left goes with the world
+    add_ball( h->world, true, 1.0f ); // and the rest is freed with the world
 }
 
 static void assert_refused( wisp_world* world, const wisp_collider_def* def, const char* word )
@@ -270,7 +270,7 @@ static void impossible_meshes_are_refused( void** state )
     hosted* h = *state;
     wisp_entity unused;
     wisp_collider_def plane = wisp_default_collider_def();
-    assert_int_equal( wisp_add_collider( h->world, &plane, &unused ), WISP_OK ); // the list of bodies is there now
+    assert_int_equal( wisp_add_collider( h->world, &plane, &unused ), WISP_OK ); // the list of bodies exists now
     test_mesh ball = test_ball( 1 );
     wisp_collider_def def = mesh_body( &ball );
     def.triangle_count -= 1;

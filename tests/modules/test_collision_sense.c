@@ -1,4 +1,4 @@
-// What each particle of a surface that is solved for is told of the bodies around it.
+// Contact input of each particle of a surface with an external solver, from the bodies around it.
 #include "collision_sense_fixture.h"
 
 // ---- closed forms ----
@@ -6,7 +6,7 @@
 static void each_closed_form_is_sensed_where_it_stands( void** state )
 {
     (void)state;
-    // in the body's frame, a centimetre off the surface, and the normal there
+    // in the body's frame, a centimetre off the surface, and the normal at that point
     const struct
     {
         wisp_vec3 at, normal;
@@ -29,7 +29,7 @@ static void each_closed_form_is_sensed_where_it_stands( void** state )
                                                 (float)( s * (double)a.x + c * (double)a.y ) + 0.5f, a.z - 0.1f } );
         const sensed t = sense( h->world, e );
         assert_true( t.body != 0 );
-        // places near 1 m are rounded to 6e-8 m
+        // coordinates near 1 m are rounded to 6e-8 m
         assert_near( t.gap, 0.01, 5e-7 );
         assert_vector( t.normal, c * (double)n.x - s * (double)n.y, s * (double)n.x + c * (double)n.y, n.z, 5e-6 );
         assert_true( t.motion.x == 0.0f && t.motion.y == 0.0f && t.motion.z == 0.0f );
@@ -76,7 +76,7 @@ static void what_is_beyond_margin_and_path_is_not_sensed( void** state )
     assert_true( touch_of( h->world, late, 0, 0 ).margin == 0.0f );
 }
 
-// A corner is where a box reaches as far as the ball around it, so that blocks are left out at once there.
+// At a corner a box reaches as far as the ball around it, so the test of blocks is tight.
 static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state )
 {
     hosted* h = *state;
@@ -91,7 +91,7 @@ static void what_parts_from_a_corner_is_sensed_as_far_as_its_path( void** state 
     const float speed = 0.04f / DT;
     give_velocity( h->world, leaves, speed * out.x, speed * out.y, speed * out.z );
     run_for( h->world, DT, 1 );
-    // sums of places are rounded to 6e-8 m
+    // sums of coordinates are rounded to 6e-8 m
     assert_near( touch_of( h->world, near, 0, 0 ).gap, 0.019, 2e-7 );
     assert_near( touch_of( h->world, leaves, 0, 0 ).gap, 0.05, 2e-7 );
     assert_int_equal( touch_of( h->world, stays, 0, 0 ).body, 0 );
@@ -118,7 +118,7 @@ static void gravity_counts_in_the_path( void** state )
 static void what_starts_inside_is_told_how_deep_it_is( void** state )
 {
     (void)state;
-    // the depth of a place well inside each, and the way out
+    // the depth of a point well inside each, and the direction out
     const struct
     {
         wisp_vec3 at, normal;
@@ -163,18 +163,18 @@ static void the_surface_of_a_body_moves_as_a_rigid_body_does( void** state )
                                     (float)( v[2] * (double)DT ) } };
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
     const sensed t = sense( h->world, e );
-    // the last substep begins with the body at three quarters of its way
+    // the last substep begins with the body at three quarters of its path
     const double angle = 0.75 * omega * (double)DT, time = 0.75 * (double)DT;
     const double n[2] = { -sin( angle ), cos( angle ) };
     assert_vector( t.normal, n[0], n[1], 0.0, 1e-6 );
     const double to[2] = { (double)0.1f - v[0] * time, (double)0.215f - v[1] * time };
     const double gap = to[0] * n[0] + to[1] * n[1] - 0.2;
     assert_near( t.gap, gap, 2e-7 );
-    // v + omega x r of the nearest point; the chord of a substep differs from its start by omega^2 r h / 2 = 2e-4 m/s,
-    // and a place rounded to 1.5e-8 m is 7e-6 m/s in 1/240 s
+    // v + omega x r of the nearest point; the chord of a substep differs from its start by omega^2 r h / 2 = 2e-4
+    // m/s, and a coordinate rounded to 1.5e-8 m is 7e-6 m/s in 1/240 s
     const double r[2] = { to[0] - gap * n[0], to[1] - gap * n[1] };
     assert_vector( t.motion, v[0] - omega * r[1], v[1] + omega * r[0], v[2], 4e-4 );
-    // once it has come to rest it stands still, to the last bit
+    // once it has come to rest its velocity is exactly zero
     const sensed rest = sense( h->world, e );
     assert_true( rest.motion.x == 0.0f && rest.motion.y == 0.0f && rest.motion.z == 0.0f );
     assert_int_equal( rest.body, t.body );
@@ -194,7 +194,7 @@ static void a_body_at_100_m_s_is_sensed_before_it_arrives( void** state )
     const sensed t = sense( h->world, e );
     assert_near( t.gap, 0.998, 1e-6 );
     assert_vector( t.normal, 0.0, 1.0, 0.0, 1e-6 );
-    // places near 1 m are rounded to 6e-8 m, which is 4e-6 m/s in a step
+    // coordinates near 1 m are rounded to 6e-8 m, which is 4e-6 m/s in a step
     assert_vector( t.motion, 0.0, 100.0, 0.0, 5e-5 );
 }
 
@@ -214,8 +214,8 @@ static void a_particle_at_100_m_s_is_told_where_its_path_enters( void** state )
     assert_vector( t.normal, 0.0, 1.0, 0.0, 1e-6 );
 }
 
-// Half a metre beside a plate and five millimetres above it, on the way to its top: nearer to that plane than the margin,
-// and not held.
+// Half a metre to the side of a plate and five millimetres above it, on the way to its top: closer to that plane than
+// the margin, and not held.
 static void a_flat_path_is_not_held_before_it_arrives( void** state )
 {
     hosted* h = *state;
@@ -227,18 +227,19 @@ static void a_flat_path_is_not_held_before_it_arrives( void** state )
     give_velocity( h->world, e, way.x / DT, way.y / DT, way.z / DT );
     const sensed t = sense( h->world, e );
     assert_true( t.gap == MARGIN );
-    // it lands where it would have entered, after five sixths of its way, so a fifth of the margin is left behind the plane
+    // it lands where it would have entered, after five sixths of its path, so a fifth of the margin is left behind
+    // the plane
     assert_near( collision_length( t.normal ), 1.0, 1e-6 );
     assert_near( t.gap + collision_dot( t.normal, way ), -0.2 * (double)MARGIN, 1e-5 );
-    // the top of the plate, turned by what is missing of the margin over the way there
+    // the top of the plate, tilted by the ratio of the missing margin and the path to it
     assert_near( t.normal.x, 0.015 / 0.625, 1e-3 );
 }
 
-// The solver lands what would pass the plane; what goes by must not.
+// The solver lands particles that would pass the plane; those that pass beside it must not land.
 static void a_path_that_passes_by_is_not_stopped( void** state )
 {
     (void)state;
-    // beside a ball, round its top, and across the edge of a box
+    // next to a ball, past its top, and across the edge of a box
     const struct
     {
         wisp_collider_kind kind;
@@ -261,11 +262,12 @@ static void a_path_that_passes_by_is_not_stopped( void** state )
         const sensed t = sense( h->world, e );
         assert_true( t.body != 0 );
         assert_near( collision_length( t.normal ), 1.0, 1e-6 );
-        // not held, for it is not there yet; both ends of the path are in front; a way of 1 m is rounded to 6e-8 m
+        // not held, because it has not arrived; both ends of the path are in front; a path of 1 m is rounded to 6e-8
+        // m
         assert_true( t.gap >= MARGIN );
         assert_true( t.gap + collision_dot( t.normal, way ) >= -1e-6f );
-        // and the body is behind, but for what a path that comes nearer than the margin is told of as the margin: what
-        // the plane is away from its middle is how far it reaches that way
+        // and the body is behind, except for paths that come closer than the margin, which receive the margin: the
+        // plane is as far from the body's middle as the body reaches in that direction
         const float slack = t.gap > MARGIN ? 1e-6f : MARGIN;
         const wisp_vec3 n = t.normal;
         const float middle = collision_dot( n, from ) - t.gap;
@@ -302,7 +304,7 @@ static void pinned_particles_and_those_that_are_no_numbers_sense_nothing( void**
 
 // ---- several bodies ----
 
-// A half space whose surface is `gap` below the origin, seen along an axis that is turned about z.
+// A half space whose surface is `gap` below the origin along an axis that is turned about z.
 static wisp_entity add_wall( wisp_world* world, double angle, float gap )
 {
     wisp_collider_def wall = body_of( WISP_COLLIDER_PLANE );
@@ -350,7 +352,7 @@ static void of_bodies_that_are_equally_near_the_first_count( void** state )
     assert_true( a.normal.x == -1.0f && b.normal.x == 1.0f );
 }
 
-// Two walls are left behind, the third is what the particle would fly into.
+// Two walls are left behind; the particle would hit the third.
 static void what_the_path_enters_counts_before_what_it_leaves( void** state )
 {
     hosted* h = *state;
@@ -424,7 +426,8 @@ static void a_mesh_is_sensed_as_the_ball_it_stands_for( void** state )
     wisp_entity fast = add_probe( h->world, ( wisp_vec3 ){ -0.5f, 0.0f, 0.0f } );
     give_velocity( h->world, fast, 100.0f, 0.0f, 0.0f );
     run_for( h->world, DT, 1 );
-    // faces of 512 triangles a side lie up to a hundredth of the radius inside the ball, and are tilted by as much as 0.1
+    // faces of 512 triangles per side lie up to a hundredth of the radius inside the ball, and are tilted by as much
+    // as 0.1
     const sensed o = touch_of( h->world, outside, 0, 0 ), d = touch_of( h->world, deep, 0, 0 );
     assert_near( o.gap, 0.01, 0.003 );
     assert_vector( o.normal, 0.0, 1.0, 0.0, 0.1 );

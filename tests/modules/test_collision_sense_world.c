@@ -1,4 +1,5 @@
-// Surfaces that are solved for among bodies: figures, plans, memory, and the same bits however they are computed.
+// Surfaces with an external solver among bodies: statistics, plans, memory, and the same bits for every way to run
+// them.
 #include "collision_sense_fixture.h"
 
 // ---- figures ----
@@ -177,7 +178,7 @@ static void any_number_of_workers_gives_the_same_bits( void** state )
     }
 }
 
-// The same surface, moved as a whole: who shares a block with whom is another matter, and nobody may notice.
+// The same surface, moved as a whole: particles share blocks differently, and the result must not show it.
 static void a_particle_senses_the_same_alone_and_among_others( void** state )
 {
     hosted* h = *state;

@@ -1,4 +1,5 @@
-// Strands and bodies: what rests, what is rubbed, heads that move, what starts inside, and the same bits everywhere.
+// Strands and bodies: rest, friction, moving heads, starts inside a body, and the same bits for every number of
+// workers.
 #include "collision_fixture.h"
 
 #include "strands.h"
@@ -36,7 +37,7 @@ static int open_hair( void** state )
 
 #define HAIR_TEST( test ) cmocka_unit_test_setup_teardown( test, open_hair, close_hosted )
 
-// Soft hair that does not hold the shape it starts in.
+// Soft hair that does not keep its initial shape.
 static wisp_strand_dynamics_def damped_hair( void )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
@@ -46,7 +47,7 @@ static wisp_strand_dynamics_def damped_hair( void )
     return def;
 }
 
-// Straight strands that move and collide, from `roots` along `directions`, a centimetre a segment.
+// Straight strands that move and collide, from `roots` along `directions`, a centimetre per segment.
 static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wisp_vec3* directions, int count,
                              int vertices, const wisp_strand_dynamics_def* dynamics )
 {
@@ -72,7 +73,7 @@ static wisp_entity add_hair( wisp_world* world, const wisp_vec3* roots, const wi
     return e;
 }
 
-// Twenty strands side by side, level, that fall over what is at the origin.
+// Twenty strands side by side, level, that fall over a body at the origin.
 static wisp_entity add_fringe( wisp_world* world )
 {
     wisp_vec3 roots[20], directions[20];
@@ -182,9 +183,9 @@ static void strands_that_fall_on_a_body_rest_outside( void** state )
         print_message( "kind %d: %d contacts, %.3f of a segment deep, %.2g m/s\n", kind, f.contacts,
                        (double)( f.penetration / SEGMENT ), fastest( h->world, e ) );
         assert_true( f.contacts >= 40 );
-        // lengths are restored behind contact; at rest that takes back next to nothing
+        // lengths are restored after contact; at rest that undoes next to nothing
         assert_true( f.penetration < 0.02f * SEGMENT );
-        // vertices near the sharp edge of a box creep by a few hundredths of the thickness a substep
+        // vertices near the sharp edge of a box creep by a few hundredths of the thickness per substep
         assert_true( fastest( h->world, e ) < ( kind == WISP_COLLIDER_BOX ? 0.1 : 0.005 ) );
         free_colliding( h );
     }
@@ -218,13 +219,14 @@ static void strands_lie_on_a_mesh_as_on_the_closed_form( void** state )
     {
         skip();
     }
-    // faces lie up to 0.1 (1 - cos( 90 / 32 degrees )), 1.2e-4 m, inside the ball, and strands roll off along their edges
+    // faces lie up to 0.1 (1 - cos( 90 / 32 degrees )), 1.2e-4 m, inside the ball, and strands roll off along their
+    // edges
     assert_near( height[1], height[0], 2e-3 );
 }
 
 // ---- friction ----
 
-// Chains across a slope, held at their roots. @return how far their tips are carried downhill in two seconds, m
+// Chains across a slope, held at their roots. @return downhill motion of their tips in two seconds, m
 static double downhill( double angle, float mu )
 {
     hosted* h = new_hair_world( ( hair_world ){ 10, 1, 1, NULL } );
@@ -246,7 +248,7 @@ static double downhill( double angle, float mu )
 static void friction_holds_a_strand_below_its_angle_alone( void** state )
 {
     (void)state;
-    // mu 0.5 holds up to 26.6 degrees; static friction cancels each substep's slip but for rounding
+    // mu 0.5 holds up to 26.6 degrees; static friction cancels each substep's slip up to rounding
     assert_near( downhill( 25.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
     assert_near( downhill( 5.0 * DEGREE, 0.5f ), 0.0, 1e-5 );
     assert_true( downhill( 29.0 * DEGREE, 0.5f ) > 0.05 );
@@ -294,7 +296,7 @@ static void hair_on_a_head_that_shakes_stays_out_of_it( void** state )
     float mesh = deepest_on_a_shaken_head( ( hair_world ){ 10, 1, 1, NULL }, WISP_STRAND_STRETCH_DIRECT, true );
     print_message( "10 substeps: %.3f of a segment deep, 2 iterations %.3f, links %.3f, mesh %.3f\n", (double)direct,
                    (double)twice, (double)links, (double)mesh );
-    // the thickness is a quarter of a segment, so that hair never gets into the head itself
+    // the thickness is a quarter of a segment, so hair cannot enter the head itself
     assert_true( direct < 0.2f && twice < 0.2f && links < 0.2f && mesh < 0.2f );
 }
 
@@ -308,7 +310,7 @@ static void a_body_that_strikes_hair_in_one_step_carries_it_along( void** state 
     wisp_entity e = add_fringe( h->world );
     for ( int n = 1; n <= 3; ++n )
     {
-        // from one side of the strands to the other at 30 m/s, half its width a substep, turning by 1 rad
+        // from one side of the strands to the other at 30 m/s, half its width per substep, turning by 1 rad
         ball.pose.rotation = about_z( 1.0 * n );
         ball.pose.translation = ( wisp_vec3 ){ 0.1f, 0.12f, n == 1 ? 0.0f : -0.5f * (float)( n - 1 ) };
         assert_int_equal( wisp_move_collider( h->world, body, ball.pose ), WISP_OK );
@@ -328,13 +330,13 @@ static void a_body_that_strikes_hair_in_one_step_carries_it_along( void** state 
     assert_true( fastest( h->world, e ) < 0.5 );
 }
 
-// Without weight, so that all speed comes from being moved out. @return false without Embree
+// Without gravity, so that all speed comes from being moved out. @return false without Embree
 static bool leaves_calmly( wisp_collider_kind kind )
 {
     hosted* h = new_hair_world( ( hair_world ){ 4, 1, 1, NULL } );
     bool there = true;
     wisp_collider_def body = small_body( kind );
-    body.half_extent.y = 0.04f; // or strands would be run through a box whose nearest faces are at its two ends
+    body.half_extent.y = 0.04f; // otherwise strands would pass through the box, with the nearest faces at its ends
     body.pose.translation = ( wisp_vec3 ){ 0.05f, 0.13f, 0.0f };
     wisp_entity ball = { 0, 0 };
     if ( kind == WISP_COLLIDER_MESH )
@@ -360,8 +362,8 @@ static bool leaves_calmly( wisp_collider_kind kind )
     const float left = there ? collision_of( h->world, e ).penetration : 0.0f;
     print_message( "kind %d: at most %.2f m/s, %.3f of a segment left\n", (int)kind, most,
                    (double)( left / SEGMENT ) );
-    // ten segments a second are 0.1 m/s, and strands that have to go round the body pull their tips along faster; pushed
-    // out at once they would do 0.1 m in a substep, 24 m/s
+    // ten segments a second are 0.1 m/s, and strands that have to go round the body pull their tips along faster;
+    // with an immediate push they would move 0.1 m in a substep, 24 m/s
     assert_true( most < 2.0 );
     assert_true( left < 0.2f * SEGMENT );
     free_colliding( h );

@@ -1,5 +1,5 @@
-// Mesh bodies that are searched by voxels: the same contacts and the same bits as with the tree and as with a single voxel,
-// which is brute force. With a library without Embree, voxels are compared with brute force alone.
+// Mesh bodies searched by voxels: the same contacts and the same bits as with the tree and as with a single voxel,
+// which is brute force. In a library without Embree, voxels are compared with brute force alone.
 #include "collision_fixture.h"
 
 static const float DT = 1.0f / 60.0f;
@@ -29,7 +29,7 @@ static wisp_collider_def searched_body( const test_mesh* mesh, search how )
     return def;
 }
 
-// A ball of radius 0.3 with bumps, so that its nearest faces are not all alike.
+// A ball of radius 0.3 with bumps, so that its nearest faces differ.
 static test_mesh make_bumpy_ball( void )
 {
     test_mesh mesh = test_ball( 3 );
@@ -42,7 +42,7 @@ static test_mesh make_bumpy_ball( void )
     return mesh;
 }
 
-// What a run leaves behind: the contacts after each step, and the bits of the cloth at the end.
+// Results of a run: the contacts after each step, and the bits of the cloth at the end.
 typedef struct trace
 {
     wisp_collision_stats stats[STEPS];

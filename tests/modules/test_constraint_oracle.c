@@ -91,7 +91,7 @@ static constraint_oracle_term root_form( const double3 p[4], void* user )
     return constraint_oracle_isometric_root( p, user );
 }
 
-// Every gradient of at most four vertices; the volume's is below (Eq. 8).
+// Every gradient of at most four vertices; that of the volume is tested below (Eq. 8).
 static void gradients_agree_with_central_differences( void** state )
 {
     (void)state;
@@ -249,7 +249,7 @@ static void a_stiffness_below_one_leaves_its_share_of_the_error( void** state )
             constraint_oracle_term term = constraint_oracle_distance( p[0], p[1], 1.0 );
             constraint_oracle_project( &term, four, w, k, p, &skips );
         }
-        // k' keeps the error at (1 - k) whatever the count
+        // k' keeps the error at (1 - k) for any count
         assert_close( double3_distance( p[0], p[1] ), 1.1, 1e-14 );
     }
 }
@@ -266,7 +266,7 @@ static void a_compliant_edge_carries_the_tension_of_its_spring( void** state )
         constraint_oracle_term term = constraint_oracle_distance( p[0], p[1], 1.0 );
         constraint_oracle_project_compliant( &term, four, w, alpha, &lambda, p, &skips );
         length = n == 0 ? double3_distance( p[0], p[1] ) : length;
-        // one projection solves a lone edge; more of them change nothing
+        // one projection solves a single edge; more of them change nothing
         assert_close( double3_distance( p[0], p[1] ), length, 1e-14 );
         assert_close( -lambda / ( dt * dt ), k_edge * ( length - 1.0 ), 1e-9 );
     }
@@ -285,7 +285,7 @@ static void a_tether_resists_stretch_and_never_pushes( void** state )
     term = constraint_oracle_distance( taut[0], taut[1], 1.0 );
     assert_true( constraint_oracle_project_above( &term, four, w, 1.0, taut, &skips ) < 0.0 );
     assert_close( taut[1].x, 1.0, 1e-15 );
-    // within a substep it gives back what it took, and no more
+    // within a substep it undoes its own corrections, and no more
     double lambda = 0.0;
     double3 p[2] = { { 0.0, 0.0, 0.0 }, { 1.2, 0.0, 0.0 } };
     term = constraint_oracle_distance( p[0], p[1], 1.0 );
@@ -332,7 +332,7 @@ static void a_dihedral_angle_is_signed_and_known_on_solids( void** state )
     for ( int e = 0; e < topology.edge_count; ++e )
     {
         const balloon_mesh_edge* edge = topology.edges + e;
-        // opposite[0] belongs to the lower triangle, which may run along the edge either way
+        // opposite[0] belongs to the lower triangle, which may have the edge in either direction
         const int* c = mesh.triangles + 3 * edge->triangle[0];
         bool forward = ( c[0] == edge->a && c[1] == edge->b ) || ( c[1] == edge->a && c[2] == edge->b ) ||
                        ( c[2] == edge->a && c[0] == edge->b );
@@ -445,7 +445,7 @@ static void the_energy_form_halves_a_fold_and_the_root_form_solves_it( void** st
         assert_close( constraint_oracle_isometric_root( p, q ).value / root.value, 0.5, 1e-10 );
         memcpy( p, start, sizeof( p ) );
         constraint_oracle_project( &root, four, w, 1.0, p, &skips );
-        // the root of an energy that is rounding, 1e-16 of what it was
+        // the root of an energy at rounding level, 1e-16 of the original
         assert_close( constraint_oracle_isometric_root( p, q ).value / root.value, 0.0, 1e-7 );
     }
 }
@@ -581,7 +581,7 @@ static void volume_projections_reach_their_target_and_their_pressure( void** sta
     {
         constraint_oracle_project_volume( p, w, 42, mesh.triangles, 80, target, 1.0, scratch, &skips );
     }
-    // each projection squares the relative error that the one before has left
+    // each projection squares the relative error of the previous one
     assert_close( constraint_oracle_volume( p, mesh.triangles, 80 ) / target, 1.0, 1e-12 );
     assert_close( double3_distance( p[5], mesh.positions[5] ), 0.0, 0.0 );
     // lambda/dt^2 is the pressure: at convergence C + alpha lambda = 0 is P_atm (V_0 - V)/V_0
@@ -629,7 +629,7 @@ static void degenerate_constraints_move_nothing_and_are_counted( void** state )
     constraint_oracle_project_compliant( &term, four, pinned, 0.0, &lambda, flat, &skips );
     assert_int_equal( skips.count[CONSTRAINT_ORACLE_PINNED], 2 );
     assert_memory_equal( flat, before, sizeof( before ) );
-    // a mesh in one point has no way to grow; a satisfied constraint without a gradient is no fault
+    // a mesh in one point cannot grow; a satisfied constraint without a gradient is no fault
     balloon_mesh mesh;
     double3 scratch[4];
     assert_true( balloon_mesh_tetrahedron( &mesh, 0.0 ) );

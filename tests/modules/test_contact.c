@@ -1,5 +1,5 @@
-// The law of contact between two small bodies, against the oracle, and what a definition says: friction, recovery, gaps,
-// layers, the own surface, pins, participants that come, go and are halted.
+// Contact between two small bodies against the oracle, and the fields of a definition: friction, recovery, gaps,
+// layers, self-contact, pins, and participants that are added, removed and halted.
 #include "contact_fixture.h"
 
 #include "oracle/contact_oracle.h"
@@ -27,16 +27,15 @@ static test_mesh three( wisp_vec3 a, wisp_vec3 b, wisp_vec3 c, int n )
     return m;
 }
 
-// A vertex above the middle of a triangle, or an edge across another; all else is far away. Masses differ, some are pinned,
-// the upper one comes down and slides.
+// A vertex above the middle of a triangle, or an edge across another; all other pairs are far apart. Masses differ,
+// some vertices are pinned, the upper body moves down and slides.
 static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
 {
     *m = ( meeting ){ .is_edges = is_edges };
     open_contact( &m->h, 1, iterations, 1 );
     wisp_world* w = m->h.world;
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit =
-        false; // bodies of one triangle turn about: it would cut what the law has already answered
+    settings.displacement_limit = false; // bodies of one triangle rotate: the limit would cut resolved displacements
     assert_status( w, wisp_set_contact_settings( w, &settings ), WISP_OK );
     const float height = THICK * test_random_float( n, 1, 0.6f, 1.4f );
     test_mesh upper = is_edges ? three( ( wisp_vec3 ){ -0.5f, height, 0.0f }, ( wisp_vec3 ){ 0.5f, height, 0.0f },
@@ -51,7 +50,7 @@ static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
     m->body[0] = add_mesh( w, &upper, pins, n % 3 == 1 ? 1 : 0, 0.2f );
     m->body[1] = add_mesh( w, &lower, pins + 1, n % 3 == 2 ? 1 : 0, 0.4f );
     wisp_contact_def def = contact_of( THICK );
-    def.max_push_out_speed = 1e-9f; // the law alone
+    def.max_push_out_speed = 1e-9f; // contact alone
     def.friction = test_random_float( n, 4, 0.0f, 2.0f );
     set_contact( w, m->body[0], &def );
     def.friction *= 0.5f;
@@ -67,7 +66,7 @@ static void open_meeting( meeting* m, int n, bool is_edges, int iterations )
     }
 }
 
-// What the oracle makes of the substep: the pair where it was apart, then the law as often as there are iterations.
+// The oracle's substep: the pair where it was apart, then contact as many times as there are iterations.
 static contact_oracle_contact expect_places( const meeting* m, int n, int iterations, double3 x[6], double3 before[6],
                                              double w[6] )
 {
@@ -117,7 +116,7 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
         run_steps( m.h.world, 1, DT );
         for ( int i = 0; i < 6; ++i )
         {
-            // places are of about one metre: some roundings of a float
+            // positions are of about one metre: several roundings of a float
             const double off = double3_distance( double3_from( place_of( m.h.world, m.body[i / 3], i % 3 ) ), x[i] );
             assert_near( off, 0.0, 4e-6 );
         }
@@ -128,7 +127,7 @@ static void a_pair_moves_as_the_oracle_has_it( void** state )
         const double3 requested =
             double3_scale( 1.0 / (double)DT, double3_add( double3_scale( c.lambda, c.normal ), c.rubbed ) );
         const double3 got = double3_make( impulse[0], impulse[1], impulse[2] );
-        // of a push of a rounding of places in a step, with the masses of these bodies
+        // of a push of a rounding of positions in a step, with the masses of these bodies
         assert_near( double3_distance( got, requested ), 0.0, 1e-4 );
         pushed += c.lambda > 0.0 ? 1 : 0;
         free += c.lambda == 0.0 ? 1 : 0;
@@ -162,7 +161,7 @@ static void momentum_is_kept_and_forces_are_opposite( void** state )
         }
         for ( int k = 0; k < 3; ++k )
         {
-            // a rounding of places (6e-8 m) over the step, times 0.3 kg
+            // a rounding of positions (6e-8 m) over the step, times 0.3 kg
             assert_near( after[k], before[k], 1e-5 );
             assert_near( impulse[0][k] + impulse[1][k], 0.0, 1e-15 );
             assert_near( f.net_impulse[k], 0.0, 1e-15 );
@@ -173,7 +172,7 @@ static void momentum_is_kept_and_forces_are_opposite( void** state )
 
 // ---- sheets ----
 
-// A sheet of two triangles that cannot move, and a smaller free one above it, as far as told.
+// A sheet of two triangles that cannot move, and a smaller free one at a given height above it.
 static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const wisp_contact_def* lower,
                          const wisp_contact_def* upper )
 {
@@ -187,7 +186,8 @@ static void open_sheets( hosted* h, wisp_entity sheets[2], float height, const w
     request_stats( h->world );
 }
 
-// Gravity leans by an angle whose tangent is a share of mu. Below one it holds; above, m a = g (sin - mu cos).
+// Gravity is tilted by an angle whose tangent is a fraction of mu. Below one the sheet holds; above, m a = g (sin -
+// mu cos).
 static void friction_is_that_of_coulomb( void** state )
 {
     (void)state;
@@ -209,7 +209,7 @@ static void friction_is_that_of_coulomb( void** state )
         run_steps( h.world, (int)( seconds / (double)DT + 0.5 ), DT );
         const double slid = mean_of( h.world, sheets[1], 0 ) - start;
         const double pull = fmax( 0.0, g * ( sin( angle ) - mu * cos( angle ) ) );
-        // a substep more or less of acceleration, and what it slid until it lay
+        // one substep more or less of acceleration, and the slip before it came to rest
         assert_near( slid, 0.5 * pull * seconds * seconds, 0.03 * pull * seconds * seconds + 1e-4 );
         close_world( &h );
     }
@@ -228,7 +228,7 @@ static void what_is_too_near_is_parted_slowly_and_gets_no_velocity( void** state
         run_steps( h.world, 1, DT );
         const double expected = fmin( 0.25 * (double)THICK + 0.125 * i * (double)DT, (double)THICK );
         assert_near( mean_of( h.world, sheets[1], 1 ), expected, 1e-5 );
-        assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings of places over a substep
+        assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-4 ); // roundings over a substep
     }
     close_world( &h );
 }
@@ -250,7 +250,7 @@ static void resting_sheets_keep_half_of_the_sum_of_their_thicknesses_and_lie_sti
         {
             run_steps( h.world, 1, DT );
             assert_near( mean_of( h.world, sheets[1], 1 ), gap, 0.001 * gap );
-            // a hundredth of what gravity gives in a step: what presses does not fall and rise
+            // a hundredth of the velocity that gravity adds in a step: the contact force is constant
             assert_true( motion_stats_of( h.world, sheets[1] ).speed_max < 1e-3 );
         }
         const wisp_contact_stats f = contact_stats( h.world );
@@ -307,7 +307,7 @@ static void layers_and_masks_say_who_meets( void** state )
     assert_true( falls_through( &on, &off ) );
 }
 
-// Two primitives of one surface, the upper one coming down.
+// Two primitives of one surface, the upper one moving down.
 static bool passes_itself( bool self )
 {
     hosted h;
@@ -369,13 +369,13 @@ static void pins_push_and_are_not_pushed( void** state )
         }
         assert_true( mean_of( h.world, sheets[1], 1 ) > (double)targets[0].y + 0.99 * (double)THICK );
     }
-    // it goes on as fast as it was pushed: nothing bounces
+    // it keeps the velocity of the push: nothing bounces
     assert_near( motion_stats_of( h.world, sheets[1] ).momentum[1] / motion_stats_of( h.world, sheets[1] ).mass, 0.5,
                  0.01 );
     close_world( &h );
 }
 
-// ---- participants come and go ----
+// ---- participants are added and removed ----
 
 // A sheet that rests on another.
 static void open_resting( hosted* h, wisp_entity sheets[2] )
@@ -391,7 +391,7 @@ static void assert_free_fall( hosted* h, wisp_entity e )
 {
     const double start = mean_of( h->world, e, 1 );
     run_steps( h->world, 20, DT );
-    // 0.2 s: 0.196 m, and half a substep's worth more
+    // 0.2 s: 0.196 m, and half a substep more
     assert_near( start - mean_of( h->world, e, 1 ), 0.196, 0.01 );
 }
 
@@ -461,7 +461,8 @@ static void instances_meet_like_all_others( void** state )
     close_world( &h );
 }
 
-// The middle one of three that fall is halted; what falls on it lies there, and when it takes part again it falls itself.
+// The middle one of three falling sheets is halted; the one above lands on it. After the halt ends the middle one
+// falls itself.
 static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( void** state )
 {
     (void)state;
@@ -485,13 +486,13 @@ static void a_halted_participant_stands_and_is_met_again_when_it_is_resumed( voi
     assert_near( mean_of( h.world, upper, 1 ) - mean_of( h.world, middle, 1 ), (double)THICK, 0.01 * (double)THICK );
     assert_near( mean_of( h.world, sheets[1], 1 ), (double)THICK, 0.01 * (double)THICK );
     assert_status( h.world, wisp_resume( h.world, middle ), WISP_OK );
-    run_steps( h.world, 60, DT ); // longer, and what is smaller slides off
+    run_steps( h.world, 60, DT ); // longer, and a smaller sheet slides off
     assert_near( mean_of( h.world, middle, 1 ), 2.0 * (double)THICK, 0.02 * (double)THICK );
     assert_near( mean_of( h.world, upper, 1 ), 3.0 * (double)THICK, 0.03 * (double)THICK );
     close_world( &h );
 }
 
-// A number that goes wrong in the middle of a step stays with its participant, also where another lies on it.
+// A NaN in the middle of a step stays with its participant, also where another lies on it.
 static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
 {
     (void)state;
@@ -513,7 +514,8 @@ static void what_goes_wrong_in_a_participant_reaches_no_other( void** state )
     close_world( &h );
 }
 
-// Thicker than its edges are long, a sheet is pushed apart nowhere: it keeps what it has at rest. Bent round, it does not.
+// If the thickness exceeds its edges, a sheet is not pushed apart anywhere: it keeps its rest distances. When bent
+// round, it does not.
 static void a_participant_that_is_thinner_at_rest_than_its_thickness_lies_still( void** state )
 {
     (void)state;

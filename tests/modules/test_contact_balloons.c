@@ -1,9 +1,9 @@
-// Balloons that press on each other (not in the balloon paper): no overlap, a flat contact, opposite forces that carry the load; on the floor,
-// under cloth, and ten of them in a box that come to rest.
+// Balloons that press on each other (not in the balloon paper): no overlap, a flat contact, opposite forces that
+// carry the load; on the floor, under cloth, and ten of them at rest in a box.
 //
-// Rest means: over the last second no centre moved by more than a hundredth of the radius, and the root of the mean square speed of
-// all mass (from the kinetic energy) stays below 3 cm/s, a fiftieth of what they fell with: skins of few iterations never stand
-// quite still, with contact or without.
+// Criterion of rest: over the last second no centre moves by more than a hundredth of the radius, and the root mean
+// square speed (from the kinetic energy) stays below 3 cm/s, a fiftieth of the falling speed. Skins of few iterations
+// never come quite to rest, with contact or without.
 #include "contact_fixture.h"
 
 static const float RADIUS = 0.15f; // m
@@ -23,7 +23,7 @@ typedef struct pressed
     double load; // N
 } pressed;
 
-// Two balloons whose gravities point at each other along x, in a smooth shaft, because what is pressed slips away to a side.
+// Two balloons whose gravities point at each other along x, in a smooth shaft, because pressed balloons slip aside.
 static void open_pressed( pressed* p, int start, float gravity, int level )
 {
     *p = ( pressed ){ 0 };
@@ -67,8 +67,8 @@ static double deepest_overlap( wisp_world* world, const wisp_entity b[2] )
     return deepest;
 }
 
-// Where two balls at this distance would cut each other is a circle. The patch is what of a balloon is within 0.6 of its
-// radius about the line between the centres, on the side of the other.
+// Two balls at this distance would intersect in a circle. The patch is the part of a balloon within 0.6 of its radius
+// about the line between the centres, on the side of the other.
 typedef struct patch
 {
     int count;
@@ -124,7 +124,8 @@ static void a_pressed_pair_is_flat_and_does_not_overlap( void** state )
         assert_int_equal( count_all_passing( p.h.world, p.b, 2 ), 0 );
         assert_true( (double)contact_stats( p.h.world ).min_gap > 0.98 );
         const patch flat = patch_of( p.h.world, p.b );
-        // a patch of several vertices, whose height is a third of that of the cap that it was, at most, and a fiftieth of the radius
+        // a patch of several vertices, whose height is at most a third of that of the original cap, and a fiftieth of
+        // the radius
         const double cap = flat.radius * flat.radius / ( 2.0 * 1.1 * (double)RADIUS );
         if ( flat.count < 3 || flat.spread > cap / 3.0 || flat.spread > 0.02 * (double)RADIUS )
         {
@@ -162,14 +163,14 @@ static void forces_of_a_pressed_pair_are_opposite_and_carry_the_load( void** sta
             }
         }
         const double load = motion_stats_of( p.h.world, p.b[0] ).mass * (double)gravity * 30.0 * (double)FRAME;
-        // what is left of swinging is the rest
+        // the residual swinging is the rest
         assert_near( sum[0], -load, 0.01 * load );
         assert_near( sum[1], load, 0.01 * load );
         close_world( &p.h );
     }
 }
 
-// What presses for a long time presses with the same force, and nothing trembles.
+// After a long time the contact force is constant, without jitter.
 static void a_balloon_that_rests_on_a_sheet_does_not_tremble( void** state )
 {
     (void)state;
@@ -191,7 +192,7 @@ static void a_balloon_that_rests_on_a_sheet_does_not_tremble( void** state )
         const wisp_motion_stats q = motion_stats_of( h.world, b );
         double impulse[3];
         assert_status( h.world, wisp_read_contact_impulse( h.world, b, impulse ), WISP_OK );
-        // gravity gives 0.16 m/s in a step: all that moves has less than a hundredth of that
+        // gravity gives 0.16 m/s in a step: all motion is below a hundredth of that
         assert_true( sqrt( 2.0 * q.kinetic_energy / q.mass ) < 0.0016 );
         assert_near( impulse[1], q.mass * 9.81 * (double)FRAME, 0.01 * q.mass * 9.81 * (double)FRAME );
     }

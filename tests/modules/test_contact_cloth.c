@@ -1,5 +1,5 @@
-// Cloth that folds on a ball, is crumpled by wind and by its pins, and is shot at: no triangle passes through another at any
-// step that is looked at, and contact gives no energy. Intersections are counted exactly.
+// Cloth that folds on a ball, is crumpled by wind and by its pins, and is hit by a fast ball: no triangle passes
+// through another at any sampled step, and contact adds no energy. Intersections are counted exactly.
 #include "contact_fixture.h"
 
 enum
@@ -15,7 +15,8 @@ typedef struct folding
     int steps;
 } folding;
 
-// n x n vertices of a metre, level, above a ball that moves to and fro over a plane. @param start jitters where it starts
+// n x n vertices per metre, level, above a ball that moves back and forth over a plane. @param start jitter of the
+// start
 static void open_folding( folding* f, int n, int start, bool displacement_limit, bool touches )
 {
     *f = ( folding ){ 0 };
@@ -78,7 +79,7 @@ static void a_folded_cloth_has_not_crossed_itself_after_five_seconds( void** sta
     close_world( &f.h );
 }
 
-// The scene is one in which something would cross.
+// Without contact something intersects in this scene.
 static void without_contact_the_same_cloth_crosses_itself( void** state )
 {
     (void)state;
@@ -118,7 +119,7 @@ static void no_jittered_start_crosses( void** state )
 
 // ---- crumpling ----
 
-// A cloth that hangs by two corners, which are shaken to and fro at 2 m/s, while wind pushes it with several times its weight.
+// A cloth that hangs by two corners, which are shaken at 2 m/s, while wind pushes it with several times its weight.
 static int crumple( int n, int start, bool displacement_limit, int substeps, int steps )
 {
     hosted h;
@@ -146,7 +147,7 @@ static int crumple( int n, int start, bool displacement_limit, int substeps, int
         wisp_vec3 targets[2];
         for ( int k = 0; k < 2; ++k )
         {
-            // the corners go to and fro together, and come near each other
+            // the corners move back and forth together, and come close to each other
             const float angle = 9.0f * t + test_random_float( start, 0, 0.0f, 0.5f );
             targets[k] =
                 ( wisp_vec3 ){ corners[k].x + ( k == 0 ? 0.12f : -0.12f ) * ( 1.0f - cosf( angle ) ),
@@ -177,7 +178,7 @@ static void cloth_that_is_crumpled_by_wind_and_shaken_pins_does_not_cross( void*
 
 // ---- shots ----
 
-// A ball of 0.1 m flies into a sheet that is held along its border. It goes up to 1.7 m in a step.
+// A ball of 0.1 m flies into a sheet that is held along its border. It moves up to 1.7 m per step.
 static void shoot( float speed )
 {
     hosted h;
@@ -240,8 +241,8 @@ typedef struct closed_system
     wisp_entity sheets[2];
 } closed_system;
 
-// Two free sheets without gravity that fly at each other and are stirred. Loose particles have no energy but that of
-// motion, so nothing but contact could give any.
+// Two free sheets without gravity that fly at each other with random velocities. Loose particles have only kinetic
+// energy, so only contact could add any.
 static void open_closed( closed_system* c, int start, bool woven, float friction )
 {
     open_contact( &c->h, 4, 2, 1 );
@@ -258,7 +259,7 @@ static void open_closed( closed_system* c, int start, bool woven, float friction
         }
         wisp_contact_def def = wisp_default_contact_def();
         def.friction = friction;
-        def.self = woven; // loose particles are no surface: nothing keeps a triangle from folding up in its own plane
+        def.self = woven; // loose particles are no surface: a triangle may fold within its own plane
         set_contact( w, c->sheets[k], &def );
         for ( int v = 0; v < 49; ++v )
         {
@@ -300,7 +301,7 @@ static void loose_sheets_never_gain_energy( void** state )
         {
             run_steps( c.h.world, 1, FRAME / 4.0f );
             const double now = energy_of( c.h.world, c.sheets, 2 );
-            // velocities are differences of places over a substep of a millisecond: 1e-4 m/s of rounding each
+            // velocities are differences of positions over a substep of a millisecond: 1e-4 m/s of rounding each
             if ( now > last + 2e-4 * first )
             {
                 fail_msg( "start %d, step %d: %.9g J after %.9g J", start, s, now, last );
@@ -312,7 +313,7 @@ static void loose_sheets_never_gain_energy( void** state )
     }
 }
 
-// Links hold energy that they give back; it came from the start, and a thousandth of that is what they may be off.
+// Links store energy and release it; it was there at the start, and the tolerance is a thousandth of it.
 static void woven_sheets_never_have_more_energy_than_at_the_start( void** state )
 {
     (void)state;

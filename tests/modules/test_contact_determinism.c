@@ -1,5 +1,6 @@
-// The same bits for any number of workers, any instruction set and any host's loop, behind a snapshot and in another world, and
-// the same as yesterday: data/golden/contact.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, after a snapshot and in
+// another world, and the same as in data/golden/contact.hash. WISP_GOLDEN=write in the environment rewrites that
+// file.
 #include "contact_fixture.h"
 #include "determinism_fixture.h"
 
@@ -189,7 +190,8 @@ static void nudge( determinism_run* base )
     velocity_of( base->world, ( (running*)base )->participants[0], 20 )[2] += 1e-3f;
 }
 
-// Lists of pairs grow with what is found, so the same motion is run twice: what was enough for it once is enough again.
+// Lists of pairs grow with the pairs found, so the same motion runs twice: memory that was enough once is enough
+// again.
 static determinism_case describe( int number )
 {
     return ( determinism_case ){ cases[number].name, STEPS, .warm_workers = 1, .rehearsal = STEPS };

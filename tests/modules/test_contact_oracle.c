@@ -1,6 +1,5 @@
-// Contact on its double-precision oracle. Lengths are of order 1 and masses between 0.1 and 10, so that roundings of
-// some ten operations come to about 1e-15; a tolerance of 1e-12 leaves room for what a short denominator makes of
-// them.
+// Contact on its double-precision oracle. Lengths are of order 1 and masses between 0.1 and 10, so that about ten
+// roundings add up to 1e-15; a tolerance of 1e-12 leaves room for amplification by a small denominator.
 #include "oracle_support.h"
 
 #include "oracle/contact_oracle.h"
@@ -37,10 +36,10 @@ static void assert_is_of( const double weights[3], const double3* corners, int c
     assert_close( double3_distance( there, point ), 0.0, tolerance );
 }
 
-// The conditions of Karush, Kuhn and Tucker for two convex hulls: the points are of the hulls, and the slab between
-// them, square to the line that joins them, has all corners of A on its one side and all of B on the other. No points
-// of the hulls can then be nearer than the slab is wide. A hundred times the tolerance, for corners lie up to some
-// lengths from the closest points, over which an error of the normal is seen.
+// The conditions of Karush, Kuhn and Tucker for two convex hulls: the points are in the hulls, and the slab between
+// them, perpendicular to the connecting line, has all corners of A on one side and all of B on the other. No points
+// of the hulls can then be closer than the width of the slab. A hundred times the tolerance, because corners are up
+// to several lengths from the closest points, which amplifies an error of the normal.
 static void assert_closest( const couple* c, const contact_oracle_closest* found )
 {
     assert_is_of( found->a, c->a, c->count_a, found->on_a );
@@ -48,7 +47,7 @@ static void assert_closest( const couple* c, const contact_oracle_closest* found
     assert_close( double3_distance( found->on_a, found->on_b ), found->distance, tolerance );
     if ( found->distance < 1e-9 )
     {
-        return; // hulls that meet have no slab, and no points are nearer than those that coincide
+        return; // intersecting hulls have no slab, and no points are closer than coincident ones
     }
     assert_close( double3_length( found->normal ), 1.0, tolerance );
     assert_close( double3_dot( found->normal, double3_sub( found->on_a, found->on_b ) ), found->distance, tolerance );
@@ -73,7 +72,7 @@ static couple random_couple( int n, bool segments )
     return c;
 }
 
-// Which corners carry the point: bit by bit.
+// The corners with a weight above zero, one bit each.
 static int region_of( const double weights[3] )
 {
     return ( weights[0] > 0.0 ? 1 : 0 ) + ( weights[1] > 0.0 ? 2 : 0 ) + ( weights[2] > 0.0 ? 4 : 0 );
@@ -113,7 +112,7 @@ static void segments_find_their_closest_points_in_all_nine_regions( void** state
     }
 }
 
-// No sample is nearer, and one is nearly as near: samples are at most a step of the longest edge (below 4) away from
+// No sample is closer, and one is nearly as close: samples are at most a step of the longest edge (below 4) away from
 // any point of a hull.
 static void no_sample_is_nearer( void** state )
 {
@@ -139,7 +138,7 @@ static void no_sample_is_nearer( void** state )
                 }
                 else
                 {
-                    // s runs from the first edge to the third corner, so that all of the triangle is met
+                    // s runs from the first edge to the third corner, so that the whole triangle is covered
                     b = double3_add_scaled( b, s, double3_sub( c.b[2], b ) );
                 }
                 nearest = fmin( nearest, double3_distance( a, b ) );
@@ -175,7 +174,7 @@ static couple degenerate_couple( int n )
             c.a[1] = c.a[0];
             c.b[1] = n % 12 < 6 ? c.b[0] : c.b[1];
             break;
-        default: // in one line
+        default: // collinear
             c.a[0] = double3_add_scaled( c.b[0], random_between( n, 90, -2.0, 2.0 ), way );
             c.a[1] = double3_add_scaled( c.b[0], random_between( n, 91, -2.0, 2.0 ), way );
             break;
@@ -212,14 +211,14 @@ static void closest_points_of_known_places( void** state )
     assert_close( crossed.b[1], 0.25, tolerance );
 }
 
-// ---- the law ----
+// ---- contact constraint ----
 
 enum
 {
     VERTICES = 6,
 };
 
-// A contact of random weights in the middle of its substep: apart when it began, too near now.
+// A contact of random weights in the middle of its substep: apart at its start, too close now.
 typedef struct scene
 {
     double w[VERTICES];
@@ -280,7 +279,7 @@ static double3 momentum_of( const scene* s, const double3* from )
     return sum;
 }
 
-// Twice the energy of what moved in the substep, times its time squared.
+// Twice the energy of the displacements in the substep, times its time squared.
 static double energy_of( const scene* s )
 {
     double sum = 0.0;
@@ -308,7 +307,7 @@ static void momentum_is_kept_by_pushing_and_rubbing( void** state )
     assert_true( pushed > 500 && rubbed > 500 );
 }
 
-// The moment of what is pushed is (yA - yB) x n lambda.
+// The moment of a push is (yA - yB) x n lambda.
 static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** state )
 {
     (void)state;
@@ -333,8 +332,8 @@ static void angular_momentum_is_kept_where_the_normal_joins_the_points( void** s
     assert_true( pushed > 500 );
 }
 
-// Pushing is the nearest way, by mass, into the half of all places in which the points are apart, where the substep
-// began; rubbing shortens what was slid. Neither can make the way longer.
+// A push is the nearest displacement, by mass, into the half space in which the points are apart, which contains the
+// start of the substep; friction shortens the slip. Neither can lengthen the displacement.
 static void energy_never_grows( void** state )
 {
     (void)state;
@@ -372,7 +371,7 @@ static void one_push_leaves_the_gap_and_a_second_changes_nothing( void** state )
     }
 }
 
-// Others may part the two after they were pushed: then they give back, and never pull.
+// Other constraints may separate the two after a push: the push is then undone, and never becomes a pull.
 static void what_was_pushed_too_far_is_given_back_and_no_more( void** state )
 {
     (void)state;
@@ -395,7 +394,7 @@ static void what_was_pushed_too_far_is_given_back_and_no_more( void** state )
     assert_true( given > 200 );
 }
 
-// Two equal bodies meet head on at the distance that they keep.
+// Two equal bodies collide head on at their contact distance.
 static void equal_bodies_do_not_bounce( void** state )
 {
     (void)state;
@@ -408,7 +407,7 @@ static void equal_bodies_do_not_bounce( void** state )
     s.x[0] = double3_make( 0.15, 0.0, 0.0 );
     s.x[3] = double3_make( 0.3, 0.0, 0.0 );
     settle( &s, 1 );
-    // both go on with the mean of what they came with, and lose all that they had against each other
+    // both continue with the mean velocity, and lose the whole relative velocity
     assert_close( s.x[0].x - s.before[0].x, 0.1, tolerance );
     assert_close( s.x[3].x - s.before[3].x, 0.1, tolerance );
     assert_close( s.contact.lambda, 2.0 * 0.2, tolerance );
@@ -449,7 +448,7 @@ static double3 slid( const scene* s )
     return double3_add_scaled( way, -double3_dot( way, s->contact.normal ), s->contact.normal );
 }
 
-// Within the cone nothing slides; on its border what is left slides on the way it went.
+// Within the cone nothing slides; on its border the remaining slip keeps its direction.
 static void friction_holds_within_the_cone_and_slides_on_its_border( void** state )
 {
     (void)state;
@@ -472,7 +471,7 @@ static void friction_holds_within_the_cone_and_slides_on_its_border( void** stat
     assert_true( sticks > 200 && slides > 200 && free > 200 );
 }
 
-// What was rubbed while they were pressed together is given back when they are parted again.
+// Friction accumulated while they were pressed together is undone when they separate.
 static void friction_goes_when_the_push_is_given_back( void** state )
 {
     (void)state;

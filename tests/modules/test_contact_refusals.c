@@ -1,5 +1,5 @@
-// What contact refuses, in one message that names it, that a refusal changes nothing, and that numbers of one participant that go
-// wrong never reach another.
+// Invalid contact is rejected with one message that names the error, and a rejection changes nothing; NaN in one
+// participant never reaches another.
 #include "contact_fixture.h"
 
 static int open_refusing( void** state )
@@ -135,14 +135,14 @@ static void stats_that_were_not_requested_are_not_there( void** state )
     run_steps( h->world, 1, 0.01f );
     expect_refusal( h->world, wisp_read_contact_stats( h->world, &f ), WISP_CONFLICT, "not requested" );
     assert_int_equal( count_passes_named( h->world, "contact.stats" ), 0 );
-    // they were asked for before anybody took part
+    // requested before there was a participant
     assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK );
     assert_status( h->world, wisp_request_contact_stats( h->world, true, true ), WISP_OK );
     set_contact( h->world, other, &def );
     run_steps( h->world, 1, 0.01f );
     assert_status( h->world, wisp_read_contact_stats( h->world, &f ), WISP_OK );
     assert_int_equal( f.intersections, 0 );
-    assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK ); // takes no part already
+    assert_status( h->world, wisp_unset_contact( h->world, e ), WISP_OK ); // has no part in contact any more
 }
 
 static void a_world_without_the_module_says_so( void** state )
@@ -165,7 +165,7 @@ static void a_world_without_the_module_says_so( void** state )
     close_world( &h );
 }
 
-// Each request for memory is refused in turn, in the call and in the first step behind it.
+// Each request for memory is refused in turn, in the call and in the first step after it.
 static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
 {
     (void)state;
@@ -207,8 +207,8 @@ static void without_memory_nothing_changes_and_nothing_is_lost( void** state )
     assert_true( in_call > 0 && in_step > 10 );
 }
 
-// One of three sheets that lie on each other goes wrong in a vertex, by its place or by its velocity: it is halted, and the
-// others stay finite in every step.
+// One vertex of one of three stacked sheets becomes NaN, in its position or its velocity: that sheet is halted, and
+// the others stay finite in every step.
 static void a_participant_that_goes_wrong_takes_nobody_along( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// What searches, and how far it looks, change the time and not one bit; and boundary particles as what is kept apart: their law, and what
-// passes between them.
+// The search method and its margin change the time and not one bit; and boundary particles as contact primitives:
+// their contact, and what passes between them.
 #include "contact_fixture.h"
 
 #include "oracle/contact_oracle.h"
@@ -89,13 +89,13 @@ static void how_far_pairs_are_looked_for_does_not_change_a_bit( void** state )
             first = i == 0 ? hash : first;
             assert_true( hash == first );
         }
-        // and it does change what is looked at: far more pairs, far less often
+        // and it does change the candidates: far more pairs, far less often
         assert_true( counts[4].candidates > 2 * counts[0].candidates );
         assert_true( counts[4].searches < counts[0].searches );
     }
 }
 
-// A soft cloth that falls over a ball and is wound up by it. @return the ball
+// A soft cloth that falls over a rotating ball and winds around it. @return the ball
 static wisp_entity add_folding( wisp_world* world )
 {
     test_mesh mesh = level_sheet( 48, 1.0f, ( wisp_vec3 ){ 0.0f, 0.6f, 0.0f } );
@@ -185,7 +185,7 @@ static void what_is_remembered_does_not_change_a_bit( void** state )
     check_remembered( true, 500, FRAME / 10.0f );
 }
 
-// Between a floor and a sheet that spins far above it, so that their pair has been listed from the start, another comes down
+// Between a floor and a sheet that spins far above it, whose pair is listed from the start, another sheet descends
 // slowly: its pair with the floor is new in a list, before the other.
 static void a_pair_that_is_new_in_a_list_has_nothing_of_the_next( void** state )
 {
@@ -238,7 +238,7 @@ static void read_places( six* s, double3* out )
     }
 }
 
-// Two triangles, one turned and above the other, come at each other.
+// Two triangles, one rotated and above the other, approach each other.
 static void open_six( six* s, int n )
 {
     *s = ( six ){ 0 };
@@ -260,7 +260,7 @@ static void open_six( six* s, int n )
         test_mesh mesh = triangle_mesh( p[0], p[1], p[2] );
         s->body[k] = add_mesh( s->h.world, &mesh, NULL, 0, k == 0 ? 0.2f : 0.5f );
         wisp_contact_def def = contact_of( THICK );
-        def.max_push_out_speed = 1e-9f; // the law alone
+        def.max_push_out_speed = 1e-9f; // contact alone
         set_contact( s->h.world, s->body[k], &def );
     }
     request_stats( s->h.world );
@@ -276,8 +276,8 @@ static void open_six( six* s, int n )
     read_places( s, s->after );
 }
 
-// What moved tells the weights: a parent moves by its own weight times its inverse mass. With them, the oracle must push
-// as far, along the line between the two points where they were.
+// Displacements give the weights: a parent moves by its own weight times its inverse mass. With these weights, the
+// oracle must push as far, along the line between the two points at their initial positions.
 static bool check_six( const six* s )
 {
     contact_oracle_contact c = { .a = { .count = 3, .vertex = { 0, 1, 2 } },
@@ -290,7 +290,7 @@ static bool check_six( const six* s )
         sums[i / 3] = double3_add( sums[i / 3], ways[i] );
     }
     const double length = double3_length( sums[0] );
-    // of a push of a millimetre, six digits of which are roundings
+    // of a push of a millimetre, known to six digits
     assert_near( double3_length( double3_add( sums[0], sums[1] ) ), 0.0, 1e-6 * fmax( length, 1.0 ) );
     if ( length * s->w[0] < 1e-3 )
     {
@@ -313,7 +313,7 @@ static bool check_six( const six* s )
     contact_oracle_push( &c, s->w, x );
     for ( int i = 0; i < 6; ++i )
     {
-        // weights were read off ways of millimetres, known to 1e-7 m
+        // weights come from displacements of millimetres, known to 1e-7 m
         assert_near( double3_distance( x[i], s->after[i] ), 0.0, 2e-5 );
     }
     return c.a.weight[0] > 0.05 && c.a.weight[1] > 0.05 && c.a.weight[2] > 0.05;
@@ -334,7 +334,7 @@ static void a_boundary_particle_moves_its_parents_by_their_weights( void** state
         {
             expected += ( s.predicted[i].y - s.before[i].y ) / ( s.w[i] * (double)DT );
         }
-        // a rounding of places (6e-8 m) over the step, times 0.3 kg
+        // a rounding of positions (6e-8 m) over the step, times 0.3 kg
         assert_near( momentum[1], expected, 1e-5 );
         assert_near( momentum[0], 0.0, 1e-5 );
         if ( contact_stats( s.h.world ).contacts == 1 )
@@ -347,7 +347,8 @@ static void a_boundary_particle_moves_its_parents_by_their_weights( void** state
     assert_true( checked > 30 && inner > 3 );
 }
 
-// A needle falls on a sheet: between particles that are as far apart as its edges it passes; it does not where they are nearer.
+// A needle falls on a sheet: it passes between particles whose spacing is that of its edges, but not where they are
+// closer.
 static bool needle_passes( wisp_contact_primitives primitives, float spacing )
 {
     hosted h;
@@ -403,7 +404,7 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
     assert_true( points[0] > 9 && points[1] > 2 * points[0] && points[2] > 2 * points[1] );
 }
 
-// What goes fast is looked for far around. When it has stopped it is looked for anew, once, and nearer.
+// A fast sheet has a large search margin. After it stops, the search runs once more with a smaller margin.
 static void what_has_stopped_is_not_looked_for_far_around( void** state )
 {
     (void)state;

@@ -1,4 +1,5 @@
-// Strands against a balloon and against cloth: they stay outside, push as hard as they are pushed, and keep their lengths.
+// Strands against a balloon and against cloth: they stay outside, forces are opposite and equal, and lengths are
+// kept.
 #include "contact_fixture.h"
 
 enum
@@ -32,7 +33,7 @@ static wisp_entity add_rake( wisp_world* world, wisp_vec3 root, float apart )
     assert_status( world, wisp_add_strands( world, &def, &e ), WISP_OK );
     wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
     dynamics.bending = WISP_STRAND_BEND_NONE;
-    dynamics.line_density = 0.01f; // threads of 10 g a metre
+    dynamics.line_density = 0.01f; // threads of 10 g per metre
     dynamics.damping = 1.0f;
     assert_status( world, wisp_set_strand_dynamics( world, e, &dynamics ), WISP_OK );
     assert_status( world, wisp_request( world, e, WISP_STRAND_POINTS ), WISP_OK );
@@ -42,13 +43,13 @@ static wisp_entity add_rake( wisp_world* world, wisp_vec3 root, float apart )
 
 static void assert_lengths( wisp_world* world, wisp_entity strands )
 {
-    // The direct solve holds them within a hundredth. In this world contact is listed behind strands, so a push at the end of
-    // a substep stretches a segment by some of the gap that it restores: where strands land, by twice as much.
+    // The direct solve holds lengths within a hundredth. In this world contact runs after strands, so a push at the
+    // end of a substep stretches a segment by part of the restored gap: where strands land, by twice as much.
     assert_true( motion_stats_of( world, strands ).strain_max < 0.03 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_HALTED ), 0 );
 }
 
-// How many vertices are inside, or segments pass through, a surface.
+// Number of vertices inside a surface, or segments through it.
 static int count_inside( wisp_world* world, wisp_entity strands, wisp_entity closed )
 {
     const wisp_vec3* p = view_of( world, strands, WISP_STRAND_POINTS ).data;
@@ -129,7 +130,7 @@ static void strands_lie_on_a_balloon_and_not_in_it( void** state )
     close_world( &h );
 }
 
-// A free balloon that strands fall on: what it gets is what contact says it gave.
+// Strands fall on a free balloon: its momentum must be the one that contact reports.
 static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
 {
     (void)state;
@@ -144,7 +145,7 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
     vacuum.drag_coefficient = 0.0f;
     assert_status( h.world, wisp_set_balloon( h.world, ball, &vacuum ), WISP_OK );
     wisp_contact_settings settings = wisp_default_contact_settings();
-    settings.displacement_limit = false; // which cuts ways, and is no force
+    settings.displacement_limit = false; // which limits displacements, and is no force
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     wisp_contact_def def = wisp_default_contact_def();
     def.thickness = 0.02f;
@@ -166,7 +167,7 @@ static void a_balloon_gets_the_momentum_that_strands_give_it( void** state )
     assert_true( given[1] < -0.001 );
     for ( int k = 0; k < 3; ++k )
     {
-        // the sum of 45 x 10 substeps, each of which rounds places to 1e-8 m
+        // the sum of 45 x 10 substeps, each of which rounds positions to 1e-8 m
         assert_near( q.momentum[k], given[k], 0.01 * fabs( given[1] ) );
     }
     close_world( &h );
@@ -203,7 +204,7 @@ static void strands_lie_on_cloth_and_do_not_pass( void** state )
     close_world( &h );
 }
 
-// Passes of strands are there while strands take part, and only then.
+// Passes for strands exist while strands take part, and only then.
 static void without_strands_there_are_no_passes_of_strands( void** state )
 {
     (void)state;

@@ -1,4 +1,5 @@
-// What starts crossed, or is driven or put through something by the user, is drawn apart, slowly and without a kick.
+// Surfaces that start intersecting, or are moved through each other by the user, are separated slowly and without
+// adding velocity.
 #include "contact_fixture.h"
 
 enum
@@ -57,7 +58,7 @@ static void what_starts_crossed_is_drawn_apart( void** state )
         {
             fail_msg( "start %d: %d intersections after a second", start, contact_stats( t.h.world ).intersections );
         }
-        // gravity gives 1 m/s in that second; links that were drawn along give some more
+        // gravity gives 1 m/s in that second; links that are pulled along give some more
         assert_true( fastest < 4.0 );
         for ( int s = 0; s < 15; ++s )
         {
@@ -69,7 +70,7 @@ static void what_starts_crossed_is_drawn_apart( void** state )
     }
 }
 
-// Apart at first; then the user puts it through, vertex by vertex, as a cut in a film does.
+// Apart at first; then the user moves it through, vertex by vertex, as in a film cut.
 static void what_the_user_puts_through_is_drawn_apart( void** state )
 {
     (void)state;
@@ -89,7 +90,7 @@ static void what_the_user_puts_through_is_drawn_apart( void** state )
     close_world( &t.h );
 }
 
-// Two pinned vertices are carried through a sheet that cannot give way; nothing can stop them.
+// Two pinned vertices move through a sheet that cannot move; nothing can stop them.
 static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return( void** state )
 {
     (void)state;
@@ -124,12 +125,12 @@ static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return(
     }
     assert_true( most > 0 );
     run_steps( t.h.world, 120, FRAME );
-    // what was dragged a metre and a half through and back stays caught in a few places
+    // a sheet dragged a metre and a half through and back remains caught in a few places
     assert_true( contact_stats( t.h.world ).intersections < most / 4 );
     close_world( &t.h );
 }
 
-// Nothing is given to what is drawn apart: two free sheets that start crossed, at rest, stay slow, and their centre stays.
+// Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.
 static void untangling_gives_neither_momentum_nor_speed( void** state )
 {
     (void)state;
@@ -159,8 +160,8 @@ static void untangling_gives_neither_momentum_nor_speed( void** state )
         const double mass = motion_stats_of( h.world, e[0] ).mass + motion_stats_of( h.world, e[1] ).mass;
         for ( int k = 0; k < 3; ++k )
         {
-            // Drawing keeps the momentum; the guard, which cuts ways around what was crossed, does not quite. A quarter of
-            // the thickness (3 mm) a substep would be 1.9 m/s, and less than a tenth of that is left.
+            // Untangling keeps the momentum; the displacement limit around an intersection does not quite. A quarter
+            // of the thickness (3 mm) per substep would be 1.9 m/s, and less than a tenth of that remains.
             assert_near( momentum[k] / mass, 0.0, 0.15 );
         }
         assert_true( sqrt( 2.0 * energy_of( h.world, e, 2 ) / mass ) < 1.5 );

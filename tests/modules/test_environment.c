@@ -1,5 +1,5 @@
-// The environment drives the stiffness of strands (extension of Kim 2026): monotone in temperature and wetness, without a pass where
-// there is no environment, and without a hand in when a look changes.
+// The environment drives the stiffness of strands (extension of Kim 2026): monotone in temperature and wetness,
+// without a pass where there is no environment, and without influence on when a shape changes.
 #include "frozen_hair_engine_fixture.h"
 
 static const double u = HAIR_ROUNDING;
@@ -33,7 +33,7 @@ static double ice_of( const wisp_environment_def* d, float temperature, float we
     return (double)wetness * t * t * ( 3.0 - 2.0 * t );
 }
 
-// An interpolation of data that rise must not overshoot. Rounding may: by a few u of the largest stiffness nearby.
+// An interpolation of increasing data must not overshoot. Rounding may: by a few u of the largest stiffness nearby.
 static void stiffness_is_monotone_in_temperature_and_in_wetness( void** state )
 {
     (void)state;
@@ -70,7 +70,7 @@ static void the_curve_passes_through_its_points_and_stays_between_them( void** s
         const wisp_environment_def* d = curves + n;
         for ( int i = 0; i < d->point_count; ++i )
         {
-            // deep frost turns all wetness into ice, so wetness is the curve's abscissa
+            // at deep frost all wetness becomes ice, so wetness is the curve's abscissa
             float k = wisp_environment_stiffness( d, -100.0f, d->ice[i] );
             hair_assert_close( (double)k / (double)d->stiffness[i], 1.0, 8.0 * u );
         }
@@ -148,7 +148,7 @@ static void hair_in_a_environment_looks_like_hair_of_that_stiffness( void** stat
     hair_groom_destroy( &groom );
 }
 
-// The weather alone moves no hair.
+// The environment alone moves no hair.
 static void weather_changes_a_look_only_with_the_next_command( void** state )
 {
     (void)state;
@@ -172,7 +172,7 @@ static void weather_changes_a_look_only_with_the_next_command( void** state )
     expect_stiffness( world, entity, &groom,
                       wisp_environment_stiffness( &cold, cold.temperature_celsius, cold.wetness ) );
 
-    // whoever sets a stiffness after the weather does not outvote it
+    // a stiffness that is set later does not replace the environment's
     wisp_frozen_hair_def soft = hair_freeze_only();
     soft.stretch_stiffness = soft.bend_stiffness = 0.5f;
     hair_set( world, entity, &soft );
@@ -215,7 +215,7 @@ static void without_a_environment_there_is_no_pass_and_with_one_it_runs_once( vo
     assert_false( ran( world, "environment.stiffness" ) );
     wisp_world_destroy( world );
 
-    // a environment whose stiffness nobody reads is not worked out: align alone needs none
+    // the environment pass does not run if nothing reads the stiffness: align alone does not
     world = hair_world_create( NULL );
     def = hair_align_only( ( wisp_vec3 ){ 1, 0, 0 } );
     entity = hair_add_frozen( world, &groom, &def );

@@ -1,6 +1,5 @@
-// The third stage of the engine, clump, in the shadow of the double oracle: every switch, zero to twelve iterations,
-// lists that must be searched again, limits that must be reported (frozen_hair_shadow.h says where the tolerances
-// come from).
+// The third stage of the engine, clump, against the double oracle: every switch, zero to twelve iterations, lists
+// that must be rebuilt, limits that must be reported (frozen_hair_shadow.h describes the tolerances).
 #include "frozen_hair_shadow.h"
 
 static void say( const char* what, hair_shadow s )
@@ -86,7 +85,7 @@ static void wet_hair_follows_the_oracle( void** state )
     follow_gap( WISP_GAP_NONE );
 }
 
-// The switches are not ignored: each gives another shape.
+// The switches have an effect: each gives another shape.
 static void every_switch_of_the_stage_changes_the_result( void** state )
 {
     (void)state;
@@ -138,7 +137,8 @@ static void up_to_twelve_iterations_follow_the_oracle( void** state )
     }
 }
 
-// Without the guard and with a step of the size of the radius vertices leave their lists' skin again and again.
+// Without the guard and with a step of the size of the radius, vertices leave the search margin of their lists
+// repeatedly.
 static void large_steps_search_again_and_still_follow_the_oracle( void** state )
 {
     (void)state;
@@ -160,7 +160,7 @@ static void large_steps_search_again_and_still_follow_the_oracle( void** state )
     }
 }
 
-// Between the two a few vertices stray from their leash, and the pairs that the lists lack are found one by one.
+// Between these a few vertices exceed the search margin, and the pairs missing from the lists are found one by one.
 static void pairs_that_come_near_from_beyond_the_lists_are_found_one_by_one( void** state )
 {
     (void)state;
@@ -236,7 +236,7 @@ static void the_report_counts_exactly_the_pairs_within_the_radius( void** state 
     }
 }
 
-// Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance knows.
+// Far from the origin a float is coarse: 2^-15 m at half a kilometre. The tolerance includes that.
 static void hair_far_from_the_origin_follows_the_oracle( void** state )
 {
     (void)state;
@@ -290,7 +290,7 @@ static void a_neighbour_limit_that_is_reached_is_counted_and_reported( void** st
     assert_true( report.neighbours < all );
     hair_assert_finite( hair_view( world, entity, 250 ), 250 );
 
-    // a limit that nobody reaches leaves the report empty
+    // a limit that is not reached leaves the report empty
     def.max_neighbours = 256;
     hair_set( world, entity, &def );
     hair_step( world );
@@ -329,7 +329,7 @@ static void strands_in_one_place_have_no_direction_and_stay( void** state )
         free( out );
     }
 
-    // with the neighbours of a neighbour in reach they move, all together, as the oracle does
+    // with the neighbours of a neighbour within reach they move, all together, as the oracle does
     def.clump_radius = 0.009f;
     say( "nine in one place", hair_follow( NULL, &groom, &def, 0 ) );
     hair_groom_destroy( &groom );
@@ -360,7 +360,7 @@ static void a_step_of_zero_leaves_every_vertex( void** state )
     hair_groom_destroy( &groom );
 }
 
-// A guard distance above every distance leaves no room at all.
+// A guard distance above every distance allows no motion.
 static void a_guard_distance_beyond_the_radius_stops_everything( void** state )
 {
     (void)state;

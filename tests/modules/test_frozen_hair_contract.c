@@ -1,7 +1,7 @@
-// Frozen hair (Kim 2026, Eq. 1-13), held by the engine against closed forms through its public interface alone. Eq. 14-19
-// are in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_stats.c.
-// A float rounds by u = 2^-24: where a bound for double precision is known, the bound here is the number
-// of roundings times u times the size of what is rounded.
+// Frozen hair (Kim 2026, Eq. 1-13): the engine against closed forms through its public interface alone. Eq. 14-19 are
+// in test_frozen_hair_contract_clump.c, figures and table in test_frozen_hair_stats.c. A float rounds by u = 2^-24:
+// where a bound for double precision is known, the bound here is the number of roundings times u times the size of
+// the rounded value.
 #include "frozen_hair_contract.h"
 
 static const double pi = 3.14159265358979323846;
@@ -40,7 +40,7 @@ static void strands_come_back_in_the_users_order_and_roots_stay( void** state )
     hair_groom_destroy( &groom );
 }
 
-// Eq. 2: where nothing is drawn a segment is its length times its tangent, so what comes back tells both.
+// Eq. 2: without random changes a segment is its length times its tangent, so the output tests both.
 static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** state )
 {
     (void)state;
@@ -76,7 +76,7 @@ static void tangent_and_length_of_any_segment_multiply_to_the_segment( void** st
     hair_groom_destroy( &groom );
 }
 
-// Eq. 3 and 7: the length drawn for a segment is the length it has
+// Eq. 3 and 7: the drawn length of a segment is its actual length
 static void segments_have_the_length_that_was_drawn_for_them( void** state )
 {
     (void)state;
@@ -171,7 +171,7 @@ static void segments_turn_by_exactly_the_angle_that_was_drawn( void** state )
     }
 }
 
-// Eq. 4: the axis of straight hair is random, but it belongs to the hair and not to the command
+// Eq. 4: the axis of straight hair is random, but depends on the hair and not on the command
 static void straight_hair_bends_about_the_same_axis_at_every_command( void** state )
 {
     (void)state;
@@ -195,7 +195,7 @@ static void straight_hair_bends_about_the_same_axis_at_every_command( void** sta
         double size_a = double3_length( a ) / double3_dot( t, t ), size_b = double3_length( b ) / double3_dot( t, t );
         if ( v % 20 == 0 || size_a < 0.05 || size_b < 0.05 )
         {
-            continue; // a root, or an angle too small to tell its axis
+            continue; // a root, or an angle too small to determine its axis
         }
         double sine = double3_length( double3_cross( a, b ) ) / ( double3_length( a ) * double3_length( b ) );
         hair_assert_close( sine, 0.0, ends / size_a + ends / size_b );
@@ -274,7 +274,7 @@ static void mean_and_root_give_a_straight_strand_one_direction_and_a_hook_two( v
     wisp_vec3* root = hair_run( NULL, &groom, &def );
     for ( int v = 0; v < groom.vertex_count; ++v )
     {
-        // a mean of 20 coordinates rounds 14 times; half a strand of 0.07 m is the arm of the direction it gives
+        // a mean of 20 coordinates rounds 14 times; half a strand of 0.07 m is the arm of its direction
         double mean_error = 14.0 * u * extent( groom.points, groom.vertex_count ) / 0.07 * 0.14;
         hair_assert_close( hair_distance( mean[v], root[v] ), 0.0, mean_error + 40.0 * u * 0.14 );
     }
@@ -342,7 +342,7 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
         const wisp_vec3 tip = groom.points[19];
         if ( n >= 12 )
         {
-            def.cursor = ( wisp_vec3 ){ -tip.x, -tip.y, -tip.z }; // seen from the first root, behind it
+            def.cursor = ( wisp_vec3 ){ -tip.x, -tip.y, -tip.z }; // from the first root, behind it
             def.direction_from_root = true;
         }
         wisp_vec3* out = hair_run( NULL, &groom, &def );
@@ -355,8 +355,8 @@ static void a_whole_turn_points_at_the_cursor_even_from_the_opposite( void** sta
             double3 v = frozen_oracle_representative( wide, 20, kind );
             double3 t = double3_sub( double3_widen( def.cursor ), wide[0] );
 
-            // twenty rounded coordinates before and after the turn, seen from the length of v; the axis of an almost
-            // opposite strand is worse known, but what it turns by pi ends opposite all the same
+            // twenty rounded coordinates before and after the turn, relative to the length of v; the axis of an
+            // almost opposite strand is less accurate, but a turn by pi about it ends opposite all the same
             double error = 48.0 * u * extent( out, groom.vertex_count ) / double3_length( v ) + 40.0 * u;
             hair_assert_close( double3_angle( v, t ), 0.0, error );
             free( wide );

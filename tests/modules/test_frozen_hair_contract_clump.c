@@ -1,6 +1,6 @@
-// Frozen hair (Kim 2026, Eq. 14-19 and Algorithm 1): adhesion, gaps, guard, and the pipeline as one, held by the
-// engine against closed forms through its public interface alone. Eq. 1-13 are in test_frozen_hair_contract.c,
-// and say how tolerances are counted in u = 2^-24.
+// Frozen hair (Kim 2026, Eq. 14-19 and Algorithm 1): adhesion, gaps, guard, and the pipeline; the engine against
+// closed forms through its public interface alone. Eq. 1-13 are in test_frozen_hair_contract.c, which explains how
+// tolerances are counted in u = 2^-24.
 #include "frozen_hair_contract.h"
 
 // ---- Eq. 14-19: clumping ----
@@ -44,7 +44,7 @@ static wisp_frozen_hair_def one_wet_step( void )
     return def;
 }
 
-// Eq. 14: the kernel, read off the step of one pair at the origin
+// Eq. 14: the kernel, measured by the step of one pair at the origin
 static void the_adhesion_kernel_is_one_at_contact_and_leaves_the_radius_smoothly( void** state )
 {
     (void)state;
@@ -104,7 +104,7 @@ static void two_vertices_step_towards_each_other_equally_by_twice_the_kernel( vo
     hair_groom_destroy( &pair.groom );
 }
 
-// Eq. 17-19: what remains of the step of every vertex of a pair, and its mean over many
+// Eq. 17-19: the remaining fraction of the step of every vertex of a pair, and its mean over many
 static void lambda_obeys_the_law_of_each_gap_rule( void** state )
 {
     (void)state;
@@ -124,7 +124,7 @@ static void lambda_obeys_the_law_of_each_gap_rule( void** state )
             const wisp_vec3 p = pairs.groom.points[v];
             double full = hair_distance( wet[v], p ), lambda = hair_distance( out[v], p ) / full;
 
-            // closing in by two full steps: no change as printed, a share of h in the other rules
+            // closing in by two full steps: no change as printed, a fraction of h in the other rules
             double delta = def.gap == WISP_GAP_SIGNED ? 0.0 : 2.0 * full / h;
             double floor = def.gap == WISP_GAP_REVERSED ? 1.0 : (double)def.min_lambda;
             double law = ( 1.0 - delta ) * draw( 3, v / 2, 1 ) + delta * floor;
@@ -199,7 +199,8 @@ static void under_the_guard_no_pair_comes_closer_than_allowed_and_none_swaps( vo
 
 // ---- Algorithm 1: the pipeline ----
 
-// Stages one at a time, each in a world of its own whose rest shape is what the stage before made, in a given order.
+// Stages one at a time, each in a separate world whose rest shape is the output of the previous stage, in a given
+// order.
 static wisp_vec3* run_in_order( const hair_groom* groom, const wisp_frozen_hair_def* def, const char* order )
 {
     int* counts = checked_calloc( (size_t)groom->strand_count, sizeof( int ) );

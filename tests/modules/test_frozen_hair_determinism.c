@@ -1,5 +1,5 @@
-// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
-// data/golden/frozen_hair.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, and the same as in
+// data/golden/frozen_hair.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "frozen_hair_engine_fixture.h"
 #include "golden_file.h"
 
@@ -9,7 +9,7 @@
 
 static const char* const golden_file = WISP_SOURCE_ROOT "/data/golden/frozen_hair.hash";
 
-// ---- cases: grooms without the C library's mathematics, several blocks long ----
+// ---- cases: grooms that need nothing of the C library's mathematics, several blocks long ----
 
 typedef struct golden_case
 {
@@ -17,7 +17,7 @@ typedef struct golden_case
     hair_shape shape;
     int dimension, strands;
     bool mixed;
-    void ( *change )( wisp_frozen_hair_def* def ); // what differs from the defaults
+    void ( *change )( wisp_frozen_hair_def* def ); // differences from the defaults
 } golden_case;
 
 static void keep( wisp_frozen_hair_def* def )
@@ -41,7 +41,7 @@ static void clump_by( wisp_frozen_hair_def* def, wisp_gap gap )
     def->freeze = def->align = false;
     def->gap = gap;
     def->clump_iterations = 6;
-    def->clump_step_length = 0.0025f; // so large that lists are searched again
+    def->clump_step_length = 0.0025f; // so large that lists are rebuilt
 }
 
 static void clump_prose( wisp_frozen_hair_def* def )
@@ -70,7 +70,7 @@ static void clump_by_iteration( wisp_frozen_hair_def* def )
     def->gap_by_iteration = true;
 }
 
-// Everything as the paper prints it.
+// All switches as printed in the paper.
 static void printed_form( wisp_frozen_hair_def* def )
 {
     def->epsilon = 1e-6f;
@@ -161,7 +161,7 @@ static void last_block_first( void* user, int block_count, wisp_block_fn* run, v
     }
 }
 
-// A host that starts its threads for each wave and lets them race for blocks.
+// A host that starts its threads for each wave and lets them compete for blocks.
 typedef struct thread_wave
 {
     wisp_block_fn* run;
@@ -280,7 +280,7 @@ static void looks_are_those_of_the_golden_file( void** state )
     golden_check( golden_file, WISP_COUNT( cases ), run_numbered, NULL );
 }
 
-// A hash that forgot a vertex would let everything pass.
+// A hash that left out a vertex would let everything pass.
 static void a_hash_tells_cases_and_single_bits_apart( void** state )
 {
     (void)state;

@@ -59,7 +59,7 @@ static void a_target_length_stays_within_one_over_the_stiffness( void** state )
         double length = frozen_oracle_target_length( 0.004, alpha, random_between( n, 0, -1.0, 1.0 ), 0.05 );
         assert_true( fabs( length / 0.004 - 1.0 ) <= alpha );
     }
-    // a stiffness below one would print negative lengths
+    // a stiffness below one would give negative lengths
     assert_close( frozen_oracle_target_length( 0.004, 2.0, -0.9, 0.05 ), 0.05 * 0.004, 1e-18 );
     assert_true( frozen_oracle_target_length( 0.0, 2.0, 0.9, 0.05 ) == 0.0 );
     assert_close( frozen_oracle_softness( 7.0, 1e-6 ), 1.0 / 7.000001, 1e-16 );
@@ -102,7 +102,7 @@ static void straight_hair_and_first_segments_bend_about_the_fallback_axis( void*
     double3 bent = frozen_oracle_bend_axis( aside, down, 2, 2, 1.0 );
     assert_close( bent.z, -1.0, 1e-15 );
 
-    // the line between straight and bent is a sine of 1e-8
+    // the threshold between straight and bent is a sine of 1e-8
     assert_true( frozen_oracle_bend_axis( double3_make( 0.9e-8, -1.0, 0.0 ), down, 2, 2, 1.0 ).z == 1.0 );
     assert_close( frozen_oracle_bend_axis( double3_make( 1.1e-8, -1.0, 0.0 ), down, 2, 2, 1.0 ).z, -1.0, 1e-15 );
 
@@ -281,7 +281,7 @@ static void the_alignment_rotation_turns_v_onto_u_even_when_they_are_opposite( v
             assert_true( axis.x == 0.0 && axis.y == 0.0 );
         }
     }
-    // a hair's breadth from opposite the axis is still that of v and u, not the fallback
+    // close to opposite, the axis is still that of v and u, not the fallback
     double3 axis, v = { 1.0, 0.0, 0.0 }, nearly_opposite = { -1.0, 1e-8, 2e-8 };
     double phi;
     assert_true( frozen_oracle_turn( v, nearly_opposite, 3, &axis, &phi ) );
@@ -377,7 +377,7 @@ static void the_adhesion_kernel_is_one_at_zero_and_leaves_zero_flat_at_h( void**
     assert_close( half / slope, 0.5, 1e-9 );
 }
 
-// Two strands whose roots are far apart and whose tips are r apart, so that only the tips feel each other.
+// Two strands whose roots are far apart and whose tips are r apart, so that only the tips interact.
 static frozen_scene two_tips( double r )
 {
     const int counts[] = { 2, 2 };
@@ -494,7 +494,7 @@ static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( vo
     double3 cut = frozen_oracle_tentative_step( &options, adhesion );
     assert_close( double3_distance( cut, double3_make( 0.0003, -0.0004, 0.0 ) ), 0.0, 1e-15 );
 
-    // nearer than r_min there is no room: the vertex stays, it is not pushed away
+    // closer than r_min there is no room: the vertex stays, it is not pushed away
     adhesion.nearest = 0.0001;
     assert_true( double3_length( frozen_oracle_tentative_step( &options, adhesion ) ) == 0.0 );
 
@@ -502,7 +502,7 @@ static void the_guard_cuts_a_step_to_half_the_room_before_the_nearest_vertex( vo
     double3 whole = frozen_oracle_tentative_step( &options, adhesion );
     assert_close( double3_distance( whole, double3_make( 0.003, -0.004, 0.0 ) ), 0.0, 1e-15 );
 
-    // a step with room enough is not touched
+    // a step with enough room is unchanged
     options.min_distance_clamp = true;
     adhesion.nearest = 0.0102 + 1e-9;
     double3 same = frozen_oracle_tentative_step( &options, adhesion );
@@ -548,7 +548,7 @@ static void a_vertex_takes_the_kernel_weighted_mean_of_its_pairs( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// Eq. 17-19: with gap_ref = stage the brake accumulates, with gap_ref = iteration it starts afresh
+// Eq. 17-19: with gap_ref = stage the brake accumulates, with gap_ref = iteration it starts again
 static void the_stage_reference_brakes_harder_than_the_iteration_reference( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// Frozen hair as experiments, on the oracle: the laws of its random numbers and the three figures of
-// Kim 2026. Bounds on sampled figures are three standard deviations of the sampling.
+// Frozen hair as experiments, on the oracle: the distributions of its random numbers and the three figures of Kim
+// 2026. Bounds on sampled figures are three standard deviations of the sampling.
 #include "clumping.h"
 #include "frozen_hair_fixture.h"
 
@@ -61,7 +61,7 @@ static void lengths_are_spread_evenly_over_plus_and_minus_alpha( void** state )
     }
 }
 
-// Eq. 3-4, random numbers: eta, xi and zeta are uniform, and neighbouring elements know nothing of each other
+// Eq. 3-4, random numbers: eta, xi and zeta are uniform, and neighbouring elements are independent
 static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
 {
     (void)state;
@@ -97,7 +97,7 @@ static void the_random_numbers_are_uniform_and_uncorrelated( void** state )
     free( samples );
 }
 
-// The law of lambda: without growing distances the printed and the closing rule leave lambda uniform
+// The distribution of lambda: without growing distances the printed and the closing rule leave lambda uniform
 static void lambda_is_uniform_where_no_distance_counts( void** state )
 {
     (void)state;
@@ -106,7 +106,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
         n = 20000
     };
     const frozen_oracle_gap rules[] = { FROZEN_ORACLE_GAP_SIGNED, FROZEN_ORACLE_GAP_REVERSED };
-    // printed does not count a pair that closes, closing does not count one that opens
+    // `printed` does not count a pair that closes, `closing` does not count one that opens
     const double r1[] = { 0.004, 0.006 };
     double* samples = checked_malloc( n * sizeof( double ) );
     frozen_oracle_options options = frozen_oracle_default_options();
@@ -123,7 +123,7 @@ static void lambda_is_uniform_where_no_distance_counts( void** state )
     free( samples );
 }
 
-// The law of lambda: E[lambda] is (1 - delta) / 2 with the prose, (1 + delta) / 2 with the closing rule
+// The distribution of lambda: E[lambda] is (1 - delta) / 2 with the prose, (1 + delta) / 2 with the closing rule
 static void lambda_follows_its_law_in_hair( void** state )
 {
     (void)state;
@@ -153,7 +153,7 @@ static void lambda_follows_its_law_in_hair( void** state )
         if ( rules[rule] != FROZEN_ORACLE_GAP_NONE )
         {
             assert_close( excess, 0.0, 3.0 * sqrt( variance ) );
-            assert_true( change > 0.05 ); // the hair has moved enough for the law to matter
+            assert_true( change > 0.05 ); // the hair has moved enough to test the distribution
         }
     }
     free( p );
@@ -332,8 +332,8 @@ static void clumping_gathers_aligned_hair_into_fewer_clusters_and_leaves_gaps( v
     }
 }
 
-// Fig. 3, where the figure's expectation ends: in dense flat hair most vertices are in a few clusters at h/2 before
-// any clumping, which can only break them up into more and smaller locks; the order of the gaps still holds
+// Fig. 3, the limit of the figure's expectation: in dense flat hair most vertices are in a few clusters at h/2 before
+// any clumping, which can only split them into more and smaller locks; the order of the gaps still holds
 static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void** state )
 {
     (void)state;
@@ -350,8 +350,8 @@ static void dense_flat_hair_breaks_up_into_more_clusters_under_every_rule( void*
     }
 }
 
-// Eq. 17-19, where the order of the gaps ends: without the guard dense hair overshoots, and the undamped step overshoots
-// most
+// Eq. 17-19, the limit of the order of the gaps: without the guard dense hair overshoots, and the undamped step
+// overshoots most
 static void dense_hair_without_the_guard_reverses_the_order_of_the_gaps( void** state )
 {
     (void)state;

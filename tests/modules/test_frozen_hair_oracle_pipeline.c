@@ -1,8 +1,8 @@
 // Frozen hair as a whole, on the oracle: order and switches of the stages, the overshoot guard, reproducibility,
-// degenerate hair, refused input. Numbers of equations and figures are those of Kim 2026.
+// degenerate hair, rejected input. Numbers of equations and figures are those of Kim 2026.
 #include "frozen_hair_fixture.h"
 
-// Options under which all three stages have something to do in the scenes of this file.
+// Options under which all three stages have an effect in the scenes of this file.
 static frozen_oracle_options busy_options( int dimension )
 {
     frozen_oracle_options options = frozen_oracle_default_options();
@@ -54,7 +54,7 @@ static void the_pipeline_is_its_stages_in_their_order( void** state )
     frozen_scene_destroy( &scene );
 }
 
-// Algorithm 1: aligning before deforming is another picture, so the order is not a matter of taste
+// Algorithm 1: aligning before deforming gives another result, so the order matters
 static void aligning_before_deforming_is_not_the_method( void** state )
 {
     (void)state;
@@ -92,7 +92,7 @@ static void the_same_command_gives_the_same_bits_and_another_command_does_not( v
     again = run( &scene, &options );
     assert_true( same_bits( first, again, scene.vertex_count ) );
 
-    // base = rest does not even look at the previous output
+    // base = rest does not read the previous output
     scene.hair.previous = next;
     double3* with_previous = run( &scene, &options );
     assert_true( same_bits( first, with_previous, scene.vertex_count ) );
@@ -144,7 +144,7 @@ static void every_random_number_has_its_own_key( void** state )
     assert_true( eta != frozen_oracle_eta( &options, 4, 3 ) && zeta != frozen_oracle_zeta( &options, 3, 4, 1 ) );
     assert_true( eta != frozen_oracle_eta( &next, 3, 4 ) && xi != frozen_oracle_xi( &next, 3, 4 ) );
     assert_true( zeta != frozen_oracle_zeta( &next, 3, 4, 0 ) );
-    // the fallback axis belongs to the hair and survives the command
+    // the fallback axis depends on the hair and stays the same after the command
     assert_true( psi == frozen_oracle_psi( &next, 3, 4 ) && psi != frozen_oracle_psi( &next, 3, 5 ) );
 }
 
@@ -210,7 +210,7 @@ static void starting_from_the_previous_output_drifts_in_angle_but_not_in_length(
         if ( v % 20 > 0 )
         {
             double3 d = double3_sub( shape[v], shape[v - 1] ), d0 = double3_sub( scene.rest[v], scene.rest[v - 1] );
-            // 1e-12 is the rounding of the coordinates against a segment of 7 mm
+            // 1e-12 is the rounding of the coordinates relative to a segment of 7 mm
             assert_true( fabs( double3_length( d ) / double3_length( d0 ) - 1.0 ) <= 1.0 / 7.0 + 1e-12 );
             double angle = double3_angle( d, d0 );
             sum += angle * angle;
@@ -251,7 +251,7 @@ static void flat_hair_stays_flat_and_hair_in_space_does_not( void** state )
     }
 }
 
-// Dense hair on purpose too short of space: r_min and less between many vertices.
+// Dense hair with deliberately little space: r_min and less between many vertices.
 static frozen_scene crowded_scene( void )
 {
     double3 points[40 * 6];
@@ -265,12 +265,12 @@ static frozen_scene crowded_scene( void )
             points[6 * s + i] = double3_add( double3_make( 0.0, -0.002 * i, 0.0 ), shake );
         }
     }
-    // two tips nearer than r_min from the start
+    // two tips closer than r_min from the start
     points[11] = double3_add( points[5], double3_make( 0.0001, 0.0, 0.0 ) );
     return new_scene_from( 40, counts, points );
 }
 
-// How many pairs come nearer than min(start, r_min), and how many pass each other, in K steps of clumping.
+// Number of pairs that come closer than min(start, r_min), and that pass each other, in K steps of clumping.
 static void count_violations( const frozen_scene* scene, const frozen_oracle_options* options, int* too_close,
                               int* swapped )
 {
@@ -403,7 +403,7 @@ static void assert_refused( const frozen_scene* scene, const frozen_oracle_optio
     free( out );
 }
 
-// What cannot be meant is refused with a message that names it
+// Invalid input is rejected with a message that names it
 static void wrong_parameters_and_wrong_points_are_refused_by_name( void** state )
 {
     (void)state;

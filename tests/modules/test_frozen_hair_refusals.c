@@ -1,4 +1,4 @@
-// What frozen hair cannot take is refused with one message that names it, and the refused call has changed nothing.
+// Invalid frozen hair is rejected with one message that names the error, and the rejected call changes nothing.
 #include "frozen_hair_engine_fixture.h"
 
 // X( what the message must name, the statement that breaks a definition )
@@ -136,7 +136,7 @@ static void commands_to_nobody_are_refused( void** state )
     assert_int_equal( wisp_replay_frozen_hair( world, bare, cursor, 0 ), WISP_CONFLICT );
     assert_int_equal( wisp_read_frozen_hair_stats( world, bare, &report ), WISP_CONFLICT );
 
-    // nobody, and somebody who has left
+    // no entity, and one that was removed
     const wisp_entity null = { 0, 0 };
     assert_int_equal( wisp_set_frozen_hair( world, null, &def ), WISP_STALE_ID );
     assert_int_equal( wisp_command_frozen_hair( world, null, cursor ), WISP_STALE_ID );
@@ -146,7 +146,7 @@ static void commands_to_nobody_are_refused( void** state )
     assert_int_equal( wisp_read_frozen_hair_stats( world, bare, &report ), WISP_STALE_ID );
     wisp_world_destroy( world );
 
-    // a world that does not know the module
+    // a world without the module
     wisp_world_def world_def = wisp_default_world_def();
     world_def.substeps = 1;
     static const wisp_module* const other[] = { &wisp_environment_module };

@@ -1,5 +1,5 @@
-// The first two stages of the engine, freeze and align, in the shadow of the double oracle (frozen_hair_shadow.h says
-// how, and where the tolerances come from), every switch and every awkward strand; then all combinations of stages.
+// The first two stages of the engine, freeze and align, against the double oracle (frozen_hair_shadow.h describes the
+// method and the tolerances), every switch and every degenerate strand; then all combinations of stages.
 #include "frozen_hair_shadow.h"
 
 static const wisp_vec3 aside_2d = { 0.09f, -0.05f, 0.0f }, aside_3d = { 0.09f, -0.05f, 0.07f };
@@ -84,7 +84,7 @@ static void the_printed_epsilon_shortens_steps_as_the_oracle_says( void** state 
         hair_shadow shadow = hair_follow( NULL, &groom, &def, 0 );
         say( n < 2 ? "epsilon 1e-6" : "epsilon 1e-3", shadow );
 
-        // it is really there: without it every segment is longer by a share of epsilon / length
+        // it has an effect: without it every segment is longer by a fraction of epsilon / length
         wisp_vec3* printed = hair_run( NULL, &groom, &def );
         def.epsilon = 0.0f;
         wisp_vec3* resolved = hair_run( NULL, &groom, &def );
@@ -209,12 +209,12 @@ static void special_cursors_turn_a_strand_as_the_oracle_does( void** state )
         def.blend_chord = n > 1;
         def.intensity = 1.0f;
 
-        // tip - root is exact, so both precisions see the same opposite; tip - mean is not
+        // tip - root is exact, so both precisions find the same opposite; tip - mean is not
         def.direction_from_root = true;
         say( "antiparallel", hair_follow( NULL, &groom, &def, 0 ) );
         def.direction_from_root = false;
 
-        // a straight strand turned by pi about any perpendicular is the strand reflected in its root
+        // a straight strand turned by pi about any perpendicular is its reflection in its root
         wisp_vec3* points = hair_run( NULL, &groom, &def );
         hair_assert_close( hair_distance( points[16], behind ), 0.0, 20.0 * HAIR_ROUNDING * 0.11 );
         free( points );
@@ -222,7 +222,7 @@ static void special_cursors_turn_a_strand_as_the_oracle_does( void** state )
         def.cursor = tip;
         say( "parallel", hair_follow( NULL, &groom, &def, 0 ) );
 
-        // under the cursor, and out of a reach of zero: bits stay
+        // under the cursor, and out of a reach of zero: bits stay the same
         def.cursor = root;
         points = hair_run( NULL, &groom, &def );
         assert_true( hair_same_bits( points, groom.points, 17 ) );
@@ -252,7 +252,7 @@ static void a_reach_of_zero_takes_only_the_strand_whose_tip_is_the_cursor( void*
     hair_groom_destroy( &groom );
 }
 
-// ---- awkward strands ----
+// ---- degenerate strands ----
 
 static void strands_of_mixed_lengths_follow_the_oracle( void** state )
 {
@@ -270,7 +270,7 @@ static void strands_of_mixed_lengths_follow_the_oracle( void** state )
         def.cursor = aside( groom.dimension );
         say( n % 2 == 0 ? "2D" : "3D", hair_follow( NULL, &groom, &def, 0 ) );
 
-        // what the last command left behind a short strand's tip is not taken for a vertex by the next
+        // data of the last command after a short strand's tip are not used as a vertex by the next
         def.base = WISP_FROZEN_BASE_PREVIOUS;
         def.freeze = n % 4 < 2;
         def.reach_nearest = n % 3 == 0;

@@ -1,4 +1,4 @@
-// Frozen hair: cost, figures and table of Kim 2026, what belongs to a strand, what belongs to a command, dimensions. The
+// Frozen hair: cost, figures and table of Kim 2026, properties of a strand and of a command, dimensions. The
 // equations are in test_frozen_hair_contract.c and test_frozen_hair_contract_clump.c.
 #include "clumping.h"
 #include "frozen_hair_engine_fixture.h"
@@ -31,8 +31,8 @@ static double fit_motion_stats( const double* x, const double* y, int count )
     return xy * xy / ( xx * yy );
 }
 
-// Eq. 20: at fixed density the work and the memory grow as a line in the number of vertices. That the time does
-// too is measured where machines are quiet, by the benchmark "paper", which prints R^2 up to a million vertices.
+// Eq. 20: at fixed density work and memory grow linearly in the number of vertices. The benchmark "paper" measures
+// the time on quiet machines and prints R^2 up to a million vertices.
 static void neighbours_and_memory_grow_linearly_with_the_vertices( void** state )
 {
     (void)state;
@@ -76,7 +76,7 @@ static void the_sizes_of_the_printed_table_run_and_are_profiled_pass_by_pass( vo
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         hair_step( world );
 
-        // six passes, and a step is not shorter than what its passes took
+        // six passes, and a step takes at least the time of its passes
         wisp_profile profile = wisp_world_profile( world );
         double sum = 0.0;
         for ( int i = 0; i < profile.count; ++i )
@@ -207,8 +207,7 @@ static void stiffness_seven_stays_closer_to_the_original_than_three( void** stat
 
 // ---- Fig. 3 ----
 
-// Spacings are those at which the oracle keeps the figure's promise; in dense flat hair the clusters of before break
-// up.
+// Spacings are those at which the oracle shows the figure's result; in dense flat hair the initial clusters split.
 static void clumping_gathers_aligned_hair_and_leaves_gaps_prose_over_printed_over_wet( void** state )
 {
     (void)state;
@@ -394,7 +393,7 @@ static void flat_hair_stays_flat_to_the_bit_and_refuses_depth( void** state )
         hair_groom_destroy( &groom );
     }
 
-    // the same straight hair leaves the plane where it is free to
+    // the same straight hair leaves the plane in three dimensions
     hair_groom groom = hair_groom_create( HAIR_STRAIGHT, 2, 10, 20, 0.004f );
     groom.dimension = 3;
     wisp_frozen_hair_def def = hair_freeze_only();

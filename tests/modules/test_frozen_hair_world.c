@@ -1,12 +1,12 @@
-// Frozen hair as a participant of a world: several grooms beside each other, the plan, memory, refusals, snapshots.
+// Frozen hair in a world: several grooms next to each other, the plan, memory, rejected input, snapshots.
 #include "saved_world.h"
 #include "frozen_hair_engine_fixture.h"
 
 #include <stdatomic.h>
 
-// ---- grooms beside each other ----
+// ---- grooms next to each other ----
 
-// Groom n of many, and its parameters: every shape, size and switch gets its turn.
+// Groom n of many, and its parameters: every shape, size and switch occurs.
 static hair_groom groom_of( int n )
 {
     return hair_groom_create( (hair_shape)( n % 3 ), 2 + n / 3 % 2, 3 + n * 7 % 40, 2 + n * 5 % 19, 0.004f );
@@ -106,7 +106,7 @@ static void an_instance_shares_the_rest_shape_and_lives_its_own_life( void** sta
                    wisp_world_memory( world ) - before );
     wisp_vec3 *first = hair_run( NULL, &groom, &def ), *second = hair_run( NULL, &groom, &other );
 
-    // it starts at rest, not at the look of its source
+    // it starts at rest, not at the shape of its source
     hair_step( world );
     assert_true( hair_same_bits( hair_view( world, instance, 800 ), groom.points, 800 ) );
     hair_set( world, instance, &other );
@@ -165,7 +165,7 @@ static void append_line( void* user, const char* line )
     assert_true( plan->length < sizeof( plan->text ) );
 }
 
-// Does the plan keep the pass? Kept or absent, it is named.
+// True if the plan keeps the pass. Kept or absent, the plan lists it.
 static bool keeps( wisp_world* world, const char* pass )
 {
     static plan_text plan;
@@ -207,7 +207,7 @@ static void a_stage_that_is_not_queried_for_does_not_exist( void** state )
         assert_false( keeps( world, "environment.stiffness" ) );
         assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ) > 0, clumps );
 
-        // switched off later, a stage goes away; the plan is made anew once
+        // switched off later, a stage disappears; the plan is compiled once
         def = hair_freeze_only();
         uint64_t plans = wisp_world_counter( world, WISP_COUNT_PLANS );
         hair_set( world, entity, &def );
@@ -240,7 +240,7 @@ static void a_scene_that_asks_for_nothing_has_no_passes( void** state )
     assert_int_equal( wisp_world_profile( world ).count, 0 );
     assert_int_equal( wisp_world_counter( world, WISP_COUNT_SEARCHES ), 0 );
 
-    // asked again, the command that waited is answered
+    // after the next request, the pending command runs
     assert_int_equal( wisp_request( world, entity, WISP_STRAND_POINTS ), WISP_OK );
     hair_step( world );
     wisp_vec3* alone = hair_run( NULL, &groom, &def );
@@ -256,7 +256,7 @@ typedef struct counting_memory
 {
     atomic_llong live;  // bytes
     atomic_int queried; // allocations so far
-    atomic_int refuses; // the allocations after so many fail; below 0: none does
+    atomic_int refuses; // allocations before the first failure; below 0: none fails
 } counting_memory;
 
 static void* count_allocation( void* user, size_t size, size_t alignment )
@@ -302,7 +302,7 @@ static void a_warm_step_allocates_nothing( void** state )
         const hair_host host = counted_host( &memory, 1 + n % 2 );
         hair_groom groom = hair_groom_create( HAIR_WAVY, 2 + n / 2, 300, 20, 0.004f );
         wisp_frozen_hair_def def = wisp_default_frozen_hair_def();
-        def.clump_step_length = 0.003f; // lists are searched again
+        def.clump_step_length = 0.003f; // lists are rebuilt
         wisp_world* world = hair_world_create( &host );
         wisp_entity entity = hair_add_frozen( world, &groom, &def );
         for ( int warm = 0; warm < 2; ++warm )
@@ -345,7 +345,7 @@ static void memory_is_counted_and_a_vertex_costs_little( void** state )
         print_message( "           %6d vertices %s: %.0f bytes a vertex, %.1f neighbours\n", groom.vertex_count,
                        def.clump ? "with clumps" : "no clumps  ", bytes, pairs );
 
-        // rest, position and points are 36 bytes; a clumped vertex has some twenty numbers of its own, and a list
+        // rest, position and points are 36 bytes; a clumped vertex has about twenty numbers of its own, and a list
         // that is stored twice and grows by quarters; a world has its tables, which many vertices share
         double fixed = 200000.0 / groom.vertex_count;
         assert_true( bytes < fixed + ( def.clump ? 500.0 + 40.0 * pairs : 60.0 ) );
@@ -354,7 +354,7 @@ static void memory_is_counted_and_a_vertex_costs_little( void** state )
     }
 }
 
-// Every allocation fails in its turn: the call that needed it says so, and nothing is broken afterwards.
+// Every allocation fails in turn: the call reports it, and the world stays valid.
 static void short_memory_is_a_status_and_the_world_goes_on( void** state )
 {
     (void)state;
@@ -422,7 +422,7 @@ static void a_restored_snapshot_repeats_what_followed( void** state )
     hair_groom_destroy( &groom );
 }
 
-// Going back in time is no command: the step after a restore leaves the look that was restored.
+// A restore is no command: the step after a restore keeps the restored shape.
 static void a_step_after_a_restore_changes_nothing( void** state )
 {
     (void)state;

@@ -1,6 +1,6 @@
-// The engine's ghosts: against the oracle for every switch, and what the method promises. Numbers of
-// equations, figures and sections are those of Park and Kim 2024. The scene is a metre wide, so a millionth of a metre
-// is a relative 1e-6; a float there is within 6e-8 of a number.
+// The engine's ghosts against the oracle for every switch, and properties of the method. Numbers of equations,
+// figures and sections are those of Park and Kim 2024. The scene is a metre wide, so a millionth of a metre is a
+// relative 1e-6; a float is exact to 6e-8 m there.
 #include "guide_hair_fixture.h"
 
 static const double tolerance = 1e-6; // m
@@ -43,7 +43,7 @@ static const variant variants[] = {
       .links = 1, .ghost_nodes = NODES },
     { "spread 0.25 with frames", .tip = 0.5f, .spread = 0.25f, .capped = true, .keep_offset = true,
       .frame = WISP_GHOST_FRAME_PARALLEL, .ghosts_a_target = 4, .links = 1, .ghost_nodes = NODES },
-    // the direction of a segment that is shortened to a few mm carries the rounding of its ends on, nine times
+    // the direction of a segment that is shortened to a few mm passes on the rounding of its ends, nine times
     { "lengths repaired", USUAL, .time = 0.3f, .repair = true, .allowed = 3.0 },
     { "two targets a ghost", .tip = 0.5f, .spread = 1.0f, .capped = true, .keep_offset = true, .ghosts_a_target = 6,
       .links = 2, .ghost_nodes = NODES },
@@ -103,7 +103,7 @@ static guide_oracle oracle_of( const flock* f, const variant* c )
     return hair;
 }
 
-// Roots turned by the same angles on both sides: one rotation a target, or a node with the root's frame everywhere.
+// Roots turned by the same angles on both sides: one rotation per target, or the root's frame at every node.
 static void turn( flock* f, const variant* c, int frame, guide_oracle_rotation* rotations )
 {
     const double3 axis = double3_make( 0.6, 0.0, 0.8 );
@@ -171,7 +171,7 @@ static void ghosts_follow_the_target_that_equation_1_names_and_ties_the_lowest( 
     }
     for ( int n = 0; n < 3; ++n )
     {
-        targets[20 * 3 + n] = targets[7 * 3 + n]; // 20 is 7 once more: 7 wins
+        targets[20 * 3 + n] = targets[7 * 3 + n]; // 20 is the same as 7: 7 wins the tie
     }
     for ( int n = 0; n < WISP_COUNT( ghosts ); ++n )
     {
@@ -293,7 +293,7 @@ static void at_rest_the_weights_change_no_bit( void** state )
 
 // ---- Eq. 4, section III.2, Fig. 2: the weights ----
 
-// Sway of a ghost's node over tau |v|, of a target that moves with v and moved with v0.
+// Sway of a ghost's node over tau |v|, of a target with velocity v now and v0 before.
 static double weight_of( flock* f, wisp_ghosts_def def, double3 v0, double3 v, int ghost, int node )
 {
     double3 speed[MAX_TARGETS * NODES];
@@ -424,7 +424,7 @@ static void spread_scales_the_offsets_of_a_group_about_a_centre_that_stays( void
                 now[l] = guide_ghost( &f, n / NODES * 4 + l, n % NODES );
             }
             const double requested = ( n % NODES == 0 ? 1.0 : (double)ratios[r] ) * guide_oracle_spread( rest, 4 );
-            // V is twice as wrong as the offsets, which are 1e-2 m long and 1e-7 m exact
+            // the relative error of V is twice that of the offsets, which are 1e-2 m long and 1e-7 m exact
             assert_close( guide_oracle_spread( now, 4 ) / requested, 1.0, 1e-4 );
             assert_at( guide_oracle_mean( now, 4 ), f.x[n], 2e-7 );
         }

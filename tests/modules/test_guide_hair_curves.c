@@ -1,5 +1,5 @@
-// The engine's curves: against the oracle, and what Eq. 6 and Fig. 3 promise. The strands are a metre from the
-// origin, so a float is within 6e-8 m of a number, and the four weights of a sample sum to 1 within as much.
+// The engine's curves against the oracle, and the properties in Eq. 6 and Fig. 3. The strands are a metre from the
+// origin, so a float is exact to 6e-8 m, and the four weights of a sample sum to 1 within as much.
 #include "guide_hair_fixture.h"
 
 static const double tolerance = 5e-7; // m
@@ -81,7 +81,7 @@ static void check( const drawn* d, const tuft* t, const double3* nodes )
     assert_int_equal( view.count, at );
 }
 
-// Lengths from no vertex at all to thirteen; with Bezier groups lanes do not keep the order of their strands.
+// Lengths from no vertex to thirteen; with Bezier groups lanes do not keep the order of their strands.
 static void curves_of_all_lengths_are_the_oracles( void** state )
 {
     (void)state;
@@ -113,7 +113,7 @@ static void curves_follow_their_source_and_a_source_that_stays_is_not_drawn_agai
     {
         for ( int n = 0; n < t.first[STRANDS]; ++n )
         {
-            // a translation commutes with the curve, another shape is drawn anew
+            // a translation commutes with the curve; another shape is computed again
             moved[n] =
                 guide_round( double3_add( t.nodes[n], step < 3 ? double3_make( 0.25 * step, -0.5, 0.125 )
                                                                : double3_scale( 0.1, random_vector( n, step ) ) ) );
@@ -149,7 +149,7 @@ static void curves_run_through_their_ends_and_joints_exactly_and_stay_inside_the
         }
         for ( int k = 0; k < 25; ++k )
         {
-            // the box of a group of four, a face of its hull at a time
+            // the box of a group of four, one face of its hull at a time
             const int group = k < 24 ? k / 8 : 2;
             double lower = HUGE_VAL, upper = -HUGE_VAL;
             for ( int n = 0; n < 4; ++n )
@@ -220,7 +220,7 @@ static void curves_turn_less_at_a_time_than_the_strands_they_smooth( void** stat
     }
 }
 
-// What is drawn is what appearance has made of the source, in the same step.
+// The curve shows the source after its appearance effect, in the same step.
 static void curves_are_drawn_behind_the_appearance_of_their_source( void** state )
 {
     (void)state;
@@ -258,7 +258,7 @@ static void when_the_source_goes_its_curves_stay( void** state )
     guide_step( d.world );
     check( &d, &t, t.nodes );
 
-    // and a source whose curves go is let go: nothing runs for it
+    // and a source whose curves are removed is released: nothing runs for it
     drawn other = draw( &t, WISP_CURVE_BEZIER, 8, NULL );
     guide_step( other.world );
     guide_ok( other.world, wisp_remove( other.world, other.curves ) );

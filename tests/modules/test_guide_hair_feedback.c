@@ -1,4 +1,5 @@
-// Ghosts whose sway is fed back, and ghosts drawn between steps (section II.2.2): against the oracle, and what both promise.
+// Ghosts whose sway is fed back, and ghosts drawn between steps (section II.2.2), against the oracle and their
+// specified properties.
 #include "saved_world.h"
 #include "guide_hair_fixture.h"
 
@@ -77,9 +78,9 @@ static void sixty_steps_of_feedback_follow_the_oracle( void** state )
         { "spread", spread, 4, NODES, 1.0 },
         { "one ghost", plain, 1, NODES, 1.0 },
         { "one ghost on its target", lone, 1, NODES, 1.0 },
-        // each segment carries the rounding of those before it on, nine times
+        // each segment passes on the rounding of those before it, nine times
         { "lengths repaired", repaired, 4, NODES, 3.0 },
-        // within 2e-7 m for 45 steps; then offsets that have grown also grow what gathered velocities are rounded by
+        // within 2e-7 m for 45 steps; then larger offsets also amplify the rounding of accumulated velocities
         { "other node count", plain, 6, 7, 5.0 },
     };
     for ( int k = 0; k < WISP_COUNT( kinds ); ++k )
@@ -220,7 +221,7 @@ static void feedback_switched_off_again_leaves_nothing_behind( void** state )
     wisp_world_destroy( f.world );
 }
 
-// Gains that no hair has drive ghosts away in a few steps.
+// Unrealistically large gains drive ghosts away in a few steps.
 static void ghosts_that_feedback_drives_away_are_halted( void** state )
 {
     (void)state;

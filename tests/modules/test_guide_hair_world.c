@@ -1,4 +1,5 @@
-// Ghosts in a world: order within a step, determinism, memory, removal, refusals, and an appearance on top.
+// Ghosts in a world: order within a step, determinism, memory, removal, rejected input, and an appearance effect on
+// them.
 #include "saved_world.h"
 #include "guide_hair_fixture.h"
 
@@ -29,7 +30,7 @@ static void ghosts_stand_where_this_step_has_taken_their_targets( void** state )
             guide_step( f.world );
             for ( int n = 0; n < 6 * NODES; ++n )
             {
-                // 0.1 m a step; a step late would show at once. Sums of floats up to 3 m
+                // 0.1 m per step; a delay of one step would show at once. Sums of floats up to 3 m
                 const double3 there = double3_add( f.s.target[n], double3_make( 0.1 * frame, 0.0, 0.0 ) );
                 assert_at( group_mean( &f, n / NODES, 6, n % NODES ), there, 5e-6 );
             }
@@ -141,7 +142,7 @@ static void a_warm_step_asks_for_no_memory( void** state )
     }
 }
 
-// Follow and draw with the n-th request refused. @return whether there were so many
+// Follow and draw with the n-th request refused. @return whether there were that many requests
 static bool refuse_request( int n )
 {
     test_host memory = { 0 };
@@ -185,7 +186,7 @@ static void any_one_request_may_be_refused_and_the_call_made_again( void** state
     {
         refusals += 1;
     }
-    assert_true( refusals > 30 ); // what is cooked, one block an array
+    assert_true( refusals > 30 ); // cooked data, one block per array
 }
 
 // ---- removal ----
@@ -246,7 +247,7 @@ static void the_report_counts_empty_targets_groups_and_nodes_that_coincide( void
     double3 ghosts[5 * NODES];
     for ( int n = 0; n < 5 * NODES; ++n )
     {
-        // four at the second target, one at the first; from node 6 on the four are one
+        // four at the second target, one at the first; from node 6 on the four coincide
         const int g = n / NODES, i = n % NODES, a = g < 4 ? 1 : 0;
         const double apart = i < 6 ? 0.001 * g : 0.0;
         ghosts[n] = double3_add( f.s.target[a * NODES + i], double3_make( 0.0, 0.0, apart ) );
@@ -342,7 +343,7 @@ static void who_cannot_follow_or_be_followed_is_refused( void** state )
     wisp_world_destroy( f.world );
 }
 
-// ---- An appearance on top ----
+// ---- an appearance effect on ghosts ----
 
 static wisp_frozen_hair_def align_each_frame( void )
 {
@@ -354,7 +355,7 @@ static wisp_frozen_hair_def align_each_frame( void )
     return def;
 }
 
-// Ghosts that turn to a cursor each frame, against hair that stands still where the ghosts are and is turned once.
+// Ghosts that turn to a cursor each frame, against static hair at the ghosts' positions that turns once.
 static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
 {
     (void)state;
@@ -363,7 +364,7 @@ static void frozen_hair_starts_from_where_the_ghosts_are_carried( void** state )
         const guide_host host = { .workers = order + 1 };
         flock f = guide_flock( &host, 6, 6, NODES ), plain = guide_flock( NULL, 6, 6, NODES );
         const wisp_frozen_hair_def look = align_each_frame();
-        // in whatever order the calls come
+        // for any order of the calls
         for ( int call = 0; call < 3; ++call )
         {
             switch ( ( call + order ) % 3 )
@@ -426,7 +427,7 @@ static void frozen_lengths_stay_those_at_rest( void** state )
         {
             const double now = double3_distance( guide_ghost( &f, n / NODES, n % NODES ),
                                                  guide_ghost( &f, n / NODES, n % NODES - 1 ) );
-            // 1/k of the length is drawn, and a float at a metre is 6e-8 of 2e-2
+            // 1/k of the length is random, and a float at a metre is 6e-8 of 2e-2
             assert_close( now / double3_distance( f.ghost[n], f.ghost[n - 1] ), 1.0, 2e-5 );
         }
     }

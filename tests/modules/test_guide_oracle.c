@@ -30,7 +30,7 @@ static void a_target_keeps_its_length_hanging_and_swinging( void** state )
     }
     for ( int i = 0; i < NODES; ++i )
     {
-        // ten seconds: what the projections leave has settled to rounding of a metre over a substep
+        // ten seconds: the remainder after the projections has settled to rounding of a metre over a substep
         assert_close( double3_length( s.v[i] ), 0.0, 1e-12 );
     }
     assert_int_equal( skips.count[CONSTRAINT_ORACLE_ZERO_LENGTH], 0 );
@@ -67,10 +67,10 @@ static void an_unloaded_target_keeps_its_rest_shape_and_a_free_one_its_momentum(
     {
         after = double3_add( after, double3_scale( 1.0 / s.w[i], s.v[i] ) );
     }
-    // relative to a milligram-sized strand at a metre a second
+    // relative to a strand of a milligram at a metre a second
     assert_at( before, after, 1e-12 * 1e-3 );
 
-    // A segment without length has no direction, and says so
+    // A segment without length has no direction, and is reported
     s.x[4] = s.x[3];
     s.v[4] = s.v[3] = zero;
     strand.bend_stiffness = 0.0;
@@ -131,7 +131,7 @@ static void correspondence_is_the_least_sum_of_squared_distances( void** state )
         }
     }
 
-    // 1 + 1 against 0 + 1.5: squares and plain distances choose differently
+    // 1 + 1 against 0 + 1.5: squares and plain distances give different targets
     const double3 detail[2] = { { 0, 0, 0 }, { 10, 0, 0 } };
     const double3 guides[4] = { { 0, 0, 0 }, { 10, 1.5, 0 }, { 0, 1, 0 }, { 10, 1, 0 } };
     assert_int_equal( guide_oracle_nearest_guide( detail, 2, guides, 2, 2 ), 1 );
@@ -207,7 +207,7 @@ static void without_weights_the_centre_is_the_target_and_ghosts_move_as_a_block(
     }
 }
 
-// A ghost that only adds up its target's velocity loses it; projection of the mean brings it back
+// A ghost that only adds its target's velocity loses it; projection of the mean restores it
 static void a_tracked_centre_does_not_drift_where_an_open_loop_does( void** state )
 {
     (void)state;
@@ -417,7 +417,7 @@ static void ghosts_of_a_target_without_velocity_are_at_their_base_to_the_last_bi
     }
     assert_true( memcmp( hair.y, hair.b, 8 * NODES * sizeof( double3 ) ) != 0 );
     memset( s.v, 0, sizeof( s.v ) );
-    // it was moving a moment ago, and what it did then is forgotten at once
+    // it was moving just before, and that motion has no effect any more
     step( &hair, s.x, s.v );
     assert_memory_equal( hair.y, hair.b, 8 * NODES * sizeof( double3 ) );
     guide_oracle_destroy( &hair );

@@ -18,7 +18,7 @@ static void random_strand( int n, int count, double3* nodes )
     }
 }
 
-// Equal segments, each turned by `turn` against the one before it: always the same way, or to and fro.
+// Equal segments, each turned by `turn` against the previous one: always in the same direction, or alternately.
 static void turned_strand( double turn, bool to_and_fro, int count, double3* nodes )
 {
     double angle = 0.0;
@@ -98,7 +98,7 @@ static void a_bezier_curve_has_its_ends_stays_in_its_hull_and_moves_with_the_sce
         }
         double3 along = double3_sub( guide_oracle_bezier( moved, t, false ), b );
         assert_at( along, shift, 1e-14 );
-        // the printed curve stays behind by its deficit
+        // the printed curve falls short by its deficit
         along = double3_sub( guide_oracle_bezier( moved, t, true ), guide_oracle_bezier( x, t, true ) );
         assert_at( double3_sub( shift, along ), double3_scale( ( 1.0 - t ) * ( 1.0 - t ) * t, shift ), 1e-14 );
     }
@@ -111,7 +111,7 @@ static void groups_share_their_ends_and_a_rest_is_a_quadratic_or_a_line( void** 
     const int groups[12] = { 0, 0, 1, 1, 1, 2, 2, 2, 3, 3, 3, 4 };
     for ( int count = 0; count < 12; ++count )
     {
-        // more nodes than the strand has: none of them may show
+        // more nodes than the strand has: none of them may have an effect
         double3 nodes[16], controls[4 * 12], points[MAX_POINTS];
         random_strand( count, 16, nodes );
         int m = guide_oracle_curve_count( count, GUIDE_ORACLE_CURVE_GROUPS );
@@ -205,7 +205,7 @@ static double turn_between( double3 a, double3 b, double3 c )
     return double3_angle( double3_sub( b, a ), double3_sub( c, b ) );
 }
 
-// What the shared ends of groups cost, and what smooth curves save
+// The error at shared ends of groups, and the improvement by smooth curves
 static void groups_keep_the_turn_of_a_shared_node_where_smooth_curves_have_none( void** state )
 {
     (void)state;
@@ -295,7 +295,7 @@ static void between_frames_a_node_keeps_its_positions_and_velocities( void** sta
         assert_at( before, v[1], 1e-14 );
         assert_at( after, v[1], 1e-14 );
 
-        // four conditions: any cubic motion is met exactly, free fall among them
+        // four conditions: any cubic motion is reproduced exactly, including free fall
         double3 a = random_vector( n, 6 ), j = random_vector( n, 7 );
         double u = random_between( n, 30, 0.0, 1.0 );
         double3 end = double3_add( double3_add( x[0], double3_scale( dt, v[0] ) ),
@@ -329,7 +329,7 @@ static void a_stencil_is_the_spline_at_a_normalised_arc_length( void** state )
         {
             assert_true( i == 0 || arc[i] > arc[i - 1] );
             moved[i] = double3_add( present[i], shift );
-            // at its own arc length a node is met; an interval further on rounding may begin
+            // at its own arc length a node is reproduced; rounding may start one interval later
             guide_oracle_stencil node = guide_oracle_spline_stencil( rest, 7, arc[i] );
             assert_at( guide_oracle_gather( &node, present ), present[i], 1e-15 );
         }
@@ -344,7 +344,7 @@ static void a_stencil_is_the_spline_at_a_normalised_arc_length( void** state )
                 k += 1;
             }
             double u = ( s - arc[k] ) / ( arc[k + 1] - arc[k] );
-            // made on the rest shape, used on any other
+            // computed on the rest shape, used on any other
             assert_at( guide_oracle_gather( &stencil, present ), guide_oracle_spline( present, 7, k, u ), 1e-15 );
             assert_at( guide_oracle_gather( &stencil, moved ),
                        double3_add( guide_oracle_gather( &stencil, present ), shift ), 1e-14 );
@@ -366,7 +366,7 @@ static void straight_ghosts( int ghost_count, int count, double3* ghosts )
 {
     for ( int n = 0; n < ghost_count * count; ++n )
     {
-        // four stand in a square: their mean is the target
+        // four in a square: their mean is the target
         double angle = 0.7 + 0.5 * pi * ( n / count );
         ghosts[n] = double3_make( 0.005 * cos( angle ), 1.0 - segment * ( NODES - 1 ) * ( n % count ) / ( count - 1 ),
                                   0.005 * sin( angle ) );
@@ -428,7 +428,7 @@ static void twice_the_nodes_kink_by_nearest_pairing_and_not_by_spline( void** st
                 assert_true( ghost_turn( &hair[GUIDE_ORACLE_PAIRING_SPLINE] ) <= plain );
                 kink = fmax( kink, ghost_turn( &hair[GUIDE_ORACLE_PAIRING_NEAREST] ) - plain );
             }
-            // nodes of one particle keep their rest direction, and the segments between pairs take up the rest
+            // nodes of one particle keep their rest direction, and the segments between pairs absorb the rest
             assert_true( kink > 0.2 );
             for ( int p = 0; p < 3; ++p )
             {
@@ -481,7 +481,7 @@ static void more_nodes_are_held_to_the_same_segment_of_the_target( void** state 
     guide_oracle hair;
     assert_int_equal( guide_oracle_create( &def, &options, &hair, NULL ), WISP_OK );
     step( &hair, target, v );
-    // nodes 2 and 6 stand on nodes of the target, where rounding decides
+    // nodes 2 and 6 coincide with nodes of the target, where rounding decides
     const int inside[7] = { 1, 3, 4, 5, 7, 10, 13 };
     for ( int n = 0; n < 7; ++n )
     {
@@ -623,7 +623,7 @@ static void ghosts_of_a_turned_head_stay_on_their_side_only_with_frames( void** 
         }
         for ( int n = 0; n < 2 * NODES; ++n )
         {
-            // The centre is kept whatever the frames are: a rotation of offsets that sum to 0
+            // The centre is kept for any frames: a rotation of offsets that sum to 0
             assert_at( ghost_mean( &hair, hair.y, n / NODES, n % NODES ), s.x[n], 1e-12 );
         }
         // without frames the farthest offset, 9 mm and its noise, ends on the other side

@@ -32,7 +32,8 @@ static void difference_lines_grow_with_the_change_of_velocity_and_vanish_without
         for ( int n = 1; on && n < 240 * 240; ++n )
         {
             int a = n / 240, b = n % 240;
-            // y - b loses the digits of y, which is a metre from the origin, over a line of tau |v| from 1e-5 m up
+            // y - b loses the digits of y, which is a metre from the origin, over a distance of tau |v| from 1e-5 m
+            // up
             assert_true( turn[a] >= turn[b] || line[a] <= line[b] + 1e-9 );
         }
         guide_oracle_destroy( &hair );
@@ -72,7 +73,7 @@ static void only_the_centre_weight_lets_four_ghosts_sway_apart( void** state )
         }
         guide_oracle_destroy( &hair );
     }
-    // over the swing and back: at one instant a far ghost on the lee side may close in on the others
+    // over the whole swing: at one instant a far ghost on the lee side may approach the others
     assert_true( spread[1] > 1.001 * spread[0] && spread[2] > spread[1] );
 }
 
@@ -148,13 +149,13 @@ static void several_targets_a_ghost_are_weighted_by_inverse_squared_distance( vo
     assert_int_equal( hair.link[0], 0 );
     assert_close( hair.link_weight[0], hair.link_weight[1], 1e-12 );
     assert_true( hair.link_weight[3] == 1.0 && hair.link[3] == 1 );
-    // groups of one, whose anchor is the target: at rest every ghost is where it was made
+    // groups of one, whose anchor is the target: at rest every ghost is at its initial position
     for ( int n = 0; n < 3 * NODES; ++n )
     {
         assert_at( hair.y[n], s.ghost[n], 1e-15 );
     }
 
-    // each target moves its own way, and a ghost goes their weighted way
+    // each target moves independently, and a ghost follows the weighted mean
     double3 move[3] = { { 0.1, 0.0, 0.0 }, { 0.0, 0.2, 0.0 }, { 0.0, 0.0, -0.4 } };
     for ( int n = 0; n < 3 * NODES; ++n )
     {
@@ -206,7 +207,7 @@ static void length_repair_restores_every_segment_from_the_root_on( void** state 
     assert_at( strand[2], double3_make( 0.0, 1.0, 0.0 ), 1e-15 );
 }
 
-// Cost by counting: what the clock says is a benchmark's business
+// Cost in counts of operations; the benchmark measures the time
 static void ghosts_cost_one_update_a_node_however_hard_their_targets_iterate( void** state )
 {
     (void)state;
@@ -216,7 +217,7 @@ static void ghosts_cost_one_update_a_node_however_hard_their_targets_iterate( vo
     {
         for ( int iterations = 5; iterations <= 20; iterations += 15 )
         {
-            // cost is linear in targets, so two of them give the ratio of any number of strands
+            // cost is linear in targets, so two targets give the ratio of any number of strands
             scene s = make_scene( 2, size[n] );
             guide_oracle_options options = guide_oracle_default_options();
             guide_oracle hair = make_hair( &s, &options );
@@ -433,7 +434,7 @@ static void the_first_step_sees_no_change_and_a_single_node_only_follows( void**
         assert_close( hair.elastic_weight[n], 0.0, 1e-15 );
     }
     guide_oracle_destroy( &hair );
-    // a velocity of nothing before would be half way there
+    // a velocity of zero before would give half of it
     options.elastic = GUIDE_ORACLE_ELASTIC_PRINTED_COS;
     hair = make_hair( &s, &options );
     step( &hair, s.x, s.v );

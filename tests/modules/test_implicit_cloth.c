@@ -1,5 +1,5 @@
-// What implicit cloth does without bodies: links of a mesh and of a hand, weights, gravity, pins, damping, energies, and what it
-// counts.
+// Implicit cloth without bodies: links of a mesh and given links, weights, gravity, pins, damping, energies, and
+// counters.
 #include "implicit_cloth_fixture.h"
 
 static const float DT = 1.0f / 64.0f; // s
@@ -88,7 +88,7 @@ static void pairs_by_hand_take_the_place_of_the_mesh( void** state )
 
 // ---- falling ----
 
-// Without a difference of velocities or a link that is not at rest, the right side is 0 and so is its solution.
+// Without a difference of velocities or a deformed link, the right side is 0 and so is its solution.
 static void a_free_sheet_falls_like_a_stone_to_the_last_bit( void** state )
 {
     hosted* h = *state;
@@ -154,16 +154,16 @@ static void a_link_that_hangs_is_longer_by_weight_over_stiffness( void** state )
     assert_true( point_of( h->world, e, 1 ).x == 0.0f );
 }
 
-// Neighbours of the chain are 1, 2, 2, 1, so the ends have the weight 2. `effective` leaves the last vertex half its mass, `pair`
-// makes the first and the last link half as stiff again.
+// Neighbours in the chain are 1, 2, 2, 1, so the ends have the weight 2. `effective` halves the mass of the last
+// vertex, `pair` makes the first and the last link 1.5 times as stiff.
 static void weights_are_those_of_neighbours( void** state )
 {
     hosted* h = *state;
     const struct
     {
         wisp_implicit_weights weights;
-        double load[3];      // in weights of a vertex
-        double stiffness[3]; // in stiffnesses of a link
+        double load[3];      // in units of a vertex's weight
+        double stiffness[3]; // in units of a link's stiffness
     } cases[] = {
         { WISP_IMPLICIT_WEIGHTS_NONE, { 3.0, 2.0, 1.0 }, { 1.0, 1.0, 1.0 } },
         { WISP_IMPLICIT_WEIGHTS_EFFECTIVE, { 2.5, 1.5, 0.5 }, { 1.0, 1.0, 1.0 } },
@@ -185,8 +185,8 @@ static void weights_are_those_of_neighbours( void** state )
     }
 }
 
-// Implicit Euler divides the energy of a linear oscillator by 1 + (omega h)^2 in each step. Lengths of 0.13 m are rounded by 7e-9 m,
-// against swings of 5 mm at first and half of that at last.
+// Implicit Euler divides the energy of a linear oscillator by 1 + (omega h)^2 in each step. Lengths of 0.13 m are
+// rounded by 7e-9 m, with swings of 5 mm at first and half of that at last.
 static void an_oscillator_loses_what_implicit_euler_takes( void** state )
 {
     hosted* h = *state;
@@ -218,7 +218,8 @@ static void an_oscillator_loses_what_implicit_euler_takes( void** state )
 
 // ---- damping of links ----
 
-// A pair that spins about its middle, too weak to pull: isotropic damping brakes it by 2 k_d / m, axial damping does not.
+// A pair that spins about its middle, with a weak spring: isotropic damping slows it by 2 k_d / m, axial damping does
+// not.
 static double spin_left( wisp_world* world, wisp_implicit_damping form )
 {
     static const int32_t PAIR[2] = { 0, 1 };
@@ -250,7 +251,7 @@ static void axial_damping_leaves_spin_alone( void** state )
     const double rate = 2.0 * 0.01 / 0.01;
     const double isotropic = spin_left( h->world, WISP_IMPLICIT_DAMPING_ISOTROPIC );
     const double axial = spin_left( h->world, WISP_IMPLICIT_DAMPING_AXIAL );
-    // v / ( 1 + rate dt ) each step; that the ends fly apart by 1 % meanwhile changes neither
+    // v / ( 1 + rate dt ) in each step; the ends separate by 1 % meanwhile, which changes neither
     assert_near( isotropic, pow( 1.0 + rate * (double)DT, -16.0 ), 0.01 );
     assert_near( axial, 1.0, 0.02 );
 }
@@ -279,13 +280,13 @@ static void pins_stay_and_go_where_they_are_told_to_the_last_bit( void** state )
             assert_true( still.x == 0.0f && still.y == 0.0f && still.z == 0.0f );
             assert_true( is_finite( h.world, e ) );
         }
-        // what hangs from them has moved, too
+        // the cloth below them has moved, too
         assert_true( fabsf( point_of( h.world, e, 30 ).y ) > 1e-3f );
         close_world( &h );
     }
 }
 
-// In the middle of a step a pin is on its way: what hangs from it hears of it a substep early.
+// In the middle of a step a pin is on its way, and the cloth below it reacts one substep earlier.
 static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
 {
     hosted* h = *state;
@@ -300,7 +301,7 @@ static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
         assert_status( h->world, wisp_move_pins( h->world, e, pins, targets, 2 ), WISP_OK );
         run_steps( h->world, 1, 0.01f );
     }
-    // they follow at a metre a second; what they lag behind dies 100 times a second, down to rounding of places over 0.01 s
+    // they follow at a metre a second; the lag decays by 100 per second, down to rounding of positions over 0.01 s
     for ( int v = 1; v <= 3; ++v )
     {
         assert_near( velocity_of( h->world, e, v )[1], 1.0, 1e-4 );
@@ -309,7 +310,8 @@ static void a_pin_pulls_with_the_velocity_it_is_moved_with( void** state )
 
 // ---- energies ----
 
-// The load of an arc is F = -12 - 7.2 ( 1 - y ) .., so a link of a shortening x = 1 - y holds k_b/L ( 12 x + ... ) beyond the ramp.
+// The load of an arc is F = -12 - 7.2 ( 1 - y ) .., so a link shortened by x = 1 - y stores k_b/L ( 12 x + ... )
+// beyond the ramp.
 static void stats_hold_the_energy_of_bending( void** state )
 {
     hosted* h = *state;
@@ -339,8 +341,8 @@ static void stats_hold_the_energy_of_bending( void** state )
     assert_near( stats_of( h->world, e ).stretch_energy, 0.0, 0.0 );
 }
 
-// A sheet of 2.4e-5 kg and more a vertex that hangs at 200 N/m: lengths of places within 0.16 m are rounded by 1.5e-8 m, a vertex has up to
-// eight of them, which is 200 N/m 1.2e-7 m dt / m = 0.016 m/s at most.
+// A sheet of 2.4e-5 kg and more per vertex that hangs at 200 N/m: differences of positions within 0.16 m are rounded
+// by 1.5e-8 m. A vertex has up to eight of them, which is 200 N/m 1.2e-7 m dt / m = 0.016 m/s at most.
 static void repeats_come_to_the_nonlinear_step( void** state )
 {
     (void)state;
@@ -393,7 +395,7 @@ static void stiff_substeps_are_solved_for_as_often_as_they_may_be( void** state 
     assert_int_equal( most[0], 1 );
     assert_int_equal( most[1], 3 );
     assert_in_range( most[2], 4, 16 );
-    // whoever asks for more has them
+    // a larger given number is kept
     assert_true( least[3] == 5 && most[3] == 5 );
 }
 
@@ -417,7 +419,7 @@ static void a_solve_that_ends_at_its_limit_is_counted( void** state )
     assert_int_equal( count_of( h->world, WISP_COUNT_NOT_CONVERGED ), before );
 }
 
-// Diagonals half as long as at rest push with k_b/L^2 F, some 16, across a length: far more than masses and edges hold against.
+// Diagonals half as long as at rest push with k_b/L^2 F, about 16, sideways: far more than masses and edges resist.
 static void negative_curvature_is_counted_and_only_with_the_whole_derivative( void** state )
 {
     (void)state;
@@ -456,13 +458,14 @@ static void links_between_coincident_vertices_are_counted( void** state )
     wisp_entity e = add_chain( h->world, &def, 3, 0.01f, mesh.points );
     test_mesh_free( &mesh );
     run_steps( h->world, 3, DT );
-    // nothing moves it, so it is met in each substep
+    // nothing moves it, so it occurs in each substep
     assert_int_equal( count_of( h->world, WISP_COUNT_DEGENERATE_LINK ), 3 );
     assert_true( is_finite( h->world, e ) );
 }
 
-// Three links in one line leave a light vertex nearly free across them: its block of the matrix is a rank of one and what is 55000 times
-// smaller. A link of 20 kN/m that bears three tenths of a gram grows by 1e-7 m; before it is taut it may fall g dt^2, 3 mm.
+// Three collinear links leave a light vertex nearly free across them: its block of the matrix is a rank-one matrix
+// and a part 55000 times smaller. A link of 20 kN/m that carries 0.3 g grows by 1e-7 m; before it is taut it may fall
+// g dt^2, 3 mm.
 static void a_light_chain_of_stiff_links_keeps_its_length( void** state )
 {
     hosted* h = *state;
@@ -520,7 +523,7 @@ static void cloth_stays_finite_whatever_it_is_made_of( void** state )
         wisp_entity e = add_sheet( h.world, &def, 6, n % 2 == 0 );
         crumple_sheet( h.world, e, n % 9 < 3 ? 1.0f : 0.01f, n % 9 < 6 ? 1.0f : 100.0f );
         run_steps( h.world, 30, DT );
-        // a cloth that is neither stiff nor crumpled over its own size is never put back
+        // a cloth that is neither stiff nor crumpled over its own size is never reset
         const bool tame = n % 3 != 0 && n % 2 == 0 && n % 5 > 1 && n % 9 >= 3;
         if ( is_finite( h.world, e ) == false || ( tame && count_of( h.world, WISP_COUNT_HALTED ) > 0 ) )
         {

@@ -1,11 +1,11 @@
-// The engine of implicit cloth, in single precision, held to the oracle, in double, substep by substep: a sheet of 64 vertices,
-// alone and on bodies, with each switch of the method.
+// The engine of implicit cloth, in single precision, compared with the oracle, in double, substep by substep: a sheet
+// of 64 vertices, alone and on bodies, with each switch of the method.
 #include "implicit_duel_fixture.h"
 
 #include "implicit_internal.h"
 
-// m. Places are 0.25 m at most, so that each is rounded by 1.5e-8 m where it is kept, and by as much again in the differences that
-// lengths are made of. What a substep is off by stays in the velocity, of which damping and the implicit step take most again.
+// m. Positions are 0.25 m at most, so each is rounded by 1.5e-8 m in memory, and by as much again in the differences
+// for lengths. The error of a substep stays in the velocity, of which damping and the implicit step remove most.
 static const double A_SUBSTEP = 6e-8;
 // m, of any number of substeps.
 static const double MOST = 2e-6;
@@ -13,16 +13,16 @@ static const double MOST = 2e-6;
 enum
 {
     SUBSTEPS = 50,
-    SURE = 8,      // substeps in which no vertex may come to a threshold of friction that the two take differently
-    MAX_TURNS = 8, // substeps that may be forgiven because a link stood at a corner of its law
+    SURE = 8,      // substeps in which no vertex may be at a threshold of friction that the two decide differently
+    MAX_TURNS = 8, // substeps that may be skipped because a link is at a corner of its force law
 };
 
 static const float FAST = 1.0f / 240.0f, SLOW = 1.0f / 60.0f; // s
 
 // ---- switches of the equations ----
 
-// A link pulls from its rest length on, and bends on its ramp or on its arc. Where rounding decides which, both are right, and
-// their next velocities differ by what h^2 k of the link, tens of times a mass, makes of it.
+// A link pulls from its rest length on, and bends on its ramp or on its arc. Where rounding decides which, both are
+// right, and their next velocities differ by h^2 k of the link, tens of times a mass.
 static int side_of( const triangle_oracle_link* l, double3 a, double3 b )
 {
     const double r = double3_distance( a, b ), y = r / l->length;
@@ -34,7 +34,7 @@ static int side_of( const triangle_oracle_link* l, double3 a, double3 b )
     return load * triangle_oracle_arc_load( y ) > l->ramp * ( r - l->length ) ? 2 : 3;
 }
 
-// Where forces are asked for: x^ of BDF2, whose substeps are all alike here.
+// Positions at which forces are evaluated: x^ of BDF2, whose substeps are all alike here.
 static double3 queried_at( const triangle_oracle* o, int vertex )
 {
     const bool two = o->params.integrator == TRIANGLE_ORACLE_BDF2 && o->h_before > 0.0;
@@ -42,7 +42,7 @@ static double3 queried_at( const triangle_oracle* o, int vertex )
     return two ? double3_add( o->x[vertex], ahead ) : o->x[vertex];
 }
 
-// Is there a link whose side is a matter of rounding, and of how far the two are apart already?
+// True if the state of a link depends on rounding, and on the present difference of both.
 static bool is_at_a_corner( match* m, bool at_the_end )
 {
     int vertex = -1;
@@ -62,7 +62,7 @@ static bool is_at_a_corner( match* m, bool at_the_end )
     return false;
 }
 
-// The oracle goes on from where the engine is.
+// The oracle continues from the engine's state.
 static void follow( match* m )
 {
     const implicit_state* state = wisp_world_module_state( m->h.world, "implicit_cloth" );
@@ -93,7 +93,7 @@ static bool do_contacts_agree( match* m )
                                                      : c->slides != 0 ? TRIANGLE_ORACLE_SLIDING
                                                                       : TRIANGLE_ORACLE_STICKING;
         const triangle_oracle_contact_state oracle = m->oracle.contact[v].state;
-        // what lands slides
+        // a landing vertex slides
         if ( engine != ( oracle == TRIANGLE_ORACLE_LANDING ? TRIANGLE_ORACLE_SLIDING : oracle ) )
         {
             return false;
@@ -109,7 +109,7 @@ static double allowed_behind( int substeps )
     return fmin( A_SUBSTEP * substeps, MOST );
 }
 
-// Figures of both count the same, and hold energies that differ by rounding of lengths alone.
+// Statistics of both have the same counts, and energies that differ by rounding of lengths alone.
 static void assert_stats( match* m )
 {
     const wisp_implicit_cloth_stats f = stats_of( m->h.world, m->cloth );
@@ -126,7 +126,7 @@ static void assert_stats( match* m )
     assert_near( f.bend_energy, bend, 1e-3 * bend + 1e-9 );
 }
 
-// @return substeps that the two went together, until friction comes to a threshold that rounding decides
+// @return number of substeps in agreement, until friction reaches a threshold that rounding decides
 static int run_match( match* m, void ( *before )( match* m ), const double* friction, int body_count )
 {
     int turns = 0, together = 0;
@@ -244,7 +244,7 @@ typedef struct scene
     float fall; // m/s, that the sheet begins with
 } scene;
 
-// The body that moves, one scene at a time.
+// The moving body, one scene at a time.
 static struct
 {
     wisp_entity body;
@@ -286,7 +286,7 @@ static int add_bodies( match* m, const scene* s, double friction[WISP_MAX_PARTIC
     return count;
 }
 
-// So fast that it would pass the margin in a substep.
+// So fast that it would cross the margin in a substep.
 static void let_fall( match* m, float speed )
 {
     for ( int v = 0; v < DUEL_VERTICES; ++v )
@@ -370,7 +370,7 @@ static void moving_bodies_go_with_the_oracle( void** state )
     run_scenes( scenes, WISP_COUNT( scenes ) );
 }
 
-// ---- that it would show ----
+// ---- sensitivity of the comparison ----
 
 static void a_hundredth_of_a_parameter_shows( void** state )
 {

@@ -146,7 +146,7 @@ static void friction_stops_what_slides_and_never_turns_it_round( void** state )
     free_colliding( i.h );
 }
 
-// ---- what holds and what lets go ----
+// ---- held and released vertices ----
 
 static void a_cloth_follows_a_floor_that_moves( void** state )
 {
@@ -160,7 +160,7 @@ static void a_cloth_follows_a_floor_that_moves( void** state )
     test_mesh_free( &mesh );
     give_gravity( h->world, e, GRAVITY );
     run_for( h->world, DT, 5 );
-    const wisp_vec3 velocity = { 0.02f, 0.3f, -0.01f }; // m/s: up, and sideways within what friction holds
+    const wisp_vec3 velocity = { 0.02f, 0.3f, -0.01f }; // m/s: up, and sideways within the limit of friction
     for ( int step = 1; step <= 50; ++step )
     {
         wisp_transform pose = floor.pose;
@@ -169,7 +169,7 @@ static void a_cloth_follows_a_floor_that_moves( void** state )
         assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
         run_for( h->world, DT, 1 );
         const wisp_motion_stats q = motion_stats_of( h->world, e );
-        // the pose is a float of up to 0.15 m: its difference over a step is wrong by 1e-8 m / 0.01 s
+        // the pose is a float of up to 0.15 m: its difference over a step has an error of 1e-8 m / 0.01 s
         assert_near( q.momentum[0] / q.mass, (double)velocity.x, 3e-6 );
         assert_near( q.momentum[1] / q.mass, (double)velocity.y, 3e-6 );
         assert_near( q.momentum[2] / q.mass, (double)velocity.z, 3e-6 );
@@ -193,7 +193,7 @@ static void a_floor_does_not_pull( void** state )
     wisp_transform pose = floor.pose;
     pose.translation.y = -2.0f; // gone in one step
     assert_int_equal( wisp_move_collider( h->world, body, pose ), WISP_OK );
-    run_for( h->world, DT, 1 ); // what was held is held once more, and found to be pulled
+    run_for( h->world, DT, 1 ); // a held vertex is held once more, and its pull detected
     const double speed = motion_stats_of( h->world, e ).momentum[1] / motion_stats_of( h->world, e ).mass;
     run_for( h->world, DT, 1 );
     assert_int_equal( stats_of( h->world, e ).sticking, 0 );
@@ -222,7 +222,7 @@ static void a_corner_that_is_lifted_leaves_while_the_rest_stays( void** state )
         assert_int_equal( wisp_move_pins( h->world, e, &corner, &target, 1 ), WISP_OK );
         run_for( h->world, DT, 1 );
     }
-    // a vertex next to the corner hangs in the air; the far corner lies where it lay
+    // a vertex next to the corner hangs in the air; the far corner has not moved
     assert_true( (double)point_of( h->world, e, 1 ).y > 0.03 );
     assert_near( (double)point_of( h->world, e, 80 ).x, (double)mesh.points[80].x, 1e-3 );
     assert_true( stats_of( h->world, e ).sticking + stats_of( h->world, e ).sliding > 40 );
@@ -249,7 +249,7 @@ static void what_begins_inside_is_outside_after_one_step_without_a_cap( void** s
         assert_near( (double)point_of( h->world, e, v ).y, 0.0, 1e-7 ); // two roundings of 0.02 m
     }
     run_for( h->world, DT, 1 );
-    assert_near( motion_stats_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing is thrown
+    assert_near( motion_stats_of( h->world, e ).speed_max, 0.0, 1e-5 ); // and nothing gains velocity
     free_colliding( h );
 }
 
@@ -365,7 +365,7 @@ static void cloth_on_every_body_comes_to_rest_and_is_never_deeper_than_a_millime
     }
 }
 
-// Voxels need no Embree, and a tree gives the same answers where there is one.
+// Voxels need no Embree, and a tree gives the same results where there is one.
 static void cloth_on_a_mesh_comes_to_rest_like_on_other_bodies( void** state )
 {
     (void)state;

@@ -1,5 +1,5 @@
-// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
-// data/golden/implicit_cloth.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, and the same as in
+// data/golden/implicit_cloth.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "implicit_cloth_fixture.h"
 #include "determinism_fixture.h"
 

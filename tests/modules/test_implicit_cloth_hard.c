@@ -1,5 +1,5 @@
-// Implicit cloth beyond what one linear solve and single precision bear: links so stiff that a mass is lost beside them, and
-// steps so long that BDF2 has nothing to go on from.
+// Implicit cloth beyond the range of one linear solve and single precision: links so stiff that a mass is lost in
+// rounding, and steps so long that BDF2 has no usable history.
 #include "implicit_cloth_fixture.h"
 
 enum
@@ -9,9 +9,9 @@ enum
 
 static const float FRAME = 1.0f / 60.0f; // s
 
-// ---- what is measured ----
+// ---- measured values ----
 
-// Of edges; links take no pressure.
+// Of edges; links resist no compression.
 static double largest_strain( wisp_world* world, wisp_entity e )
 {
     const wisp_fabric* f = wisp_world_fabric( world, e );
@@ -56,9 +56,9 @@ static wisp_entity add_hard_sheet( wisp_world* world, float stiffness, wisp_impl
 
 // ---- stiff links ----
 
-// A cable of stiffness EA that weighs W and begins straight between its ends stretches by (1/24)^(1/3) (W / EA)^(2/3), and the
-// uppermost row, whose links have half the sheet's stiffness, bears no more than all of the sheet. Rounding of places is below
-// 1e-5 of a length.
+// A cable of stiffness EA and weight W that starts straight between its ends stretches by (1/24)^(1/3) (W /
+// EA)^(2/3). The uppermost row, whose links have half the sheet's stiffness, carries at most the whole sheet.
+// Rounding of positions is below 1e-5 of a length.
 static double strain_of_a_cable( wisp_world* world, wisp_entity e, double stiffness )
 {
     const float* x = wisp_world_column( world, e, WISP_PARTICLE_POSITION, 0 );
@@ -91,7 +91,7 @@ static void stiff_links_hang_at_their_length( void** state )
     }
 }
 
-// A sheet that begins with all vertices within a centimetre of where they belong.
+// A sheet that starts with all vertices within a centimetre of their rest positions.
 static void stiff_links_give_no_more_than_they_had( void** state )
 {
     (void)state;
@@ -110,7 +110,7 @@ static void stiff_links_give_no_more_than_they_had( void** state )
             run_steps( h.world, 1, FRAME );
             most = fmax( most, energy_of( h.world, e ) );
         }
-        // what a substep does not resolve of the fall
+        // the part of the fall that a substep does not resolve
         if ( !( most <= first + 1e-3 ) )
         {
             fail_msg( "%g N/m: %g J, %g J at first", (double)STIFFNESSES[n], most, first );

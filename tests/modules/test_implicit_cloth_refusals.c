@@ -1,5 +1,5 @@
-// What implicit cloth refuses, in one message that names it; that a refusal or a lack of memory changes nothing; that all memory
-// comes back; several cloths in a world, and one that is changed on the fly.
+// Invalid implicit cloth is rejected with one message that names the error; a rejection or a lack of memory changes
+// nothing; all memory is returned; several cloths in a world, and one that changes during the simulation.
 #include "saved_world.h"
 #include "implicit_cloth_fixture.h"
 
@@ -24,7 +24,7 @@ static void assert_refused( hosted* h, wisp_entity e, const wisp_implicit_cloth_
     const uint64_t before = wisp_world_hash( h->world );
     const int passes = wisp_world_plan_passes( h->world );
     expect_refusal( h->world, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
-    // the first call of a world makes room for its list of cloths, which stays; from the second on nothing does
+    // the first call of a world allocates its list of cloths, which stays; later calls do not
     const size_t bytes = wisp_world_memory( h->world );
     const int64_t lent = atomic_load( &h->host.bytes );
     expect_refusal( h->world, wisp_set_implicit_cloth( h->world, e, def ), expected, word );
@@ -50,7 +50,7 @@ static void every_number_has_its_range( void** state )
     {
         const char* name;
         size_t at;
-        float lower, upper; // just outside
+        float lower, upper; // just out of range
     } fields[] = {
         FIELD( stretch_stiffness, -1e-9f, 1.1e9f ), FIELD( bend_stiffness, -1e-9f, 1.1e9f ),
         FIELD( bend_rigidity, -1e-9f, 1.1e9f ),     FIELD( compression_stiffness, -1e-9f, 1.1e9f ),
@@ -173,7 +173,7 @@ static void a_link_without_a_length_is_named( void** state )
     assert_refused( h, e, &def, WISP_BAD_INPUT, "vertices 0 and 3" );
 }
 
-// ---- whose it is ----
+// ---- ownership ----
 
 static void two_solvers_do_not_move_one_surface( void** state )
 {
@@ -328,7 +328,8 @@ static void without_memory_a_surface_stays_what_it_was( void** state )
     }
 }
 
-// A step that finds no room for its system says so and can be made again; one that finds another way comes to the same.
+// A step without memory for its system reports it and can be repeated; one that finds another way gives the same
+// result.
 static void a_step_without_memory_is_refused_and_made_later( void** state )
 {
     (void)state;
@@ -418,7 +419,7 @@ static void cloths_of_one_world_do_not_know_of_each_other( void** state )
     assert_int_equal( stats_of( h->world, b ).stretch_links, 2 * 7 * 6 + 6 * 6 );
 }
 
-// An instance has the mesh of its source, and is what it is made on its own.
+// An instance has the mesh of its source and parameters of its own.
 static void an_instance_is_a_cloth_of_its_own( void** state )
 {
     hosted* h = *state;
@@ -453,10 +454,10 @@ static void a_cloth_can_be_changed_while_it_moves( void** state )
         def.warm_start = i != 1;
         assert_status( h->world, wisp_set_implicit_cloth( h->world, e, &def ), WISP_OK );
         run_steps( h->world, 600, 0.01f );
-        // vertex 1 bears two and a half: the last one counts half; places are rounded by 1.5e-8 m
+        // vertex 1 carries two and a half: the last one counts half; positions are rounded by 1.5e-8 m
         const double stretch = 2.5 * 0.01 * 9.81 / (double)stiffness[i];
         assert_near( (double)point_of( h->world, e, 1 ).y, -(double)CHAIN_LINK - stretch, 1e-7 );
-        assert_int_equal( stats_of( h->world, e ).stretch_links, 3 ); // still wanted
+        assert_int_equal( stats_of( h->world, e ).stretch_links, 3 ); // still requested
         bytes = i == 0 ? wisp_world_memory( h->world ) : bytes;
     }
     assert_int_equal( wisp_world_memory( h->world ), bytes );

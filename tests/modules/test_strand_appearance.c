@@ -1,5 +1,5 @@
-// Width and colour of every vertex for stylised export (extension of Kim 2026), in the user's order, written only where they are
-// wanted.
+// Width and colour of every vertex for stylised export (extension of Kim 2026), in the user's order, written only
+// where requested.
 #include "frozen_hair_engine_fixture.h"
 
 static const double u = HAIR_ROUNDING;
@@ -30,7 +30,7 @@ static const void* view( wisp_world* world, wisp_entity entity, wisp_component c
     return view.data;
 }
 
-// A world with a painted groom that asks for width and colour.
+// A world with a groom whose width and colour are requested.
 static wisp_world* painted( const hair_groom* groom, const wisp_strand_appearance_def* appearance, wisp_entity* out )
 {
     wisp_world* world = hair_world_create( NULL );
@@ -176,7 +176,7 @@ static void a_new_look_is_painted_at_the_next_step_and_hair_may_move_meanwhile( 
     assert_true( width[0] == 1e-3f );
     check_vertex( &appearance, 1.0, width[tip], colour[tip] );
 
-    // frozen hair beside it: the look of the strands does not touch their shape, nor the other way round
+    // frozen hair on the same strands: appearance does not affect their shape, nor the other way round
     wisp_vec3* painted_colour = checked_calloc( (size_t)groom.vertex_count, sizeof( wisp_vec3 ) );
     memcpy( painted_colour, colour, (size_t)groom.vertex_count * sizeof( wisp_vec3 ) );
     wisp_frozen_hair_def def = wisp_default_frozen_hair_def();

@@ -1,5 +1,5 @@
-// Strands that move, on their double-precision oracle: pendulums, chains, what must not change, damping and air. The closed
-// forms are those of the table of references.
+// Moving strands on their double-precision oracle: pendulums, chains, conserved quantities, damping and air. The
+// closed forms are those of the table of references.
 #include "strand_oracle_fixture.h"
 
 // ---- pendulums and chains ----
@@ -162,7 +162,7 @@ static void a_cable_between_two_pins_hangs_as_a_catenary( void** state )
     assert_true( strand_oracle_strain( &strand ) < 1e-6 );
 }
 
-// ---- what must not change ----
+// ---- conserved quantities ----
 
 static void a_free_strand_falls_without_strain_or_spin( void** state )
 {
@@ -196,7 +196,7 @@ static void the_momentum_of_a_free_strand_is_constant( void** state )
                                 : ( k == 3 ? STRAND_ORACLE_LENGTHS_FOLLOW : STRAND_ORACLE_LENGTHS_LINKS ),
                          k == 2, 1.0 / 600.0 );
         settings.gravity = zero;
-        settings.passes = 8; // a strand that is laid out does not keep its momentum: here none is
+        settings.passes = 8; // a strand that is reset does not keep its momentum: here none is
         settings.bending = k == 1 || k == 2 ? STRAND_ORACLE_BENDING_LINKS : STRAND_ORACLE_BENDING_NONE;
         steps( &strand, &settings, 600 );
         const double linear = double3_distance( momentum( &strand ), start ) / double3_length( start );
@@ -209,7 +209,7 @@ static void the_momentum_of_a_free_strand_is_constant( void** state )
         }
         else
         {
-            // follow the leader has the wrong momentum: that is what it is known for, and why there are other ways
+            // follow the leader has the wrong momentum: this is known, and the reason for other methods
             assert_true( linear > 1e-3 );
         }
     }
@@ -294,7 +294,7 @@ static void damping_leaves_the_rigid_motion_of_the_head_alone( void** state )
         assert_close( double3_distance( strand.velocity[i], start.velocity[i] ), 0.0, 1e-15 );
     }
 
-    // and keeps the share of everything else
+    // and keeps the other components
     strand.velocity[7] = double3_add( strand.velocity[7], double3_make( 0.0, 1.0, 0.0 ) );
     strand_oracle_damp( &strand, 0.25, linear, angular, centre );
     assert_close( strand.velocity[7].y - start.velocity[7].y, 0.25, 1e-15 );
@@ -333,7 +333,7 @@ static void air_across_a_strand_brakes_as_its_square_and_never_turns_it_round( v
         assert_close( strand.velocity[1].y, 0.5, 1e-15 );
     }
 
-    // a strand at rest is taken along by the wind, up to its speed and not beyond
+    // a strand at rest is accelerated by the wind, up to its speed and not beyond
     strand_oracle strand = new_chain( 3, 0.2, double3_make( 0.0, -1.0, 0.0 ), false );
     strand_oracle_air( &strand, double3_make( 5.0, 0.0, 0.0 ), 1e6, dt );
     assert_ratio( strand.velocity[1].x, 5.0, 1e-5 );

@@ -64,8 +64,8 @@ static void a_segment_turns_by_a_radian_at_most( void** state )
     assert_close( fabs( before - strand_oracle_twist( &strand, 0 ) ), 2.0 * atan( 0.5 ), 1e-14 );
 }
 
-// How a free curl moves whose segments have been turned about themselves, and how the gradient at the frames that the rod
-// leaves says that it should.
+// Motion of a free curl whose segments were turned about themselves, and its prediction by the gradient at the frames
+// that the rod leaves.
 static void move_turned( double turned, double3* by_rod, double3* by_gradient )
 {
     const double dt = 1e-5; // so short that (M + dt^2 K) is M to five digits
@@ -139,7 +139,7 @@ static void twist_comes_to_balance( void** state )
 
 // ---- balance ----
 
-// What is missing to balance of forces and of twist, of the strand's weight and of its moment.
+// The imbalance of forces and of twist, relative to the strand's weight and its moment.
 static double missing_to_balance( const strand_oracle* strand )
 {
     double3 force[MAX_STRAND_ORACLE];
@@ -229,7 +229,7 @@ static void a_soft_curl_keeps_its_shape_under_no_gravity( void** state )
     steps( &strand, &settings, 1200 );
     assert_close( farthest( &strand, &start ), 0.0, 1e-12 );
 
-    // and never has more energy than a kick has given it
+    // and never has more energy than a kick has added
     for ( int i = 1; i < strand.count; ++i )
     {
         strand.velocity[i] = double3_scale( 0.02, random_vector( 60, i ) );

@@ -1,4 +1,4 @@
-// How strands keep their lengths, on their double-precision oracle: Newton, links, follow the leader, hard starts.
+// Length constraints of strands on their double-precision oracle: Newton, links, follow the leader, hard starts.
 #include "strand_oracle_fixture.h"
 
 #include "oracle/constraint_oracle.h"
@@ -8,7 +8,7 @@
 static void one_newton_pass_solves_the_linear_system( void** state )
 {
     (void)state;
-    // with C' = C + J dp the pass leaves C' = 0: the lengths' error is of second order in what was wrong before
+    // with C' = C + J dp the pass leaves C' = 0: the remaining error of lengths is second order in the initial one
     for ( int measure = 0; measure < 2; ++measure )
     {
         double error[2];
@@ -40,7 +40,8 @@ static void both_measures_of_length_find_the_same_strand( void** state )
     strand_oracle_stretch( &b, STRAND_ORACLE_LENGTH, 8, 1e-3, false, 1e-4 );
     for ( int i = 0; i < a.count; ++i )
     {
-        // Newton goes to the nearest solution along other normals: they part at the second order of (0.1 mm / 1 cm)^2
+        // Newton reaches the nearest solution along other normals: they differ at the second order of (0.1 mm / 1
+        // cm)^2
         assert_close( double3_distance( a.position[i], b.position[i] ), 0.0, 1e-4 * 1e-2 * 10.0 );
     }
     assert_true( strand_oracle_strain( &a ) < 1e-13 && strand_oracle_strain( &b ) < 1e-13 );
@@ -54,7 +55,7 @@ static void a_strand_out_of_tolerance_is_laid_out_from_its_root( void** state )
     strand.position[2] = double3_make( 0.0, 0.0, 7.0 );
     strand.position[3] = double3_make( 0.0, 0.0, 7.0 ); // that of the one before
     strand.position[4] = double3_make( 3.0, 0.0, 7.0 );
-    // no pass of Newton: what it would leave does not matter here
+    // no pass of Newton: its result does not matter here
     strand.tension[1] = 5.0;
     for ( int i = 0; i < 5; ++i )
     {
@@ -69,7 +70,7 @@ static void a_strand_out_of_tolerance_is_laid_out_from_its_root( void** state )
     {
         assert_close( double3_distance( strand.position[i], reference[i] ), 0.0, 1e-15 );
         assert_close( strand.tension[i], 0.0, 0.0 );
-        // within the strand's length of where the substep began it keeps a velocity, no faster than was predicted
+        // within the strand's length of the start of the substep it keeps a velocity, at most the predicted one
         assert_close( double3_distance( strand.previous[i], start.previous[i] ), 0.0, 0.0 );
     }
     strand = start;
@@ -176,7 +177,7 @@ static void start_badly( strand_oracle* strand, int start )
         }
         else if ( start == 4 )
         {
-            strand->position[i].x = i % 2 == 1 ? strand->length[0] : 0.0; // folded flat upon itself
+            strand->position[i].x = i % 2 == 1 ? strand->length[0] : 0.0; // folded flat onto itself
             strand->position[i].y = strand->position[i].z = 0.0;
         }
     }

@@ -146,7 +146,7 @@ static void the_factor_solves_what_a_dense_elimination_solves( void** state )
         }
         solve_dense( 32, matrix, right );
 
-        // previous is where it is, so that damping adds nothing to the right-hand side
+        // previous equals the position, so that damping adds nothing to the right-hand side
         strand_oracle_rod_factor( &strand, damping, dt );
         strand_oracle_rod( &strand, damping, dt, NULL );
         double worst = 0.0, most = 0.0;
@@ -339,9 +339,9 @@ static void the_gradient_is_that_of_the_energy_where_no_bend_twists( void** stat
     assert_true( with_twist < 1e-6 );
 }
 
-// Frames that are carried turn the middle frame about itself as well, so that a bend out of the plane of its rest curvature has
-// a gradient that the equations leave out: b_i kb_i (1 + cos( angle / 2 )) / 16 with the sign of the segment behind. This is
-// how much.
+// Carried frames turn the middle frame about itself as well, so that a bend out of the plane of its rest curvature
+// has a gradient that the equations leave out: b_i kb_i (1 + cos( angle / 2 )) / 16 with the sign of the segment
+// behind. This tests its size.
 static void a_bend_out_of_its_plane_is_left_out_of_the_gradient( void** state )
 {
     (void)state;
@@ -361,7 +361,7 @@ static void a_rigid_turn_of_a_curl_costs_no_energy( void** state )
     strand_oracle strand = new_curl( 24, 2.0, false );
     strand_oracle_stiffen( &strand, 1e-7, 7.5e-8, false, 0.0 );
     strand_oracle_rest_shape( &strand );
-    memset( strand.weight, 0, sizeof( strand.weight ) ); // it goes where it is turned to
+    memset( strand.weight, 0, sizeof( strand.weight ) ); // it moves to its turned position
     strand_oracle_rod_factor( &strand, 0.0, 1e-3 );
     strand_oracle frozen = strand;
     const double3 axis = double3_scale( 1.0 / 3.0, double3_make( 1.0, 2.0, -2.0 ) );
@@ -374,7 +374,7 @@ static void a_rigid_turn_of_a_curl_costs_no_energy( void** state )
         }
         strand_oracle_rod( &strand, 0.0, 1e-3, NULL );
     }
-    // the same shape with frames that have stayed behind
+    // the same shape with frames that have not followed
     memcpy( frozen.position, strand.position, sizeof( strand.position ) );
     const double cost = strand_oracle_rod_energy( &strand ) / strand_oracle_rod_energy( &frozen );
     print_message( "two radians of a rigid turn cost %.2g of what they cost with frozen frames\n", cost );

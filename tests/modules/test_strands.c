@@ -1,5 +1,5 @@
-// Strands that move, end to end: they hang, stay in balance, go with their head or surface, refuse what is wrong, and have
-// the same bits whoever does the work.
+// Moving strands, end to end: they hang, stay in balance, follow their head or surface, reject invalid input, and
+// have the same bits for every number of workers.
 #include "saved_world.h"
 #include "strands_fixture.h"
 
@@ -22,7 +22,7 @@ static void a_strand_hangs_and_stays_at_rest_length( void** state )
     const wisp_entity e = add_moving( s.world, 17, 20, straight_down, 0.1f, &def );
     assert_int_equal( wisp_request( s.world, e, WISP_MOTION_STATS ), WISP_OK );
     strand_steps( s.world, 60, FRAME );
-    // a hanging strand is in balance; rounding of the positions, 1e-8 m, is what remains
+    // a hanging strand is in balance; the remainder is rounding of the positions, 1e-8 m
     assert_true( drift_from( s.world, e, 17, 20, straight_down, 0.1f ) < 1e-6 );
     assert_true( motion_stats_of( s.world, e ).strain_max < 1e-5 );
     close_world( &s );
@@ -42,7 +42,7 @@ static void falling_strands_of_different_lengths_keep_them( void** state )
     for ( int i = 0; i < 60; ++i )
     {
         strand_steps( s.world, 1, FRAME );
-        // the definition's tolerance; strands beyond it are laid out exactly
+        // the definition's tolerance; strands beyond it are reset exactly
         assert_true( motion_stats_of( s.world, e ).strain_max < 1.1e-3 );
     }
     // half a metre per second at least: they do fall
@@ -58,7 +58,7 @@ static void balanced_curls_stay( void** state )
     const wisp_strand_dynamics_def def = default_def();
     const wisp_entity e = add_moving( s.world, 20, 20, curl_down, 0.1f, &def );
     strand_steps( s.world, 60, FRAME );
-    // balance is exact in the equations; what single precision leaves of it is below a ten-thousandth of the length
+    // balance is exact in the equations; the error of single precision is below a ten-thousandth of the length
     assert_true( drift_from( s.world, e, 20, 20, curl_down, 0.1f ) < 1e-4 * 0.1 );
     close_world( &s );
 }
@@ -92,7 +92,7 @@ static void every_way_to_stretch_and_bend_steps_and_hangs( void** state )
         def.rest = WISP_STRAND_REST_STRAIGHT;
         const wisp_entity e = add_moving( s.world, 18, 5, straight_down, 0.1f, &def );
         strand_steps( s.world, 30, FRAME );
-        // one sweep of links leaves 2 % at most on four segments: g dt^2 / l a substep, not quite taken away
+        // one sweep of links leaves 2 % at most on four segments: g dt^2 / l per substep, not quite removed
         assert_true( drift_from( s.world, e, 18, 5, straight_down, 0.1f ) < 0.02 * 0.1 );
         assert_false( wisp_is_halted( s.world, e ) );
         close_world( &s );
@@ -109,16 +109,16 @@ static void tension_at_the_root_is_the_weight( void** state )
     strand_steps( s.world, 30, FRAME );
     float tension[60];
     assert_int_equal( wisp_read_strand_tension( s.world, e, tension ), WISP_OK );
-    // the root itself bears the half of the first segment that is its own
+    // the root itself carries its own half of the first segment
     const double weight = 9.81 * 6.5e-6 * 0.1 * ( 1.0 - 0.5 / 19.0 );
-    // positions are rounded to 4e-9 m, worth a hundredth of a segment's weight at 1/240 s; a clamp that is stretched in the first
-    // step of 1/60 s would bear a part of it
+    // positions are rounded to 4e-9 m, equivalent to a hundredth of a segment's weight at 1/240 s; a clamp that is
+    // stretched in the first step of 1/60 s would carry a part of it
     assert_true( fabs( (double)tension[0] / weight - 1.0 ) < 1e-2 );
     assert_true( tension[19] == 0.0f );
     close_world( &s );
 }
 
-// What falls has another tension in every substep: that of the last one is read, as if each had been a step.
+// A falling strand has another tension in every substep: that of the last one is read, as if each were a step.
 static void tension_is_that_of_the_last_substep( void** state )
 {
     (void)state;
@@ -142,7 +142,7 @@ static void tension_is_that_of_the_last_substep( void** state )
     }
 }
 
-// Groups run all their substeps at once and one of these is timed, in each step another one.
+// Groups run all their substeps at once; in each step another one of them is timed.
 static void every_pass_of_strands_has_its_time_in_every_step( void** state )
 {
     (void)state;
@@ -188,7 +188,7 @@ static void vertices_on_top_of_each_other_and_strands_without_length_are_no_trou
     for ( int v = 1; v < 12; ++v )
     {
         length += vec_distance( p[v], p[v - 1] );
-        // the strand without a length goes with its root
+        // the strand without a length follows its root
         assert_true( fabsf( p[12 + v].y - 0.05f ) < 1e-7f );
     }
     // segments without a length get a thousandth of the mean one, two of them here
@@ -208,7 +208,7 @@ static void changing_how_strands_move_leaves_them_where_they_are( void** state )
         wisp_vec3 before[50];
         strand_steps( s.world, 3, FRAME );
         memcpy( before, strand_points( s.world, e ), sizeof( before ) );
-        // not links, whose lengths are others that are taken back at once
+        // not links, whose lengths differ and would be corrected at once
         def.stretch = k % 2 == 0 ? WISP_STRAND_STRETCH_FOLLOW : WISP_STRAND_STRETCH_DIRECT;
         def.bending = ( k + 1 ) / 3 % 2 == 0 ? WISP_STRAND_BEND_ROD : WISP_STRAND_BEND_NONE;
         def.rest = (wisp_strand_rest)( k % 2 * 2 );
@@ -373,7 +373,7 @@ static void friction_on_the_grid_keeps_momentum_and_takes_relative_motion( void*
     strand_steps( s.world, 1, 1e-4f );
     const wisp_motion_stats q = motion_stats_of( s.world, e );
     const double mass = 0.5 * 0.1 * 6.5e-6;
-    // both tips share the corners of one cell. 1 - (1 - 1)^(60 dt) is 1, so both go with the mean of the momentum
+    // both tips share the corners of one cell. 1 - (1 - 1)^(60 dt) is 1, so both move with the mean of the momentum
     assert_true( fabs( q.momentum[0] / ( mass * 0.01 ) - 1.0 ) < 1e-3 );
     assert_true( fabs( q.speed_max / 0.005 - 1.0 ) < 1e-2 );
     grid.enabled = false;
@@ -494,7 +494,7 @@ static void a_restored_snapshot_goes_on_bitwise( void** state )
     close_world( &s );
 }
 
-// ---- what goes wrong ----
+// ---- invalid states ----
 
 static void a_nan_puts_the_strands_back_and_halts_them( void** state )
 {

@@ -1,10 +1,10 @@
-// The engine of moving strands, in single precision, held to the oracle, in double, substep by substep: fifteen strands of 1, 2, 3,
-// 9 and 20 vertices, crooked, curled and straight, that fill one group of lanes.
+// Moving strands in the engine, in single precision, compared with the oracle, in double, substep by substep: fifteen
+// strands of 1, 2, 3, 9 and 20 vertices, crooked, curled and straight, that fill one group of lanes.
 #include "strand_duel_fixture.h"
 
-// m. Positions are 0.125 m at most, so that each is rounded by 4e-9 m; a vertex sees some ten roundings a substep. The velocity keeps
-// what a substep was off by, so that this is allowed once for each substep so far. A duel that is stiff is eased: the solve of the
-// rod multiplies what its right-hand side is off by.
+// m. Positions are 0.125 m at most, so each is rounded by 4e-9 m; a vertex has about ten roundings per substep. The
+// velocity keeps the error of a substep, so this is allowed once for each substep so far. The tolerance of a stiff
+// comparison is larger: the solve of the rod amplifies errors of its right-hand side.
 static const double A_SUBSTEP = 5e-8;
 
 static void assert_together( match* m, int behind, double tolerance )
@@ -20,8 +20,8 @@ static void assert_together( match* m, int behind, double tolerance )
     }
 }
 
-// Once with a substep a step, and looked at behind each; once with all substeps in one step, where the head is between its
-// places in all but the last.
+// Once with one substep per step, compared after each; once with all substeps in one step, where the head is between
+// its poses in all but the last.
 static void run_duel( const duel* rules )
 {
     const double ease = rules->ease > 0.0 ? rules->ease : 1.0;
@@ -187,14 +187,14 @@ static void a_step_from_balance_leaves_both_where_they_are( void** state )
         assert_true( d.oracle < 1e-12 );
         assert_true( d.strands > STRANDS / 2 );
     }
-    // where nothing is balanced the same strands fall by some of 36 g dt^2, which is 1e-4 m
+    // without balance the same strands fall by about 36 g dt^2, which is 1e-4 m
     const drift d = drift_in_a_step( &shape );
     assert_true( d.engine > 5e-5 && d.oracle > 5e-5 );
 }
 
-// ---- what would show ----
+// ---- sensitivity of the comparison ----
 
-// What is compared would not mean much if it did not tell a method from one that is nearly the same.
+// The comparison is meaningful only if it distinguishes a method from a similar one.
 static void a_hundredth_of_gravity_or_stiffness_shows( void** state )
 {
     (void)state;

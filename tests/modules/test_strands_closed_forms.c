@@ -1,5 +1,5 @@
-// Strands against closed forms: pendulums, chains, catenaries, rods, air; and answers that depend neither on the rate
-// of frames nor on the number of vertices.
+// Strands against closed forms: pendulums, chains, catenaries, rods, air; and independence of the frame rate and of
+// the number of vertices.
 #include "strands_fixture.h"
 
 static const float FRAME = 1.0f / 60.0f;
@@ -8,12 +8,12 @@ static const double GRAVITY = 9.81;
 enum
 {
     VERTICES_MAX = 96,
-    SUBSTEPS = 10, // from here on the direct solve is held to the closed forms
+    SUBSTEPS = 10, // from here on the direct solve is compared with the closed forms
 };
 
 // ---- one strand ----
 
-/// One strand of its own shape in a world of its own.
+/// One strand with a shape of its own in a separate world.
 typedef struct single
 {
     hosted s;
@@ -21,7 +21,7 @@ typedef struct single
     int count;
 } single;
 
-// A chain or a rod, straight without load; a form changes what it needs.
+// A chain or a rod, straight without load; a form changes the fields that it needs.
 static wisp_strand_dynamics_def plain_def( wisp_strand_bend bend )
 {
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
@@ -81,7 +81,8 @@ static void assert_fraction( double measured, double reference, double tolerance
 
 // ---- swings ----
 
-/// Times at which a value passes through 0, by straight lines between frames, and the largest values between them.
+/// Times at which a value passes through 0, by linear interpolation between frames, and the largest values between
+/// them.
 typedef struct intersections
 {
     double last, time[3], peak[2];
@@ -101,7 +102,7 @@ static void feed( intersections* c, int step, double value )
     c->last = value;
 }
 
-/// What of a strand swings about 0; `slope` is the direction of growth, x over y.
+/// Component of a strand that swings about 0; `slope` is the direction of growth, x over y.
 typedef double swing_reader( wisp_vec3 tip, double slope );
 
 static double read_angle( wisp_vec3 tip, double slope )
@@ -115,7 +116,7 @@ static double read_sideways( wisp_vec3 tip, double slope )
     return (double)tip.x - slope * (double)tip.y;
 }
 
-// Let go, until the value is back at 0 from the same side.
+// Released, until the value is back at 0 from the same side.
 static intersections swing( single* one, const wisp_vec3* start, swing_reader* read, double slope )
 {
     intersections c = { 0 };
@@ -163,10 +164,9 @@ static void a_pendulum_has_the_period_of_the_amplitude_it_swings( void** state )
         single one;
         open_single( &one, points, 2, SUBSTEPS, &def );
         const intersections c = swing( &one, points, read_angle, 0.0 );
-        // a swing loses a little of its amplitude, so the period is that of the mean of the two peaks it was timed
-        // over
+        // a swing loses a little of its amplitude, so the period is that of the mean of the two peaks around it
         assert_fraction( period_of( &c ), pendulum_period( 0.5 * ( c.peak[0] + c.peak[1] ) ), 1e-3, "pendulum, s" );
-        // and it loses no more than a tenth of the amplitude
+        // and it loses at most a tenth of the amplitude
         assert_true( c.peak[1] > 0.9 * angle && c.peak[0] < 1.001 * angle );
         close_single( &one );
     }
@@ -257,7 +257,7 @@ static void a_clamped_rod_swings_with_the_frequency_of_a_cantilever( void** stat
     wisp_vec3 points[COUNT];
     lay_mode( mode, 0.02 * SWING_LENGTH, SWING_LENGTH / ( COUNT - 1 ), COUNT, points );
     wisp_strand_dynamics_def def = plain_def( WISP_STRAND_BEND_ROD );
-    // as stiff as swings once a second: w = b^2 sqrt(EI / (mu L^4))
+    // stiff enough for one swing a second: w = b^2 sqrt(EI / (mu L^4))
     const double rate = 6.283185307179586 * SWING_LENGTH * SWING_LENGTH / ( b * b );
     def.bend_rigidity = (float)( (double)def.line_density * rate * rate );
     def.gravity = ( wisp_vec3 ){ 0.0f, 0.0f, 0.0f };
@@ -293,7 +293,7 @@ static void the_tension_of_a_chain_is_the_weight_below( void** state )
         assert_int_equal( wisp_read_strand_tension( one.s.world, one.e, tension ), WISP_OK );
         for ( int v = 0; v < COUNT; ++v )
         {
-            // rounding of positions over dt^2 is a force that differs from step to step; its mean does not matter
+            // rounding of positions over dt^2 is a force that differs between steps; the mean is not affected
             sums[v] += (double)tension[v] / STEPS;
         }
     }
@@ -367,12 +367,12 @@ static void a_heavy_rod_bends_as_the_elastica( void** state )
 
 // ---- falling heads ----
 
-/// A head that falls from rest for half a second, and how far its strands end from their shape.
+/// A head that falls from rest for half a second, and the final distance of its strands from their shape.
 typedef struct fall
 {
     strand_curve* curve;
     wisp_strand_bend bend;
-    int rate; // frames a second
+    int rate; // frames per second
     double bound;
 } fall;
 
@@ -388,7 +388,7 @@ static double drift_after( const fall* f )
     double depth = 0.0;
     for ( int step = 1; step <= f->rate / 2; ++step )
     {
-        // by the rule that a vertex follows: v += dt g, y += dt v
+        // by the integrator of a vertex: v += dt g, y += dt v
         depth = -0.5 * GRAVITY * dt * dt * step * ( step + 1 );
         const wisp_transform pose = { { 0.0f, 0.0f, 0.0f, 1.0f }, { 0.0f, (float)depth, 0.0f } };
         assert_int_equal( wisp_move_strand_head( s.world, e, pose ), WISP_OK );
@@ -408,9 +408,8 @@ static double drift_after( const fall* f )
 static void strands_whose_head_falls_freely_keep_their_shape( void** state )
 {
     (void)state;
-    // the head's way is rounded to 6e-8 m at 1 m, and a velocity of that lasts; a curled rod is pulled with the
-    // tension of a hanging one first and takes it back with the lengths, which costs an error of first order in the
-    // step
+    // the head's path is rounded to 6e-8 m at 1 m, which remains as a velocity; a curled rod first has the tension of
+    // a hanging one, which the length solve removes at an error of first order in the step
     static const fall FALLS[] = { { straight_out, WISP_STRAND_BEND_NONE, 60, 5e-6 },
                                   { straight_out, WISP_STRAND_BEND_ROD, 60, 5e-6 },
                                   { curl_down, WISP_STRAND_BEND_NONE, 60, 5e-6 },
@@ -440,7 +439,7 @@ static void a_level_strand_falls_no_faster_than_its_drag_lets_it( void** state )
     lay_straight( ( wisp_vec3 ){ 1.0f, 0.0f, 0.0f }, 0.1, 20, points );
     single one;
     open_single( &one, points, 20, SUBSTEPS, &def );
-    // v = v_t tanh(g t / v_t): a head that falls so never pulls on a level strand, which stays level with it
+    // v = v_t tanh(g t / v_t): a head that falls like this never pulls on a level strand, which stays level with it
     const double terminal = sqrt( (double)def.line_density * GRAVITY / drag_of( &def ) );
     double y = 0.0;
     for ( int step = 1; step <= 30; ++step )
@@ -512,7 +511,7 @@ typedef struct resting
     int substeps;
 } resting;
 
-// The farthest that a vertex gets from its place in 2 s, after 5 s of rest.
+// The largest distance of a vertex from its position in 2 s, after 5 s of rest.
 static double wavering_of( const resting* r )
 {
     hosted s;
@@ -568,8 +567,8 @@ static void rods_that_are_bent_at_rest_waver_by_less_than_a_sixteenth_of_their_t
     static const resting BENT[] = { { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 4 },
                                     { straight_out, WISP_STRAND_REST_STRAIGHT, 6.0f, 16 },
                                     { curl_down, WISP_STRAND_REST_SAG_FREE, 6.0f, 16 } };
-    // rounding of positions by 7e-9 m is a force, over dt^2, that differs from substep to substep and shakes what is
-    // not on the axis of its lengths
+    // rounding of positions by 7e-9 m is a force, over dt^2, that differs between substeps and shakes vertices that
+    // are off the axis of their segments
     assert_rests( BENT, WISP_COUNT( BENT ), 5e-6 );
 }
 
@@ -623,7 +622,7 @@ static void a_hair_hangs_the_same_with_any_number_of_vertices( void** state )
             fail_msg( "%d and %d vertices: the tips are %.3g m apart", COUNTS[k % 4], COUNTS[k / 4], apart );
         }
     }
-    // and what is left falls with the number of vertices
+    // and the remainder falls with the number of vertices
     assert_true( vec_distance( tips[2], tips[3] ) < vec_distance( tips[0], tips[1] ) );
 }
 

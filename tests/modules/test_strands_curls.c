@@ -1,5 +1,5 @@
-// Curled rods that hang in balance, at few substeps and at many: they stay where they are, nothing gains energy, and what a
-// substep cannot hold is told.
+// Curled rods that hang in balance, at few substeps and at many: they stay in place, nothing gains energy, and curls
+// that a substep cannot hold are reported.
 #include "strands_fixture.h"
 
 static const float FRAME = 1.0f / 60.0f;
@@ -13,7 +13,7 @@ enum
 
 static const float HEIGHT = 0.16f;     // m
 static const double RADIUS = 0.005;    // m
-static const double PITCH = 0.02;      // m a turn
+static const double PITCH = 0.02;      // m per turn
 static const double GRAVITY = 9.81;    // m/s^2
 static const double THICKNESS = 80e-6; // m, of a hair
 
@@ -37,13 +37,13 @@ static double arc_length( void )
 typedef struct course
 {
     double drift;  // m, the farthest at the end
-    double speed;  // m/s, the fastest at the end of any frame that was looked at
-    double energy; // J, how far motion and height rose above the start
+    double speed;  // m/s, the fastest at the end of any sampled frame
+    double energy; // J, largest rise of kinetic and potential energy above the start
     double weight; // N, of all strands
     uint64_t lightened;
 } course;
 
-// Motion and height of every vertex that moves.
+// Kinetic and potential energy of every vertex that moves.
 static double look( wisp_world* world, wisp_entity e, course* c )
 {
     const wisp_strand_topology* t = wisp_world_strands( world, e );
@@ -69,7 +69,7 @@ static double look( wisp_world* world, wisp_entity e, course* c )
     return energy;
 }
 
-// There and back by a fifth of a radian and 2 cm, in 0.3 s.
+// Back and forth by a fifth of a radian and 2 cm, in 0.3 s.
 static wisp_transform nod( int frame )
 {
     const float there = fminf( (float)frame / 6.0f, 1.0f ), back = fmaxf( 0.0f, (float)( frame - 12 ) / 6.0f );
@@ -111,8 +111,8 @@ static void balanced_curls_stay_at_any_number_of_substeps( void** state )
         const course c = run( vertices, substeps, &def, 0 );
         print_message( "%d vertices, %d substeps: %.2g mm, %.2g m/s, %.2g J\n", vertices, substeps, 1e3 * c.drift,
                        c.speed, c.energy );
-        // the balance is a fixed point of a substep of any length: what rounding of positions by 7e-9 m drives, without any
-        // damping, is less than the hair is thick, and lifts it by less
+        // the balance is a fixed point of a substep of any length: without damping, rounding of positions by 7e-9 m
+        // causes motion below the thickness of the hair, and a rise below that
         if ( !( c.drift < THICKNESS && c.energy < c.weight * THICKNESS ) )
         {
             fail_msg( "%d vertices, %d substeps: %.3g m from the start, %.3g J above it", vertices, substeps, c.drift,
@@ -126,7 +126,7 @@ static void curls_that_a_nod_has_moved_stay_slower_than_a_fall( void** state )
     (void)state;
     wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     def.damping = 1.0f;
-    // what falls through the length of a strand is that fast; the head has moved it with 0.2 m/s
+    // the speed of a fall through the length of a strand; the head has moved it at 0.2 m/s
     const double fall = sqrt( 2.0 * GRAVITY * arc_length() );
     for ( int k = 0; k < WISP_COUNT( SUBSTEPS ) * WISP_COUNT( COUNTS ); ++k )
     {
@@ -148,7 +148,7 @@ static void curls_that_feel_less_than_their_weight_are_counted( void** state )
     // once for every length of a substep
     assert_int_equal( run( 32, 8, &def, 0 ).lightened, STRANDS );
     assert_int_equal( run( 32, 32, &def, 0 ).lightened, 0 );
-    // who sags anyway feels all of it
+    // a strand that sags anyway carries all of it
     def.rest = WISP_STRAND_REST_SHAPE;
     const course sagging = run( 32, 8, &def, 0 );
     assert_int_equal( sagging.lightened, 0 );

@@ -1,5 +1,5 @@
-// The same bits for any number of workers, any instruction set and any host's loop, and the same as yesterday:
-// data/golden/strands.hash. WISP_GOLDEN=write in the environment writes that file anew.
+// The same bits for any number of workers, any instruction set and any loop of the host, and the same as in
+// data/golden/strands.hash. WISP_GOLDEN=write in the environment rewrites that file.
 #include "strands_fixture.h"
 #include "determinism_fixture.h"
 
@@ -23,13 +23,13 @@ typedef struct golden_case
     wisp_solver solver;
     int iterations;
     bool carried, blown, mixed; // by a head, by the wind and damped, on a grid
-    bool ball;                  // a sphere in the way
-    bool ghosts;                // others follow, and curves run through those
+    bool ball;                  // a sphere in their path
+    bool ghosts;                // with ghosts, and curves through those
     strand_curve* curve;
 } golden_case;
 
-// A helix that grows down. It turns by the angle whose cosine is 0.8: sums and products have the same bits everywhere, a library's
-// sine need not.
+// A helix that grows down. It turns by the angle whose cosine is 0.8: sums and products have the same bits
+// everywhere, which the sine of a library may not.
 static wisp_vec3 helix_down( int strand, int i, int count, float length )
 {
     const float radius = 0.12f * length, drop = 0.6f * length / (float)( count - 1 );
@@ -44,7 +44,7 @@ static wisp_vec3 helix_down( int strand, int i, int count, float length )
     return ( wisp_vec3 ){ 0.01f * (float)strand + x - x0, -drop * (float)i, z - z0 };
 }
 
-// Strands side by side over what is at the origin: some stick out, some are curled.
+// Strands side by side over the bodies at the origin: some stick out, some are curled.
 static wisp_vec3 fringe( int strand, int i, int count, float length )
 {
     const wisp_vec3 p = strand % 2 == 0 ? straight_out( 0, i, count, length ) : helix_down( 0, i, count, length );
@@ -81,7 +81,7 @@ static const golden_case cases[] = {
       .curve = fringe },
 };
 
-// Where no ghosts follow, ghosts and curves are the strands themselves.
+// Without ghosts, ghosts and curves are the strands themselves.
 typedef struct running
 {
     determinism_run base;
@@ -222,8 +222,8 @@ static void nudge( determinism_run* base )
     velocity[( VERTICES - 1 ) * 3 * WISP_LANES] = 1e-3f; // the tip of the first strand, along x
 }
 
-// Each worker has a grid of its own, and which one of several takes a pass is not determined. A grid covers all that strands
-// reach, and is warm where they have reached it before.
+// Each worker has a grid of its own, and the assignment of workers to passes is not determined. A grid covers the
+// reach of all strands, and is warm where they have been before.
 static determinism_case describe( int number )
 {
     const bool mixed = cases[number].mixed;

@@ -1,5 +1,5 @@
-// Strands under what has broken engines: heads that jump and spin, strands of a point, masses and stiffness far
-// apart, long steps, scenes of a tenth of a millimetre and of a hundred metres, numbers that are none.
+// Strands under conditions that have broken engines: heads that jump and spin, strands of a point, masses and
+// stiffness far apart, long steps, scenes of a tenth of a millimetre and of a hundred metres, NaN.
 #include "strands_fixture.h"
 
 static const float FRAME = 1.0f / 60.0f;
@@ -9,12 +9,12 @@ static const double GRAVITY = 9.81;
 enum
 {
     STRANDS = 5,
-    REST_FRAMES = 30, // of a head that stands still, in which strands are back at their lengths
+    REST_FRAMES = 30, // s of a head at rest, in which strands recover their lengths
     VERTICES_MAX = 20,
     POINTS_MAX = STRANDS * VERTICES_MAX,
 };
 
-// ---- ways to solve ----
+// ---- solvers ----
 
 typedef struct way
 {
@@ -40,24 +40,24 @@ static const int SUBSTEPS[] = { 1, 4, 10 };
 /// The pose of the head at the end of a frame; `size` is the length of the strands, m.
 typedef wisp_transform head_motion( int frame, float size );
 
-/// How much heavier a vertex is than the first one.
+/// Mass of a vertex relative to the first one.
 typedef double mass_profile( int i, int count );
 
 typedef struct hard_case
 {
     const char* name;
     head_motion* motion;
-    int motion_frames; // then it stands still
+    int motion_frames; // after that it rests
     int vertices;
-    float seconds;  // a frame; 0: 1/60
+    float seconds;  // s per frame; 0: 1/60
     float rigidity; // EI and GJ, N m^2; 0: the default's, negative: none
     float scale;    // of all lengths, with masses of the same material; 0: 1
     float teleport; // 0: the default's
-    float whip;     // times the speed that is tolerated, of a strand whose tip is light; 0: 1
+    float whip;     // factor of the tolerated speed, for a strand whose tip is light; 0: 1
     int collapsed;  // segments from the root on that have no length
     mass_profile* masses;
-    bool pumps_direct;    // the direct solve gains energy between light and heavy: no look at its speed and energy
-    bool outweighs_links; // one sweep of links a substep does not hold what hangs on far lighter vertices: no lengths
+    bool pumps_direct;    // the direct solve gains energy between light and heavy: speed and energy are not checked
+    bool outweighs_links; // one sweep of links does not hold far heavier vertices: lengths are not checked
 } hard_case;
 
 static wisp_transform nod( int frame, float size )
@@ -165,11 +165,11 @@ typedef struct cell
     wisp_vec3 rest[POINTS_MAX];
     float masses[POINTS_MAX];
     double size, seconds; // m, of a strand; s, of a frame
-    double head_speed; // m/s, the fastest that the head moves a vertex as if strands were stiff; jumps do not count
-    double speed;      // m/s, the fastest vertex
-    double strain;     // the largest of the last frame, over what rounding of positions makes of it
-    double energy;     // J
-    char why[200];     // the first thing that went wrong; empty: nothing
+    double head_speed;    // m/s, the largest speed of a vertex of a rigid strand on the head, without jumps
+    double speed;         // m/s, the fastest vertex
+    double strain;        // the largest error in the last frame, relative to that of rounding
+    double energy;        // J
+    char why[200];        // the first failure; empty: none
 } cell;
 
 static double scale_of( const hard_case* hard )
@@ -191,8 +191,8 @@ static void lay_cell( cell* c )
     }
 }
 
-// A scaled strand is as slender and of the same stuff: mass a length goes with the square, rigidity with the fourth
-// power.
+// A scaled strand has the same slenderness and material: mass per length scales with the square, rigidity with the
+// fourth power.
 static wisp_strand_dynamics_def def_of( const cell* c )
 {
     const hard_case* hard = c->hard;
@@ -247,7 +247,7 @@ static double largest_coordinate( wisp_vec3 p )
     return fmax( fabs( (double)p.x ), fmax( fabs( (double)p.y ), fabs( (double)p.z ) ) );
 }
 
-// What the segments of strand i are off by, over the segment; of links over the mean one. NaN if a coordinate is.
+// Relative length error of strand i, per segment; for links relative to the mean one. NaN if a coordinate is.
 static double strain_of( const cell* c, const wisp_vec3* points, int strand )
 {
     const int count = c->hard->vertices;
@@ -269,9 +269,9 @@ static double strain_of( const cell* c, const wisp_vec3* points, int strand )
     return worst;
 }
 
-// The direct solve lays out what is not within the definition's tolerance, and follow the leader is exact. One sweep
-// of links leaves what the accelerations of a substep make of the strand: at most a dt^2 for every link that hangs on
-// the first, a of gravity and twice what keeps a strand of that speed turning.
+// The direct solve resets strands beyond the definition's tolerance, and follow the leader is exact. One sweep of
+// links leaves an error due to the accelerations of a substep: at most a dt^2 for every link that hangs on the first,
+// a of gravity and twice the centripetal acceleration of a strand at that speed.
 static double tolerated_strain( const cell* c )
 {
     if ( c->way->stretch != WISP_STRAND_STRETCH_LINKS )
@@ -284,7 +284,7 @@ static double tolerated_strain( const cell* c )
 }
 
 // Energy of an elastic rod that is straight at rest, from the clamp on: EI / (2 L_i) |t_i - t_{i-1}|^2. EI is lowered
-// as the module's README says.
+// as the module's README describes.
 static double straight_energy( const cell* c, const wisp_vec3* points, wisp_transform head )
 {
     const int count = c->hard->vertices;
@@ -308,7 +308,7 @@ static double straight_energy( const cell* c, const wisp_vec3* points, wisp_tran
     return sum;
 }
 
-/// The curl of the fixture; a helix of radius r that grows by p a radian has the curvature r / (r^2 + p^2).
+/// The curl of the fixture; a helix of radius r that grows by p per radian has the curvature r / (r^2 + p^2).
 typedef struct curl_shape
 {
     double curvature, length; // 1/m, m
@@ -320,27 +320,27 @@ static curl_shape curl_of( const cell* c )
     return ( curl_shape ){ r / ( r * r + p * p ), 12.566 * sqrt( r * r + p * p ) };
 }
 
-// A curled rod is softened where dt^2 EI curvature^4 / line density is above 0.08: its shape is no longer the balance
-// it was cooked for, and it moves on and on. Speed and energy are only looked at where it is not softened.
+// A curled rod is softened where dt^2 EI curvature^4 / line density is above 0.08. Its cooked shape is then no longer
+// the balance, and it keeps moving, so speed and energy are checked only without softening.
 static bool is_softened( const cell* c )
 {
     const double dt = c->seconds / c->substeps, square = curl_of( c ).curvature * curl_of( c ).curvature;
     return dt * dt * (double)c->def.bend_rigidity * square * square > 0.08 * (double)c->def.line_density;
 }
 
-// What straightening a curl would set free.
+// Energy released by straightening a curl.
 static double curl_energy( const cell* c )
 {
     const curl_shape k = curl_of( c );
     return STRANDS * 0.5 * (double)c->def.bend_rigidity * k.curvature * k.curvature * k.length;
 }
 
-// J. Beside what is stored in the strands, tension carried on into the next substep and strands laid out add a
-// little, and a substep cannot tell heights apart that things fall through within it.
+// J. In addition to the stored energy of the strands, tension carried into the next substep and strand resets add a
+// little. A substep does not resolve the height of a fall within it.
 static double tolerated_rise( const cell* c, double mass )
 {
     const double weight = mass * GRAVITY * c->size, dt = c->seconds / c->substeps;
-    // a follower that hangs still keeps a velocity of g dt / (1 - share), which moves nothing: wrong momentum
+    // a follower that hangs at rest keeps a velocity of g dt / (1 - share), which moves nothing: wrong momentum
     const double v = GRAVITY * dt / ( 1.0 - (double)c->def.leader_correction );
     const double follower = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? 0.5 * mass * v * v : 0.0;
     const double curl = c->way->rest == WISP_STRAND_REST_SAG_FREE ? curl_energy( c ) : 0.0;
@@ -351,8 +351,8 @@ static double tolerated_speed( const cell* c )
 {
     const double dt = c->seconds / c->substeps;
     const double fraction = c->way->stretch == WISP_STRAND_STRETCH_FOLLOW ? (double)c->def.leader_correction : 0.0;
-    // a follower keeps a velocity of g dt / (1 - share), and links what a substep of falling gives them, as one sweep
-    // leaves some
+    // a follower keeps a velocity of g dt / (1 - share), and links that of one substep of falling, because one sweep
+    // leaves an error
     const double kept = c->way->stretch == WISP_STRAND_STRETCH_DIRECT ? 0.0 : GRAVITY * dt / ( 1.0 - fraction );
     const double whip = c->hard->whip > 0.0f ? (double)c->hard->whip : 1.0;
     // twice the head's, and twice that of a fall over two lengths
@@ -404,7 +404,7 @@ static void look_at_cell( cell* c, int frame )
     {
         blame( c, frame, "a number that should be finite", c->energy, 0.0 );
     }
-    // links take longer; the others owe their lengths in every frame
+    // links take longer; the other solvers must have their lengths in every frame
     if ( c->way->stretch != WISP_STRAND_STRETCH_LINKS && !( c->strain <= tolerated_strain( c ) ) )
     {
         blame( c, frame, "strain", c->strain, tolerated_strain( c ) );
@@ -452,7 +452,7 @@ static void run_cell( cell* c )
     close_world( &c->s );
 }
 
-// Says what fails in which cell. @return how many cells fail
+// Print the failure of each cell. @return number of cells that fail
 static int run_cases( const way* w, int substeps )
 {
     int failures = 0;
@@ -520,7 +520,7 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
         {
             blame( &c, POSES + REST, "strain", c.strain, tolerated_strain( &c ) );
         }
-        // nothing but the solver takes energy away
+        // only the solver removes energy
         if ( !( slow < 0.5 * fast ) )
         {
             blame( &c, POSES + REST, "speed, m/s,", slow, 0.5 * fast );
@@ -533,7 +533,7 @@ static void after_random_poses_of_the_head_strands_come_back_and_slow_down( void
     }
 }
 
-// ---- numbers that are none ----
+// ---- NaN ----
 
 static void a_nan_in_one_position_halts_that_entity_alone( void** state )
 {
@@ -544,7 +544,7 @@ static void a_nan_in_one_position_halts_that_entity_alone( void** state )
         hosted s;
         open_strands( &s, 4, 1, 1 );
         const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
-        // more than a group each
+        // more than one group each
         const wisp_entity sound = add_moving( s.world, 20, 12, straight_out, 0.1f, &def );
         const wisp_entity sick = add_moving( s.world, 20, 12, curl_down, 0.1f, &def );
         strand_steps( s.world, 3, FRAME );
@@ -570,8 +570,8 @@ static void a_nan_in_one_position_halts_that_entity_alone( void** state )
     assert_memory_equal( hashes[0], hashes[1], sizeof( hashes[0] ) );
 }
 
-// Straight or wavy hair that sticks out, of 1 cm to 1 m with 8 to 96 vertices: what is too soft for its shape sags and comes
-// to rest. Before rest shapes were bounded, all from 0.14 m on whipped for ever, at 2 to 25 m/s.
+// Straight or wavy hair that sticks out, of 1 cm to 1 m with 8 to 96 vertices: hair too soft for its shape sags and
+// comes to rest. Before rest shapes were bounded, all from 0.14 m on moved for ever, at 2 to 25 m/s.
 static wisp_vec3 wave_out( int strand, int i, int count, float length )
 {
     const float t = (float)i / (float)( count - 1 );

@@ -1,5 +1,6 @@
-// The passes of a substep of strands run together where nothing else is among them (join "strands.substeps"). Every bit has to be
-// as if they ran one after another: the same strands run in a world where a pass of a stranger keeps them apart.
+// The passes of a substep of strands are fused where no other pass runs between them (fusion "strands.substeps").
+// Every bit must be as if they ran one after another: the same strands run in a world where a pass of another module
+// prevents the fusion.
 #include "modules/strands_fixture.h"
 
 #include "wisp/explain.h"
@@ -10,10 +11,10 @@
 enum
 {
     STRANDS = 75, // five groups: two pairs and one alone
-    STEPS = 20,   // so that each substep is timed once at least
+    STEPS = 20,   // so that each substep is timed at least once
 };
 
-// ---- a stranger among the passes ----
+// ---- a pass of another module ----
 
 static wisp_component stranger_mark;
 
@@ -235,7 +236,8 @@ static void every_bit_is_as_if_passes_ran_one_after_another( void** state )
     assert_true( laid > 0 );
 }
 
-// What the guard is told was seen in the loop, it must have seen; where the last substep is timed nobody has.
+// What the guard takes as checked in the loop must have been checked there; where the last substep is timed, nothing
+// was.
 static void what_leaves_its_bounds_is_put_back_all_the_same( void** state )
 {
     (void)state;

@@ -1,4 +1,4 @@
-// Teleports: an entity that is moved at once goes on as if it had always been there.
+// Teleports: an entity that is moved at once continues as if it had always been there.
 #include "effects_fixture.h"
 
 enum

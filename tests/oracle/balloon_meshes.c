@@ -206,7 +206,7 @@ int balloon_mesh_farthest( const balloon_mesh* mesh, double3 direction )
     return farthest;
 }
 
-// What a mesh says about itself.
+// Topology of a mesh.
 
 typedef struct half_edge
 {
@@ -256,7 +256,8 @@ static void count_faults( balloon_mesh_topology* topology )
     }
 }
 
-// Shells by repeated sweeps: a triangle takes the lowest number that it sees across an edge, until nothing changes.
+// Shells by repeated sweeps: a triangle takes the lowest number of its neighbours across edges, until nothing
+// changes.
 static void number_shells( const balloon_mesh* mesh, balloon_mesh_topology* topology )
 {
     int* component = topology->triangle_shell;
@@ -456,7 +457,7 @@ bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped )
     return sound;
 }
 
-// next[v] is where the border goes on from v, against the direction of the triangle that has the border edge.
+// next[v] is the vertex after v on the border, against the direction of the triangle at the border edge.
 static bool link_border( const balloon_mesh* mesh, const balloon_mesh_topology* topology, int* next )
 {
     for ( int v = 0; v < mesh->vertex_count; ++v )
@@ -521,8 +522,8 @@ bool balloon_mesh_capped_volume( const balloon_mesh* mesh, double* volume )
     return sound;
 }
 
-// Give every vertex of the loop that begins at a vertex its hub, and the hub its place.
-// @return false when the border does not come back
+// Assign a hub to every vertex of the loop that begins at a vertex, and compute the hub's position.
+// @return false when the border does not return to its start
 static bool add_hub( balloon_mesh* capped, const int* next, int start, int vertex_count, int* hub )
 {
     int at = capped->vertex_count, count = 0;
@@ -574,7 +575,7 @@ bool balloon_mesh_cap( const balloon_mesh* mesh, balloon_mesh* capped, int* hub 
         return false;
     }
     size_t n = (size_t)mesh->vertex_count, m = 3 * (size_t)mesh->triangle_count;
-    size_t borders = (size_t)topology.border_count; // at most so many hubs, exactly so many triangles
+    size_t borders = (size_t)topology.border_count; // upper bound of hubs, exact number of triangles
     *capped = ( balloon_mesh ){ .vertex_count = mesh->vertex_count, .triangle_count = mesh->triangle_count };
     capped->positions = calloc( n + borders + 1, sizeof( double3 ) );
     capped->triangles = calloc( m + 3 * borders + 1, sizeof( int ) );

@@ -1,5 +1,5 @@
-/// Small meshes for the tests of cloth and balloons, made from scratch, and what a mesh says about itself: its edges,
-/// its bend pairs, and what is wrong with it. Triangles are counter-clockwise seen from outside.
+/// Small meshes for the tests of cloth and balloons, made from scratch, and the topology of a mesh: its edges, its
+/// bend pairs and its defects. Triangles are counter-clockwise seen from outside.
 #pragma once
 
 #include "double3.h"
@@ -13,20 +13,20 @@ typedef struct balloon_mesh
     int* triangles;     ///< [3 * triangle_count]
 } balloon_mesh;
 
-// Makers. Each returns false when memory runs out; then nothing needs to be destroyed.
+// Functions that make meshes. Each returns false when memory runs out; then nothing needs to be destroyed.
 
 bool balloon_mesh_two_triangles( balloon_mesh* mesh, double edge ); ///< open, equilateral, flat, share the edge 0 1
 bool balloon_mesh_tetrahedron( balloon_mesh* mesh, double edge );   ///< regular, V = edge^3 / (6 sqrt 2)
 bool balloon_mesh_cube( balloon_mesh* mesh, double edge );          ///< twelve triangles, a corner at the origin
 
-/// Two tetrahedra on a common triangle that is no face: the edges of that triangle have three common neighbours.
+/// Two tetrahedra that share a triangle which is not a face: the edges of that triangle have three common neighbours.
 bool balloon_mesh_bipyramid( balloon_mesh* mesh, double edge );
 
 /// 20 * 4^level triangles, vertices on the sphere.
 bool balloon_mesh_icosphere( balloon_mesh* mesh, int level, double radius );
 
-/// An icosphere drawn out to one side and dented: closed, genus 0, no symmetry. Stands for the scanned figure of the
-/// source.
+/// An icosphere drawn out to one side and dented: closed, genus 0, no symmetry. Replaces the scanned figure of the
+/// paper.
 bool balloon_mesh_pear( balloon_mesh* mesh, int level, double radius );
 
 /// A torus about the y axis, genus 1: around * across * 2 triangles.
@@ -37,27 +37,27 @@ bool balloon_mesh_join( balloon_mesh* mesh, const balloon_mesh* a, const balloon
 
 void balloon_mesh_destroy( balloon_mesh* mesh );
 
-/// The index of the vertex farthest along a direction, the lowest of equals.
+/// Find the vertex farthest along a direction. Ties go to the lowest index.
 int balloon_mesh_farthest( const balloon_mesh* mesh, double3 direction );
 
-/// One edge, with what is across it.
+/// One edge and the vertices opposite to it.
 typedef struct balloon_mesh_edge
 {
     int a, b;        ///< a < b
-    int uses;        ///< triangles that have it: 1 border, 2 interior, more than 2 non-manifold
-    int ascending;   ///< of those, how many run from a to b; 1 of 2 when winding is consistent
+    int uses;        ///< triangles at the edge: 1 open edge, 2 interior, more than 2 non-manifold
+    int ascending;   ///< number of them that run from a to b; 1 of 2 when winding is consistent
     int triangle[2]; ///< the first two, in ascending order; -1 when there is none
     int opposite[2]; ///< their third vertices; -1 when there is none
 } balloon_mesh_edge;
 
-/// The edges of a mesh in ascending order of (a, b), and counts of what is refused.
+/// The edges of a mesh in ascending order of (a, b), and counts of defects.
 typedef struct balloon_mesh_topology
 {
     int edge_count;
     balloon_mesh_edge* edges;
     int* triangle_edge;  ///< [3 * triangle_count], the edge from corner k to k + 1
-    int* triangle_shell; ///< [triangle_count], which connected piece
-    int component_count; ///< pieces connected through edges
+    int* triangle_shell; ///< [triangle_count], number of its connected component
+    int component_count; ///< components connected through edges
     int border_count;    ///< edges with one triangle: the mesh is open
     int crossed_count;   ///< interior edges that both triangles run along in the same direction
     int crowded_count;   ///< edges with more than two triangles
@@ -85,9 +85,10 @@ int balloon_mesh_bend_pairs( const balloon_mesh_topology* topology, int* pairs )
 /// @return false when a shell has no consistent winding (one-sided), or when memory runs out
 bool balloon_mesh_orient( balloon_mesh* mesh, int* flipped );
 
-/// The mesh with every hole closed by a fan of real triangles around a new vertex at the mean of its border (`allow_open`).
-/// New vertices come behind the old ones, new triangles behind the old ones.
-/// @param hub receives [vertex_count of the open mesh] the new vertex of the border it is on, -1 elsewhere
+/// Close every hole with a fan of real triangles around a new vertex at the mean of its border (`allow_open`). New
+/// vertices and triangles follow the old ones.
+/// @param hub receives [vertex_count of the open mesh] the new vertex of the border that the vertex is on, -1
+///        elsewhere
 /// @return false when a border is not a set of simple loops, or when memory runs out; then nothing needs to be destroyed
 bool balloon_mesh_cap( const balloon_mesh* mesh, balloon_mesh* capped, int* hub );
 

@@ -7,7 +7,7 @@ static const double pi = 3.14159265358979323846;
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-// Rigid pieces.
+// Rigid motion.
 
 double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v )
 {
@@ -55,7 +55,7 @@ double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_or
 {
     balloon_oracle_matrix a = *symmetric;
     *axes = ( balloon_oracle_matrix ){ { { 1.0, 0.0, 0.0 }, { 0.0, 1.0, 0.0 }, { 0.0, 0.0, 1.0 } } };
-    // convergence is quadratic: five sweeps reach rounding, eight leave no doubt
+    // convergence is quadratic: five sweeps reach rounding, eight are a safe number
     for ( int sweep = 0; sweep < 8; ++sweep )
     {
         rotate_plane( &a, axes, 0, 1 );

@@ -1,4 +1,4 @@
-/// The balloon in plain double precision: the method's equations one by one, the closed forms that judge them, and a
+/// The balloon in plain double precision: the method's equations one by one, the closed forms that check them, and a
 /// body that steps through them in the order of the specification.
 ///
 /// Equation numbers and switch names are those of the balloon paper (balloons by PBD and gas law, a Korean conference
@@ -33,7 +33,7 @@ typedef enum balloon_oracle_reading
     BALLOON_ORACLE_PRESSURE_MULTIPLIER, ///< lambda_V / dt^2 of the last substep
 } balloon_oracle_reading;
 
-/// How the angle between motion and normal weighs the drag.
+/// How the angle between motion and normal weights the drag.
 typedef enum balloon_oracle_drag
 {
     BALLOON_ORACLE_DRAG_MAX,    ///< against v, weighted with max( 0, v.n ): the textbook drag (default)
@@ -49,7 +49,7 @@ typedef enum balloon_oracle_spin
     BALLOON_ORACLE_SPIN_PRINTED, ///< omega accumulates, R(dq) of one step turns the positions, velocities stay
 } balloon_oracle_spin;
 
-// ---- rigid pieces: matrix and quaternion ----
+// ---- rigid motion: matrix and quaternion ----
 
 typedef struct balloon_oracle_matrix
 {
@@ -64,11 +64,11 @@ typedef struct balloon_oracle_quaternion
 double3 balloon_oracle_apply( const balloon_oracle_matrix* matrix, double3 v );
 
 /// Eigenvalues of a symmetric matrix (cyclic Jacobi).
-/// @param axes receives the unit eigenvectors, one a column
+/// @param axes receives the unit eigenvectors, one per column
 double3 balloon_oracle_eigen( const balloon_oracle_matrix* symmetric, balloon_oracle_matrix* axes );
 
-/// Pseudo-inverse of a symmetric matrix: eigenvalues below 1e-12 of the largest count as 0, so that a body whose
-/// vertices stand on a line has no spin about it.
+/// Pseudo-inverse of a symmetric matrix. Eigenvalues below 1e-12 of the largest count as 0, so a body whose vertices
+/// are on a line has no spin about it.
 balloon_oracle_matrix balloon_oracle_pseudo_inverse( const balloon_oracle_matrix* symmetric );
 
 /// Eq. 15: q + dt/2 (0, omega) q, normalised; omega in world axes, rad/s.
@@ -90,12 +90,12 @@ double3 balloon_oracle_velocity( double3 x, double3 p, double dt );
 
 // ---- geometry of the skin ----
 
-/// Vertex masses from an areal density: a third of every incident triangle, kg.
+/// Vertex masses from an areal density, kg: a third of the mass of every incident triangle.
 void balloon_oracle_masses( const double3* x, int vertex_count, const int* triangles, int triangle_count,
                             double areal_density, double* mass );
 
 /// Unit vertex normals weighted by area, and A_i, a third of the incident areas, m^2. A triangle without area adds
-/// nothing; a normal whose sum cancels (below 1e-12 of the incident areas) is the zero vector.
+/// nothing; a normal whose sum cancels (below 1e-12 of the incident areas) is zero.
 /// @return how many normals are zero
 int balloon_oracle_skin( const double3* x, int vertex_count, const int* triangles, int triangle_count,
                          double3* normal, double* area );
@@ -120,8 +120,9 @@ double3 balloon_oracle_angular_momentum( const double3* x, const double3* v, con
 
 // ---- open meshes ----
 
-/// An open skin whose holes are closed by fans (`allow_open`): V is that of the closed mesh, as a function of the skin's own
-/// vertices. A hub is the mean of its border, so a border vertex also has its share of the hub's gradient.
+/// An open skin whose holes are closed by fans (`allow_open`). V is the volume of the closed mesh, as a function of
+/// the skin's own vertices. A hub is the mean of its border, so a border vertex also receives its fraction of the
+/// hub's gradient.
 typedef struct balloon_oracle_caps
 {
     int vertex_count, triangle_count; ///< of the closed mesh
@@ -140,7 +141,7 @@ void balloon_oracle_destroy_caps( balloon_oracle_caps* caps );
 /// V of the skin with its fans, m^3.
 double balloon_oracle_capped_volume( balloon_oracle_caps* caps, const double3* p );
 
-/// grad_i V of the skin's vertices, m^2: with the chain rule through the hubs, so that they sum to 0.
+/// grad_i V at the skin's vertices, m^2, with the chain rule through the hubs, so that the gradients sum to 0.
 void balloon_oracle_capped_gradient( balloon_oracle_caps* caps, const double3* p, double3* gradient );
 
 /// pbd (stiffness in (0, 1], alpha 0) or xpbd (stiffness 1) of C = V - target.
@@ -183,9 +184,8 @@ double3 balloon_oracle_buoyancy( double3 gravity, double volume, double air_dens
 
 /// Eq. 11 resolved: the drag on one vertex, N.
 /// @param coefficient 1/2 rho_air C_d A_i, kg/m
-/// @param limit_rate dt w: the force is divided by 1 + c |v| dt w, so that an explicit step never reverses v; 0 is
-/// the
-///        plain force. A thrust (c < 0, only with `signed`) has the same limit.
+/// @param limit_rate dt w: the force is divided by 1 + c |v| dt w, so that an explicit step never reverses v; 0
+///        disables the limit. A thrust (c < 0, only with `signed`) has the same limit.
 double3 balloon_oracle_drag_force( balloon_oracle_drag drag, double coefficient, double3 v, double3 normal,
                                    double limit_rate );
 
@@ -194,8 +194,8 @@ double3 balloon_oracle_drag_force( balloon_oracle_drag drag, double coefficient,
 /// v_e = sqrt( 2 max( 0, P - P_atm ) / rho_He ), m/s.
 double balloon_oracle_outlet_speed( double gauge_pressure, double gas_density );
 
-/// Eq. 12 with a constant frozen at the start for comparison: sqrt( 2 max( 0, P_start - P ) / rho ), which
-/// speeds up as the balloon empties.
+/// Eq. 12 with a constant frozen at the start, for comparison: sqrt( 2 max( 0, P_start - P ) / rho ), which grows as
+/// the balloon empties.
 double balloon_oracle_outlet_speed_printed( double start_pressure, double pressure, double gas_density );
 
 /// mdot = rho_He A_h v_e, kg/s.
@@ -246,7 +246,7 @@ double balloon_oracle_true_shell_inertia( double mass, double radius );
 
 // ---- the body ----
 
-/// Everything that is not shape. Start from balloon_oracle_default_options(). May be changed between steps.
+/// All parameters except the shape. Start from balloon_oracle_default_options(). May be changed between steps.
 typedef struct balloon_oracle_options
 {
     double dt;      ///< s, one frame, default 1/60
@@ -270,26 +270,26 @@ typedef struct balloon_oracle_options
     double structural_stiffness;                       ///< N/m, k_edge, default 2000; also the virial's
     double bend_stiffness;                             ///< N/m, k_edge of bend pairs, default 20
     double velocity_decay;                             ///< 1/s, v *= exp( -decay h ) after (2), default 0
-    double close_at, open_at;                          ///< shares of P_atm, defaults 1e-4 and 5e-4
-    double min_volume; ///< V_min / V_rest, default 1: the guard V_0 >= V_rest. Less lets the end shape crumple
+    double close_at, open_at;                          ///< fractions of P_atm, defaults 1e-4 and 5e-4
+    double min_volume; ///< V_min / V_rest, default 1: the guard V_0 >= V_rest; with less the final shape crumples
     double inflow;     ///< Q, m^3/s at atmospheric pressure, default 0
     bool outlet_open;  ///< the user's valve, default shut
 } balloon_oracle_options;
 
 balloon_oracle_options balloon_oracle_default_options( void );
 
-/// The shape. Copied; may die after the call.
+/// The shape. Copied; need not outlive the call.
 typedef struct balloon_oracle_def
 {
     int vertex_count, triangle_count, structural_count, bend_count;
     const double3* positions; ///< [vertex_count], the rest shape and the first shape, m
     const double* mass;       ///< [vertex_count], skin only, > 0, kg
     const bool* pinned;       ///< [vertex_count], or null
-    const int* triangles;     ///< [3 * triangle_count], one closed shell; turned inside out when V < 0
-    bool allow_open;          ///< the shell may have holes, fans close them for V
+    const int* triangles;     ///< [3 * triangle_count], one closed shell; its winding is reversed when V < 0
+    bool allow_open;          ///< the shell may have holes; fans close them for V
     const int* structural;    ///< [2 * structural_count], projected in this order
     const int* bend;          ///< [2 * bend_count], opposite vertices of interior edges, projected in this order
-    int outlet_vertex;        ///< where the hole is; -1: no hole
+    int outlet_vertex;        ///< vertex of the outlet; -1: no outlet
     const int*
         outlet_patch; ///< [outlet_patch_count] triangles, their area vector replaces a cancelled normal, or null
     int outlet_patch_count;
@@ -301,15 +301,15 @@ typedef struct balloon_oracle_forces
     double3 gravity, buoyancy, drag, jet;
 } balloon_oracle_forces;
 
-/// What went wrong at run time, since creation.
+/// Counts of numerical failures and limits reached, since creation.
 typedef struct balloon_oracle_counters
 {
     constraint_oracle_skips skips; ///< of all projections
     int zero_normals;              ///< vertices whose normal cancelled, summed over substeps
     int clamped_volumes;           ///< substeps with V below 1e-3 V_rest
     int silent_outlets;            ///< substeps whose open outlet had no normal
-    int fast_outlets;              ///< substeps beyond 300 m/s, where incompressible Bernoulli ends
-    int jet_starts;                ///< how often the jet came on: chatter would show here
+    int fast_outlets;              ///< substeps beyond 300 m/s, above which incompressible Bernoulli is invalid
+    int jet_starts;                ///< how often the jet started: shows chatter
 } balloon_oracle_counters;
 
 /// The state. Fields may be read at any time, and x, v, gas_volume written between steps.
@@ -326,7 +326,7 @@ typedef struct balloon_oracle
     double total_mass;
     double rest_volume;   ///< V_rest
     double gas_volume;    ///< V_0: volume of the gas at atmospheric pressure, target of the constraint
-    double volume;        ///< V of x at the start of the last substep, clamped as (9) sees it
+    double volume;        ///< V of x at the start of the last substep, clamped as Eq. 9 uses it
     double volume_lambda; ///< of the last substep
     double h;             ///< length of the last substep, s; 0 before the first
     double gauge;         ///< P - P_atm in use, Pa
@@ -344,27 +344,28 @@ typedef struct balloon_oracle
     balloon_oracle_counters counters;
 } balloon_oracle;
 
-/// Refuse what the method cannot take, else make a body at rest with V_0 = V_rest.
+/// Check the definition and make a body at rest with V_0 = V_rest.
 /// @param error receives one message that names the vertex, edge or triangle; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status balloon_oracle_create( const balloon_oracle_def* def, const balloon_oracle_options* options,
                                    balloon_oracle* out, wisp_error* error );
 
-/// The same from a mesh: masses from an areal density (kg/m^2), every edge structural, every pair across an edge a
-/// bend.
+/// Make the same from a mesh: masses from an areal density (kg/m^2), every edge structural, every pair across an edge
+/// a bend.
 wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double areal_density, int outlet_vertex,
                                              const balloon_oracle_options* options, balloon_oracle* out,
                                              wisp_error* error );
 
 void balloon_oracle_destroy( balloon_oracle* balloon );
 
-/// P - P_atm by one of the three readings, from the present x and the last substep's lambda; virial is clamped at 0.
+/// P - P_atm by one of the three readings, from the present x and the last substep's lambda; the virial is clamped at
+/// 0.
 double balloon_oracle_gauge( const balloon_oracle* balloon, balloon_oracle_reading reading );
 
 /// V of the present x, m^3, not clamped.
 double balloon_oracle_present_volume( const balloon_oracle* balloon );
 
-/// One frame: section 4, `substeps` times. In every substep: geometry; inflow; pressure, hysteresis, mdot; forces;
-/// spin; (1); iterations of all structural, all bend, one volume; (2) and decay; diagnostics.
-/// The outlet takes no more than V_0 has above its guard, so impulse and mass balance close to rounding.
+/// Advance one frame: section 4, `substeps` times. Each substep computes geometry; inflow; pressure, hysteresis,
+/// mdot; forces; spin; (1); iterations of all structural links, all bends and one volume; (2) and decay; diagnostics.
+/// The outlet takes no more than V_0 has above its guard, so impulse and mass balance to rounding.
 void balloon_oracle_step( balloon_oracle* balloon );

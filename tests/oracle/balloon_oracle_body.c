@@ -40,7 +40,7 @@ balloon_oracle_options balloon_oracle_default_options( void )
     return options;
 }
 
-// What the method cannot take.
+// Check the definition.
 
 static wisp_status check_options( const balloon_oracle_options* o, wisp_error* error )
 {
@@ -129,7 +129,7 @@ static wisp_status check_edge( const balloon_mesh_edge* edge, bool allow_open, w
 
 static wisp_status check_shell( const balloon_oracle_def* def, wisp_error* error )
 {
-    // the topology reads these two arrays and nothing else, and writes neither
+    // the topology only reads these two arrays
     balloon_mesh mesh = { .vertex_count = def->vertex_count, .triangle_count = def->triangle_count };
     mesh.triangles = calloc( 3 * (size_t)def->triangle_count, sizeof( int ) );
     balloon_mesh_topology topology;
@@ -272,7 +272,7 @@ static void copy_def( const balloon_oracle_def* def, balloon_oracle* b )
     copy_links( b->x, def->bend, def->bend_count, b->bend );
 }
 
-// A closed skin needs no caps, and keeps to the plain equations.
+// A closed skin needs no caps and uses the plain equations.
 static bool cap( balloon_oracle* b )
 {
     balloon_mesh mesh = { b->vertex_count, b->triangle_count, b->x, b->triangles };
@@ -374,7 +374,7 @@ wisp_status balloon_oracle_create_from_mesh( const balloon_mesh* mesh, double ar
     return status;
 }
 
-// Readings.
+// Measured values.
 
 double balloon_oracle_present_volume( const balloon_oracle* b )
 {
@@ -418,7 +418,7 @@ static void measure( balloon_oracle* b )
         balloon_oracle_skin( b->x, b->vertex_count, b->triangles, b->triangle_count, b->normal, b->area );
 }
 
-// The outlet's own normal, else the area vector of its patch, else none.
+// The outlet's own normal, else that of its patch's area vector, else zero.
 static double3 find_outlet_normal( const balloon_oracle* b )
 {
     double3 normal = b->normal[b->outlet_vertex], sum = zero;
@@ -451,8 +451,8 @@ static void read_pressure( balloon_oracle* b )
     b->counters.fast_outlets += b->outlet_speed > 300.0 ? 1 : 0;
 }
 
-// Step 3, the gas that leaves within one substep. It is what V_0 has above its guard at most, and the reaction
-// follows what really leaves.
+// Step 3, the gas that leaves within one substep. It is at most what V_0 has above its guard, and the reaction
+// follows the amount that leaves.
 static void let_gas_out( balloon_oracle* b, double h )
 {
     const balloon_oracle_options* o = &b->options;
@@ -480,7 +480,7 @@ static double3 fraction( const balloon_oracle* b, int i, double3 force )
     return double3_scale( b->mass[i] / b->total_mass, force );
 }
 
-// Step 4. Buoyancy and jet are shared by mass, which gives no torque about the centre.
+// Step 4. Buoyancy and jet are distributed by mass, which gives no torque about the centre.
 static void gather_forces( balloon_oracle* b, double h )
 {
     const balloon_oracle_options* o = &b->options;
@@ -614,7 +614,7 @@ static void move( balloon_oracle* b, double h )
     }
 }
 
-// Step 9: the orientation follows what the particles do; `printed` follows its own accumulated omega.
+// Step 9: the orientation follows the particles; `printed` follows its own accumulated omega.
 static void diagnose( balloon_oracle* b, double h )
 {
     if ( b->options.spin == BALLOON_ORACLE_SPIN_KICK )

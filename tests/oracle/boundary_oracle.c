@@ -21,7 +21,7 @@ int boundary_oracle_count( double length, double d, boundary_oracle_rounding rou
 bool boundary_oracle_may_stay( int count, double length, double d, boundary_oracle_rounding rounding,
                                double hysteresis )
 {
-    // the ratios from which on and up to which the count is 0
+    // lower bound of the ratios with count 0, for each rounding
     const double lower[] = { 0.0, -0.5, -1.0 };
     const double ratio = length / d, from = count + lower[rounding];
     return ratio > from - hysteresis && ratio < from + 1.0 + hysteresis;

@@ -14,20 +14,20 @@
 
 // ---- switches ----
 
-/// Where points of an edge or of a line stand.
+/// How points are placed on an edge or a line.
 typedef enum boundary_oracle_policy
 {
-    BOUNDARY_ORACLE_EVEN,  ///< n equal parts, points between them: what the program does (default)
-    BOUNDARY_ORACLE_EXACT, ///< i d from the first end, i = 1..n, none on the second end: what the README prints
+    BOUNDARY_ORACLE_EVEN,  ///< n equal parts, points between them, as the program does (default)
+    BOUNDARY_ORACLE_EXACT, ///< i d from the first end, i = 1..n, none on the second end, as the README prints
     BOUNDARY_ORACLE_POLICY_COUNT,
 } boundary_oracle_policy;
 
-/// How L / d becomes n.
+/// How L / d is rounded to n.
 typedef enum boundary_oracle_rounding
 {
     BOUNDARY_ORACLE_DOWN,    ///< floor, as printed (default)
-    BOUNDARY_ORACLE_NEAREST, ///< a half goes up
-    BOUNDARY_ORACLE_UP,      ///< with even spacing no gap is above d
+    BOUNDARY_ORACLE_NEAREST, ///< halves round up
+    BOUNDARY_ORACLE_UP,      ///< no gap of even spacing is above d
     BOUNDARY_ORACLE_ROUNDING_COUNT,
 } boundary_oracle_rounding;
 
@@ -43,23 +43,23 @@ typedef enum boundary_oracle_normals
 /// round( length / d ), >= 0.
 int boundary_oracle_count( double length, double d, boundary_oracle_rounding rounding );
 
-/// Hysteresis: may a count stay, because length / d is within `hysteresis` of the interval where that is the count?
+/// Hysteresis: true if a count may stay, because length / d is within `hysteresis` of the interval with that count.
 bool boundary_oracle_may_stay( int count, double length, double d, boundary_oracle_rounding rounding,
                                double hysteresis );
 
-/// How many points a count gives: even n - 1, exact those of i = 1..n with i d < length - 1e-6 d; never negative.
+/// Number of points for a count: even n - 1, exact those of i = 1..n with i d < length - 1e-6 d; never negative.
 int boundary_oracle_points( int n, double length, double d, boundary_oracle_policy policy );
 
-/// Where point i stands, as a share of the length: i / n, or i d / length.
+/// Position of point i as a fraction of the length: i / n, or i d / length.
 double boundary_oracle_fraction( int i, int n, double length, double d, boundary_oracle_policy policy );
 
-/// The count and the line above in one.
+/// Number of points for a length: both functions above in one call.
 int boundary_oracle_points_of_length( double length, double d, boundary_oracle_policy policy,
                                       boundary_oracle_rounding rounding );
 
 // ---- lines inside a triangle ----
 
-/// The shortest edge of a triangle and what stands on it.
+/// The shortest edge of a triangle and its height.
 typedef struct boundary_oracle_axis
 {
     int edge;       ///< local: from corner `edge` to the next one; the lowest of equals
@@ -77,13 +77,13 @@ boundary_oracle_axis boundary_oracle_axis_of( const double3 corner[3] );
 /// The same on a given edge.
 boundary_oracle_axis boundary_oracle_axis_on( const double3 corner[3], int edge );
 
-/// The height as printed: dot( s, a ), which depends on where the origin is.
+/// The height as printed: dot( s, a ), which depends on the origin.
 double boundary_oracle_height_printed( const boundary_oracle_axis* axis, const double3 corner[3] );
 
-/// Length of line k of nt, m: base (1 - q), q its share of the height.
+/// Length of line k of nt, m: base (1 - q), where q is its fraction of the height.
 double boundary_oracle_line_length( double base, double q );
 
-/// Weights of the point at share r of the line at share q: (1 - q)(1 - r) on a, (1 - q) r on b, q on c.
+/// Weights of the point at fraction r of the line at fraction q: (1 - q)(1 - r) on a, (1 - q) r on b, q on c.
 /// @param weight receives them in the triangle's own order of corners
 void boundary_oracle_weights( const boundary_oracle_axis* axis, double q, double r, double weight[3] );
 
@@ -92,8 +92,8 @@ bool boundary_oracle_weights_by_area( const double3 corner[3], double3 y, double
 
 // ---- normals ----
 
-/// Unit vertex normals: the mean of the UNIT normals of incident faces, normalised. A face without area, or with a corner
-/// that is not finite, adds nothing; a vertex without faces, or whose faces cancel (below 1e-12), has 0.
+/// Unit vertex normals: the normalised mean of the unit normals of incident faces. A face without area, or with a
+/// corner that is not finite, adds nothing. A vertex without faces, or whose normals cancel (below 1e-12), has 0.
 void boundary_oracle_vertex_normals( const double3* x, int vertex_count, const int* triangles, int triangle_count,
                                      double3* normal );
 
@@ -110,15 +110,15 @@ double3 boundary_oracle_edge_normal( double3 n0, double3 n1, double tau );
 double3 boundary_oracle_inner_normal( const double3 normal[3], const boundary_oracle_axis* axis, double q, double r,
                                       boundary_oracle_normals mode );
 
-// ---- local spacing, one value an edge ----
+// ---- local spacing, one value per edge ----
 
-/// Gains of 0 are off, and so is the screen.
+/// A gain of 0 disables its criterion; so does a screen of 0.
 typedef struct boundary_oracle_criteria
 {
     double least, most;    ///< m
     double curvature_gain; ///< 1/rad: d / (1 + gain angle)
     double strain_gain;    ///< d / (1 + gain |l/l0 - 1|), or d (1 + |gain| |l/l0 - 1|) when it is negative
-    bool by_screen;        ///< what `pixels` come to at the edge's middle
+    bool by_screen;        ///< length of `pixels` at the edge's middle
     double3 eye;           ///< m
     double pixel_angle;    ///< rad
     double pixels;
@@ -130,19 +130,19 @@ double boundary_oracle_spacing_by_curvature( double d, double gain, double3 n0, 
 double boundary_oracle_spacing_by_strain( double d, double gain, double length, double rest );
 /// By distance on the screen.
 double boundary_oracle_spacing_by_screen( double3 eye, double3 middle, double pixel_angle, double pixels );
-/// clamp( the least that a criterion asks for, least, most ); d when none asks.
+/// clamp( the smallest spacing of all criteria, least, most ); d without a criterion.
 double boundary_oracle_local_spacing( const boundary_oracle_criteria* criteria, double d, double3 p0, double3 p1,
                                       double3 n0, double3 n1, double rest );
-/// What a triangle takes from its edges: the least of the three, so that its inside is as fine as its border.
+/// Spacing of a triangle: the smallest of its three edges, so that its inside is as fine as its border.
 double boundary_oracle_triangle_spacing( const double edge_spacing[3] );
 
 // ---- contact of a boundary point ----
 
 /// The point y = sum b_i x_i against the plane y.n = offset, C = y.n - offset, acting where C < 0:
 /// Dx_i = -C w_i b_i n / (sum w_j b_j^2 + W).
-/// @param plane_w W, 1/kg, what the plane's own body gives way with; 0: it does not
-/// @param plane_move receives W C / (sum + W), m along n, what the plane gives way by; may be null
-/// @return whether it acted: not where C >= 0, nor where nothing can move
+/// @param plane_w W, 1/kg, inverse mass of the plane's body; 0: fixed
+/// @param plane_move receives W C / (sum + W), m along n, by which the plane moves; may be null
+/// @return whether it acted: false where C >= 0 or nothing can move
 bool boundary_oracle_contact( int count, double3* x, const double* w, const double* b, double3 unit_normal,
                               double offset, double plane_w, double* plane_move );
 
@@ -155,17 +155,18 @@ typedef struct boundary_oracle_options
     boundary_oracle_policy policy;
     boundary_oracle_rounding rounding;
     boundary_oracle_normals normals;
-    /// Hysteresis, of a spacing, in [0, 0.5]. A triangle's counts stay together or none does; lines without points ask nothing, but
-    /// for the lowest of them, which must not grow beyond. Default 0: exact comparison
+    /// Hysteresis as a fraction of the spacing, in [0, 0.5]. The counts of a triangle are kept together or not at
+    /// all. Lines without points do not count, except the lowest one, which must not grow beyond the interval.
+    /// Default 0: exact comparison
     double hysteresis;
     double cap;                     ///< points at most, estimated as sum( L / d ) + Area / d^2; default 4e6
-    const double* edge_spacing;     ///< [edge_count] m, the caller's; null: `spacing` for all
+    const double* edge_spacing;     ///< [edge_count] m, owned by the caller; null: `spacing` for all
     const double* triangle_spacing; ///< [triangle_count] m
 } boundary_oracle_options;
 
 boundary_oracle_options boundary_oracle_default_options( void );
 
-/// One boundary particle. (element, line, step) is who it is; the rest follows from the positions of its parents.
+/// One boundary particle. (element, line, step) identifies it; the rest follows from the positions of its parents.
 typedef struct boundary_oracle_point
 {
     int element;      ///< an edge, or edge_count + a triangle
@@ -175,14 +176,14 @@ typedef struct boundary_oracle_point
     double3 y, normal;
 } boundary_oracle_point;
 
-/// What an element remembers: its counts.
+/// The counts that an element keeps between updates.
 typedef struct boundary_oracle_memory
 {
     bool sampled;   ///< false: never, or it was skipped
     int axis;       ///< of a triangle, the local edge
     int line_count; ///< nt of a triangle, 1 of an edge
     int* counts;    ///< [line_count] n_e of an edge, ns of lines 1..nt
-    int* points;    ///< [line_count] what those counts gave
+    int* points;    ///< [line_count] number of points for those counts
 } boundary_oracle_memory;
 
 typedef struct boundary_oracle_layer
@@ -192,32 +193,34 @@ typedef struct boundary_oracle_layer
     int* triangles;
     balloon_mesh_topology topology; ///< E: unique undirected edges, lower index first, rising
     double3* vertex_normal;         ///< N
-    double3* element_normal; ///< mean of unit face normals, normalised: of the triangle, or of those at an edge
+    double3* element_normal;        ///< normalised mean of unit face normals: of the triangle, or of those at an edge
     boundary_oracle_memory* memory; ///< [element_count]
-    bool* changed;                  ///< [element_count] sampled anew in the last update: case B
+    bool* changed;                  ///< [element_count] resampled in the last update: case B
     boundary_oracle_point* points;  ///< edges by id, then triangles by id, then (line, step)
     int point_count, edge_point_count;
     int changed_elements;
     int skipped_elements; ///< with a corner that is not finite
     int fallback_normals; ///< cancelled, and replaced
-    bool refused;         ///< the cap was met: points are those of the counts before
+    bool refused;         ///< the limit was reached: points are those of the previous counts
     double requested;     ///< the estimate
 } boundary_oracle_layer;
 
-/// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY; then there is nothing to destroy
+/// @return WISP_BAD_INPUT a value is out of range (the message names it); WISP_NO_MEMORY; then nothing needs to be
+///        destroyed
 wisp_status boundary_oracle_create( const balloon_mesh* mesh, const boundary_oracle_options* options,
                                     boundary_oracle_layer* out, wisp_error* error );
 void boundary_oracle_destroy( boundary_oracle_layer* layer );
 
-/// Update, element by element: where counts are the same, positions and normals are refreshed; elsewhere points are
-/// dropped and sampled anew. Options may be changed between updates.
-/// @return false when memory ran out; the layer is then as it was, but for vertex normals
+/// Update element by element. Where counts are the same, positions and normals are refreshed; elsewhere points are
+/// dropped and sampled again. Options may be changed between updates.
+/// @return false when memory ran out; the layer is then unchanged, except for vertex normals
 bool boundary_oracle_update( boundary_oracle_layer* layer, const double3* x );
 
-/// Forget all counts: the next update samples everything anew.
+/// Forget all counts: the next update samples every element again.
 void boundary_oracle_forget( boundary_oracle_layer* layer );
 
-/// Debug output: a line "x y z nx ny nz" a reference particle, then one a boundary particle. @return lines written
+/// Write debug output: a line "x y z nx ny nz" per reference particle, then one per boundary particle. @return lines
+/// written
 int boundary_oracle_write( const boundary_oracle_layer* layer, const double3* x, FILE* file );
 
 // ---- the balloon ----
@@ -230,9 +233,9 @@ typedef struct boundary_oracle_balloon_options
     double volume_k;    ///< default 1
     double multiplier;  ///< of the rest volume, the target; default 1, no pressure
     double decay;       ///< 1/s, v *= exp( -decay dt ) every step, default 31.7: 0.59 in 1/60 s
-    double3 gravity;    ///< m/s^2, default 0: the reference program has it switched off
-    bool stale_scale;   ///< the scale of the volume is that of before the distances, as in the program
-    bool gust_per_face; ///< as printed: a gust hits a vertex once a face, not once; default false
+    double3 gravity;    ///< m/s^2, default 0, as in the reference program
+    bool stale_scale;   ///< the volume scale is computed before the distances, as in the program
+    bool gust_per_face; ///< as printed: a gust acts on a vertex once per face, not once; default false
 } boundary_oracle_balloon_options;
 
 boundary_oracle_balloon_options boundary_oracle_default_balloon_options( void );
@@ -261,9 +264,9 @@ void boundary_oracle_balloon_step( boundary_oracle_balloon* balloon, double dt )
 
 double boundary_oracle_balloon_volume( const boundary_oracle_balloon* balloon );
 
-/// The wind key: every face whose normal is against the gust passes it to its three vertices, m/s, independent of dt. As
-/// printed a vertex is hit once for each of them; resolved, once for all.
-/// @return hits of vertices
+/// The wind key: every face whose normal is against the gust passes it to its three vertices, m/s, independent of dt.
+/// As printed, a vertex receives it once per such face; as resolved, once.
+/// @return number of times that a vertex received it
 int boundary_oracle_balloon_gust( boundary_oracle_balloon* balloon, double3 gust );
 
 /// Poles on the y axis, triangles counter-clockwise seen from outside: slices (stacks - 1) + 2 vertices.

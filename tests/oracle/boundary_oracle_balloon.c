@@ -94,7 +94,7 @@ static double volume_scale( boundary_oracle_balloon* b, double target )
     return sum > 0.0 ? c / sum : 0.0;
 }
 
-// The scale is that of before the distances, the gradients are those of after them.
+// The scale is taken before the distances, the gradients after them.
 static void push_with( boundary_oracle_balloon* b, double scale )
 {
     constraint_oracle_volume_gradient( b->p, b->vertex_count, b->triangles, b->triangle_count, b->gradient );
@@ -183,7 +183,7 @@ bool boundary_oracle_sphere( balloon_mesh* mesh, int slices, int stacks, double 
     int* out = mesh->triangles;
     for ( int n = 0; n < slices * rings; ++n )
     {
-        // ring r, slice s; `east` is the next on the ring, `below` the ring or the pole towards the south
+        // ring r, slice s; `east` is the next on the ring, `below` the ring or the pole further south
         const int r = n / slices, s = n % slices, east = 1 + r * slices + ( s + 1 ) % slices, here = 1 + n;
         const double polar = pi * ( r + 1 ) / stacks, around = 2.0 * pi * s / slices;
         mesh->positions[here] = double3_make( radius * sin( polar ) * cos( around ), radius * cos( polar ),

@@ -12,7 +12,7 @@ boundary_oracle_options boundary_oracle_default_options( void )
     return ( boundary_oracle_options ){ .spacing = 0.1, .cap = 4e6 };
 }
 
-// ---- making and unmaking ----
+// ---- creation and memory ----
 
 static wisp_status check_options( const boundary_oracle_options* o, wisp_error* error )
 {
@@ -95,7 +95,7 @@ void boundary_oracle_destroy( boundary_oracle_layer* layer )
 
 // ---- elements ----
 
-// An element where its corners are. An edge has two of them; its third is its first again.
+// An element with the positions of its corners. An edge has two; its third is its first again.
 typedef struct element
 {
     int id;
@@ -188,8 +188,8 @@ static double fraction_of_line( const boundary_oracle_options* o, const element*
     return boundary_oracle_fraction( k, lines, e->axis.height, e->d, o->policy );
 }
 
-// Hysteresis. Lines only get shorter, so behind the first one without points none has any. That one may get shorter still, and with
-// even spacing it is the same to it whether it has one part or none.
+// Hysteresis. Lines only get shorter towards the top, so after the first line without points none has any. That line
+// may become shorter, and with even spacing one part gives the same points as none.
 static bool line_stays( const boundary_oracle_options* o, const element* e, int n, double length )
 {
     const int parts = o->policy == BOUNDARY_ORACLE_EVEN && n < 1 ? 1 : n;
@@ -216,7 +216,7 @@ static bool counts_stay( const boundary_oracle_options* o, const element* e, con
     return stay;
 }
 
-// Lines stand on the height as points stand on an edge, and points on a line likewise.
+// Lines are placed along the height like points along an edge, and points along a line likewise.
 static bool count_triangle( const boundary_oracle_options* o, const element* e, const boundary_oracle_memory* before,
                             boundary_oracle_memory* now )
 {
@@ -260,7 +260,8 @@ static int total( const boundary_oracle_memory* memory )
     return sum;
 }
 
-// Case A. What only a drop rule keeps away from an end is a point less, so points count as well as counts.
+// Case A. The drop rule at an end can remove a point without a change of counts, so points are compared as well as
+// counts.
 static bool is_same( const boundary_oracle_memory* a, const boundary_oracle_memory* b )
 {
     const size_t bytes = (size_t)a->line_count * sizeof( int );
@@ -271,7 +272,8 @@ static bool is_same( const boundary_oracle_memory* a, const boundary_oracle_memo
 
 // ---- points ----
 
-// The weights of a point, from who it is. Even ones follow from the counts alone, exact ones move with the lengths.
+// The weights of a point from its identity. Even ones follow from the counts alone, exact ones change with the
+// lengths.
 static void weigh( const boundary_oracle_options* o, const element* e, const boundary_oracle_memory* memory,
                    boundary_oracle_point* point )
 {
@@ -306,7 +308,7 @@ static double3 interpolate( const boundary_oracle_layer* layer, const element* e
     return boundary_oracle_inner_normal( n, &axis, weight[axis.c], r, layer->options.normals );
 }
 
-// Where a point is and what it looks along, from its weights. `point->normal` holds the last step's.
+// Position and normal of a point from its weights. `point->normal` holds the previous normal.
 static void follow( boundary_oracle_layer* layer, const element* e, const boundary_oracle_memory* memory,
                     boundary_oracle_point* point )
 {

@@ -88,7 +88,7 @@ constraint_oracle_term constraint_oracle_dihedral( const double3 p[4], double re
     double t2 = double3_dot( double3_sub( p[2], p[0] ), e ) / ee;
     double t3 = double3_dot( double3_sub( p[3], p[0] ), e ) / ee;
 
-    // A vertex that turns moves along its tangent: by a quarter it lengthens its lever by 3 %, by half a turn threefold.
+    // A rotating vertex moves along its tangent: a quarter turn lengthens its lever by 3 %, half a turn threefold.
     constraint_oracle_term term = { .count = 4, .max_change = 0.25 };
     term.value = remainder( constraint_oracle_dihedral_angle( p ) - rest_angle, 2.0 * pi );
     double3 g2 = double3_scale( -sqrt( ee ) / nn0, n0 );
@@ -182,8 +182,8 @@ static double gradient_square( const constraint_oracle_term* term )
     return sum;
 }
 
-// Can the term be projected with this denominator? Says why not. A satisfied term without a gradient asks for
-// nothing.
+// Whether the term can be projected with this denominator; counts the fault if not. A satisfied term without a
+// gradient is no fault.
 static bool may_project( double value, double denominator, double all_gradients, constraint_oracle_fault fault,
                          constraint_oracle_skips* skips )
 {
@@ -216,7 +216,7 @@ double constraint_oracle_scale( const constraint_oracle_term* term, const int* v
     return sum > 0.0 ? term->value / sum : 0.0;
 }
 
-// A change of lambda, cut to what changes the constraint by its limit.
+// Limit a change of lambda to the allowed change of the constraint.
 static double limited( const constraint_oracle_term* term, double sum, double delta )
 {
     double most = term->max_change > 0.0 ? term->max_change / sum : INFINITY;
@@ -260,7 +260,7 @@ void constraint_oracle_project_compliant_above( const constraint_oracle_term* te
                                                 const double* w, double alpha, double* lambda, double3* p,
                                                 constraint_oracle_skips* skips )
 {
-    // slack that took nothing in this substep has nothing to give back
+    // a slack constraint without corrections in this substep has nothing to undo
     if ( term->fault == CONSTRAINT_ORACLE_SOUND && term->value <= 0.0 && *lambda >= 0.0 )
     {
         return;

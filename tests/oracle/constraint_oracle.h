@@ -18,7 +18,7 @@
 
 #include <stdbool.h>
 
-/// Why a projection leaves its vertices alone.
+/// Reasons why a projection leaves its vertices unchanged.
 typedef enum constraint_oracle_fault
 {
     CONSTRAINT_ORACLE_SOUND,
@@ -29,7 +29,7 @@ typedef enum constraint_oracle_fault
     CONSTRAINT_ORACLE_FAULT_COUNT,
 } constraint_oracle_fault;
 
-/// How often each fault happened. Nothing is skipped silently.
+/// Counts of each fault. Every skipped projection is counted.
 typedef struct constraint_oracle_skips
 {
     int count[CONSTRAINT_ORACLE_FAULT_COUNT];
@@ -40,9 +40,9 @@ typedef struct constraint_oracle_term
 {
     int count;                     ///< vertices, 2 or 4
     double value;                  ///< C
-    double3 gradient[4];           ///< grad_i C; zero when there is a fault
+    double3 gradient[4];           ///< grad_i C; zero after a fault
     constraint_oracle_fault fault; ///< ZERO_LENGTH, ZERO_AREA or SOUND
-    double max_change;             ///< of C, to first order, in one projection; 0: any
+    double max_change;             ///< largest change of C in one projection, to first order; 0: no limit
 } constraint_oracle_term;
 
 // Constraints of two vertices.
@@ -51,25 +51,25 @@ typedef struct constraint_oracle_term
 /// distance between the two vertices across an interior edge.
 constraint_oracle_term constraint_oracle_distance( double3 p1, double3 p2, double rest_length );
 
-/// Eq. 6, what (4) makes of (5): Dp1 = -w1/(w1+w2) C u, Dp2 = +w2/(w1+w2) C u; zero where it is undefined.
+/// Eq. 6, the result of (4) for (5): Dp1 = -w1/(w1+w2) C u, Dp2 = +w2/(w1+w2) C u; zero where it is undefined.
 void constraint_oracle_distance_step( double3 p1, double3 p2, double w1, double w2, double rest_length, double3* dp1,
                                       double3* dp2 );
 
 /// Strain limit: C = l - clamp( l, low d, high d ), 0 while the length is within its limits.
-/// @param low, high shares of the rest length, low <= 1 <= high
+/// @param low, high fractions of the rest length, low <= 1 <= high
 constraint_oracle_term constraint_oracle_strain_limit( double3 p1, double3 p2, double rest_length, double lower,
                                                        double upper );
 
 // Constraints of two triangles that share the edge p0 p1: triangle 0 is (p0, p1, p2), triangle 1 is (p1, p0, p3).
 
-/// The angle between the two normals, rad, in (-pi, pi]: 0 when flat, positive when the edge is convex as seen from
-/// where the normals point. theta = atan2( e.(n0 x n1)/|e|, n0.n1 ), which is accurate at 0 and at pi where the arc
-/// cosine of Mueller et al. 2007, appendix A, loses its gradient.
+/// The angle between the two normals, rad, in (-pi, pi]: 0 when flat, positive when the edge is convex on the side of
+/// the normals. theta = atan2( e.(n0 x n1)/|e|, n0.n1 ), which is accurate at 0 and at pi, where the arc cosine of
+/// Mueller et al. 2007, appendix A, loses its gradient.
 double constraint_oracle_dihedral_angle( const double3 p[4] );
 
 /// Dihedral bend: C = theta - theta_rest, wrapped into (-pi, pi]. Gradients in the robust form of Bridson, Marino,
-/// Fedkiw 2003: grad_2 = -|e| n0/|n0|^2, grad_3 = -|e| n1/|n1|^2 (n are doubled area vectors), and p0, p1 take what
-/// balances forces and torques, in proportion to where the feet of p2 and p3 stand on the edge.
+/// Fedkiw 2003: grad_2 = -|e| n0/|n0|^2, grad_3 = -|e| n1/|n1|^2 (n are doubled area vectors). Gradients at p0 and p1
+/// balance forces and torques, in proportion to the feet of p2 and p3 on the edge.
 constraint_oracle_term constraint_oracle_dihedral( const double3 p[4], double rest_angle );
 
 /// Isometric (quadratic) bending of Bergou, Wardetzky, Harmon, Zorin, Grinspun 2006: Q = 3/(A0 + A1) K^T K, in 1/m^2,
@@ -110,13 +110,12 @@ double constraint_oracle_project_above( const constraint_oracle_term* term, cons
                                         double stiffness, double3* p, constraint_oracle_skips* skips );
 
 /// xpbd of a constraint that acts only where C > 0: the accumulated lambda never becomes positive, so a tether may
-/// give back what it took within the substep and never pushes.
+/// undo its corrections of the substep and never pushes.
 void constraint_oracle_project_compliant_above( const constraint_oracle_term* term, const int* vertices,
                                                 const double* w, double alpha, double* lambda, double3* p,
                                                 constraint_oracle_skips* skips );
 
-/// k' = 1 - (1 - k)^(1/iterations): what a pbd stiffness must be in each of several iterations to act as k
-/// altogether.
+/// k' = 1 - (1 - k)^(1/iterations): the pbd stiffness of each of several iterations that together act as k.
 double constraint_oracle_stiffness_per_iteration( double stiffness, int iterations );
 
 // Volume of a closed mesh. `triangles` holds 3 * triangle_count indices, counter-clockwise seen from outside.
@@ -132,7 +131,7 @@ void constraint_oracle_volume_gradient_printed( const double3* p, int vertex_cou
                                                 int triangle_count, double3* gradient );
 
 /// Eq. 8 resolved, the gradient of V: grad_i V = 1/6 sum over the faces around i of (p_b - p_a) x (p_c - p_a), m^2.
-/// Only differences of positions occur, so it does not know the origin. Valid for a closed mesh.
+/// It uses only differences of positions, so it does not depend on the origin. Valid for a closed mesh.
 void constraint_oracle_volume_gradient( const double3* p, int vertex_count, const int* triangles, int triangle_count,
                                         double3* gradient );
 

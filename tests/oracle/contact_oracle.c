@@ -30,7 +30,7 @@ static void keep_nearer( contact_oracle_closest* best, contact_oracle_closest ca
     }
 }
 
-// Where on p q the foot of a point is, 0 at p and 1 at q. A segment without length is its first end.
+// Position of a point's foot on p q, 0 at p and 1 at q. On a segment without length it is the first end.
 static double foot_on( double3 point, double3 p, double3 q )
 {
     const double3 along = double3_sub( q, p );
@@ -54,7 +54,7 @@ contact_oracle_closest contact_oracle_point_triangle( double3 point, const doubl
         keep_nearer( &best, measured( &one, &point, 1, weights, triangle, 3 ) );
     }
 
-    // the inside: shares of the area that the foot of the point cuts off
+    // the inside: barycentric weights of the point's foot, from areas
     const double3 ab = double3_sub( triangle[1], triangle[0] ), ac = double3_sub( triangle[2], triangle[0] );
     const double3 n = double3_cross( ab, ac ), ap = double3_sub( point, triangle[0] );
     const double nn = double3_dot( n, n );
@@ -83,7 +83,7 @@ contact_oracle_closest contact_oracle_segments( const double3 a[2], const double
         keep_nearer( &best, measured( ( double[] ){ 1.0 - s, s }, a, 2, end, b, 2 ) );
     }
 
-    // both insides: the line between is square to both segments
+    // both insides: the connecting line is perpendicular to both segments
     const double3 u = double3_sub( a[1], a[0] ), v = double3_sub( b[1], b[0] ), r = double3_sub( a[0], b[0] );
     const double3 n = double3_cross( u, v );
     const double nn = double3_dot( n, n );
@@ -99,7 +99,7 @@ contact_oracle_closest contact_oracle_segments( const double3 a[2], const double
     return best;
 }
 
-// ---- the law ----
+// ---- contact and friction ----
 
 double3 contact_oracle_point_of( const contact_oracle_side* side, const double3* x )
 {

@@ -1,20 +1,19 @@
 /// Contact of surfaces and strands in plain double precision: the closest points of a vertex and a triangle and of
-/// two edges with the weights of their corners, and the law by which two weighted points keep their distance
-/// and rub on each other.
+/// two edges with the weights of their corners, and the constraint and friction between two weighted points.
 ///
 ///   yA = sum_i a_i x_i,  yB = sum_j b_j x_j,  S = sum_i w_i a_i^2 + sum_j w_j b_j^2
 ///   C = n . (yA - yB) - gap
 ///   lambda' = max( 0, lambda - C / S ),  D = lambda' - lambda,  Dx_i = +w_i a_i n D,  Dx_j = -w_j b_j n D
 ///
-/// lambda is 0 at the start of a substep and is what has been pushed in it, kg m; divided by the time of a substep it
-/// is an impulse. Friction is the same law across n, held within Coulomb's cone:
+/// lambda is 0 at the start of a substep and accumulates the normal correction, kg m; divided by the time of a
+/// substep it is an impulse. Friction has the same form across n, limited to Coulomb's cone:
 ///
 ///   d = (I - n n^T) ( (yA - yB) now - (yA - yB) at the start of the substep )
 ///   rubbed' = the nearest to (rubbed - d / S) that is no longer than mu lambda,
 ///   Dx_i = +w_i a_i (rubbed' - rubbed),  Dx_j = -w_j b_j (rubbed' - rubbed)
 ///
-/// w in 1/kg, 0 pins a vertex. Weights of a side add up to one, so both laws keep momentum; the first keeps angular
-/// momentum where n is along yA - yB, the second where yA = yB.
+/// w in 1/kg, 0 pins a vertex. Weights of a side sum to one, so both constraints keep momentum; the first keeps
+/// angular momentum where n is along yA - yB, the second where yA = yB.
 #pragma once
 
 #include "double3.h"
@@ -24,24 +23,24 @@
 /// Closest points of two simplices, A and B.
 typedef struct contact_oracle_closest
 {
-    double a[3], b[3];  ///< weights of the corners, not negative, their sum one; 0 behind the last corner
+    double a[3], b[3];  ///< weights of the corners, not negative, sum 1; 0 beyond the last corner
     double3 on_a, on_b; ///< the points themselves
     double distance;    ///< m
     double3 normal;     ///< unit, from B to A; zero where the points coincide
 } contact_oracle_closest;
 
-/// A is the point, B the triangle, which may be flat: an edge or a corner then answers.
+/// A is the point, B the triangle; the closest point of a flat triangle is on an edge or a corner.
 contact_oracle_closest contact_oracle_point_triangle( double3 point, const double3 triangle[3] );
 
-/// A and B are segments, which may be parallel (of many closest pairs one at an end answers) or have no length.
+/// A and B are segments, which may be parallel (one of the closest pairs at an end is chosen) or have no length.
 contact_oracle_closest contact_oracle_segments( const double3 a[2], const double3 b[2] );
 
-/// A point that up to three vertices carry.
+/// A point interpolated from up to three vertices.
 typedef struct contact_oracle_side
 {
     int count;
     int vertex[3];
-    double weight[3]; ///< their sum one
+    double weight[3]; ///< sum 1
 } contact_oracle_side;
 
 double3 contact_oracle_point_of( const contact_oracle_side* side, const double3* x );
@@ -50,20 +49,21 @@ typedef struct contact_oracle_contact
 {
     contact_oracle_side a, b; ///< no vertex is on both sides
     double3 normal;           ///< unit, from B to A
-    double gap;               ///< m, distance to keep
+    double gap;               ///< m, distance to maintain
     double friction;          ///< mu, >= 0
     double lambda;            ///< kg m, >= 0
     double3 rubbed;           ///< kg m, across the normal
 } contact_oracle_contact;
 
-/// C, m: negative when too near.
+/// C, m: negative when the points are too close.
 double contact_oracle_value( const contact_oracle_contact* contact, const double3* x );
 
 /// S, 1/kg: 0 when every vertex is pinned.
 double contact_oracle_mobility( const contact_oracle_contact* contact, const double* w );
 
-/// Push apart, or give back what was pushed too far. @return the change of lambda, 0 when all is pinned
+/// Push apart, or undo an earlier push that was too large. @return the change of lambda, 0 when all vertices are
+/// pinned
 double contact_oracle_push( contact_oracle_contact* contact, const double* w, double3* x );
 
-/// Rub. @param before positions at the start of the substep @return the change of `rubbed`
+/// Apply friction. @param before positions at the start of the substep @return the change of `rubbed`
 double3 contact_oracle_rub( contact_oracle_contact* contact, const double* w, const double3* before, double3* x );

@@ -31,7 +31,7 @@ frozen_oracle_options frozen_oracle_default_options( void )
     return options;
 }
 
-// What the method cannot take.
+// Check the input.
 
 static wisp_status check_options( const frozen_oracle_options* o, wisp_error* error )
 {
@@ -127,7 +127,7 @@ double frozen_oracle_zeta( const frozen_oracle_options* options, int strand, int
     return draw( options, 3, options->event, strand, vertex, iteration );
 }
 
-// The fallback axis belongs to the hair, not to the command: the event is left out.
+// The fallback axis depends on the hair, not on the command: the event is left out.
 double frozen_oracle_psi( const frozen_oracle_options* options, int strand, int vertex )
 {
     return 2.0 * pi * draw( options, 4, 0, strand, vertex, 0 );
@@ -335,7 +335,7 @@ frozen_oracle_adhesion frozen_oracle_adhere( const frozen_oracle_hair* hair, con
         double3 d = double3_sub( points[q], p );
         double r = double3_length( d );
 
-        // Own strand is no neighbour; a coincident vertex has no direction.
+        // A vertex of the same strand is no neighbour; a coincident vertex has no direction.
         if ( belongs_to( hair, strand, q ) || r == 0.0 || r >= options->clump_radius )
         {
             continue;

@@ -2,8 +2,8 @@
 /// pipeline.
 ///
 /// Equation numbers and switch names are those of "A Stiffness-Based Real-Time Appearance Deformation Method for 2D
-/// Frozen Hair Without Physical Simulation"; docs/methods.md says what that text leaves open or misprints.
-/// Nothing here is optimised: neighbours are searched among all vertices.
+/// Frozen Hair Without Physical Simulation"; docs/methods.md lists what that text leaves open or misprints. Nothing
+/// here is optimised: neighbours are searched among all vertices.
 #pragma once
 
 #include "double3.h"
@@ -16,14 +16,14 @@ typedef enum frozen_oracle_blend
     FROZEN_ORACLE_BLEND_CHORD, ///< Eq. 13 as printed: mix the turned and the unturned point
 } frozen_oracle_blend;
 
-/// What stands for the direction of a strand.
+/// Definition of the direction of a strand.
 typedef enum frozen_oracle_direction
 {
     FROZEN_ORACLE_DIRECTION_MEAN, ///< tip - mean, as printed (default)
     FROZEN_ORACLE_DIRECTION_ROOT, ///< tip - root
 } frozen_oracle_direction;
 
-/// How a change of distance brakes a clumping step.
+/// How a change of distance scales down a clumping step.
 typedef enum frozen_oracle_gap
 {
     FROZEN_ORACLE_GAP_ABSOLUTE, ///< the more a distance has changed, the smaller the step (default)
@@ -39,7 +39,7 @@ typedef enum frozen_oracle_gap_reference
     FROZEN_ORACLE_GAP_REFERENCE_ITERATION, ///< before each clumping iteration
 } frozen_oracle_gap_reference;
 
-/// Which vertex decides whether the cursor reaches a strand.
+/// Which vertices are tested against the cursor.
 typedef enum frozen_oracle_reach
 {
     FROZEN_ORACLE_REACH_TIP,     ///< Eq. 10 as printed (default)
@@ -65,7 +65,7 @@ typedef struct frozen_oracle_hair
     const double* intensity;         ///< [strand_count] x in [0, 1]
 } frozen_oracle_hair;
 
-/// Everything else. Start from frozen_oracle_default_options().
+/// All other parameters. Start from frozen_oracle_default_options().
 typedef struct frozen_oracle_options
 {
     double theta_max;     ///< rad, largest bend at alpha_b = 1, default pi / 4
@@ -76,7 +76,7 @@ typedef struct frozen_oracle_options
     double clump_step;    ///< m, sigma = dt^2/m times a unit force, default 0.1 h
     double min_distance;  ///< m, r_min of the guard, default 0.02 h
     double lambda_min;    ///< lambda at delta = 1 with gap = prose, default 0
-    double length_floor;  ///< shortest l* as a share of l0, default 0.05
+    double length_floor;  ///< shortest l* as a fraction of l0, default 0.05
     double epsilon;       ///< of the printed divisions, default 0: the resolved forms
     int dimension;        ///< 2 or 3; decides the fallback axes only
     frozen_oracle_blend blend;
@@ -88,13 +88,13 @@ typedef struct frozen_oracle_options
     bool min_distance_clamp;   ///< no two vertices come closer than r_min, default on
     bool deform, align, clump; ///< the three stages, default on
     uint64_t seed;
-    uint64_t event; ///< number of the user's command; the number of the frame gives the flicker of the printed text
+    uint64_t event; ///< number of the user's command; the number of the frame makes hair flicker, as printed
 } frozen_oracle_options;
 
 /// The defaults that the method's specification states, for 3D input.
 frozen_oracle_options frozen_oracle_default_options( void );
 
-/// Refuse what the method cannot take.
+/// Check the strands and the parameters.
 /// @param error receives one message that names the strand, the vertex or the parameter; may be null
 /// @return WISP_OK or WISP_BAD_INPUT
 wisp_status frozen_oracle_check( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
@@ -119,13 +119,13 @@ double frozen_oracle_softness( double stiffness, double epsilon );
 /// Eq. 3 with a floor: l* = max( l0 (1 + alpha eta), floor l0 ).
 double frozen_oracle_target_length( double rest_length, double alpha, double eta, double floor_fraction );
 
-/// Eq. 4, first half: theta = theta_max alpha xi.
+/// Eq. 4, first part: theta = theta_max alpha xi.
 double frozen_oracle_bend_angle( double theta_max, double alpha, double xi );
 
 /// Two unit vectors that complete a unit vector to a right-handed frame (Duff et al. 2017).
 void frozen_oracle_frame( double3 unit, double3* b1, double3* b2 );
 
-/// Eq. 4, second half: the unit axis of a bend, with a fallback for straight hair and for the first segment.
+/// Eq. 4, second part: the unit axis of a bend, with a fallback for straight hair and for the first segment.
 double3 frozen_oracle_bend_axis( double3 previous_tangent, double3 tangent, int vertex, int dimension, double psi );
 
 /// Eq. 5: the rotation matrix R(axis, angle), rows first; the axis must be of unit length.
@@ -134,7 +134,7 @@ void frozen_oracle_rodrigues( double3 axis, double angle, double matrix[3][3] );
 /// R(axis, angle) v
 double3 frozen_oracle_rotate( double3 axis, double angle, double3 v );
 
-/// What stage 1 makes of the segment from vertex - 1 to vertex.
+/// Result of stage 1 for the segment from vertex - 1 to vertex.
 typedef struct frozen_oracle_segment
 {
     double rest_length;   ///< m, l0
@@ -143,7 +143,7 @@ typedef struct frozen_oracle_segment
     double3 axis;         ///< unit
     double angle;         ///< rad, theta
     double3 direction;    ///< tangent after the bend, Eq. 6
-    double3 step;         ///< m, what Eq. 7 adds to p'_{i-1}
+    double3 step;         ///< m, added to p'_{i-1} by Eq. 7
 } frozen_oracle_segment;
 
 /// Eq. 2-7 for one segment.
@@ -157,12 +157,12 @@ frozen_oracle_segment frozen_oracle_jitter( const frozen_oracle_hair* hair, cons
 /// Eq. 8: tip - mean or tip - root of count >= 1 points.
 double3 frozen_oracle_representative( const double3* points, int count, frozen_oracle_direction direction );
 
-/// Eq. 10: does the cursor reach the strand?
+/// Eq. 10: whether the cursor reaches the strand.
 bool frozen_oracle_in_reach( const double3* points, int count, double3 cursor, double radius,
                              frozen_oracle_reach reach );
 
 /// Eq. 11: unit axis and angle in [0, pi] that turn v onto u.
-/// @return false when v or u is shorter than 1e-12 m: there is no direction, nothing turns
+/// @return false when v or u is shorter than 1e-12 m: without a direction nothing turns
 bool frozen_oracle_turn( double3 v, double3 u, int dimension, double3* axis, double* phi );
 
 /// Eq. 12: w = t (1 - x) + x with t = vertex / (count - 1); x when count is 1.
@@ -177,7 +177,7 @@ double3 frozen_oracle_blend_point( frozen_oracle_blend blend, double3 root, doub
 /// Eq. 14: g(r) = (1 - r/h)^2 for 0 <= r < h, else 0.
 double frozen_oracle_kernel( double distance, double radius );
 
-/// The adhesion of one vertex and what the guard needs to know.
+/// The adhesion of one vertex and the nearest distance for the guard.
 typedef struct frozen_oracle_adhesion
 {
     double3 force;  ///< f of Eq. 15
@@ -193,7 +193,7 @@ frozen_oracle_adhesion frozen_oracle_adhere( const frozen_oracle_hair* hair, con
 /// Eq. 16 with the guard: sigma f, no longer than max( 0, (r_nn - r_min) / 2 ) when the guard is on.
 double3 frozen_oracle_tentative_step( const frozen_oracle_options* options, frozen_oracle_adhesion adhesion );
 
-/// Eq. 17 in one of its readings: how much one pair has changed, in [0, 1].
+/// Eq. 17 in one of its readings: the relative change of one pair, in [0, 1].
 double frozen_oracle_pair_delta( frozen_oracle_gap gap, double r0, double r1, double radius );
 
 /// The mean of the pair deltas of one vertex, weighted by g(r0), over its neighbourhood in the reference shape.
@@ -201,12 +201,12 @@ double frozen_oracle_vertex_delta( const frozen_oracle_hair* hair, const frozen_
                                    const double3* reference, const double3* tentative, int strand, int vertex,
                                    const int* order );
 
-/// Eq. 18 in one of its readings: the share of the step that remains.
+/// Eq. 18 in one of its readings: the fraction of the step that remains.
 double frozen_oracle_lambda( frozen_oracle_gap gap, double delta, double zeta, double lambda_min );
 
 // The stages. Arrays hold offsets[strand_count] points; in and out must differ.
 
-/// Stage 1 for one strand; every strand stands alone.
+/// Stage 1 for one strand; strands are independent.
 void frozen_oracle_deform_strand( const frozen_oracle_hair* hair, const frozen_oracle_options* options, int strand,
                                   double3* out );
 
@@ -221,7 +221,7 @@ void frozen_oracle_align_strand( const frozen_oracle_hair* hair, const frozen_or
 void frozen_oracle_align( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const double3* in,
                           double3* out );
 
-/// One iteration of stage 3, in the manner of Jacobi.
+/// One Jacobi iteration of stage 3.
 /// @param reference p'', read with gap_reference = stage
 /// @param delta, lambda receive Eq. 17 and 18 of every vertex (roots: 0); either may be null
 /// @return WISP_OK or WISP_NO_MEMORY
@@ -233,6 +233,7 @@ wisp_status frozen_oracle_clump_step( const frozen_oracle_hair* hair, const froz
 wisp_status frozen_oracle_clump( const frozen_oracle_hair* hair, const frozen_oracle_options* options,
                                  const double3* in, const int* order, double3* out );
 
-/// The pipeline, one user command: check, FreezeDeform, UserAlign, ClumpWithGaps. A stage that is off copies.
+/// The pipeline of one user command: check, FreezeDeform, UserAlign, ClumpWithGaps. A stage that is off copies its
+/// input.
 wisp_status frozen_oracle_run( const frozen_oracle_hair* hair, const frozen_oracle_options* options, const int* order,
                                double3* out, wisp_error* error );

@@ -63,7 +63,7 @@ static double3 offset_from_root( frozen_scene_shape shape, int dimension, double
     }
     double across = 4.0 * unit * ( cos( turn ) - cos( phase ) );
     double along = 4.0 * unit * ( sin( turn ) - sin( phase ) );
-    // loops in the plane fall slower than they turn, so that no two neighbouring segments come to lie in one line
+    // loops in the plane fall more slowly than they turn, so that no two neighbouring segments are collinear
     double fall = -i * ( dimension == 2 ? 2.0 : 4.0 ) * unit;
     return dimension == 2 ? double3_make( across, fall + along, 0.0 ) : double3_make( across, fall, along );
 }
@@ -80,7 +80,7 @@ bool frozen_scene_create( frozen_scene* scene, frozen_scene_shape shape, int dim
     double grid = floor( spacing * 0x1p14 + 0.5 ) * 0x1p-14;
     for ( int s = 0; s < strand_count; ++s )
     {
-        // a little freedom, small enough that no bend of a wave comes near to straight
+        // a little freedom, small enough that no bend of a wave is nearly straight
         double phase = 0.3 + 0.2 * ( wisp_random_unit( key, (uint32_t)s, 0, 0 ) - 0.5 );
         double heading = two_pi * wisp_random_unit( key, (uint32_t)s, 1, 0 );
         double3 root = double3_make( grid * ( s % side ), 0.0, dimension == 2 ? 0.0 : grid * ( s / side ) );

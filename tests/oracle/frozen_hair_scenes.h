@@ -1,5 +1,5 @@
-/// Small grooms for the tests of frozen hair. Every coordinate is exactly a float, so that the oracle, the plain C
-/// version and the engine can be given the very same numbers.
+/// Small grooms for the tests of frozen hair. Every coordinate is exactly a float, so that the oracle, the scalar C
+/// version and the engine receive the same numbers.
 #pragma once
 
 #include "frozen_hair_oracle.h"
@@ -13,22 +13,22 @@ typedef enum frozen_scene_shape
 
 typedef struct frozen_scene
 {
-    frozen_oracle_hair hair; ///< points at the arrays below
+    frozen_oracle_hair hair; ///< points into the arrays below
     int vertex_count;
     int* offsets;
     double3* rest;
-    double* stretch_stiffness; ///< 7 for every strand until a test writes something else
+    double* stretch_stiffness; ///< 7 for every strand unless a test changes it
     double* bend_stiffness;    ///< 7
     double* intensity;         ///< 0.8
 } frozen_scene;
 
-/// Strands of equal vertex count whose roots stand on a line (2D) or on a square lattice (3D).
+/// Make strands of equal vertex count with roots on a line (2D) or on a square lattice (3D).
 /// @param spacing m between roots, rounded to a multiple of 2^-14 m
 /// @return false when memory runs out; then nothing needs to be destroyed
 bool frozen_scene_create( frozen_scene* scene, frozen_scene_shape shape, int dimension, int strand_count,
                           int vertices_per_strand, double spacing );
 
-/// A strand set from given points, strand s having counts[s] vertices.
+/// Make a strand set from given points; strand s has counts[s] vertices.
 bool frozen_scene_from_points( frozen_scene* scene, int strand_count, const int* counts, const double3* points );
 
 void frozen_scene_destroy( frozen_scene* scene );

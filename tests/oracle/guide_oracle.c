@@ -60,7 +60,7 @@ static bool is_among( const int* list, int count, int value )
 void guide_oracle_links( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
                          int guide_nodes, int link_count, int* link, double* weight )
 {
-    // pick the nearest that is not yet picked; `weight` holds the distances until all are known
+    // choose the nearest that is not yet chosen; `weight` holds the distances until all are known
     for ( int k = 0; k < link_count; ++k )
     {
         weight[k] = HUGE_VAL;
@@ -262,7 +262,7 @@ guide_oracle_rotation guide_oracle_turn_about( double3 axis, double angle )
     return r;
 }
 
-// The coordinate axis along which a vector is shortest: the one that is surely not parallel to it.
+// The coordinate axis along which a vector is shortest: certainly not parallel to it.
 static double3 min_axis( double3 v )
 {
     double x = fabs( v.x ), y = fabs( v.y ), z = fabs( v.z );
@@ -283,7 +283,7 @@ guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, 
     double3 a = double3_scale( 1.0 / from_length, from ), b = double3_scale( 1.0 / to_length, to );
     double3 axis = double3_cross( a, b );
 
-    // opposite within rounding: every perpendicular axis is as good, so one is chosen that does not depend on noise
+    // opposite within rounding: every perpendicular axis is equally good, so choose one that does not depend on noise
     if ( double3_length( axis ) < 1e-12 && double3_dot( a, b ) < 0.0 )
     {
         *reversed = true;

@@ -2,9 +2,9 @@
 /// ghosts of a head of hair stepped in the order of the specification, then the curves that draw them.
 ///
 /// Equation numbers and switch names are those of "PBD-based Framework for Efficiently Controlling the Movement of
-/// Strands in Hair"; docs/methods.md says what that text leaves open or misprints and what goes beyond
-/// it. SI units. A strand is a run of nodes, node 0 its root; strand s of a set of n nodes each begins at s * n.
-/// Nothing here is optimised.
+/// Strands in Hair"; docs/methods.md lists what that text leaves open or misprints, and the extensions. SI units. A
+/// strand is a run of nodes, node 0 its root; strand s of a set with n nodes per strand begins at s * n. Nothing here
+/// is optimised.
 #pragma once
 
 #include "constraint_oracle.h"
@@ -12,15 +12,15 @@
 
 // ---- switches ----
 
-/// How Eq. 4 reads the change of velocity.
+/// How Eq. 4 interprets the change of velocity.
 typedef enum guide_oracle_elastic
 {
     GUIDE_ORACLE_ELASTIC_CHANGE,      ///< 0.5 - 0.5 cos: 0 in steady motion, 1 at reversal (default)
-    GUIDE_ORACLE_ELASTIC_PRINTED_COS, ///< 0.5 + 0.5 cos: as printed, with the angle that the prose speaks of
+    GUIDE_ORACLE_ELASTIC_PRINTED_COS, ///< 0.5 + 0.5 cos: as printed, with the angle that the prose describes
     GUIDE_ORACLE_ELASTIC_PRINTED_RAW, ///< 0.5 + 0.5 v.v0: literally, in m^2/s^2, not bounded
 } guide_oracle_elastic;
 
-/// What turns the offsets of the ghosts.
+/// How the offsets of the ghosts are rotated.
 typedef enum guide_oracle_frame
 {
     GUIDE_ORACLE_FRAME_OFF,      ///< R = 1: offsets keep their directions in the world (default)
@@ -41,26 +41,26 @@ typedef enum guide_oracle_pairing
 /// Eq. 1: sum over the detail nodes of the squared distance to the nearest guide particle, m^2.
 double guide_oracle_strand_distance( const double3* detail, int detail_nodes, const double3* guide, int guide_nodes );
 
-/// The guide with the least strand distance; the lowest index wins a tie.
+/// Find the guide with the smallest strand distance; ties go to the lowest index.
 /// @return -1 when there is no guide
 int guide_oracle_nearest_guide( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
                                 int guide_nodes );
 
-/// Several targets: the `link_count` guides with the least strand distances d_k, nearest first, ties lowest index first, and
-/// their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse squared
-/// distance of the rest strands. Guides at distance 0 share the whole weight equally. One link has weight 1.
+/// Several targets: the `link_count` guides with the smallest strand distances d_k, nearest first, ties by lowest
+/// index, and their weights (1/d_k) / sum_j (1/d_j). Eq. 1 sums squares already, so this is the normalised inverse
+/// squared distance of the rest strands. Guides at distance 0 divide the whole weight equally. One link has weight 1.
 /// @param link_count in [1, guide_count]
 void guide_oracle_links( const double3* detail, int detail_nodes, const double3* guides, int guide_count,
                          int guide_nodes, int link_count, int* link, double* weight );
 
 // ---- Eq. 2-3: spread of a group ----
 
-/// Why a spread projection leaves its group alone.
+/// Reasons why a spread projection leaves its group unchanged.
 typedef enum guide_oracle_spread_fault
 {
     GUIDE_ORACLE_SPREAD_SOUND,
-    GUIDE_ORACLE_SPREAD_SINGLE,     ///< fewer than two ghosts: V is 0 whatever happens
-    GUIDE_ORACLE_SPREAD_COINCIDENT, ///< V = 0: no direction to spread
+    GUIDE_ORACLE_SPREAD_SINGLE,     ///< fewer than two ghosts: V is always 0
+    GUIDE_ORACLE_SPREAD_COINCIDENT, ///< V = 0: the ghosts coincide, so there is no direction
     GUIDE_ORACLE_SPREAD_BAD_TARGET, ///< Vbar is not positive
 } guide_oracle_spread_fault;
 
@@ -77,7 +77,7 @@ double guide_oracle_spread_energy( double stiffness, double spread, double reque
 void guide_oracle_spread_gradient( double stiffness, const double3* points, int count, double requested,
                                    double3* gradient );
 
-/// Move a group to the wanted spread without moving its mean.
+/// Scale a group to a given spread without moving its mean.
 /// @param exact true: scale the offsets by sqrt(Vbar/V). false: the step of (3) as a position based constraint,
 ///        Dd_l = -((V - Vbar)/(2V))(d_l - c), which is one Newton step of the former
 guide_oracle_spread_fault guide_oracle_spread_project( double3* points, int count, double requested, bool exact );
@@ -91,21 +91,22 @@ double guide_oracle_elastic_weight( guide_oracle_elastic elastic, double3 v, dou
 /// k_tip i/(N-1), linear from the root to the tip; 0 for a strand of one node.
 double guide_oracle_tip_weight( double gain, int node, int node_count );
 
-/// k_com |b - c| / largest; 0 when the largest offset is 0. It is k_com at the farthest ghost; more
-/// is possible only where b is not rigid about c: with feedback, and with several targets a ghost.
+/// k_com |b - c| / largest; 0 when the largest offset is 0. It is k_com at the farthest ghost; larger values occur
+/// only where b is not rigid about c: with feedback, and with several targets per ghost.
 double guide_oracle_centre_weight( double gain, double3 b, double3 c, double largest_offset );
 
-/// What Eq. 5 adds to b: tau v (sum of weights), no longer than `longest`.
+/// The term that Eq. 5 adds to b: tau v (sum of weights), limited to `longest`.
 /// @param longest m; negative: no limit, as printed. 0 forbids every move
 /// @param cut set to true when the limit acted, otherwise left alone
 double3 guide_oracle_displacement( double3 v, double weight, double tau, double longest, bool* cut );
 
-/// Section 4.2: moves all members by goal - mean, so their mean is the goal.
+/// Section 4.2: move all members by goal - mean, so that their mean is the goal.
 void guide_oracle_track( double3* members, int count, double3 goal );
 
-/// Optional repair of section 4.6: from the root outwards every node moves along the line to the node before it,
-/// which is repaired already, until their distance is the rest length.
+/// Restore rest lengths (optional, section 4.6): from the root outwards each node moves along the line to the node
+/// before it, which is restored already, until their distance is the rest length.
 /// @param segment_lengths [node_count], m: entry i belongs to the segment that ends in node i, entry 0 is not read
+/// @return how many segments had no length, hence no direction, and were left unchanged
 /// @return how many segments had no length, hence no direction, and were left alone
 int guide_oracle_repair_lengths( double3* strand, int node_count, const double* segment_lengths );
 
@@ -124,8 +125,9 @@ guide_oracle_rotation guide_oracle_compose( const guide_oracle_rotation* a, cons
 
 guide_oracle_rotation guide_oracle_turn_about( double3 axis, double angle );
 
-/// The smallest rotation that takes one direction to another; none when one of them has no length. For opposite
-/// directions a half turn about the perpendicular that leans most on the coordinate axis least along `from`.
+/// The smallest rotation that takes one direction to another; identity when one of them has no length. For opposite
+/// directions, a half turn about a perpendicular axis: the projection of the coordinate axis along which `from` is
+/// shortest.
 /// @param reversed set to true for opposite directions, otherwise left alone
 guide_oracle_rotation guide_oracle_smallest_rotation( double3 from, double3 to, bool* reversed );
 
@@ -152,10 +154,10 @@ void guide_oracle_bezier_weights( double t, bool printed, double weight[4] );
 
 double3 guide_oracle_bezier( const double3 control[4], double t, bool printed );
 
-/// Cubics that draw a strand: 0 for fewer than two nodes, else ceil((N-1)/3) groups, or N-1 smooth ones.
+/// Number of cubics that draw a strand: 0 for fewer than two nodes, else ceil((N-1)/3) groups, or N-1 smooth ones.
 int guide_oracle_curve_count( int node_count, guide_oracle_curve curve );
 
-/// Their control points. Groups: four nodes that share their ends; a rest of one node is a line, of two nodes a
+/// Their control points. Groups: four nodes that share their ends; a remainder of one node is a line, of two nodes a
 /// quadratic, both raised to cubics. Smooth: x_k, x_k + m_k/3, x_{k+1} - m_{k+1}/3, x_{k+1} with the tangents m of
 /// guide_oracle_tangent().
 /// @param controls receives 4 * guide_oracle_curve_count() points
@@ -163,10 +165,10 @@ void guide_oracle_curve_controls( const double3* nodes, int node_count, guide_or
 
 /// Sample every cubic at t = k/M, joints once.
 /// @param points receives curve_count * samples + 1 points, none when curve_count is 0
-/// @return how many points
+/// @return number of points
 int guide_oracle_draw( const double3* controls, int curve_count, int samples, bool printed, double3* points );
 
-/// Largest angle between successive segments, rad; segments without length are passed over.
+/// Largest angle between successive segments, rad; segments without length are skipped.
 double guide_oracle_largest_turn( const double3* points, int count );
 
 /// Cubic Hermite curve from p0 to p1 with derivatives m0, m1 by u in [0, 1], and its derivative.
@@ -195,11 +197,11 @@ typedef struct guide_oracle_stencil
     double weight[4];
 } guide_oracle_stencil;
 
-/// The spline point at a normalised arc length of the rest polyline. Segment k holds s between its nodes' arc
-/// lengths and u = (s - s_k)/(s_{k+1} - s_k). Made at rest, applied to present positions and velocities alike.
+/// The spline point at a normalised arc length of the rest polyline. Segment k contains s between its nodes' arc
+/// lengths and u = (s - s_k)/(s_{k+1} - s_k). Computed at rest, applied to present positions and velocities alike.
 guide_oracle_stencil guide_oracle_spline_stencil( const double3* rest, int node_count, double arc );
 
-/// The nearest particle; the lowest index wins a tie.
+/// Find the nearest particle; ties go to the lowest index.
 guide_oracle_stencil guide_oracle_nearest_stencil( const double3* rest, int node_count, double3 point );
 
 double3 guide_oracle_gather( const guide_oracle_stencil* stencil, const double3* nodes );
@@ -220,22 +222,22 @@ typedef struct guide_oracle_strand
     double3 root;          ///< m, where node 0 is at the end of the frame
 } guide_oracle_strand;
 
-/// One frame: predict, project, v = (p - x)/h, `substeps` times.
+/// Advance one frame: predict, project, v = (p - x)/h, `substeps` times.
 /// @return how many constraints were projected, those without length are counted in `skips`; -1: no memory, and
-///         nothing has moved
+///        nothing has moved
 int guide_oracle_strand_step( const guide_oracle_strand* strand, double3* x, double3* v,
                               constraint_oracle_skips* skips );
 
 // ---- the ghosts of a head of hair ----
 
-/// Everything that is not shape. Start from guide_oracle_default_options(). Those from `dt` to `repair_lengths` may
-/// be changed between steps.
+/// All parameters except the shape. Start from guide_oracle_default_options(). Those from `dt` to `repair_lengths`
+/// may be changed between steps.
 typedef struct guide_oracle_options
 {
     guide_oracle_pairing pairing;
-    int link_count;      ///< targets a ghost, default 1
-    bool keep_offset;    ///< a ghost alone in its group keeps y - X of the rest shape, default on
-    bool strict;         ///< no target at all is an error, default off: the ghosts are static
+    int link_count;      ///< targets per ghost, default 1
+    bool keep_offset;    ///< a ghost that is alone in its group keeps y - X of the rest shape, default on
+    bool strict;         ///< an empty target set is an error, default off: the ghosts are static
     double dt;           ///< s, default 1/60; only read with feedback
     double tau;          ///< s, default dt; the printed form has 1
     double elastic_gain; ///< factor of W, default 1; 0 switches W off
@@ -245,7 +247,7 @@ typedef struct guide_oracle_options
     guide_oracle_elastic elastic;
     guide_oracle_frame frame;
     bool cap_offset;     ///< Eq. 5 moves no farther than one segment of the target, default on
-    bool feedback;       ///< pos* is integrated, default off; needs frame = off and one target a ghost
+    bool feedback;       ///< pos* is integrated, default off; needs frame = off and one target per ghost
     bool use_spread;     ///< default off
     bool spread_exact;   ///< default on
     bool repair_lengths; ///< default off
@@ -253,48 +255,48 @@ typedef struct guide_oracle_options
 
 guide_oracle_options guide_oracle_default_options( void );
 
-/// The rest shape. Copied; may die after the call.
+/// The rest shape. Copied; need not outlive the call.
 typedef struct guide_oracle_def
 {
     int target_count, target_nodes;
     int ghost_count, ghost_nodes;
     const double3* targets; ///< [target_count * target_nodes], m
     const double3* ghosts;  ///< [ghost_count * ghost_nodes], m
-    const int* assignment;  ///< [ghost_count] a(g), or null: Eq. 1. Only with one target a ghost
+    const int* assignment;  ///< [ghost_count] a(g), or null: Eq. 1. Only with one target per ghost
 } guide_oracle_def;
 
-/// What happened, of the set-up and of all steps.
+/// Counts of degenerate cases and of work, from creation and all steps.
 typedef struct guide_oracle_counters
 {
-    int empty_groups;       ///< targets that won no ghost
-    int coincident_spreads; ///< groups of a node, summed over steps, that stand on one point and cannot spread
+    int empty_groups;       ///< targets without ghosts
+    int coincident_spreads; ///< groups of a node, summed over steps, that coincide and cannot spread
     int zero_segments;      ///< segments without a direction to repair
-    int cut_displacements;  ///< ghost nodes held to one segment
+    int cut_displacements;  ///< ghost nodes limited to one segment
     int reversed_tangents;  ///< segments opposite to their carried rest tangent
-    long node_updates;      ///< ghost nodes moved: what the ghosts cost
+    long node_updates;      ///< ghost nodes moved: the work for the ghosts
 } guide_oracle_counters;
 
-/// The state. `target_nodes` are the caller's, `node_count` is the ghosts'; a paired target is a target seen at the
-/// ghosts' nodes (the same nodes with pairing = node).
+/// The state. `target_nodes` is the node count of the targets, `node_count` that of the ghosts; a paired target is a
+/// target at the ghosts' nodes (the same nodes with pairing = node).
 ///
 /// Set-up. Ghost g belongs to the group of a(g) and follows its links a_1 = a(g), a_2, ... with weights q_k:
 ///   b = sum_k q_k ( X_{a_k} + R_{a_k} o_k ),  o_k = y_rest - e_{a_k},  v = sum_k q_k V_{a_k}
-/// where the anchor e_a is the mean of the group's rest ghosts, so that the group's mean is the target. It is the
-/// paired rest target for an empty group, for a group of one with keep_offset, and with pairing = nearest, where two
-/// nodes share one particle and cannot both have it as their mean. The mean is therefore the target's node with one
-/// link; several links blend what each target would do, and equal y_rest at rest wherever the anchors are on the
-/// targets. With pairing = spline, node j of a group sits at the mean of its ghosts' normalised arc lengths at j
-/// (j/(M-1) for an empty group). With pairing = nearest it has the particle nearest to the mean of the group's nodes
-/// j.
+/// The anchor e_a is the mean of the group's rest ghosts, so that the group's mean is the target. It is the paired
+/// rest target for an empty group, for a group of one with keep_offset, and with pairing = nearest, where two nodes
+/// may follow one particle and cannot both have it as their mean. With one link, the mean is therefore the target's
+/// node. Several links blend the results for each target, and equal y_rest at rest wherever the anchors are on the
+/// targets. With pairing = spline, node j of a group is at the mean of its ghosts' normalised arc lengths at j
+/// (j/(M-1) for an empty group). With pairing = nearest it follows the particle nearest to the mean of the group's
+/// nodes j.
 ///
-/// The segment that bounds Eq. 5 is one of the target as it came, so that ghosts with more nodes are not
-/// held shorter: the segment before the node, or with pairing = spline the one that holds the point.
+/// The limit of Eq. 5 is the length of a segment of the original target, so that ghosts with more nodes are not
+/// limited to shorter moves: the segment before the node, or with pairing = spline the one that contains the point.
 typedef struct guide_oracle
 {
     guide_oracle_options options;
     int target_count, target_nodes, ghost_count, node_count;
     int* link;              ///< [ghost_count * link_count], the first of each ghost is a(g)
-    double* link_weight;    ///< [ghost_count * link_count], sum 1 a ghost
+    double* link_weight;    ///< [ghost_count * link_count], sum 1 per ghost
     int* group_size;        ///< [target_count]
     double* largest;        ///< [target_count], max over nodes and ghosts of |y_rest - c|, m; 0 for a group of one
     double* rest_spread;    ///< [target_count * node_count], v_0, m^2
@@ -315,7 +317,7 @@ typedef struct guide_oracle
     guide_oracle_counters counters;
 } guide_oracle;
 
-/// Targets at the end of a step.
+/// The targets at the end of a step.
 typedef struct guide_oracle_motion
 {
     const double3* x;                      ///< [target_count * target_nodes], m
@@ -324,7 +326,7 @@ typedef struct guide_oracle_motion
                                            ///< frame = given: [target_count * node_count]; null: none
 } guide_oracle_motion;
 
-/// Refuse what the method cannot take, else make ghosts at their base positions about the rest targets.
+/// Check the definition and make ghosts at their base positions about the rest targets.
 /// @param error receives one message that names the ghost, the node or the parameter; may be null
 /// @return WISP_OK, WISP_BAD_INPUT or WISP_NO_MEMORY; on failure nothing needs to be destroyed
 wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle_options* options, guide_oracle* out,
@@ -332,9 +334,9 @@ wisp_status guide_oracle_create( const guide_oracle_def* def, const guide_oracle
 
 void guide_oracle_destroy( guide_oracle* hair );
 
-/// One step of section 4: pair, frames, base, weights, Eq. 5, spread, repair. Roots have y = b: they are out of Eq.
-/// 5, of the spread and of the repair. With feedback b is carried by dt v, takes Eq. 5 and is tracked: the mean of a
-/// group returns to where the mean of X + o is. What all members share is thereby undone; what differs between them
-/// stays for good.
+/// Advance one step of section 4: pair, frames, base, weights, Eq. 5, spread, lengths. Roots have y = b: Eq. 5,
+/// spread and lengths leave them out. With feedback b is advanced by dt v, Eq. 5 is added and the mean of a group is
+/// returned to the mean of X + o. This removes what all members have in common; differences between members remain
+/// for good.
 /// @return WISP_BAD_INPUT: a parameter is out of range or a target node is not finite; the state is unchanged
 wisp_status guide_oracle_step( guide_oracle* hair, const guide_oracle_motion* motion, wisp_error* error );

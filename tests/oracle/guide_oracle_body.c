@@ -1,4 +1,4 @@
-// The ghosts of a head of hair: what may come in, the set-up, and one step in the order of the specification.
+// The ghosts of a head of hair: checks of the input, creation, and one step in the order of the specification.
 #include "guide_oracle.h"
 
 #include "oracle_check.h"
@@ -9,7 +9,7 @@
 
 static const double3 zero = { 0.0, 0.0, 0.0 };
 
-// What may come in.
+// Checks of the input.
 
 guide_oracle_options guide_oracle_default_options( void )
 {
@@ -29,7 +29,7 @@ guide_oracle_options guide_oracle_default_options( void )
 
 static wisp_status check_options( const guide_oracle_options* o, wisp_error* error )
 {
-    // Vbar must be positive; 1e-12 is far below any spread that a picture could show
+    // Vbar must be positive; 1e-12 is far below any visible spread
     const oracle_limit limits[] = {
         { "dt", o->dt, 1e-9, 1e3 },
         { "tau", o->tau, 0.0, 1e3 },
@@ -124,7 +124,7 @@ static wisp_status check_def( const guide_oracle_def* def, const guide_oracle_op
     return status;
 }
 
-// Set-up.
+// Creation.
 
 static size_t at( int strand, int node_count, int node )
 {
@@ -205,7 +205,7 @@ static int group_of( const guide_oracle* hair, int ghost )
     return hair->link[at( ghost, hair->options.link_count, 0 )];
 }
 
-// Collects one node of all ghosts of a group into the scratch, in ascending order of ghosts.
+// Copy one node of all ghosts of a group into the scratch buffer, in ascending order of ghosts.
 static int collect( guide_oracle* hair, const double3* ghosts, int group, int node )
 {
     int count = 0;
@@ -298,7 +298,7 @@ static void pair_node( guide_oracle* hair, const guide_oracle_def* def, int a, i
     hair->segment[n] = hair->target_nodes > 1 ? double3_distance( target[begin], target[begin + 1] ) : 0.0;
 }
 
-// Mean, spread and largest offset of one node of a group, then what its offsets are measured from.
+// Mean, spread and largest offset of one node of a group, then the anchor of its offsets.
 static void measure_group( guide_oracle* hair, const guide_oracle_def* def, int a, int i, double* arc )
 {
     size_t n = at( a, hair->node_count, i );
@@ -310,7 +310,7 @@ static void measure_group( guide_oracle* hair, const guide_oracle_def* def, int 
         hair->largest[a] = fmax( hair->largest[a], double3_distance( hair->scratch[k], hair->centre[n] ) );
     }
 
-    // a group without ghosts has no node to be nearest to: its target is looked for where it would be by count
+    // a group without ghosts has no node: use the position on its target at the same fraction of the node count
     if ( count == 0 )
     {
         double fraction = hair->node_count > 1 ? (double)i / ( hair->node_count - 1 ) : 0.0;
@@ -341,7 +341,7 @@ static void measure_ghost( guide_oracle* hair, const double3* ghosts, int g )
     }
 }
 
-// Section 4.2: what every target of a ghost would do with it, blended.
+// Section 4.2: blend the positions that each target of a ghost gives.
 static double3 base( const guide_oracle* hair, int g, int i )
 {
     int links = hair->options.link_count;
@@ -427,7 +427,7 @@ static void pair_targets( guide_oracle* hair, const guide_oracle_motion* motion 
     hair->has_previous = true;
 }
 
-// A velocity as the ghost has it: that of its targets, blended.
+// Velocity of a ghost: that of its targets, blended.
 static double3 ghost_velocity( const guide_oracle* hair, const double3* v, int g, int i )
 {
     int links = hair->options.link_count;
@@ -441,7 +441,7 @@ static double3 ghost_velocity( const guide_oracle* hair, const double3* v, int g
     return sum;
 }
 
-// Section 4.1-4.2. With feedback the roots still stand where the head puts them.
+// Section 4.1-4.2. With feedback the roots still follow the head.
 static void place( guide_oracle* hair )
 {
     for ( int g = 0; g < hair->ghost_count; ++g )

@@ -1,4 +1,4 @@
-// Eq. 6 and the splines: everything of the guide hair oracle that is a curve.
+// Eq. 6 and the splines: all curves of the guide hair oracle.
 #include "guide_oracle.h"
 
 // Eq. 6.
@@ -170,7 +170,7 @@ double3 guide_oracle_spline_slope( const double3* nodes, int node_count, int seg
                                        u );
 }
 
-// Another node count.
+// Different node counts.
 
 void guide_oracle_arc( const double3* nodes, int node_count, double* arc )
 {
@@ -186,7 +186,7 @@ void guide_oracle_arc( const double3* nodes, int node_count, double* arc )
     }
 }
 
-// Adds `weight` times the tangent of a node: the differences of guide_oracle_tangent() by their nodes.
+// Add `weight` times the tangent of a node: the differences of guide_oracle_tangent() as weights of nodes.
 static void add_tangent( guide_oracle_stencil* stencil, int first, int node, int node_count, double weight )
 {
     int before = node > 0 ? node - 1 : 0, after = node < node_count - 1 ? node + 1 : node_count - 1;
@@ -203,7 +203,7 @@ guide_oracle_stencil guide_oracle_spline_stencil( const double3* rest, int node_
         return stencil;
     }
 
-    // the last segment that begins at or before the wanted arc length, by walking from the root
+    // the last segment that begins at or before the arc length, by walking from the root
     int k = 0;
     double begin = 0.0, length = 0.0, walked = 0.0;
     for ( int i = 1; i < node_count; ++i )

@@ -1,4 +1,4 @@
-/// Checks of what an oracle is given. Oracles link nothing of the engine, so these write their own messages.
+/// Checks of an oracle's input. Oracles link nothing of the engine, so these write their own messages.
 #pragma once
 
 #include "double3.h"
@@ -33,14 +33,14 @@ static inline bool is_coordinate( double3 p )
     return is_within( p.x, -1e6, 1e6 ) && is_within( p.y, -1e6, 1e6 ) && is_within( p.z, -1e6, 1e6 );
 }
 
-/// A value and where it must be.
+/// A value and its limits.
 typedef struct oracle_limit
 {
     const char* name;
     double value, lower, upper;
 } oracle_limit;
 
-/// Refuse the first value beyond its limits.
+/// Reject the first value beyond its limits.
 static inline wisp_status oracle_check_limits( const oracle_limit* limits, int count, wisp_error* error )
 {
     for ( int n = 0; n < count; ++n )

@@ -2,7 +2,7 @@
 
 #include <stddef.h>
 
-// Shorter than this, m, a segment has no direction.
+// A segment shorter than this, m, has no direction.
 static const double min_length = 1e-15;
 
 static double3 segment_of( const strand_oracle* strand, int s )

@@ -1,10 +1,10 @@
-/// Strands that move, in plain double precision: one strand at a time, one function a stage of the substep. The
+/// Moving strands in plain double precision: one strand at a time, one function per stage of the substep. The
 /// mathematics is that of modules/strands (rod_factors.c, rod_frames.c, rest_curvature.c); a function has the name of
 /// the kernel that it checks.
 ///
 /// SI units. Vertex 0 is the root; segment s runs from vertex s to vertex s + 1. A weight is an inverse mass, 0 holds
-/// a vertex. A strand is a plain value: an assignment copies it. Guards against what has no direction or no end are
-/// part of the method and stand beside their function.
+/// a vertex. A strand is a plain value: an assignment copies it. Guards against missing directions and unbounded
+/// values are part of the method and are described at their function.
 #pragma once
 
 #include "double3.h"
@@ -13,7 +13,7 @@
 
 enum
 {
-    MAX_STRAND_ORACLE = 128, ///< vertices of a strand; strand_oracle_shape() refuses more
+    MAX_STRAND_ORACLE = 128, ///< vertices of a strand; strand_oracle_shape() rejects more
 };
 
 // ---- rotations ----
@@ -28,10 +28,10 @@ strand_oracle_quaternion strand_oracle_about( double3 unit_axis, double angle );
 /// First b, then a.
 strand_oracle_quaternion strand_oracle_product( strand_oracle_quaternion a, strand_oracle_quaternion b );
 double3 strand_oracle_turned( strand_oracle_quaternion q, double3 v );
-/// The smallest rotation that takes one unit vector to another; opposite ones turn about an axis across the first,
-/// the one nearest to that of the coordinate axis along which the first is shortest.
+/// The smallest rotation that takes one unit vector to another. Opposite vectors turn about an axis across the first,
+/// closest to the coordinate axis along which the first is shortest.
 strand_oracle_quaternion strand_oracle_smallest( double3 from, double3 to );
-/// A frame turned by the smallest rotation that takes its z axis along e; without a length e leaves it.
+/// Rotate a frame so that its z axis is along e, by the smallest rotation; e without length leaves it unchanged.
 strand_oracle_quaternion strand_oracle_carried( strand_oracle_quaternion frame, double3 e );
 
 // ---- a strand ----
@@ -44,7 +44,7 @@ typedef struct strand_oracle
     double mass[MAX_STRAND_ORACLE];   ///< kg, of held vertices too
     double length[MAX_STRAND_ORACLE]; ///< m, of segment s at rest, > 0
     double tension[MAX_STRAND_ORACLE];
-    double max_tension[MAX_STRAND_ORACLE]; ///< N, that a rod begins with: no end from strand_oracle_shape()
+    double max_tension[MAX_STRAND_ORACLE]; ///< N, limit for a rod; infinite from strand_oracle_shape()
     double stretch_lambda[MAX_STRAND_ORACLE], bend_lambda[MAX_STRAND_ORACLE]; ///< N s^2, of links in a substep
 
     double stiffness[MAX_STRAND_ORACLE];       ///< N m, EI / L_i
@@ -54,34 +54,34 @@ typedef struct strand_oracle
     strand_oracle_quaternion frame[MAX_STRAND_ORACLE]; ///< q_s
     double3 rest[MAX_STRAND_ORACLE];                   ///< k_i in the middle frame of vertex i
     double rest_twist[MAX_STRAND_ORACLE];              ///< rad
-    bool framed;                                       ///< false: straight at rest, frames do nothing
+    bool framed;                                       ///< false: straight at rest, frames have no effect
     double factor[MAX_STRAND_ORACLE][3];               ///< 1/pivot, L(i, i-1), L(i, i-2)
 } strand_oracle;
 
-/// A strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
+/// Make a strand at rest in this shape: lengths, frames carried along from the clamp without twist, the clamp in the
 /// direction of the first segment (of a segment without length: as strand_oracle_directions()). A segment has at
-/// least a thousandth of the mean length, and at least 1e-6 m, so that t_s = e_s / l_s is defined. Neither masses nor
-/// stiffness yet.
+/// least a thousandth of the mean length, and at least 1e-6 m, so that t_s = e_s / l_s is defined. Masses and
+/// stiffness are not set.
 /// @return false when count is below 1 or above MAX_STRAND_ORACLE
 bool strand_oracle_shape( strand_oracle* strand, const double3* points, int count );
-/// Half the mass of each of its segments for a vertex; the root is held where `held` says so. A strand of one vertex
-/// weighs as much as a millimetre.
+/// Give each vertex half the mass of each of its segments; the root is held if `held` is set. A strand of one vertex
+/// has the mass of a millimetre.
 void strand_oracle_weigh( strand_oracle* strand, double line_density, bool held );
-/// Every vertex weighs so much.
+/// Give every vertex this mass.
 void strand_oracle_weigh_equal( strand_oracle* strand, double vertex_mass, bool held );
 /// Hold a vertex.
 void strand_oracle_pin( strand_oracle* strand, int vertex );
-/// EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and the tip have
-/// none. dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three vertices
-/// that move), where single precision still solves; dt 0 does not limit.
+/// Set EI / L_i and GJ / L_i with L_i = (l_{i-1} + l_i) / 2, L_0 = l_0 / 2; vertex 0 of a hinged root and the tip
+/// have 0. dt^2 EI / (m l^3) is at most 6e4 (l the shorter segment at the vertex, m the lightest of the three
+/// vertices that move), where single precision still solves; dt 0 does not limit.
 void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double twist_rigidity, bool clamped,
                             double dt );
 
 // ---- motion ----
 
-/// v <- v + dt a, p <- p + dt v with the new velocity, previous = p before. A held root goes to `root` (null: it
-/// stays) and has the velocity that takes it there; other held vertices stand at the end of their way already:
-/// previous = p - dt v.
+/// v <- v + dt a, p <- p + dt v with the new velocity, previous = p before. A held root moves to `root` (null: it
+/// stays) with the velocity of that move. Other held vertices are already at their end positions: previous = p - dt
+/// v.
 void strand_oracle_predict( strand_oracle* strand, const double3* root, double3 acceleration, double dt );
 /// v <- v + (p - (previous + dt v)) / dt of vertices that are not held.
 void strand_oracle_velocity( strand_oracle* strand, double dt );
@@ -101,26 +101,26 @@ typedef enum strand_oracle_measure
     STRAND_ORACLE_LENGTH, ///< C_s = |e_s| - l_s, gradients e_s / |e_s|
 } strand_oracle_measure;
 
-/// Unit directions of the present segments. A segment shorter than 1e-15 m, or not finite, has the direction of the
-/// one before it, (0, -1, 0) if it is the first.
+/// Unit directions of the present segments. A segment that is shorter than 1e-15 m or not finite has the direction of
+/// the previous one, or (0, -1, 0) if it is the first.
 void strand_oracle_directions( const strand_oracle* strand, double3* direction );
 
 /// Newton passes with J W J^T dlambda = -C, tridiagonal. A segment whose pivot vanishes (below 1e-12 of its own
-/// diagonal, or below 1e-30 m^2/kg) moves nothing: it has no length, or nothing of it is free. Tension of a segment
-/// grows by -|grad C_s| dlambda / dt^2, the force that the pass has put there.
+/// diagonal, or below 1e-30 m^2/kg) moves nothing: it has no length, or none of its vertices is free. The tension of
+/// a segment grows by -|grad C_s| dlambda / dt^2, the force of the pass.
 ///
-/// A strand that is not within tolerance afterwards and is held at most at its root is laid out: p_0 stays, p_{s+1} =
-/// p_s + l_s d_s with the directions of the segments as Newton left them. Its tension is 0, and a vertex that is put
-/// farther from `previous` than the strand is long loses its velocity: previous = p. None gets faster than its
+/// A strand that is not within tolerance afterwards and is held at most at its root is reset: p_0 stays, p_{s+1} =
+/// p_s + l_s d_s with the directions of the segments after Newton. Its tension is 0, and a vertex that moves farther
+/// from `previous` than the length of the strand loses its velocity: previous = p. No vertex becomes faster than its
 /// predicted velocity: previous moves towards p until it is dt |v| away.
-/// @return whether it was laid out
+/// @return whether it was reset
 bool strand_oracle_stretch( strand_oracle* strand, strand_oracle_measure measure, int passes, double tolerance,
                             bool keeps_tension, double dt );
 
-/// How a link gives way.
+/// Softness of a link.
 typedef struct strand_oracle_link_rule
 {
-    double stiffness;   ///< pbd: share of the error, 0 .. 1
+    double stiffness;   ///< pbd: fraction of the error, 0 .. 1
     double compliance;  ///< xpbd: m/N
     double inverse_dt2; ///< xpbd: 1/s^2; 0: pbd
 } strand_oracle_link_rule;
@@ -131,8 +131,8 @@ typedef struct strand_oracle_link_rule
 void strand_oracle_link( strand_oracle* strand, const double* rest, double* lambda, int stride,
                          strand_oracle_link_rule rule );
 
-/// Each vertex is put at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. Where a
-/// leader came from moves along by `share` of the correction of its follower.
+/// Place each vertex at rest length from the one before; a held vertex, or one closer than 1e-15 m, stays. The
+/// previous position of a leader moves by `share` of the correction of its follower.
 void strand_oracle_follow( strand_oracle* strand, double fraction );
 
 /// Largest |l/l_0 - 1| of the segments.
@@ -144,26 +144,27 @@ double strand_oracle_strain( const strand_oracle* strand );
 void strand_oracle_rod_matrix( const strand_oracle* strand, double scale, double* matrix );
 /// M + (dt^2 + damping dt) K = L D L^T. A held vertex has 1/pivot = 0.
 void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt );
-/// Tension first, frames, twist in balance, bending. The guards: the tangent in T_i is cut where |w'| < 0.087 (a
-/// twist of 170 degrees), 1 + t_{i-1} . t_i is at least 0.1, and a segment turns about itself by at most a radian, to
-/// first order: q_s by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ / L_i times
-/// their difference. A segment whose pivot vanishes does not turn. The clamp counts as still where the bending's rate
-/// is damped.
-/// @param acceleration null: tension pulls along the segments at p*, frames and twist look at p* + tension. Else, of
-/// the
-///        prediction, m/s^2: all of them look at p* - dt^2 a, where the strand goes by itself. At rest that is where it is,
+/// Tension first, then frames, twist in balance, bending. The guards: the tangent in T_i is limited where |w'| <
+/// 0.087 (a twist of 170 degrees); 1 + t_{i-1} . t_i is at least 0.1; a segment turns about itself by at most a
+/// radian, to first order: q_s by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ /
+/// L_i times their difference. A segment whose pivot vanishes does not turn. The clamp counts as resting where the
+/// rate of bending is damped.
+/// @param acceleration null: tension pulls along the segments at p*, frames and twist are taken at p* + tension.
+///        Otherwise the acceleration of the prediction, m/s^2: all are taken at p* - dt^2 a, the position without it.
+///        At rest that is the present position, so an equilibrium of the equations is one of the substep too; with p*
+///        it is one up to dt^2 only.
 ///        so that an equilibrium of the equations is one of the substep too; with p* it is one up to dt^2 only.
 void strand_oracle_rod( strand_oracle* strand, double damping, double dt, const double3* acceleration );
 
-/// What a rod at rest needs so that its present shape is in balance under gravity: k_i, rest twist, and the tension
-/// that belongs to it. The stiffness must be set. Without twist stiffness T_i = 0 and segments do not turn about
-/// themselves, so twist is left out of the balance; a vertex without stiffness gets the curvature that it has. A held
-/// vertex beyond the root carries what hangs behind it. A segment without length has tension 0.
+/// Compute k_i, rest twist and tension for which the present shape is in balance under gravity. The stiffness must be
+/// set. Without twist stiffness T_i = 0 and segments do not turn about themselves, so twist is left out of the
+/// balance; a vertex without stiffness gets its present curvature. A held vertex beyond the root carries everything
+/// that hangs from it. A segment without length has tension 0.
 void strand_oracle_balance( strand_oracle* strand, double3 gravity );
-/// The same, of the fraction of gravity for which the rest shape turns against the load by at most max_turn (rad) between the
-/// tip and any vertex. @return the fraction
+/// The same, for the fraction of gravity at which the rest shape turns against the load by at most max_turn (rad)
+/// between the tip and any vertex. @return the fraction
 double strand_oracle_balance_stably( strand_oracle* strand, double3 gravity, double max_turn );
-/// The present shape without twist as the rest shape.
+/// Take the present shape without twist as the rest shape.
 void strand_oracle_rest_shape( strand_oracle* strand );
 /// Straight, without twist.
 void strand_oracle_rest_straight( strand_oracle* strand );
@@ -174,9 +175,9 @@ double strand_oracle_twist( const strand_oracle* strand, int vertex );
 /// T_i = 2 GJ / L_i tan( d/2 ), d = m_i less its rest value: -4 GJ / L_i log cos( d/2 ), which is GJ / (2 L_i) d^2 up
 /// to d^4.
 double strand_oracle_rod_energy( const strand_oracle* strand );
-/// The gradient that the rod's right-hand side has, [count], with frames as they are.
+/// The gradient in the rod's right-hand side, [count], with frames held fixed.
 void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient );
-/// T_s - T_{s+1} + (b_s + b_{s+1}) / 2 of every segment, N m, what is missing to balance of twist. [count - 1]
+/// T_s - T_{s+1} + (b_s + b_{s+1}) / 2 of every segment, N m: the imbalance of twist. [count - 1]
 void strand_oracle_twist_balance( const strand_oracle* strand, double* residual );
 
 // ---- a substep ----
@@ -202,12 +203,12 @@ typedef struct strand_oracle_settings
     strand_oracle_measure measure;
     int passes;                          ///< of Newton
     double tolerance;                    ///< of |l/l_0 - 1|
-    int iterations;                      ///< of links, each a sweep of bends, then one of distances
-    strand_oracle_link_rule along, bend; ///< inverse_dt2 above 0 says xpbd
+    int iterations;                      ///< of links; each is a sweep of bends, then one of distances
+    strand_oracle_link_rule along, bend; ///< above 0 in inverse_dt2: xpbd
     double fraction;                     ///< follow
     strand_oracle_bending bending;
     double bend_damping; ///< s
-    bool looks_back;     ///< the rod looks at p* - dt^2 gravity
+    bool looks_back;     ///< the rod is evaluated at p* - dt^2 gravity
     double3 gravity;     ///< m/s^2
     double damping;      ///< 1/s, against the world at rest: v <- v / (1 + damping dt) before gravity
     double dt;
@@ -215,7 +216,7 @@ typedef struct strand_oracle_settings
 
 /// Direct lengths, two passes, tolerance 1e-3, no bending, gravity -9.81 along y.
 strand_oracle_settings strand_oracle_default_settings( double dt );
-/// Damping, prediction, rod, lengths, velocity: the order of the README. Links bend with the distances that two
-/// segments span when they are straight.
-/// @return whether the strand was laid out
+/// Damping, prediction, rod, lengths, velocity: the order of the README. Bend links have the distance that two
+/// straight segments span.
+/// @return whether the strand was reset
 bool strand_oracle_substep( strand_oracle* strand, const strand_oracle_settings* settings, const double3* root );

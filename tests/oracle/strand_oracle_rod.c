@@ -105,7 +105,7 @@ void strand_oracle_stiffen( strand_oracle* strand, double bend_rigidity, double 
 
 // ---- M + scale K ----
 
-// C_i as a combination of p_{i-1}, p_i, p_{i+1}; the first is not there for the clamp.
+// C_i as a combination of p_{i-1}, p_i, p_{i+1}; the first is absent at the clamp.
 static void coefficients( const strand_oracle* strand, int i, double c[3] )
 {
     c[2] = 1.0 / strand->length[i];
@@ -158,7 +158,7 @@ void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt 
     }
 }
 
-// ---- what bends and twists at a vertex ----
+// ---- bending and twist at a vertex ----
 
 typedef struct vertex_state
 {
@@ -169,7 +169,7 @@ typedef struct vertex_state
     double twist;  // m_i less its rest value, as 2 z' / w'
     double moment; // T_i
     double load;   // b_i
-    double slope;  // of the bending by a turn of one of its two segments
+    double slope;  // derivative of the bending by a turn of one of its two segments
 } vertex_state;
 
 static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
@@ -362,7 +362,7 @@ static void pull( strand_oracle* strand, const double3* place, double dt )
     }
 }
 
-// K (p* - p): what the bending at each vertex has changed since the start of the substep. The clamp counts as still.
+// K (p* - p): the change of the bending at each vertex since the start of the substep. The clamp counts as resting.
 static void rate_gradient( const strand_oracle* strand, double3* gradient )
 {
     double3 way[MAX_STRAND_ORACLE];
@@ -401,8 +401,8 @@ static void solve_and_move( strand_oracle* strand, double3* x )
     }
 }
 
-// Frames are carried to the segments at `place`, where twist is measured and brought to balance; what bends there is what
-// bends at p*, because only that is solved for.
+// Frames are carried to the segments at `place`, where twist is measured and balanced. Bending is evaluated at p*,
+// because only that is solved for.
 static void measure_rod( strand_oracle* strand, const double3* place, vertex_state* v )
 {
     for ( int s = 0; s + 1 < strand->count && strand->framed; ++s )
@@ -479,7 +479,7 @@ void strand_oracle_rest_straight( strand_oracle* strand )
     strand->framed = false;
 }
 
-// What the recursion from the tip carries to the segment before.
+// Values that the recursion from the tip passes to the previous segment.
 typedef struct hanging
 {
     double3 weight;       // N, W_s
@@ -523,7 +523,7 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
     strand->tension[s] = alpha;
 }
 
-// @return rad, the farthest that the rest shape turns against the load between the tip and a vertex
+// @return rad, the largest turn of the rest shape against the load between the tip and a vertex
 static double balance( strand_oracle* strand, double3 gravity )
 {
     hanging h = { .twist = 0.0 };

@@ -8,7 +8,7 @@ static const double3 zero = { 0.0, 0.0, 0.0 };
 
 // ---- the arc ----
 
-// (-1)^n u^2n c_n / (2n+1)! from n = 1: what is left when cosine and sine cancel, which they do below u = 1.
+// (-1)^n u^2n c_n / (2n+1)! from n = 1: the remainder when cosine and sine cancel, which they do below u = 1.
 static double cancelled_series( double u, double ( *coefficient )( int n ) )
 {
     double power = 1.0, sum = 0.0;
@@ -94,13 +94,13 @@ double triangle_oracle_ramped_slope( double y, double ramp )
     return triangle_oracle_arc_load( y ) < ramp * ( y - 1.0 ) ? ramp : triangle_oracle_arc_slope( y );
 }
 
-// Whether the arc's load lies above the ramp, or, for `slope`, is steeper.
+// Whether the arc's load is above the ramp, or, for `slope`, is steeper.
 static bool is_above( double y, double ramp, bool slope )
 {
     return slope ? triangle_oracle_arc_slope( y ) > ramp : triangle_oracle_arc_load( y ) > ramp * ( y - 1.0 );
 }
 
-// Where that changes between two lengths, by halving.
+// Find the length between two lengths where that changes, by bisection.
 static double changes_between( double low, double high, double ramp, bool slope )
 {
     const bool at_low = is_above( low, ramp, slope );
@@ -119,8 +119,8 @@ double triangle_oracle_ramped_energy( double y, double ramp )
     {
         return 0.0;
     }
-    // The arc's load is concave in y, so it is above the ramp between two lengths at most; it is highest above
-    // it where it is as steep.
+    // The arc's load is concave in y, so it exceeds the ramp in a single interval of lengths; the difference is
+    // largest where both slopes are equal.
     const double top = is_above( 0.0, ramp, true ) ? changes_between( 0.0, 1.0, ramp, true ) : 0.0;
     if ( !is_above( top, ramp, false ) )
     {

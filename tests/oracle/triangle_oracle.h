@@ -1,9 +1,9 @@
-/// Triangle cloth in plain double precision: particles joined by the edges and diagonals of a triangle mesh,
-/// moved by one linear solve a substep, contact inside the solver.
+/// Triangle cloth in plain double precision: particles joined by the edges and diagonals of a triangle mesh, moved by
+/// one linear solve per substep, contact inside the solver.
 ///
-/// Equation numbers are those of Noh and Jung; docs/methods.md says how what they leave open is resolved, and its sections
-/// on the linear system, conjugate gradients and contact are functions here. SI units. Nothing is optimised: sums run
-/// over a list of links, each of them once.
+/// Equation numbers are those of Noh and Jung; docs/methods.md describes how open points are resolved, and its
+/// sections on the linear system, conjugate gradients and contact are functions here. SI units. Nothing is optimised:
+/// sums run over a list of links, each of them once.
 #pragma once
 
 #include "double3.h"
@@ -17,13 +17,13 @@ typedef enum triangle_oracle_weights
 {
     TRIANGLE_ORACLE_WEIGHTS_EFFECTIVE, ///< rows divided by w_i: symmetric forces, masses m |N| / max |N| (default)
     TRIANGLE_ORACLE_WEIGHTS_NONE,      ///< 1
-    TRIANGLE_ORACLE_WEIGHTS_PAIR,      ///< a link times (w_i + w_j) / 2, true masses
+    TRIANGLE_ORACLE_WEIGHTS_PAIR,      ///< each link times (w_i + w_j) / 2, true masses
 } triangle_oracle_weights;
 
 typedef enum triangle_oracle_stiffness
 {
-    TRIANGLE_ORACLE_STIFFNESS_LINK,     ///< every link alike (default)
-    TRIANGLE_ORACLE_STIFFNESS_MATERIAL, ///< a link has the share of its length and area; only with the mesh's own links
+    TRIANGLE_ORACLE_STIFFNESS_LINK,     ///< all links alike (default)
+    TRIANGLE_ORACLE_STIFFNESS_MATERIAL, ///< a link is weighted by its length and area; only with the mesh's own links
 } triangle_oracle_stiffness;
 
 typedef enum triangle_oracle_damping
@@ -60,12 +60,12 @@ typedef struct triangle_oracle_params
     double drag;                  ///< 1/s, against the world at rest: v <- v / (1 + drag h) before gravity; default 0
     double3 gravity;              ///< m/s^2, default -9.81 along y
 
-    int newton_iterations;     ///< linear solves a substep, default 1
+    int newton_iterations;     ///< linear solves per substep, default 1
     double tolerance;          ///< of conjugate gradients, default 1e-12
-    int max_iterations;        ///< default 0: three a vertex, at least 100
+    int max_iterations;        ///< default 0: three per vertex, at least 100
     bool warm_start;           ///< default true
     bool dense;                ///< elimination in place of conjugate gradients, default false
-    bool speculative;          ///< contact: what would pass into a body lands; default true
+    bool speculative;          ///< contact: a vertex that would enter a body lands; default true
     double release_hysteresis; ///< times m |g| h: a smaller pull does not let go; default 1e-4
 } triangle_oracle_params;
 
@@ -85,8 +85,8 @@ double triangle_oracle_arc_energy( double y );
 /// (12): the larger of the load and ramp (y - 1). @param ramp c_b L^3 / k_b
 double triangle_oracle_ramped_load( double y, double ramp );
 double triangle_oracle_ramped_slope( double y, double ramp );
-/// The integral of the ramped load from 1 to y, >= 0: its derivative by y is that load. Below a ramp of about 34
-/// the arc is never reached; up to 4 pi^2 the ramp wins a second time, near y = 0.
+/// The integral of the ramped load from 1 to y, >= 0: its derivative by y is that load. Below a ramp of about 34 the
+/// arc is never reached; up to 4 pi^2 the ramp is larger again near y = 0.
 double triangle_oracle_ramped_energy( double y, double ramp );
 
 // ---- links ----
@@ -103,8 +103,8 @@ typedef struct triangle_oracle_link
     double scale;   ///< of all its forces: (w_i + w_j) / 2 with weights `pair`, else 1
 } triangle_oracle_link;
 
-/// A link where its ends are. All of it is 0 when they coincide: without a direction it gives no force, not even
-/// damping.
+/// A link at the positions of its ends. All values are 0 when they coincide: without a direction it gives no force,
+/// not even damping.
 typedef struct triangle_oracle_term
 {
     double3 direction; ///< d from i to j
@@ -115,23 +115,23 @@ typedef struct triangle_oracle_term
 
 // ---- bodies ----
 
-/// What a body says to a vertex at the start of a substep.
+/// Contact input of a vertex from a body, at the start of a substep.
 typedef struct triangle_oracle_touch
 {
-    int body;           ///< a name that stays, not 0
+    int body;           ///< a stable identifier, not 0
     double3 normal;     ///< unit, out of the body
     double gap;         ///< m, signed distance from the surface
     double3 motion;     ///< m/s, of the surface
     double margin;      ///< m
     double still, slip; ///< friction, mu_s and mu_k
-    double recovery;    ///< m/s, how fast depth is undone at most
+    double recovery;    ///< m/s, limit of depenetration
 } triangle_oracle_touch;
 
 typedef enum triangle_oracle_shape
 {
     TRIANGLE_ORACLE_PLANE,
     TRIANGLE_ORACLE_SPHERE,
-    TRIANGLE_ORACLE_GIVEN, ///< `touch` fills what it knows better; false: too far
+    TRIANGLE_ORACLE_GIVEN, ///< `touch` fills the fields that it overrides; false: too far
 } triangle_oracle_shape;
 
 typedef struct triangle_oracle_body
@@ -146,14 +146,14 @@ typedef struct triangle_oracle_body
     void* user;
 } triangle_oracle_body;
 
-/// Margin 5 mm, friction 0.3 and 0.2, recovery without a cap.
+/// Margin 5 mm, friction 0.3 and 0.2, unlimited recovery.
 triangle_oracle_body triangle_oracle_plane( double3 point, double3 unit_normal );
 triangle_oracle_body triangle_oracle_sphere( double3 centre, double radius );
 
 typedef struct triangle_oracle_bodies
 {
     int count;
-    const triangle_oracle_body* body; ///< as they are at the start of the substep; body k has the name k + 1
+    const triangle_oracle_body* body; ///< at the start of the substep; body k has the identifier k + 1
 } triangle_oracle_bodies;
 
 // ---- contact ----
@@ -175,12 +175,12 @@ enum
 typedef struct triangle_oracle_contact
 {
     triangle_oracle_contact_state state;
-    int count;                                            ///< of the held and landing ones
-    triangle_oracle_touch touch[TRIANGLE_ORACLE_TOUCHES]; ///< those, as they were
+    int count;                                            ///< number of held and landing contacts
+    triangle_oracle_touch touch[TRIANGLE_ORACLE_TOUCHES]; ///< their input, unchanged
     bool lands[TRIANGLE_ORACLE_TOUCHES];
-    bool pulls[TRIANGLE_ORACLE_TOUCHES]; ///< the body would have had to pull: let go next, unless it is leaving
-    double slack;                        ///< N s, so much pull counts for none
-    double normal_impulse[TRIANGLE_ORACLE_TOUCHES]; ///< N s, in units of the row: times w_i it is the real one
+    bool pulls[TRIANGLE_ORACLE_TOUCHES]; ///< the body would have had to pull: released next, unless it is leaving
+    double slack;                        ///< N s, a pull below this is ignored
+    double normal_impulse[TRIANGLE_ORACLE_TOUCHES]; ///< N s, in units of the row; times w_i: physical
 } triangle_oracle_contact;
 
 // ---- the cloth ----
@@ -188,7 +188,7 @@ typedef struct triangle_oracle_contact
 typedef struct triangle_oracle_def
 {
     int count;
-    const double3* points; ///< at rest; where vertices begin, too
+    const double3* points; ///< at rest, also the start positions
     int triangle_count;
     const int* triangles;     ///< [triangle_count][3]
     const double* masses;     ///< [count] kg, > 0
@@ -216,8 +216,8 @@ typedef struct triangle_oracle
     double* mass;               ///< kg, of its row: m / w_i with weights `effective`
 
     double3 *x, *v;
-    double3 *x_before, *v_before; ///< a substep earlier
-    double h_before;              ///< s, length of the last substep; 0: there was none
+    double3 *x_before, *v_before; ///< one substep earlier
+    double h_before;              ///< s, length of the last substep; 0 before the first
     bool* pinned;
     double3* target; ///< where a pinned vertex is at the end of the next substep
 

@@ -27,7 +27,7 @@ triangle_oracle_body triangle_oracle_sphere( double3 centre, double radius )
     return body;
 }
 
-// A vertex in the middle of a sphere has no way out that is nearer than another, so it is not touched.
+// A vertex at the centre of a sphere has no nearest way out, so it is not touched.
 static bool touches( const triangle_oracle_body* body, int name, int vertex, double3 x, triangle_oracle_touch* touch )
 {
     const double3 way = double3_sub( x, body->place );
@@ -50,7 +50,7 @@ static bool touches( const triangle_oracle_body* body, int name, int vertex, dou
     return plane || distance > 0.0;
 }
 
-// The two bodies with the least gaps, the deeper first.
+// The two bodies with the smallest gaps, the deeper first.
 static int nearest( const triangle_oracle_bodies* bodies, int vertex, double3 x, triangle_oracle_touch* found )
 {
     int count = 0;
@@ -81,7 +81,7 @@ static int nearest( const triangle_oracle_bodies* bodies, int vertex, double3 x,
 
 // ---- normals ----
 
-// The normals that count: of two along one line only the deeper's.
+// The normals in use: of two along one line only that of the deeper contact.
 typedef struct frame
 {
     int count;
@@ -105,7 +105,7 @@ static frame frame_of( const triangle_oracle_touch* touch, int count )
     return f;
 }
 
-// The vector in the span of the normals whose products with them are given, as its shares of the normals.
+// The vector in the span of the normals with the given products with them, as coefficients of the normals.
 static void fractions_of( const frame* f, const double* products, double* fractions )
 {
     const double both = f->count == 2 ? double3_dot( f->n[0], f->n[1] ) : 0.0;
@@ -145,7 +145,7 @@ static double3 across_normals( const frame* f, double3 v )
     return double3_sub( v, along_normals( f, v ) );
 }
 
-// Column by column: what is left of an axis across the normals.
+// Column by column: the part of an axis across the normals.
 static triangle_oracle_matrix freedom_of( const frame* f )
 {
     triangle_oracle_matrix s;
@@ -159,16 +159,16 @@ static triangle_oracle_matrix freedom_of( const frame* f )
     return s;
 }
 
-// ---- what the last solve says ----
+// ---- results of the last solve ----
 
-// Impulse of the last solve at the contacts that stay: what friction could be, and what it is.
+// Impulse of the last solve at the contacts that stay: the limit of friction, and friction itself.
 typedef struct grip
 {
     double still, slip; // N s, mu_s J_n and mu_k J_n
     double across;      // N s, |J_t|
 } grip;
 
-// J is split by the normals that it was made with.
+// J is split by the normals of that solve.
 static grip grip_of( const triangle_oracle_touch* touch, int count, double3 impulse )
 {
     const frame f = frame_of( touch, count );
@@ -189,12 +189,12 @@ static grip grip_of( const triangle_oracle_touch* touch, int count, double3 impu
 
 // ---- states ----
 
-// A substep as contact sees it.
+// State of a substep for contact.
 typedef struct moment
 {
     double h, s;
-    double3 gone;  // m, what the vertex goes apart from s v+: x^ - x
-    double3 v;     // m/s, when the substep begins
+    double3 gone;  // m, motion of the vertex apart from s v+: x^ - x
+    double3 v;     // m/s, at the start of the substep
     double3 v_hat; // m/s
 } moment;
 
@@ -203,7 +203,7 @@ static double approach( const moment* now, const triangle_oracle_touch* touch )
     return double3_dot( double3_sub( now->v, touch->motion ), touch->normal );
 }
 
-// The gap at the end if the vertex goes on as v^ says.
+// The gap at the end of the substep if the vertex moves with v^.
 static double gap_ahead( const moment* now, const triangle_oracle_touch* touch )
 {
     const double3 way =
@@ -227,13 +227,13 @@ static int find( const triangle_oracle_contact* contact, int body )
 typedef enum hold
 {
     HOLD_NOT,
-    HOLD_RELEASED, // not, because it would have had to pull
+    HOLD_RELEASED, // released, because it would have had to pull
     HOLD_STAYS,
     HOLD_NEW,
     HOLD_LANDS,
 } hold;
 
-// Would the body have had to pull more than what stops the vertex, should recovery have set it going?
+// Whether the body would have had to pull more than what stops the vertex, if recovery had set it in motion.
 static bool lets_go_of( const triangle_oracle_contact* last, int at, double mass, double leaving )
 {
     return last->pulls[at] && last->normal_impulse[at] < -( last->slack + mass * fmax( 0.0, leaving ) );
@@ -244,8 +244,8 @@ static hold hold_of( const triangle_oracle* cloth, int vertex, const moment* now
     const triangle_oracle_contact* last = cloth->contact + vertex;
     const int before = find( last, touch->body );
     const bool near = touch->gap < touch->margin;
-    // What has just been let go must neither come back nor land in the same substep: its velocity is still the
-    // body's, so both rules would hold it for ever.
+    // A vertex that was just released must neither be held again nor land in the same substep: its velocity is still
+    // the body's, so both rules would hold it for ever.
     if ( before >= 0 && lets_go_of( last, before, cloth->mass[vertex], approach( now, touch ) ) )
     {
         return HOLD_RELEASED;
@@ -262,7 +262,7 @@ static hold hold_of( const triangle_oracle* cloth, int vertex, const moment* now
     return cloth->params.speculative && lands ? HOLD_LANDS : HOLD_NOT;
 }
 
-// Rules 1 to 4: the contacts of this substep, and whether the vertex sticks. @param g what the last solve says
+// Rules 1 to 4: the contacts of this substep, and whether the vertex sticks. @param g result of the last solve
 static triangle_oracle_contact hold_vertex( triangle_oracle* cloth, int vertex, const moment* now,
                                             const triangle_oracle_bodies* bodies, grip* g )
 {
@@ -303,9 +303,9 @@ static triangle_oracle_contact hold_vertex( triangle_oracle* cloth, int vertex, 
     return next;
 }
 
-// ---- what contact prescribes ----
+// ---- prescribed motion ----
 
-// Rule 5, and rule 3 for what lands: how far a vertex goes out of the body beyond what the surface does.
+// Rule 5, and rule 3 for a landing vertex: how far it moves out of the body beyond the motion of the surface.
 static double way_out( const moment* now, const triangle_oracle_touch* touch, bool lands )
 {
     if ( lands )
@@ -315,8 +315,8 @@ static double way_out( const moment* now, const triangle_oracle_touch* touch, bo
     return touch->gap < 0.0 ? fmin( -touch->gap, touch->recovery * now->h ) : 0.0;
 }
 
-// The velocity at the end with which a vertex has gone along with a surface, and out of it. Of BDF2 x^ is not x,
-// so what x^ has gone already counts; of Euler this is the surface's velocity and `out / h`.
+// The velocity at the end of a vertex that moved with a surface, and out of it. With BDF2 x^ is not x, so the part of
+// x^ already counts; with Euler this is the surface's velocity and `out / h`.
 static double3 velocity_with( const moment* now, double3 surface, double3 out )
 {
     return double3_add_scaled( double3_scale( now->h / now->s, surface ), 1.0 / now->s,
@@ -384,7 +384,7 @@ void triangle_oracle_contact_begin( triangle_oracle* cloth, double h, double s, 
 
 // ---- after the solve ----
 
-// J split by the normals. Where two normals count as one, both contacts have all of it.
+// J split by the normals. Where two normals count as one, both contacts receive all of it.
 static void split( const triangle_oracle* cloth, int vertex, triangle_oracle_contact* contact )
 {
     const frame f = frame_of( contact->touch, contact->count );
@@ -415,7 +415,7 @@ void triangle_oracle_contact_end( triangle_oracle* cloth, double h )
         contact->slack = cloth->params.release_hysteresis * weight * h;
         for ( int k = 0; k < contact->count; ++k )
         {
-            // what was pulled to where it lands goes into the body and has to be stopped first
+            // a vertex that was pulled to its landing point moves into the body and has to be stopped first
             const bool landed = contact->state == TRIANGLE_ORACLE_LANDING;
             contact->pulls[k] = !landed && contact->normal_impulse[k] < -contact->slack;
         }

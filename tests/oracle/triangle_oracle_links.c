@@ -1,4 +1,4 @@
-// What may come in, the links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
+// Checks of the input, the links of a mesh, their weights, and the memory of a cloth: Noh and Jung, Eq. 1.
 #include "triangle_oracle.h"
 
 #include "oracle_check.h"
@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-// ---- what may come in ----
+// ---- checks of the input ----
 
 triangle_oracle_params triangle_oracle_default_params( void )
 {
@@ -145,7 +145,7 @@ void triangle_oracle_lump( const triangle_oracle_def* def, double density, doubl
     }
 }
 
-// A pair of vertices with what it has of the mesh: an edge and the triangle that it belongs to, or a diagonal.
+// A pair of vertices with its mesh elements: an edge and its triangle, or a diagonal.
 typedef struct pair
 {
     int i, j, opposite;
@@ -170,7 +170,7 @@ static bool is_same( pair p, pair q )
     return p.i == q.i && p.j == q.j;
 }
 
-// One pair for those that are the same; it has the areas of all of them.
+// Merge equal pairs; the areas of all of them are added.
 static int merge( pair* pairs, int count )
 {
     int kept = 0;
@@ -189,7 +189,7 @@ static int merge( pair* pairs, int count )
     return kept;
 }
 
-// Every edge of every triangle, sorted: triangles at the same edge stand one behind another.
+// Every edge of every triangle, sorted: triangles at the same edge are consecutive.
 static pair* edges_of( const triangle_oracle_def* def )
 {
     pair* edges = calloc( (size_t)( 3 * def->triangle_count + 1 ), sizeof( pair ) );
@@ -202,7 +202,7 @@ static pair* edges_of( const triangle_oracle_def* def )
     return edges;
 }
 
-// The opposite vertices of every two triangles at an edge. One vertex opposite on both sides is no pair.
+// The opposite vertices of every two triangles at an edge. The same vertex on both sides gives no pair.
 static pair* diagonals_of( const triangle_oracle_def* def, const pair* edges, int* count )
 {
     const int edge_count = 3 * def->triangle_count;
@@ -326,7 +326,7 @@ static void count_neighbours( triangle_oracle* cloth )
     free( pairs );
 }
 
-// (1), and what the switch makes of it.
+// (1), changed by the switch.
 static void weigh( triangle_oracle* cloth, const double* masses )
 {
     for ( int i = 0; i < cloth->count; ++i )

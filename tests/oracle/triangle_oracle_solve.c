@@ -1,5 +1,5 @@
-// A = M - s D - s^2 K, conjugate gradients with a filter, elimination, and the substep: Noh and Jung,
-// Eq. 16-17, solved as their section 4 says.
+// A = M - s D - s^2 K, conjugate gradients with a filter, elimination, and the substep: Noh and Jung, Eq. 16-17,
+// solved as in their section 4.
 #include "triangle_oracle.h"
 
 #include <stdlib.h>
@@ -74,7 +74,7 @@ void triangle_oracle_assemble( triangle_oracle* cloth, const double3* x, double 
     }
 }
 
-// What a link adds to its blocks of A: K1' d d' + K2' (1 - d d').
+// Contribution of a link to its blocks of A: K1' d d' + K2' (1 - d d').
 static triangle_oracle_matrix block_of( const triangle_oracle* cloth, int k )
 {
     const triangle_oracle_term* t = cloth->term + k;
@@ -235,7 +235,7 @@ void triangle_oracle_solve( triangle_oracle* cloth, const double3* b, const doub
     const double enough = cloth->params.tolerance * cloth->params.tolerance * delta_0;
 
     int done = 0;
-    // an indefinite P says so before any direction does
+    // an indefinite P is reported here, before any direction shows it
     bool negative = !( delta_0 >= 0.0 && delta >= 0.0 );
     for ( ; delta > enough && done < limit && !negative; ++done )
     {
@@ -246,7 +246,7 @@ void triangle_oracle_solve( triangle_oracle* cloth, const double3* b, const doub
             negative = true;
             break;
         }
-        // r is kept whole: what contact takes of it is the impulse
+        // r is kept whole: the part that contact absorbs is the impulse
         const double a = delta / curvature;
         combine( cloth, dv, a, c );
         combine( cloth, r, -a, q );
@@ -273,7 +273,7 @@ void triangle_oracle_solve( triangle_oracle* cloth, const double3* b, const doub
 
 // ---- elimination ----
 
-// Gauss with the largest pivot of a column. @param matrix [n][n] by rows, lost
+// Gauss elimination with column pivoting. @param matrix [n][n] by rows, overwritten
 static void eliminate( double* matrix, double* right, size_t n )
 {
     for ( size_t column = 0; column < n; ++column )
@@ -362,7 +362,7 @@ void triangle_oracle_solve_dense( triangle_oracle* cloth, const double3* b, cons
 
 // ---- a substep ----
 
-// x^ and v^. @return s, what stands for h
+// x^ and v^. @return s, which replaces h
 static double predict( const triangle_oracle* cloth, double h, double3* x_hat, double3* v_hat )
 {
     const bool second = cloth->params.integrator == TRIANGLE_ORACLE_BDF2 && cloth->h_before > 0.0;
@@ -393,7 +393,7 @@ static void first_right( const triangle_oracle* cloth, const double3* x, const d
     free( force );
 }
 
-// What is missing to the nonlinear step: M (v^ - v) + s f(x) + s D v.
+// Residual of the nonlinear step: M (v^ - v) + s f(x) + s D v.
 static void missing( const triangle_oracle* cloth, double s, const double3* x, const double3* v_hat, const double3* v,
                      double3* b )
 {
@@ -422,7 +422,7 @@ static double largest_missing( const triangle_oracle* cloth, const double3* b )
     return most;
 }
 
-// One linear solve: v gets its change. @param repeat 0 linearises at x^ and v^
+// One linear solve: adds its change to v. @param repeat 0 linearises at x^ and v^
 static void solve_once( triangle_oracle* cloth, int repeat, double s, const double3* x_hat, const double3* v_hat,
                         double3* v )
 {
@@ -448,7 +448,7 @@ static void solve_once( triangle_oracle* cloth, int repeat, double s, const doub
         z[i] = double3_sub( whole, times( cloth->freedom + i, whole ) );
         b[i] = double3_add( b[i], cloth->push[i] );
     }
-    // a repeat's change is small and has nothing to do with the one before
+    // the change of a repeated solve is small and unrelated to the previous one
     if ( cloth->params.warm_start && repeat == 0 )
     {
         copy_vectors( cloth, dv, cloth->change );
@@ -465,7 +465,7 @@ static void solve_once( triangle_oracle* cloth, int repeat, double s, const doub
     free( dv );
 }
 
-// x+ = x^ + s v+; a pinned vertex is where it should be to the last digit.
+// x+ = x^ + s v+; a pinned vertex is set to its target to the last digit.
 static void advance( triangle_oracle* cloth, double h, double s, const double3* x_hat, const double3* v )
 {
     copy_vectors( cloth, cloth->x_before, cloth->x );
@@ -487,7 +487,7 @@ void triangle_oracle_step( triangle_oracle* cloth, double h, const triangle_orac
     {
         if ( cloth->pinned[i] )
         {
-            // what takes it to its target: (target - x) / h of Euler
+            // velocity that takes it to its target: (target - x) / h for Euler
             const double3 way = double3_sub( cloth->target[i], x_hat[i] );
             cloth->prescribed[i] = double3_scale( 1.0 / s, way );
         }
