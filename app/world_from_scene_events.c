@@ -9,8 +9,8 @@ typedef struct step_times
 
 static step_times next_times( const scene_world* world )
 {
-    const double seconds = (double)world->scene->dt;
-    return ( step_times ){ (double)world->next_step * seconds, ( (double)world->next_step + 1.0 ) * seconds };
+    return ( step_times ){ wisp_scene_step_time( world->scene, world->next_step ),
+                           wisp_scene_step_time( world->scene, world->next_step + 1 ) };
 }
 
 // Keyframes are in decimals and steps may be 1/60 s: within a thousandth of a step two times are the same.
