@@ -21,7 +21,7 @@ wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_
 
 static void refuse( torture_verdict* out, const wisp_error* error )
 {
-    *out = ( torture_verdict ){ .judge = TORTURE_REFUSED };
+    *out = ( torture_verdict ){ .judge = TORTURE_REFUSED, .severity = 1.0 };
     snprintf( out->message, sizeof out->message, "%.310s", error->message );
 }
 
@@ -77,14 +77,14 @@ static bool wait_for( int in, double seconds, torture_verdict* out )
             break;
         }
     }
-    *out = ( torture_verdict ){ .judge = TORTURE_TIME };
+    *out = ( torture_verdict ){ .judge = TORTURE_TIME, .severity = 1.0 };
     snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", seconds );
     return true;
 }
 
 torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
 {
-    torture_verdict verdict = { .judge = TORTURE_CRASH };
+    torture_verdict verdict = { .judge = TORTURE_CRASH, .severity = 1.0 };
     int ends[2];
     fflush( NULL );
     if ( pipe( ends ) != 0 )
@@ -112,7 +112,7 @@ torture_verdict torture_judge_scene( const torture_subject* subject, int twins, 
     }
     if ( !has_verdict )
     {
-        verdict = ( torture_verdict ){ .judge = TORTURE_CRASH };
+        verdict = ( torture_verdict ){ .judge = TORTURE_CRASH, .severity = 1.0 };
         const char* cause = child < 0 ? strerror( errno ) : WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit";
         snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s", cause );
     }

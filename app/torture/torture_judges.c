@@ -10,11 +10,12 @@ const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = {
     "strain", "penetration", "intersections", "rest",   "bits",   "snapshot", "scale", "shift"
 };
 
-__attribute__( ( format( printf, 4, 5 ) ) ) static bool break_it( torture_verdict* out, torture_judge judge, int step,
-                                                                  const char* format, ... )
+__attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdict* out, torture_judge judge, int step,
+                                                                  double severity, const char* format, ... )
 {
     out->judge = judge;
     out->step = step;
+    out->severity = severity;
     va_list arguments;
     va_start( arguments, format );
     vsnprintf( out->message, sizeof out->message, format, arguments );
@@ -27,7 +28,7 @@ __attribute__( ( format( printf, 4, 5 ) ) ) static bool break_it( torture_verdic
 bool torture_judge_status( const torture_trace* trace, torture_verdict* out )
 {
     return trace->status == WISP_OK ||
-           break_it( out, TORTURE_STATUS, trace->steps + 1, "step %d failed: %s", trace->steps + 1, trace->message );
+           break_it( out, TORTURE_STATUS, trace->steps + 1, 1.0, "step %d failed: %s", trace->steps + 1, trace->message );
 }
 
 bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
@@ -38,7 +39,7 @@ bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
         {
             if ( !torture_sample_of( trace, row, body )->is_finite )
             {
-                return break_it( out, TORTURE_FINITE, row, "%s is not finite at %.3g s", trace->bodies[body].name,
+                return break_it( out, TORTURE_FINITE, row, 1.0, "%s is not finite at %.3g s", trace->bodies[body].name,
                                  trace->times[row] );
             }
         }
@@ -63,7 +64,7 @@ bool torture_judge_halted( const torture_trace* trace, torture_verdict* out )
             fastest = now > speed ? row : fastest;
             speed = fmax( speed, now );
         }
-        return break_it( out, TORTURE_HALTED, fastest, "%s was halted; it was fastest at %.3g s, with %.3g m/s",
+        return break_it( out, TORTURE_HALTED, fastest, 1.0, "%s was halted; it was fastest at %.3g s, with %.3g m/s",
                          trace->bodies[body].name, trace->times[fastest], speed );
     }
     return true;
@@ -131,7 +132,7 @@ bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
         if ( gain > budget )
         {
             const int body = fastest_body( trace, row );
-            return break_it( out, TORTURE_ENERGY, row,
+            return break_it( out, TORTURE_ENERGY, row, gain / budget,
                              "energy is %.3g J above the start at %.3g s, and inputs explain %.3g J; %s has %.3g m/s", gain,
                              trace->times[row], budget, trace->bodies[body].name,
                              torture_sample_of( trace, row, body )->speed );
@@ -168,7 +169,7 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
         const double limit = FREE + FACTOR * b->softness;
         if ( b->moves && b->softness < TOO_SOFT && !is_held( trace, body ) && b->stretch > limit )
         {
-            return break_it( out, TORTURE_STRAIN, trace->steps,
+            return break_it( out, TORTURE_STRAIN, trace->steps, b->stretch / limit,
                              "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%", b->name,
                              100.0 * b->stretch, 100.0 * b->softness );
         }
@@ -185,9 +186,10 @@ bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out
         const torture_sample* s = torture_sample_of( trace, trace->steps, body );
         // Below the surface of the collider, by more than the distance that is to be kept from it.
         const double depth = s->penetration - s->thickness;
-        if ( b->moves && !is_held( trace, body ) && depth > fmax( s->thickness, SMALL * b->size ) )
+        const double limit = fmax( s->thickness, SMALL * b->size );
+        if ( b->moves && !is_held( trace, body ) && depth > limit )
         {
-            return break_it( out, TORTURE_PENETRATION, trace->steps,
+            return break_it( out, TORTURE_PENETRATION, trace->steps, depth / limit,
                              "%s is %.3g mm inside a collider at the end, with a thickness of %.3g mm", b->name,
                              1e3 * depth, 1e3 * s->thickness );
         }
@@ -200,7 +202,7 @@ bool torture_judge_intersections( const torture_trace* trace, torture_verdict* o
     const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
     if ( came && is_at_rest( trace ) && !trace->inputs.moves_pins )
     {
-        return break_it( out, TORTURE_INTERSECTIONS, trace->steps, "%d edges pass through triangles at the end, none did at the start",
+        return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after, "%d edges pass through triangles at the end, none did at the start",
                          trace->intersections_after );
     }
     return true;
@@ -249,7 +251,7 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     const double way = distance_of( torture_sample_of( trace, late, body )->centre, torture_sample_of( trace, trace->steps, body )->centre );
     if ( after > limit && after >= before && way < TRAVEL * after * WINDOW )
     {
-        return break_it( out, TORTURE_REST, trace->steps,
+        return break_it( out, TORTURE_REST, trace->steps, after / limit,
                          "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before", b->name,
                          after, end - trace->inputs.last, before, elapsed );
     }

@@ -33,6 +33,7 @@ typedef struct torture_verdict
 {
     torture_judge judge;
     int step;          ///< after which it shows, counted from 1; 0: none in particular
+    double severity;   ///< what was measured over what is allowed; 1 where nothing is measured
     char message[320]; ///< a sentence with figures; empty if everything holds
 } torture_verdict;
 

@@ -161,6 +161,8 @@ static const span SPANS[] = {
     { "show", 0, 0 },
     { "max_points", 0, 0 },
     { "by_screen", 0, 0 },
+    { "pixels", 0, 0 },
+    { "pixel_angle", 0, 0 },
     { "min_spacing", 0, 0 },
     { "max_spacing", 0, 0 },
     { "strain_gain", 0, 1 },

@@ -28,6 +28,7 @@ typedef struct shown
     const torture_search* search;
     const char* name;
     torture_judge judge;
+    double severity; // that must not be lost: a scene that breaks by a hair is another one
     int twins;
     torture_verdict verdict; // of the last scene that shows it
 } shown;
@@ -45,7 +46,7 @@ static bool breaks_the_same( void* user, const torture_node* scene )
         return false;
     }
     const torture_verdict verdict = torture_judge_scene( &subject, s->twins, s->search->scene_seconds );
-    const bool is_same = verdict.judge == s->judge;
+    const bool is_same = verdict.judge == s->judge && verdict.severity >= s->severity;
     s->verdict = is_same ? verdict : s->verdict;
     return is_same;
 }
@@ -92,8 +93,8 @@ static wisp_status keep_scene( const torture_search* search, torture_node* scene
                                int number, results* out, wisp_error* error )
 {
     const int MAX_TRIES = 600;
-    const double MAX_SECONDS = 120.0;
-    shown s = { search, name, verdict->judge, twins_of( verdict->judge ), *verdict };
+    const double MAX_SECONDS = 120.0, CLEAR = 3.0;
+    shown s = { search, name, verdict->judge, fmin( verdict->severity, CLEAR ), twins_of( verdict->judge ), *verdict };
     const torture_shrink_def shrink = { breaks_the_same, &s, MAX_TRIES, MAX_SECONDS };
     char comment[512], path[4096];
     torture_shrink( &shrink, scene );
@@ -123,6 +124,7 @@ static wisp_status try_scene( const torture_search* search, int number, torture_
     wisp_status status = WISP_OK;
     ++found->scenes;
     found->refused += verdict.judge == TORTURE_REFUSED;
+    if ( getenv( "TDEBUG" ) && verdict.judge >= 0 ) fprintf( stderr, "%d %s: %s\n", number, torture_judge_names[verdict.judge], verdict.message );
     if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED && found->broken[verdict.judge]++ < search->keep )
     {
         status = keep_scene( search, scene, &verdict, name, number, out, error );
@@ -134,6 +136,7 @@ static wisp_status try_scene( const torture_search* search, int number, torture_
 static void report( const torture_found* found, results* out )
 {
     char text[64];
+    out->machine = machine_describe( NULL );
     const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
     results_row* row = results_add_row( out, "torture", "search" );
     snprintf( text, sizeof text, "%d, %.3g per second", found->scenes, found->scenes / fmax( found->seconds, 1e-9 ) );

@@ -59,7 +59,7 @@ static bool judge_bits( const wisp_scene* scene, torture_verdict* out )
         holds = same == made && count == made;
         if ( !holds )
         {
-            *out = ( torture_verdict ){ .judge = TORTURE_BITS, .step = same + 1 };
+            *out = ( torture_verdict ){ .judge = TORTURE_BITS, .step = same + 1, .severity = 1.0 };
             snprintf( out->message, sizeof out->message, "step %d has other bits with %d workers and %s than with one and baseline", same + 1, places[i].workers, places[i].isa );
         }
     }
@@ -119,7 +119,7 @@ static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
         holds = status == WISP_OK && run_on( &worlds[i], steps - half ) == expected;
         if ( !holds )
         {
-            *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = half };
+            *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = half, .severity = 1.0 };
             snprintf( out->message, sizeof out->message, "a snapshot after step %d %s %s%s", half,
                       status == WISP_OK ? "goes on to other bits in" : "is refused by", where, status == WISP_OK ? "" : wisp_world_message( worlds[i].world ) );
         }
@@ -141,7 +141,7 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
     torture_verdict other;
     if ( !torture_judge_trace( twin, &other ) )
     {
-        *out = ( torture_verdict ){ .judge = judge, .step = other.step };
+        *out = ( torture_verdict ){ .judge = judge, .step = other.step, .severity = other.severity };
         snprintf( out->message, sizeof out->message, "%s: %.250s", where, other.message );
         return false;
     }
@@ -151,7 +151,7 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
         const double larger = fmax( a->stretch, b->stretch ), smaller = fmin( a->stretch, b->stretch );
         if ( a->moves && a->softness < 1.0 && larger > APART + FACTOR * smaller )
         {
-            *out = ( torture_verdict ){ .judge = judge, .step = trace->steps };
+            *out = ( torture_verdict ){ .judge = judge, .step = trace->steps, .severity = larger / ( APART + FACTOR * smaller ) };
             snprintf( out->message, sizeof out->message, "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name, 100.0 * a->stretch,
                       100.0 * b->stretch, where );
             return false;
