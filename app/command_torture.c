@@ -18,6 +18,7 @@ typedef struct torture_options
     const char* files[FILES_MAX];
     int file_count;
     double minutes; ///< 0: not given
+    bool prints;    ///< the first scene, instead of a search
     results_format format;
 } torture_options;
 
@@ -34,6 +35,7 @@ enum
     KEY_FIRST,
     KEY_KEEP,
     KEY_LIMIT,
+    KEY_PRINT,
 };
 
 static const char doc[] = "Search for scenes that break the engine, or judge scenes.\n"
@@ -59,6 +61,7 @@ static const struct argp_option option_list[] = {
     { "first", KEY_FIRST, "I", 0, "Begin with scene I of the seed, default 0", 1 },
     { "mesh", KEY_MESH, "FILE", 0, "Make surfaces and colliders of this mesh too; can be repeated", 1 },
     { "limit", KEY_LIMIT, "SECONDS", 0, "Wall time of a scene, default 20", 1 },
+    { "print", KEY_PRINT, 0, 0, "Print the first scene and run nothing", 1 },
     { 0, 0, 0, 0, "Output:", 2 },
     { "out", KEY_OUT, "FOLDER", 0, "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, 2 },
     { "keep", KEY_KEEP, "N", 0, "Write the first N scenes of each kind, default 3", 2 },
@@ -114,6 +117,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_LIMIT:
             search->scene_seconds = option_positive( state, "--limit", argument, 1e6 );
             return 0;
+        case KEY_PRINT:
+            options->prints = true;
+            return 0;
         case KEY_OUT:
             search->folder = argument;
             return 0;
@@ -132,6 +138,16 @@ static error_t parse( int key, char* argument, struct argp_state* state )
     }
 }
 
+static int print_scene( const torture_search* search )
+{
+    torture_node* scene = torture_generate( &search->generator, search->first );
+    char* text = torture_write( scene, NULL );
+    fputs( text, stdout );
+    free( text );
+    torture_release( scene );
+    return STATUS_GOOD;
+}
+
 int command_torture( int argc, char** argv )
 {
     static torture_options options; // too large for a stack
@@ -144,6 +160,10 @@ int command_torture( int argc, char** argv )
     const bool has_end = options.minutes > 0.0 || options.search.max_scenes == 0;
     options.search.max_seconds = has_end ? 60.0 * ( options.minutes > 0.0 ? options.minutes : 1.0 ) : INFINITY;
 
+    if ( options.prints )
+    {
+        return print_scene( &options.search );
+    }
     wisp_error error = { 0 };
     results out = { .is_result_first = true };
     torture_found found;

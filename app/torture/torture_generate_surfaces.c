@@ -140,7 +140,7 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     if ( !is_implicit && chance( m, 50 ) )
     {
         torture_node* contact = torture_put_block( m->b, m->block, m->entry, "contact", 25 );
-        torture_put_log( m->b, contact, "thickness", 1e-3, 7e-3 );
+        torture_put_log( m->b, contact, "thickness", 1e-3, 5e-3 );
     }
     if ( !is_implicit && chance( m, 15 ) )
     {

@@ -147,15 +147,16 @@ bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
 // to push out what is inside are too slow for what is shown.
 static const double SETTLING = 1.0; // s
 
-static bool is_at_rest( const torture_trace* trace )
+bool torture_is_at_rest( const torture_trace* trace )
 {
     return trace->steps > 0 && trace->times[trace->steps] - trace->inputs.last >= SETTLING;
 }
 
-// Pins, colliders and heads that moved may hold a body stretched, or inside of something.
-static bool is_held( const torture_trace* trace, int body )
+// Pins, colliders and heads that moved may hold a body stretched, or inside of something. So may a collider that it starts in.
+bool torture_is_held( const torture_trace* trace, int body )
 {
-    return trace->bodies[body].is_pinned && trace->inputs.moves_pins;
+    const torture_body* b = &trace->bodies[body];
+    return ( b->is_pinned && trace->inputs.moves_pins ) || b->starts_inside;
 }
 
 bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
@@ -163,11 +164,11 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
     const double FREE = 0.5;    // folds and contacts keep single edges long; half is far beyond what is seen of them
     const double FACTOR = 3.0;  // of the stretch that weight explains: it is an estimate
     const double TOO_SOFT = 1.0; // a body that its weight stretches to twice its length says nothing
-    for ( int body = 0; body < trace->body_count && is_at_rest( trace ); ++body )
+    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
     {
         const torture_body* b = &trace->bodies[body];
         const double limit = FREE + FACTOR * b->softness;
-        if ( b->moves && b->softness < TOO_SOFT && !is_held( trace, body ) && b->stretch > limit )
+        if ( b->moves && b->softness < TOO_SOFT && !torture_is_held( trace, body ) && b->stretch > limit )
         {
             return break_it( out, TORTURE_STRAIN, trace->steps, b->stretch / limit,
                              "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%", b->name,
@@ -180,14 +181,14 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
 bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out )
 {
     const double SMALL = 0.01; // of the body: depths that nobody sees, of colliders without a thickness
-    for ( int body = 0; body < trace->body_count && is_at_rest( trace ) && !trace->inputs.has_colliders_close; ++body )
+    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ) && !trace->inputs.has_colliders_close; ++body )
     {
         const torture_body* b = &trace->bodies[body];
         const torture_sample* s = torture_sample_of( trace, trace->steps, body );
         // Below the surface of the collider, by more than the distance that is to be kept from it.
         const double depth = s->penetration - s->thickness;
         const double limit = fmax( s->thickness, SMALL * b->size );
-        if ( b->moves && !is_held( trace, body ) && depth > limit )
+        if ( b->moves && !torture_is_held( trace, body ) && depth > limit )
         {
             return break_it( out, TORTURE_PENETRATION, trace->steps, depth / limit,
                              "%s is %.3g mm inside a collider at the end, with a thickness of %.3g mm", b->name,
@@ -200,7 +201,7 @@ bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out
 bool torture_judge_intersections( const torture_trace* trace, torture_verdict* out )
 {
     const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
-    if ( came && is_at_rest( trace ) && !trace->inputs.moves_pins )
+    if ( came && torture_is_at_rest( trace ) && !trace->inputs.moves_pins )
     {
         return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after, "%d edges pass through triangles at the end, none did at the start",
                          trace->intersections_after );
@@ -261,7 +262,7 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
 bool torture_judge_rest( const torture_trace* trace, torture_verdict* out )
 {
     bool holds = true;
-    for ( int body = 0; body < trace->body_count && holds && is_at_rest( trace ); ++body )
+    for ( int body = 0; body < trace->body_count && holds && torture_is_at_rest( trace ); ++body )
     {
         holds = judge_body_at_rest( trace, body, out );
     }

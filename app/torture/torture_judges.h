@@ -44,6 +44,11 @@ typedef bool torture_judge_fn( const torture_trace* trace, torture_verdict* out 
 torture_judge_fn torture_judge_status, torture_judge_finite, torture_judge_halted, torture_judge_energy,
     torture_judge_strain, torture_judge_penetration, torture_judge_intersections, torture_judge_rest;
 
+/// @return whether inputs rest long enough at the end of the run for its bodies to be judged as they are then
+bool torture_is_at_rest( const torture_trace* trace );
+/// @return whether pins, colliders or heads may hold a body stretched, or inside of something
+bool torture_is_held( const torture_trace* trace, int body );
+
 /// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can bring.
 double torture_energy_budget( const torture_trace* trace, int row );
 

@@ -169,7 +169,9 @@ static wisp_status sample_start( const wisp_scene* scene, torture_trace* trace, 
         trace->times[0] = 0.0;
         for ( int body = 0; body < trace->body_count; ++body )
         {
-            memcpy( trace->bodies[body].start, torture_sample_of( trace, 0, body )->centre, sizeof trace->bodies[body].start );
+            const torture_sample* s = torture_sample_of( trace, 0, body );
+            memcpy( trace->bodies[body].start, s->centre, sizeof s->centre );
+            trace->bodies[body].starts_inside = s->penetration > s->thickness;
         }
     }
     scene_world_destroy( &world );

@@ -21,6 +21,7 @@ typedef struct torture_body
     bool moves;       ///< has a motion of its own: surfaces, strands with dynamics
     bool is_pinned;   ///< surfaces with pins; strands, whose roots are held
     bool is_halted;   ///< at the end
+    bool starts_inside; ///< of a collider: being pushed out takes its time, and may go two ways at once
     double mass;      ///< kg, that is free
     double size;      ///< m, diagonal of its bounds at the start
     double area;      ///< m^2, that air meets: triangles; segments times the diameter

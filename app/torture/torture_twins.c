@@ -145,11 +145,11 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
         snprintf( out->message, sizeof out->message, "%s: %.250s", where, other.message );
         return false;
     }
-    for ( int body = 0; body < trace->body_count; ++body )
+    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
     {
         const torture_body *a = &trace->bodies[body], *b = &twin->bodies[body];
         const double larger = fmax( a->stretch, b->stretch ), smaller = fmin( a->stretch, b->stretch );
-        if ( a->moves && a->softness < 1.0 && larger > APART + FACTOR * smaller )
+        if ( a->moves && a->softness < 1.0 && !torture_is_held( trace, body ) && larger > APART + FACTOR * smaller )
         {
             *out = ( torture_verdict ){ .judge = judge, .step = trace->steps, .severity = larger / ( APART + FACTOR * smaller ) };
             snprintf( out->message, sizeof out->message, "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name, 100.0 * a->stretch,
