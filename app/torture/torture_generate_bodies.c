@@ -18,6 +18,25 @@ static void put_friction( torture_builder* b, torture_node* collider )
     torture_add( pair, torture_scalar( "%s", torture_random_linear( &b->random, 0.0, 0.6 ).text ) );
 }
 
+// The defaults are a metre: everything else would start inside.
+static void put_size( torture_builder* b, torture_node* collider, const char* shape )
+{
+    const bool is_capsule = strcmp( shape, "capsule" ) == 0;
+    if ( is_capsule || strcmp( shape, "sphere" ) == 0 )
+    {
+        torture_put_log( b, collider, "radius", 0.02, 0.2 );
+    }
+    if ( is_capsule )
+    {
+        torture_put_linear( b, collider, "half_length", 0.0, 0.4 );
+    }
+    if ( strcmp( shape, "box" ) == 0 )
+    {
+        torture_put_vector( b, collider, "half_extent", ( const double[] ){ 0.02, 0.02, 0.02 },
+                            ( const double[] ){ 0.3, 0.15, 0.3 } );
+    }
+}
+
 // The first one is the ground, most of the time.
 void torture_make_collider( torture_builder* b )
 {
@@ -41,14 +60,15 @@ void torture_make_collider( torture_builder* b )
     }
     if ( !is_ground )
     {
-        torture_node* position = torture_put_vector( b, collider, "position", ( const double[] ){ -0.2, 0.0, -0.2 },
-                                                     ( const double[] ){ 0.2, 0.5, 0.2 } );
+        torture_node* position = torture_put_vector( b, collider, "position", ( const double[] ){ -0.2, -0.1, -0.2 },
+                                                     ( const double[] ){ 0.2, 0.2, 0.2 } );
         for ( int i = 0; i < 3; ++i )
         {
             torture_is_number( position->children[i], &centre[i] );
         }
     }
     put_friction( b, collider );
+    put_size( b, collider, shape );
     torture_draw_keys( &b->random, block, 35, collider );
     if ( torture_random_chance( &b->random, is_ground ? 10 : 45 ) )
     {

@@ -232,6 +232,17 @@ static double speed_between( const torture_trace* trace, int body, int from, int
     return speed;
 }
 
+// Bodies touch and carry each other: the least damped one keeps the others in motion.
+static double least_damping( const torture_trace* trace )
+{
+    double damping = INFINITY;
+    for ( int body = 0; body < trace->body_count; ++body )
+    {
+        damping = trace->bodies[body].moves ? fmin( damping, trace->bodies[body].damping ) : damping;
+    }
+    return damping;
+}
+
 // A body that falls, slides or swings goes somewhere: only one that is fast and stays where it is trembles.
 static bool judge_body_at_rest( const torture_trace* trace, int body, torture_verdict* out )
 {
@@ -243,7 +254,7 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     const double end = trace->times[trace->steps], begin = trace->inputs.last + SETTLING;
     const int early = row_at( trace, begin ), early_end = row_at( trace, begin + WINDOW ), late = row_at( trace, end - WINDOW );
     const double elapsed = end - WINDOW - begin;
-    if ( !b->moves || elapsed < WINDOW || b->damping * elapsed < DAMPED )
+    if ( !b->moves || b->starts_inside || elapsed < WINDOW || least_damping( trace ) * elapsed < DAMPED )
     {
         return true;
     }

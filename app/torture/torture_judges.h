@@ -81,6 +81,11 @@ bool torture_judge_twins( const torture_subject* subject, const torture_trace* t
 bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge,
                              torture_verdict* out );
 
+/// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made, such as
+/// "with 2 workers than with one" @return whether they are equal
+bool torture_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
+                           torture_judge judge, int first, const char* how, torture_verdict* out );
+
 /// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the metre.
 void torture_scale( torture_node* scene, double factor );
 /// Move everything that has a place.

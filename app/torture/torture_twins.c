@@ -18,19 +18,42 @@ static int twin_steps( const wisp_scene* scene )
 
 // ---- bits ----
 
-// Run steps and keep the hash after each. @return steps that were made
-static int hash_steps( const wisp_scene* scene, const scene_world_options* options, int steps, uint64_t* hashes )
+bool torture_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
+                           torture_judge judge, int first, const char* how, torture_verdict* out )
+{
+    int same = 0;
+    while ( same < expected_count && same < found_count && expected[same] == found[same] )
+    {
+        ++same;
+    }
+    if ( same == expected_count && same == found_count )
+    {
+        return true;
+    }
+    *out = ( torture_verdict ){ .judge = judge, .step = first + same + 1, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "step %d has other bits %s", first + same + 1, how );
+    return false;
+}
+
+// Make steps and keep the hash after each. @return steps that were made
+static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
+{
+    int made = 0;
+    while ( made < steps && scene_world_step( world, NULL ) == WISP_OK )
+    {
+        hashes[made++] = wisp_world_hash( world->world );
+    }
+    return made;
+}
+
+static int hash_scene( const wisp_scene* scene, const scene_world_options* options, int steps, uint64_t* hashes )
 {
     scene_world world;
-    int made = 0;
     if ( scene_world_create( scene, options, &world, NULL ) != WISP_OK )
     {
         return 0;
     }
-    while ( made < steps && scene_world_step( &world, NULL ) == WISP_OK )
-    {
-        hashes[made++] = wisp_world_hash( world.world );
-    }
+    const int made = hash_steps( &world, steps, hashes );
     scene_world_destroy( &world );
     return made;
 }
@@ -40,28 +63,21 @@ static bool judge_bits( const wisp_scene* scene, torture_verdict* out )
     static const struct
     {
         int workers;
-        const char* isa;
-    } places[] = { { 2, "baseline" }, { 5, "avx2" }, { 1, "avx512" } };
+        const char *isa, *how;
+    } places[] = { { 2, "baseline", "with 2 workers than with one" },
+                   { 5, "avx2", "with 5 workers and AVX2 than with one and without" },
+                   { 1, "avx512", "with AVX-512 than without" } };
     const int steps = twin_steps( scene );
-    uint64_t *expected = torture_alloc( (size_t)steps * sizeof *expected ), *found = torture_alloc( (size_t)steps * sizeof *found );
+    uint64_t *expected = torture_alloc( (size_t)steps * sizeof *expected ),
+             *found = torture_alloc( (size_t)steps * sizeof *found );
     const scene_world_options plain = { 1, "baseline", true };
-    const int made = hash_steps( scene, &plain, steps, expected );
+    const int made = hash_scene( scene, &plain, steps, expected );
     bool holds = true;
     for ( int i = 0; i < WISP_COUNT( places ) && holds; ++i )
     {
         const scene_world_options options = { places[i].workers, places[i].isa, true };
-        const int count = hash_steps( scene, &options, steps, found );
-        int same = 0;
-        while ( same < made && same < count && expected[same] == found[same] )
-        {
-            ++same;
-        }
-        holds = same == made && count == made;
-        if ( !holds )
-        {
-            *out = ( torture_verdict ){ .judge = TORTURE_BITS, .step = same + 1, .severity = 1.0 };
-            snprintf( out->message, sizeof out->message, "step %d has other bits with %d workers and %s than with one and baseline", same + 1, places[i].workers, places[i].isa );
-        }
+        const int count = hash_scene( scene, &options, steps, found );
+        holds = torture_compare_bits( expected, made, found, count, TORTURE_BITS, 0, places[i].how, out );
     }
     free( expected );
     free( found );
@@ -82,52 +98,80 @@ static void copy_place( const scene_world* from, scene_world* to )
     }
 }
 
-static uint64_t run_on( scene_world* world, int steps )
+typedef struct snapshot_run
 {
-    for ( int i = 0; i < steps && scene_world_step( world, NULL ) == WISP_OK; ++i )
+    scene_world worlds[2]; // the one that the snapshot comes from, and a new one
+    scene_world place;     // where the script was
+    void* bytes;
+    size_t size;
+    uint64_t *expected, *found; // hashes of the steps that follow
+    int half, left;
+} snapshot_run;
+
+static bool judge_restored( snapshot_run* run, int world, int expected, torture_verdict* out )
+{
+    scene_world* restored = &run->worlds[world];
+    copy_place( &run->place, restored );
+    if ( wisp_world_restore( restored->world, run->bytes, run->size ) != WISP_OK )
     {
+        *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = run->half, .severity = 1.0 };
+        snprintf( out->message, sizeof out->message, "a snapshot after step %d is refused: %.200s", run->half,
+                  wisp_world_message( restored->world ) );
+        return false;
     }
-    return wisp_world_hash( world->world );
+    char how[80];
+    snprintf( how, sizeof how, "in %s world that a snapshot after step %d was restored into",
+              world == 0 ? "the same" : "a new", run->half );
+    const int count = hash_steps( restored, run->left, run->found );
+    return torture_compare_bits( run->expected, expected, run->found, count, TORTURE_SNAPSHOT, run->half, how, out );
 }
 
-// Into the world that it came from, and into a new one, whose plan is compiled by a step.
+// Both worlds have made a step, which compiles the plan.
+static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, torture_verdict* out )
+{
+    run->expected = torture_alloc( (size_t)run->left * sizeof *run->expected );
+    run->found = torture_alloc( (size_t)run->left * sizeof *run->found );
+    run->place.surfaces = torture_alloc( (size_t)scene->surface_count * sizeof *run->place.surfaces );
+    run->place.scene = scene;
+    copy_place( &run->worlds[0], &run->place );
+    run->size = wisp_world_snapshot_size( run->worlds[0].world );
+    run->bytes = torture_alloc( run->size );
+    bool holds = wisp_world_snapshot( run->worlds[0].world, run->bytes, run->size ) == WISP_OK;
+    const int expected = hash_steps( &run->worlds[0], run->left, run->expected );
+    for ( int world = 0; world < 2 && holds; ++world )
+    {
+        holds = judge_restored( run, world, expected, out );
+    }
+    free( run->bytes );
+    free( run->place.surfaces );
+    free( run->expected );
+    free( run->found );
+    return holds;
+}
+
 static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
 {
     const scene_world_options options = { 1, NULL, true };
     const int steps = twin_steps( scene );
     torture_random random = torture_random_start( (uint64_t)scene->steps, (uint64_t)scene->substeps );
-    const int half = steps > 1 ? torture_random_whole( &random, 1, steps - 1 ) : 0;
-    scene_world worlds[2], before = { .scene = scene };
-    if ( steps < 2 || scene_world_create( scene, &options, &worlds[0], NULL ) != WISP_OK )
+    snapshot_run run = { .half = steps > 1 ? torture_random_whole( &random, 1, steps - 1 ) : 0 };
+    run.left = steps - run.half;
+    if ( steps < 2 || scene_world_create( scene, &options, &run.worlds[0], NULL ) != WISP_OK )
     {
         return true;
     }
-    bool holds = scene_world_create( scene, &options, &worlds[1], NULL ) == WISP_OK;
-    before.surfaces = torture_alloc( (size_t)scene->surface_count * sizeof *before.surfaces );
-    (void)run_on( &worlds[0], half );
-    (void)run_on( &worlds[1], 1 );
-    copy_place( &worlds[0], &before );
-    const size_t size = wisp_world_snapshot_size( worlds[0].world );
-    void* bytes = torture_alloc( size );
-    holds = wisp_world_snapshot( worlds[0].world, bytes, size ) == WISP_OK;
-    const uint64_t expected = run_on( &worlds[0], steps - half );
-    for ( int i = 0; i < 2 && holds; ++i )
+    bool holds = true;
+    if ( scene_world_create( scene, &options, &run.worlds[1], NULL ) == WISP_OK )
     {
-        copy_place( &before, &worlds[i] );
-        const wisp_status status = wisp_world_restore( worlds[i].world, bytes, size );
-        const char* where = i == 0 ? "the same world" : "a new world";
-        holds = status == WISP_OK && run_on( &worlds[i], steps - half ) == expected;
-        if ( !holds )
+        bool has_stepped = scene_world_step( &run.worlds[1], NULL ) == WISP_OK;
+        for ( int i = 0; i < run.half; ++i )
         {
-            *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = half, .severity = 1.0 };
-            snprintf( out->message, sizeof out->message, "a snapshot after step %d %s %s%s", half,
-                      status == WISP_OK ? "goes on to other bits in" : "is refused by", where, status == WISP_OK ? "" : wisp_world_message( worlds[i].world ) );
+            has_stepped = has_stepped && scene_world_step( &run.worlds[0], NULL ) == WISP_OK;
         }
+        holds = !has_stepped || judge_snapshot_of( scene, &run, out );
+        scene_world_destroy( &run.worlds[1] );
     }
-    free( bytes );
-    free( before.surfaces );
-    scene_world_destroy( &worlds[0] );
-    scene_world_destroy( &worlds[1] );
+    scene_world_destroy( &run.worlds[0] );
     return holds;
 }
 
