@@ -111,7 +111,7 @@ static torture_node* make_steps( torture_builder* b, torture_node* scene )
     static const char* const substeps[] = { "2", "4", "5", "8", "10", "10", "10", "16", "20" };
     const double seconds = torture_random_whole( &b->random, 2, 5 );
     const char* dt = lengths[torture_random_whole( &b->random, 0, WISP_COUNT( lengths ) - 1 )];
-    const int MOST = 240;
+    const int MOST = b->has_contact ? 150 : 240; // contact is what costs most
     const int steps = (int)( seconds / strtod( dt, NULL ) );
     b->steps = steps < MOST ? steps : MOST;
     torture_put( scene, "dt", torture_scalar( "%s", dt ) );
@@ -139,7 +139,7 @@ static void make_world( torture_builder* b, torture_node* scene )
     {
         torture_put_vector( b, scene, "gravity", ( const double[] ){ -4, -20, -4 }, ( const double[] ){ 4, 0, 4 } );
     }
-    if ( torture_random_chance( &b->random, 25 ) )
+    if ( b->has_contact && torture_random_chance( &b->random, 40 ) )
     {
         torture_node* contact = torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
         const bool are_particles = strcmp( torture_text_at( contact, "primitives" ), "particles" ) == 0;
@@ -176,6 +176,7 @@ torture_node* torture_generate( const torture_generator* generator, int number )
                           .hair_events = torture_list() };
     torture_node* scene = torture_map();
     torture_put( scene, "wisp", torture_scalar( "1" ) );
+    b.has_contact = torture_random_chance( &b.random, 45 );
     make_steps( &b, scene );
     make_world( &b, scene );
     const int surfaces = torture_random_whole( &b.random, 0, 3 );

@@ -22,6 +22,7 @@ typedef struct torture_builder
     const torture_generator* generator;
     torture_node *surfaces, *strands, *colliders, *events, *hair_events;
     int steps;
+    bool has_contact; ///< surfaces and strands may touch each other
 } torture_builder;
 
 void torture_make_surface( torture_builder* b );

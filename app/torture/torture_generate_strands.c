@@ -74,10 +74,11 @@ static void put_dynamics( strands_maker* m )
         torture_put_keyframes( m->b, head, "keyframes", "position", "rotation", centre );
     }
     static const char* const blocks[] = { "grid", "collision", "contact" };
-    static const int percents[] = { 25, 55, 30 };
+    static const int percents[] = { 25, 55, 60 };
     for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
     {
-        if ( chance( m, percents[i] ) )
+        const bool is_contact = strcmp( blocks[i], "contact" ) == 0;
+        if ( ( !is_contact || m->b->has_contact ) && chance( m, percents[i] ) )
         {
             torture_put_block( m->b, m->block, m->entry, blocks[i], 30 );
         }

@@ -426,6 +426,7 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
     {
         const wisp_scene_strands* s = &scene->strands[i];
         const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD && s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
+        trace->inputs.roots_touch |= s->on_surface >= 0 && s->has_contact;
         trace->inputs.rods += is_straightened ? rod_energy( s, &world->grooms[i] ) : 0.0;
     }
     add_air( world, trace );
