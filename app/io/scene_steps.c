@@ -10,6 +10,10 @@ wisp_status scene_read_dt_factors( scene_reader* r, const scene_node* node, void
     wisp_scene* scene = at;
     void* items;
     wisp_status status = scene_begin_list( r, node, "a list of numbers", WISP_SCENE_MAX_DT_FACTORS, sizeof( float ), &items );
+    if ( !status && node->count == 0 )
+    {
+        return scene_refuse_node( r, node, "got an empty list, expected numbers" );
+    }
     float* factors = items;
     int i = 0;
     for ( const scene_node* item = scene_first( r->tree, node ); item && !status; item = scene_next( r->tree, item ) )

@@ -350,6 +350,31 @@ static void find_softness( const scene_world* world, torture_trace* trace )
     }
 }
 
+// ---- contact ----
+
+// What does not take part in all contacts may pass through something, and is counted.
+static bool is_left_out( const wisp_contact_def* contact )
+{
+    const wisp_contact_def all = wisp_default_contact_def();
+    return !contact->self || !contact->enabled || contact->layers != all.layers || contact->mask != all.mask;
+}
+
+static bool may_intersect( const wisp_scene* scene )
+{
+    bool any = scene->contact.primitives != WISP_CONTACT_TRIANGLES || !scene->contact.displacement_limit;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        const wisp_scene_surface* s = &scene->surfaces[i];
+        any |= s->has_contact && is_left_out( &s->contact );
+    }
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        const wisp_scene_strands* s = &scene->strands[i];
+        any |= s->has_contact && ( s->on_surface >= 0 || is_left_out( &s->contact ) );
+    }
+    return any;
+}
+
 // ---- bodies ----
 
 static void measure_edge( torture_body* body, double* area, wisp_vec3 a, wisp_vec3 b, double width )
@@ -414,6 +439,7 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
         describe_body( world, body, &trace->bodies[body] );
     }
     add_paths( world, trace );
+    trace->inputs.may_intersect = may_intersect( scene );
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         trace->inputs.gains_energy |= scene->surfaces[i].solve_order == WISP_SOLVE_ORDER_LIST;
@@ -426,7 +452,6 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
     {
         const wisp_scene_strands* s = &scene->strands[i];
         const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD && s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
-        trace->inputs.roots_touch |= s->on_surface >= 0 && s->has_contact;
         trace->inputs.rods += is_straightened ? rod_energy( s, &world->grooms[i] ) : 0.0;
     }
     add_air( world, trace );

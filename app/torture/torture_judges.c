@@ -201,7 +201,7 @@ bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out
 bool torture_judge_intersections( const torture_trace* trace, torture_verdict* out )
 {
     const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
-    if ( came && torture_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.roots_touch )
+    if ( came && torture_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
     {
         return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after, "%d edges pass through triangles at the end, none did at the start",
                          trace->intersections_after );

@@ -124,10 +124,11 @@ static wisp_status try_scene( const torture_search* search, int number, torture_
     wisp_status status = WISP_OK;
     ++found->scenes;
     found->refused += verdict.judge == TORTURE_REFUSED;
-    if ( getenv( "TDEBUG" ) && verdict.judge >= 0 ) fprintf( stderr, "%d %s: %s\n", number, torture_judge_names[verdict.judge], verdict.message );
-    if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED && found->broken[verdict.judge]++ < search->keep )
+    if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED )
     {
-        status = keep_scene( search, scene, &verdict, name, number, out, error );
+        const bool is_kept = found->broken[verdict.judge]++ < search->keep;
+        results_add_note( out, "scene %d: %s: %s", number, torture_judge_names[verdict.judge], verdict.message );
+        status = is_kept ? keep_scene( search, scene, &verdict, name, number, out, error ) : WISP_OK;
     }
     torture_release( scene );
     return status;

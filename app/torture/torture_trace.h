@@ -45,7 +45,7 @@ typedef struct torture_inputs
     double lift;        ///< N, of buoyancy and outlets
     double drag;        ///< N, that the wind pushes with
     bool moves_pins;    ///< pins, heads or colliders move
-    bool roots_touch; ///< hair grows on a surface that it is in contact with
+    bool may_intersect; ///< contact leaves something out, or hair grows on a surface that it is in contact with
     bool has_colliders_close; ///< two colliders can squeeze what is between them
     bool gains_energy;  ///< documented: projection in the order of the list
 } torture_inputs;
