@@ -177,10 +177,11 @@ torture_node* torture_generate( const torture_generator* generator, int number )
                           .hair_events = torture_list() };
     torture_node* scene = torture_map();
     torture_put( scene, "wisp", torture_scalar( "1" ) );
-    b.has_contact = torture_random_chance( &b.random, 45 );
+    b.is_stack = torture_random_chance( &b.random, 8 );
+    b.has_contact = b.is_stack || torture_random_chance( &b.random, 45 );
     make_steps( &b, scene );
     make_world( &b, scene );
-    const int surfaces = torture_random_whole( &b.random, 0, 3 );
+    const int surfaces = torture_random_whole( &b.random, b.is_stack ? 2 : 0, 3 );
     const int strands = surfaces == 0 ? 1 : torture_random_whole( &b.random, 0, 5 ) / 4;
     for ( int i = 0; i < surfaces; ++i )
     {
@@ -190,7 +191,7 @@ torture_node* torture_generate( const torture_generator* generator, int number )
     {
         torture_make_strands( &b );
     }
-    for ( int i = torture_random_whole( &b.random, 0, 3 ); i > 0; --i )
+    for ( int i = b.is_stack ? 1 : torture_random_whole( &b.random, 0, 3 ); i > 0; --i )
     {
         torture_make_collider( &b );
     }

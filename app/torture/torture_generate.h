@@ -23,6 +23,7 @@ typedef struct torture_builder
     torture_node *surfaces, *strands, *colliders, *events, *hair_events;
     int steps;
     bool has_contact; ///< surfaces and strands may touch each other
+    bool is_stack;    ///< flat cloths of other weights lie on the ground, one on the other
 } torture_builder;
 
 void torture_make_surface( torture_builder* b );

@@ -41,7 +41,7 @@ static void put_size( torture_builder* b, torture_node* collider, const char* sh
 void torture_make_collider( torture_builder* b )
 {
     static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh" };
-    const bool is_ground = b->colliders->count == 0 && torture_random_chance( &b->random, 85 );
+    const bool is_ground = b->colliders->count == 0 && ( b->is_stack || torture_random_chance( &b->random, 85 ) );
     const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, 4 )];
     torture_node* collider = torture_add( b->colliders, torture_map() );
     torture_put( collider, "name", torture_scalar( "body%d", b->colliders->count ) );

@@ -152,8 +152,38 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     }
 }
 
+// A cloth of a stack: it lies flat, a few centimetres above the one below, and weighs what it likes.
+static void make_layer( torture_builder* b )
+{
+    const int number = b->surfaces->count;
+    torture_node* entry = torture_add( b->surfaces, torture_map() );
+    surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
+    torture_put( entry, "name", torture_scalar( "surface%d", number ) );
+    torture_node* generate = torture_put( entry, "generate", torture_map() );
+    torture_put( generate, "shape", torture_scalar( "%s", chance( &m, 50 ) ? "plane" : "alternating_plane" ) );
+    torture_draw_keys( &b->random, torture_block_below( m.block, "generate", generate ), 100, generate );
+    torture_node* transform = torture_put( entry, "transform", torture_map() );
+    torture_node* rotate = torture_put( transform, "rotate", torture_map() );
+    const double y = 0.03 + 0.05 * number;
+    torture_put_vector( b, rotate, "degrees", ( const double[] ){ 0, -90, 0 }, ( const double[] ){ 0, 90, 0 } );
+    torture_put_vector( b, transform, "translate", ( const double[] ){ -0.05, y, -0.05 }, ( const double[] ){ 0.05, y, 0.05 } );
+    torture_put_log( b, entry, "area_density", 0.02, 20.0 );
+    torture_put_log( b, entry, "damping", 0.5, 10.0 );
+    torture_put_block( b, m.block, entry, "cloth", 15 );
+    torture_remove_key( torture_find( entry, "cloth" ), "tethers" );
+    torture_remove_key( torture_find( entry, "cloth" ), "wind" );
+    torture_put_block( b, m.block, entry, "collision", 15 );
+    torture_node* contact = torture_put_block( b, m.block, entry, "contact", 15 );
+    torture_put_log( b, contact, "thickness", 2e-3, 0.02 );
+}
+
 void torture_make_surface( torture_builder* b )
 {
+    if ( b->is_stack )
+    {
+        make_layer( b );
+        return;
+    }
     const int number = b->surfaces->count, kind = torture_random_whole( &b->random, 0, 99 );
     const bool is_balloon = kind < 30, is_implicit = kind >= 30 && kind < 50, is_cloth = kind >= 50 && kind < 95;
     const torture_node* first = number > 0 ? b->surfaces->children[0] : NULL;

@@ -108,7 +108,7 @@ static wisp_status keep_scene( const torture_search* search, torture_node* scene
 // ---- the search ----
 
 // Each scene has one twin, in turn: all of them would take five times as long.
-static int twins_for( int number )
+int torture_twins_for( int number )
 {
     static const int TURNS[] = { TORTURE_TWIN_BITS, TORTURE_TWIN_SCALE, TORTURE_TWIN_SNAPSHOT, TORTURE_TWIN_SHIFT };
     return TURNS[number % WISP_COUNT( TURNS )];
@@ -120,7 +120,7 @@ static wisp_status try_scene( const torture_search* search, int number, torture_
     char name[4096];
     snprintf( name, sizeof name, "%s/scene", search->folder );
     const torture_subject subject = { scene, name };
-    const torture_verdict verdict = torture_judge_scene( &subject, twins_for( number ), search->scene_seconds );
+    const torture_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), search->scene_seconds );
     wisp_status status = WISP_OK;
     ++found->scenes;
     found->refused += verdict.judge == TORTURE_REFUSED;

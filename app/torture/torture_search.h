@@ -30,5 +30,8 @@ wisp_status torture_search_run( const torture_search* search, torture_found* fou
 wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
                             results* out, wisp_error* error );
 
+/// @return the twin that a search runs of a scene: each has one, in turn
+int torture_twins_for( int number );
+
 /// @return scenes that broke a judge
 int torture_broken_count( const torture_found* found );
