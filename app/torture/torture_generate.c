@@ -1,5 +1,7 @@
 #include "torture_generate.h"
 
+#include "torture_judges.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -204,5 +206,11 @@ torture_node* torture_generate( const torture_generator* generator, int number )
     take_list( scene, "colliders", b.colliders );
     take_list( scene, "events", b.events );
     take_list( scene, "hair_events", b.hair_events );
+    // The same materials at another size are stiff or soft, and fall through their own size at once or never.
+    static const double sizes[] = { 0.01, 0.03, 0.1, 5.0 };
+    if ( torture_random_chance( &b.random, 12 ) )
+    {
+        torture_resize( scene, sizes[torture_random_whole( &b.random, 0, WISP_COUNT( sizes ) - 1 )] );
+    }
     return scene;
 }

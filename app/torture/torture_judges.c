@@ -249,6 +249,7 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     const double WINDOW = 0.5;        // s
     const double SLOW = 0.01;         // of the speed of a fall through the body's own size: about 1 cm/s
     const double DAMPED = 3.0;        // rates times time that damp a motion to a twentieth
+    const double FAST = 10.0, GONE = 5.0; // times the speed that is slow; rates times time after which nothing is left
     const double TRAVEL = 0.2;        // part of the way of the fastest vertex that the centre goes
     const torture_body* b = &trace->bodies[body];
     const double end = trace->times[trace->steps], begin = trace->inputs.last + SETTLING;
@@ -261,7 +262,9 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     const double before = speed_between( trace, body, early, early_end ), after = speed_between( trace, body, late, trace->steps );
     const double limit = SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size );
     const double way = distance_of( torture_sample_of( trace, late, body )->centre, torture_sample_of( trace, trace->steps, body )->centre );
-    if ( after > limit && after >= before && way < TRAVEL * after * WINDOW )
+    const bool grows = after > limit && after >= before;
+    const bool lasts = after > FAST * limit && after > 0.5 * before && least_damping( trace ) * elapsed > GONE;
+    if ( ( grows || lasts ) && way < TRAVEL * after * WINDOW )
     {
         return break_it( out, TORTURE_REST, trace->steps, after / limit,
                          "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before", b->name,

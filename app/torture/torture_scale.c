@@ -74,14 +74,28 @@ static bool is_list_of_places( const char* key )
     return strcmp( key, "pin_nearest" ) == 0;
 }
 
-static void scale_block( torture_node* map, torture_block block, double factor );
+// How a scene gets another size: everything whose unit holds a length, or lengths alone.
+typedef struct resizing
+{
+    double factor;
+    bool only_lengths;
+} resizing;
 
-static void scale_value( torture_node* value, torture_block block, const scene_field* field, double factor )
+static int power_of( const resizing* r, const scene_field* field )
 {
     const int power = is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key );
+    const bool is_length = is_list_of_places( field->key ) || ( field->unit && strcmp( field->unit, "m" ) == 0 );
+    return r->only_lengths && !is_length ? 0 : power;
+}
+
+static void scale_block( torture_node* map, torture_block block, const resizing* r );
+
+static void scale_value( torture_node* value, torture_block block, const scene_field* field, const resizing* r )
+{
+    const int power = power_of( r, field );
     if ( power != 0 )
     {
-        multiply( value, pow( factor, power ) );
+        multiply( value, pow( r->factor, power ) );
         return;
     }
     for ( int i = -1; i < value->count; ++i )
@@ -90,7 +104,7 @@ static void scale_value( torture_node* value, torture_block block, const scene_f
         const torture_block below = inner->kind == TORTURE_MAP ? torture_block_below( block, field->key, inner ) : ( torture_block ){ NULL, NULL };
         if ( below.table != NULL )
         {
-            scale_block( inner, below, factor );
+            scale_block( inner, below, r );
         }
         if ( value->kind != TORTURE_LIST )
         {
@@ -113,7 +127,7 @@ static void scale_file( torture_node* map, double factor )
     torture_put( owner, "scale", torture_scalar( "%.9g", scale * factor ) );
 }
 
-static void scale_block( torture_node* map, torture_block block, double factor )
+static void scale_block( torture_node* map, torture_block block, const resizing* r )
 {
     const bool is_event = block.table == &SCENE_EVENT_BLOCK;
     for ( int i = 0; i < block.table->field_count; ++i )
@@ -121,7 +135,7 @@ static void scale_block( torture_node* map, torture_block block, double factor )
         const scene_field* field = &block.table->fields[i];
         torture_node* value = torture_find( map, field->key );
         // Gravity of a body is that of the scene unless it is written, and an event changes only what is written.
-        const bool has_default = !is_event && length_power( field->unit, field->key ) != 0;
+        const bool has_default = !is_event && power_of( r, field ) != 0;
         if ( value == NULL && has_default )
         {
             value = default_of( field, block.base );
@@ -129,15 +143,20 @@ static void scale_block( torture_node* map, torture_block block, double factor )
         }
         if ( value != NULL )
         {
-            scale_value( value, block, field, factor );
+            scale_value( value, block, field, r );
         }
     }
-    scale_file( map, factor );
+    scale_file( map, r->factor );
 }
 
 void torture_scale( torture_node* scene, double factor )
 {
-    scale_block( scene, torture_block_of_scene(), factor );
+    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, false } );
+}
+
+void torture_resize( torture_node* scene, double factor )
+{
+    scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, true } );
 }
 
 // ---- place ----

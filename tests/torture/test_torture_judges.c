@@ -172,6 +172,9 @@ static void motion_that_does_not_die_breaks( void** state )
     set_speeds( &trace, 0.01, 0.02, 0.0 ); // slower than a hundredth of a fall
     assert_trace( &trace, TORTURE_HOLDS, "" );
     trace = make_trace();
+    set_speeds( &trace, 0.6, 0.5, 0.0 ); // hardly, in three seconds of 2 1/s
+    assert_trace( &trace, TORTURE_REST, "moves with 0.5 m/s at the end" );
+    trace = make_trace();
     set_speeds( &trace, 0.2, 0.21, 0.2 ); // it slides
     assert_trace( &trace, TORTURE_HOLDS, "" );
     trace = make_trace();
