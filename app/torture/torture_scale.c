@@ -35,20 +35,23 @@ static int length_power( const char* unit, const char* key )
     return 0;
 }
 
-static void multiply( torture_node* node, double factor )
+// A number that leaves the range of its key stays at its end: lists of places have no range.
+static void multiply( torture_node* node, double factor, scene_range range )
 {
     double value;
     if ( torture_is_number( node, &value ) )
     {
-        torture_set_number( node, value * factor );
+        const bool has_range = range.upper > range.lower;
+        value *= factor;
+        torture_set_number( node, has_range ? fmin( fmax( value, range.lower ), range.upper ) : value );
     }
     for ( int i = 0; i < node->count; ++i )
     {
-        multiply( node->children[i], factor );
+        multiply( node->children[i], factor, range );
     }
 }
 
-// What a key has where it is not written, as a node; null where that is found from other keys.
+// What a key has where it is not written, as a node; null where that is found from other keys, or nothing at any size.
 static torture_node* default_of( const scene_field* field, const void* base )
 {
     const void* at = (const char*)base + field->at;
@@ -56,11 +59,17 @@ static torture_node* default_of( const scene_field* field, const void* base )
     {
         return NULL;
     }
+    const wisp_vec3* v = at;
+    const bool is_zero = field->type == SCENE_NUMBER ? *(const float*)at == 0.0f
+                                                     : v->x == 0.0f && v->y == 0.0f && v->z == 0.0f;
+    if ( is_zero )
+    {
+        return NULL;
+    }
     if ( field->type == SCENE_NUMBER )
     {
         return torture_scalar( "%.9g", (double)*(const float*)at );
     }
-    const wisp_vec3* v = at;
     torture_node* list = torture_list();
     torture_add( list, torture_scalar( "%.9g", (double)v->x ) );
     torture_add( list, torture_scalar( "%.9g", (double)v->y ) );
@@ -95,7 +104,7 @@ static void scale_value( torture_node* value, torture_block block, const scene_f
     const int power = power_of( r, field );
     if ( power != 0 )
     {
-        multiply( value, pow( r->factor, power ) );
+        multiply( value, pow( r->factor, power ), field->range );
         return;
     }
     for ( int i = -1; i < value->count; ++i )
