@@ -207,8 +207,8 @@ torture_node* torture_generate( const torture_generator* generator, int number )
     take_list( scene, "events", b.events );
     take_list( scene, "hair_events", b.hair_events );
     // The same materials at another size are stiff or soft, and fall through their own size at once or never.
-    static const double sizes[] = { 0.01, 0.03, 0.1, 5.0 };
-    if ( torture_random_chance( &b.random, 12 ) )
+    static const double sizes[] = { 0.01, 0.02, 0.1, 5.0 };
+    if ( torture_random_chance( &b.random, 18 ) )
     {
         torture_resize( scene, sizes[torture_random_whole( &b.random, 0, WISP_COUNT( sizes ) - 1 )] );
     }

@@ -369,11 +369,14 @@ bool torture_draw_key( torture_random* random, const scene_field* field, const v
 
 void torture_draw_keys( torture_random* random, torture_block block, int percent, torture_node* map )
 {
+    const int WORDS = 60; // words choose the code that runs, numbers only what it computes
     for ( int i = 0; i < block.table->field_count; ++i )
     {
         const scene_field* field = &block.table->fields[i];
+        const bool is_word = field->type == SCENE_CHOICE || field->type == SCENE_EITHER;
+        const int chance = is_word && percent > 0 && percent < WORDS ? WORDS : percent;
         torture_node* value = NULL;
-        if ( torture_find( map, field->key ) == NULL && torture_random_chance( random, percent ) &&
+        if ( torture_find( map, field->key ) == NULL && torture_random_chance( random, chance ) &&
              torture_draw_key( random, field, block.base, &value ) )
         {
             torture_put( map, field->key, value );
