@@ -52,7 +52,7 @@ static void random_scenes_hold_apart_from_those_that_are_known( void** state )
     enum
     {
         SEEDS = 5,
-        SCENES = 25,
+        SCENES = 20,
     };
     int wrong = 0;
     for ( int seed = 1; seed <= SEEDS; ++seed )
