@@ -167,14 +167,16 @@ int command_torture( int argc, char** argv )
     wisp_error error = { 0 };
     results out = { .is_result_first = true };
     torture_found found;
-    wisp_status status = options.file_count > 0
-                             ? torture_replay( options.files, options.file_count, options.search.scene_seconds, &found, &out, &error )
-                             : torture_search_run( &options.search, &found, &out, &error );
+    wisp_status status = options.file_count > 0 ? torture_replay( options.files, options.file_count,
+                                                                  options.search.scene_seconds, &found, &out, &error )
+                                                : torture_search_run( &options.search, &found, &out, &error );
     status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
     results_free( &out );
     for ( int i = 0; i < options.search.generator.mesh_count; ++i )
     {
         free( (void*)(uintptr_t)options.meshes[i] );
     }
-    return status != WISP_OK ? command_fail( &error ) : torture_broken_count( &found ) > 0 ? STATUS_UNMET : STATUS_GOOD;
+    return status != WISP_OK                    ? command_fail( &error )
+           : torture_broken_count( &found ) > 0 ? STATUS_UNMET
+                                                : STATUS_GOOD;
 }

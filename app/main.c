@@ -12,9 +12,8 @@ typedef struct program_command
 } program_command;
 
 static const program_command commands[] = {
-    { "run", command_run },   { "plan", command_plan },     { "bench", command_bench },
-    { "info", command_info }, { "render", command_render }, { "tune", command_tune },
-    { "torture", command_torture },
+    { "run", command_run },       { "plan", command_plan }, { "bench", command_bench },     { "info", command_info },
+    { "render", command_render }, { "tune", command_tune }, { "torture", command_torture },
 };
 
 static const char program_doc[] =

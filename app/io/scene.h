@@ -237,7 +237,7 @@ extern "C"
 
     typedef struct wisp_scene
     {
-        const char* name; ///< of the file, as messages show it
+        const char* name;        ///< of the file, as messages show it
         float dt;                ///< s, of a step; see wisp_scene_step_length()
         const float* dt_factors; ///< [dt_factor_count] factors of the steps in turn, over and over; null: all are 1
         int dt_factor_count;

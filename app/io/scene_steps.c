@@ -9,7 +9,8 @@ wisp_status scene_read_dt_factors( scene_reader* r, const scene_node* node, void
     static const scene_field factor = { "factor", SCENE_NUMBER, .range = DT_FACTOR };
     wisp_scene* scene = at;
     void* items;
-    wisp_status status = scene_begin_list( r, node, "a list of numbers", WISP_SCENE_MAX_DT_FACTORS, sizeof( float ), &items );
+    wisp_status status =
+        scene_begin_list( r, node, "a list of numbers", WISP_SCENE_MAX_DT_FACTORS, sizeof( float ), &items );
     if ( !status && node->count == 0 )
     {
         return scene_refuse_node( r, node, "got an empty list, expected numbers" );

@@ -118,7 +118,9 @@ torture_verdict torture_judge_scene( const torture_subject* subject, int twins, 
     if ( !has_verdict )
     {
         verdict = ( torture_verdict ){ .judge = TORTURE_CRASH, .severity = 1.0 };
-        const char* cause = child < 0 ? strerror( errno ) : WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit";
+        const char* cause = child < 0               ? strerror( errno )
+                            : WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) )
+                                                    : "an exit";
         snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s", cause );
     }
     return verdict;

@@ -127,8 +127,9 @@ static torture_node* make_steps( torture_builder* b, torture_node* scene )
         }
     }
     torture_put( scene, "steps", torture_scalar( "%d", b->steps ) );
-    torture_put( scene, "substeps",
-                 torture_scalar( "%s", substeps[torture_random_whole( &b->random, 0, WISP_COUNT( substeps ) - 1 )] ) );
+    torture_put(
+        scene, "substeps",
+        torture_scalar( "%s", substeps[torture_random_whole( &b->random, 0, WISP_COUNT( substeps ) - 1 )] ) );
     if ( torture_random_chance( &b->random, 25 ) )
     {
         torture_put( scene, "iterations", torture_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );

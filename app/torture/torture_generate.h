@@ -41,7 +41,8 @@ torture_node* torture_put_linear( torture_builder* b, torture_node* map, const c
 torture_node* torture_put_log( torture_builder* b, torture_node* map, const char* key, double lower, double upper );
 torture_node* torture_put_vector( torture_builder* b, torture_node* map, const char* key, const double lower[3],
                                   const double upper[3] );
-/// Move along random keyframes about a place for a second or two. A jump is a keyframe a thousandth of a second later.
+/// Move along random keyframes about a place for a second or two. A jump is a keyframe a thousandth of a second
+/// later.
 torture_node* torture_put_keyframes( torture_builder* b, torture_node* map, const char* key, const char* position,
                                      const char* rotation, const double centre[3] );
 /// A mesh by a generator, or one of the files. @param is_closed without open edges

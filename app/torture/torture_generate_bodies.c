@@ -93,8 +93,10 @@ static void change_surface( torture_builder* b, torture_node* event, const tortu
 {
     const torture_node* cloth = torture_find( surface, "cloth" );
     const torture_node* balloon = torture_find( surface, "balloon" );
-    const bool has_air = has_number_above( cloth, "drag_coefficient", 0.0 ) || has_number_above( cloth, "lift_coefficient", 0.0 );
-    const bool is_pinned = torture_find( surface, "pins" ) || torture_find( surface, "pin_nearest" ) || torture_find( surface, "pin_box" );
+    const bool has_air =
+        has_number_above( cloth, "drag_coefficient", 0.0 ) || has_number_above( cloth, "lift_coefficient", 0.0 );
+    const bool is_pinned = torture_find( surface, "pins" ) || torture_find( surface, "pin_nearest" ) ||
+                           torture_find( surface, "pin_box" );
     torture_put( event, "surface", torture_scalar( "%s", torture_text_at( surface, "name" ) ) );
     if ( has_air && torture_random_chance( &b->random, 50 ) )
     {
@@ -106,7 +108,8 @@ static void change_surface( torture_builder* b, torture_node* event, const tortu
     }
     else if ( balloon && torture_find( balloon, "outlet_nearest" ) && torture_random_chance( &b->random, 40 ) )
     {
-        torture_put( event, "outlet_open", torture_scalar( "%s", torture_random_chance( &b->random, 70 ) ? "true" : "false" ) );
+        torture_put( event, "outlet_open",
+                     torture_scalar( "%s", torture_random_chance( &b->random, 70 ) ? "true" : "false" ) );
     }
     else if ( balloon && !torture_find( balloon, "gas_ratio_keyframes" ) && torture_random_chance( &b->random, 60 ) )
     {
@@ -124,7 +127,8 @@ void torture_make_event( torture_builder* b, int number )
     const int count = b->surfaces->count + b->strands->count;
     const int entry = torture_random_whole( &b->random, 0, count - 1 );
     const bool is_surface = entry < b->surfaces->count;
-    const torture_node* changed = is_surface ? b->surfaces->children[entry] : b->strands->children[entry - b->surfaces->count];
+    const torture_node* changed =
+        is_surface ? b->surfaces->children[entry] : b->strands->children[entry - b->surfaces->count];
     const torture_node* dynamics = torture_find( changed, "dynamics" );
     const bool has_frozen = torture_find( changed, "frozen_hair" ) != NULL;
     if ( !is_surface && !has_frozen && !has_number_above( dynamics, "drag_coefficient", 0.0 ) )
@@ -141,7 +145,8 @@ void torture_make_event( torture_builder* b, int number )
     torture_put( event, "strands", torture_scalar( "%s", torture_text_at( changed, "name" ) ) );
     if ( has_frozen )
     {
-        torture_put_vector( b, event, "cursor", ( const double[] ){ -0.3, 0, -0.3 }, ( const double[] ){ 0.3, 0.8, 0.3 } );
+        torture_put_vector( b, event, "cursor", ( const double[] ){ -0.3, 0, -0.3 },
+                            ( const double[] ){ 0.3, 0.8, 0.3 } );
         return;
     }
     put_wind( b, event );

@@ -34,7 +34,8 @@ static void put_groom( strands_maker* m, bool is_frozen )
     torture_put( generate, "vertices", torture_scalar( "%d", m->vertices ) );
     torture_draw_keys( &m->b->random, torture_block_below( m->block, "generate", generate ), 100, generate );
     torture_node* transform = torture_put( m->entry, "transform", torture_map() );
-    torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, 0.4, -0.1 }, ( const double[] ){ 0.1, 0.8, 0.1 } );
+    torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, 0.4, -0.1 },
+                        ( const double[] ){ 0.1, 0.8, 0.1 } );
 }
 
 static void put_masses( strands_maker* m, torture_node* dynamics )
@@ -60,7 +61,8 @@ static void put_dynamics( strands_maker* m )
     }
     if ( m->b->surfaces->count > 0 && chance( m, 30 ) )
     {
-        torture_put( m->entry, "on_surface", torture_scalar( "%s", torture_text_at( m->b->surfaces->children[0], "name" ) ) );
+        torture_put( m->entry, "on_surface",
+                     torture_scalar( "%s", torture_text_at( m->b->surfaces->children[0], "name" ) ) );
     }
     else if ( chance( m, 60 ) )
     {

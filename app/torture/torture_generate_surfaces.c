@@ -24,7 +24,8 @@ static void put_transform( surface_maker* m, int number )
     if ( chance( m, 50 ) )
     {
         torture_node* rotate = torture_put( transform, "rotate", torture_map() );
-        torture_put_vector( m->b, rotate, "degrees", ( const double[] ){ -90, -90, -90 }, ( const double[] ){ 90, 90, 90 } );
+        torture_put_vector( m->b, rotate, "degrees", ( const double[] ){ -90, -90, -90 },
+                            ( const double[] ){ 90, 90, 90 } );
     }
     const double y = 0.3 + 0.35 * number;
     const torture_node* place = torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, y, -0.1 },
@@ -52,13 +53,17 @@ static bool put_pins( surface_maker* m )
             torture_node* point = torture_add( list, torture_list() );
             for ( int k = 0; k < 3; ++k )
             {
-                torture_add( point, torture_scalar( "%s", torture_random_linear( &m->b->random, m->place[k] - 0.3, m->place[k] + 0.3 ).text ) );
+                torture_add(
+                    point,
+                    torture_scalar(
+                        "%s", torture_random_linear( &m->b->random, m->place[k] - 0.3, m->place[k] + 0.3 ).text ) );
             }
         }
     }
     if ( chance( m, 45 ) )
     {
-        torture_put_keyframes( m->b, m->entry, "pin_keyframes", "translate", "rotate", ( const double[] ){ 0, 0, 0 } );
+        torture_put_keyframes( m->b, m->entry, "pin_keyframes", "translate", "rotate",
+                               ( const double[] ){ 0, 0, 0 } );
     }
     return true;
 }
@@ -99,7 +104,8 @@ static void put_balloon( surface_maker* m )
     }
     if ( chance( m, 25 ) )
     {
-        torture_put_vector( m->b, balloon, "outlet_nearest", ( const double[] ){ -0.2, 0, -0.2 }, ( const double[] ){ 0.2, 0.6, 0.2 } );
+        torture_put_vector( m->b, balloon, "outlet_nearest", ( const double[] ){ -0.2, 0, -0.2 },
+                            ( const double[] ){ 0.2, 0.6, 0.2 } );
         torture_put( balloon, "outlet_open", torture_scalar( "%s", chance( m, 50 ) ? "true" : "false" ) );
     }
     if ( torture_find( m->entry, "file" ) )
@@ -166,7 +172,8 @@ static void make_layer( torture_builder* b )
     torture_node* rotate = torture_put( transform, "rotate", torture_map() );
     const double y = 0.03 + 0.05 * number;
     torture_put_vector( b, rotate, "degrees", ( const double[] ){ 0, -90, 0 }, ( const double[] ){ 0, 90, 0 } );
-    torture_put_vector( b, transform, "translate", ( const double[] ){ -0.05, y, -0.05 }, ( const double[] ){ 0.05, y, 0.05 } );
+    torture_put_vector( b, transform, "translate", ( const double[] ){ -0.05, y, -0.05 },
+                        ( const double[] ){ 0.05, y, 0.05 } );
     torture_put_log( b, entry, "area_density", 0.02, 20.0 );
     torture_put_log( b, entry, "damping", 0.5, 10.0 );
     torture_put_block( b, m.block, entry, "cloth", 15 );
@@ -187,7 +194,8 @@ void torture_make_surface( torture_builder* b )
     const int number = b->surfaces->count, kind = torture_random_whole( &b->random, 0, 99 );
     const bool is_balloon = kind < 30, is_implicit = kind >= 30 && kind < 50, is_cloth = kind >= 50 && kind < 95;
     const torture_node* first = number > 0 ? b->surfaces->children[0] : NULL;
-    const bool is_instance = first && torture_find( first, "generate" ) && torture_find( first, "balloon" ) && torture_random_chance( &b->random, 30 );
+    const bool is_instance = first && torture_find( first, "generate" ) && torture_find( first, "balloon" ) &&
+                             torture_random_chance( &b->random, 30 );
     torture_node* entry = torture_add( b->surfaces, torture_map() );
     surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
     torture_put( entry, "name", torture_scalar( "surface%d", number ) );

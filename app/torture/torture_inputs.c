@@ -1,5 +1,5 @@
-// What a scene brings into motion by itself, from the scene alone: how fast, how far, until when, and with which energy. And
-// how soft its bodies are. The judges compare a run with this.
+// What a scene brings into motion by itself, from the scene alone: how fast, how far, until when, and with which
+// energy. And how soft its bodies are. The judges compare a run with this.
 #include "torture_trace.h"
 
 #include <float.h>
@@ -90,8 +90,8 @@ static double shortest_step( const wisp_scene* scene )
     return shortest;
 }
 
-// A path between two poses takes the time between them, but no less than a step. What turns moves the farther, the farther
-// it is from the pivot.
+// A path between two poses takes the time between them, but no less than a step. What turns moves the farther, the
+// farther it is from the pivot.
 static void add_path( const wisp_scene* scene, const wisp_scene_path* path, wisp_transform start, double reach,
                       torture_inputs* inputs )
 {
@@ -100,7 +100,8 @@ static void add_path( const wisp_scene* scene, const wisp_scene_path* path, wisp
     {
         const wisp_scene_pose now = path->poses[i];
         const wisp_quat a = before.pose.rotation, b = now.pose.rotation;
-        const double cosine = fabs( (double)a.x * (double)b.x + (double)a.y * (double)b.y + (double)a.z * (double)b.z + (double)a.w * (double)b.w );
+        const double cosine = fabs( (double)a.x * (double)b.x + (double)a.y * (double)b.y +
+                                    (double)a.z * (double)b.z + (double)a.w * (double)b.w );
         const double angle = 2.0 * acos( fmin( 1.0, cosine ) );
         const double way = distance( before.pose.translation, now.pose.translation ) + angle * reach;
         const double time = fmax( (double)now.time - (double)before.time, shortest_step( scene ) );
@@ -119,14 +120,16 @@ static void add_paths( const scene_world* world, torture_trace* trace )
     for ( int i = 0; i < scene->surface_count; ++i )
     {
         const double size = trace->bodies[scene->strands_count + i].size;
-        add_path( scene, &scene->surfaces[i].pin_path, still, size + length_of( scene->surfaces[i].pin_pivot ), &trace->inputs );
+        add_path( scene, &scene->surfaces[i].pin_path, still, size + length_of( scene->surfaces[i].pin_pivot ),
+                  &trace->inputs );
     }
     for ( int i = 0; i < scene->strands_count; ++i )
     {
         const wisp_scene_strands* s = &scene->strands[i];
         const wisp_vec3 pivot = s->has_head_pivot ? s->head_pivot : s->pose.translation;
         const wisp_transform start = { still.rotation, pivot };
-        add_path( scene, &s->head, start, trace->bodies[i].size + distance( pivot, s->pose.translation ), &trace->inputs );
+        add_path( scene, &s->head, start, trace->bodies[i].size + distance( pivot, s->pose.translation ),
+                  &trace->inputs );
     }
     for ( int i = 0; i < scene->collider_count; ++i )
     {
@@ -143,7 +146,8 @@ static bool are_close( const scene_world* world, int a, int b )
     const wisp_collider_def *p = &world->scene->colliders[a].def, *q = &world->scene->colliders[b].def;
     const bounds s = bounds_of_collider( world, b );
     const double MARGIN = 0.05;
-    const wisp_vec3 middle = { 0.5f * ( s.lower.x + s.upper.x ), 0.5f * ( s.lower.y + s.upper.y ), 0.5f * ( s.lower.z + s.upper.z ) };
+    const wisp_vec3 middle = { 0.5f * ( s.lower.x + s.upper.x ), 0.5f * ( s.lower.y + s.upper.y ),
+                               0.5f * ( s.lower.z + s.upper.z ) };
     if ( q->kind == WISP_COLLIDER_PLANE )
     {
         return p->kind == WISP_COLLIDER_PLANE || are_close( world, b, a );
@@ -151,7 +155,8 @@ static bool are_close( const scene_world* world, int a, int b )
     const wisp_vec3 local = wisp_transform_to_local( p->pose, middle );
     const double radius = 0.5 * diagonal( &s ) + MARGIN;
     const bounds r = bounds_of_collider( world, a );
-    return p->kind == WISP_COLLIDER_PLANE ? (double)local.y < radius : length_of( local ) < radius + 0.5 * diagonal( &r );
+    return p->kind == WISP_COLLIDER_PLANE ? (double)local.y < radius
+                                          : length_of( local ) < radius + 0.5 * diagonal( &r );
 }
 
 static bool find_close_colliders( const scene_world* world )
@@ -161,7 +166,8 @@ static bool find_close_colliders( const scene_world* world )
     {
         for ( int b = a + 1; b < world->scene->collider_count; ++b )
         {
-            any |= are_close( world, a, b ) || world->scene->colliders[a].path.count > 0 || world->scene->colliders[b].path.count > 0;
+            any |= are_close( world, a, b ) || world->scene->colliders[a].path.count > 0 ||
+                   world->scene->colliders[b].path.count > 0;
         }
     }
     return any;
@@ -169,8 +175,8 @@ static bool find_close_colliders( const scene_world* world )
 
 // ---- events, wind and gas ----
 
-// Energy that gas of V_0 = r V at the pressure of the air sets free until it fills V, and the air that presses on a skin
-// of too little gas: P V ( r ln r - r + 1 ).
+// Energy that gas of V_0 = r V at the pressure of the air sets free until it fills V, and the air that presses on a
+// skin of too little gas: P V ( r ln r - r + 1 ).
 static double gas_energy( const wisp_scene_surface* s, double ratio, double volume )
 {
     return (double)s->balloon.atmospheric_pressure * volume * ( ratio * log( ratio ) - ratio + 1.0 );
@@ -198,15 +204,19 @@ static void add_balloon( const scene_world* world, int surface, torture_trace* t
             sum += gas_energy( s, (double)e->gas_ratio, volume );
         }
     }
-    const bool flows = s->balloon.inflation_rate != 0.0f, has_outlet = s->balloon.outlet_count > 0 || s->has_outlet_nearest;
+    const bool flows = s->balloon.inflation_rate != 0.0f,
+               has_outlet = s->balloon.outlet_count > 0 || s->has_outlet_nearest;
     trace->inputs.last = flows || has_outlet ? INFINITY : trace->inputs.last;
     trace->inputs.gas += flows ? INFINITY : sum;
-    const double AIR = (double)s->balloon.atmospheric_pressure * (double)s->balloon.air_molar_mass / ( 8.314 * (double)s->balloon.temperature );
+    const double AIR = (double)s->balloon.atmospheric_pressure * (double)s->balloon.air_molar_mass /
+                       ( 8.314 * (double)s->balloon.temperature );
     trace->inputs.lift += s->balloon.buoyancy ? AIR * most * volume * body->gravity : 0.0;
-    trace->inputs.lift += has_outlet ? 2.0 * (double)s->balloon.atmospheric_pressure * (double)s->balloon.outlet_area * most : 0.0;
+    trace->inputs.lift +=
+        has_outlet ? 2.0 * (double)s->balloon.atmospheric_pressure * (double)s->balloon.outlet_area * most : 0.0;
 }
 
-static void add_wind( torture_trace* trace, const torture_body* body, wisp_vec3 wind, double coefficient, double density )
+static void add_wind( torture_trace* trace, const torture_body* body, wisp_vec3 wind, double coefficient,
+                      double density )
 {
     const double speed = length_of( wind );
     if ( coefficient > 0.0 && speed > 0.0 )
@@ -225,7 +235,8 @@ static void add_air( const scene_world* world, torture_trace* trace )
         const wisp_cloth_def* c = &scene->surfaces[i].cloth;
         if ( scene->surfaces[i].has_cloth )
         {
-            add_wind( trace, &trace->bodies[scene->strands_count + i], c->wind, fmax( (double)c->drag_coefficient, (double)c->lift_coefficient ), (double)c->air_density );
+            add_wind( trace, &trace->bodies[scene->strands_count + i], c->wind,
+                      fmax( (double)c->drag_coefficient, (double)c->lift_coefficient ), (double)c->air_density );
         }
     }
     for ( int i = 0; i < scene->strands_count; ++i )
@@ -248,7 +259,8 @@ static void add_events( const scene_world* world, torture_trace* trace )
         trace->inputs.last = fmax( trace->inputs.last, wisp_scene_step_time( scene, e->step ) );
         if ( e->has_velocity || e->has_angular_velocity )
         {
-            const double speed = length_of( e->velocity ) + length_of( e->angular_velocity ) * trace->bodies[body].size;
+            const double speed =
+                length_of( e->velocity ) + length_of( e->angular_velocity ) * trace->bodies[body].size;
             trace->inputs.speed = fmax( trace->inputs.speed, speed );
         }
         if ( e->has_wind )
@@ -256,7 +268,9 @@ static void add_events( const scene_world* world, torture_trace* trace )
             const bool is_surface = e->surface >= 0;
             const wisp_cloth_def* c = is_surface ? &scene->surfaces[e->surface].cloth : NULL;
             const wisp_strand_dynamics_def* d = is_surface ? NULL : &scene->strands[e->strands].dynamics;
-            add_wind( trace, &trace->bodies[body], e->wind, is_surface ? fmax( (double)c->drag_coefficient, (double)c->lift_coefficient ) : (double)d->drag_coefficient,
+            add_wind( trace, &trace->bodies[body], e->wind,
+                      is_surface ? fmax( (double)c->drag_coefficient, (double)c->lift_coefficient )
+                                 : (double)d->drag_coefficient,
                       is_surface ? (double)c->air_density : (double)d->air_density );
         }
     }
@@ -284,14 +298,17 @@ static double rod_energy( const wisp_scene_strands* s, const wisp_groom* groom )
 
 // ---- softness ----
 
-// The stretch of an edge that carries the weight of everything: by its compliance c, and by what a projection of weight w
-// leaves, which is about 2 w h^2 for each newton: a chain of n masses m hangs longer by n g h^2 in every link.
-static double softness_of( double compliance, double stiffness, double inverse_mass, double h, double force, double edge )
+// The stretch of an edge that carries the weight of everything: by its compliance c, and by what a projection of
+// weight w leaves, which is about 2 w h^2 for each newton: a chain of n masses m hangs longer by n g h^2 in every
+// link.
+static double softness_of( double compliance, double stiffness, double inverse_mass, double h, double force,
+                           double edge )
 {
     return ( compliance + 2.0 * inverse_mass * h * h / fmax( stiffness, 1e-2 ) ) * force / edge;
 }
 
-static double surface_softness( const wisp_scene* scene, const wisp_scene_surface* s, const torture_body* body, double inverse_mass, double force )
+static double surface_softness( const wisp_scene* scene, const wisp_scene_surface* s, const torture_body* body,
+                                double inverse_mass, double force )
 {
     const double h = (double)scene->dt / scene->substeps;
     if ( s->has_implicit )
@@ -301,14 +318,16 @@ static double surface_softness( const wisp_scene* scene, const wisp_scene_surfac
     if ( s->has_cloth )
     {
         const bool is_pbd = s->cloth.solver == WISP_SOLVER_PBD;
-        const double c = fmax( (double)s->cloth.warp_compliance, fmax( (double)s->cloth.weft_compliance, (double)s->cloth.shear_compliance ) );
+        const double c = fmax( (double)s->cloth.warp_compliance,
+                               fmax( (double)s->cloth.weft_compliance, (double)s->cloth.shear_compliance ) );
         const double k = is_pbd ? fmin( (double)s->cloth.stretch_stiffness, (double)s->cloth.shear_stiffness ) : 1.0;
         return softness_of( is_pbd ? 0.0 : c, k, inverse_mass, h, force, body->edge );
     }
     return INFINITY; // a skin that gas stretches, or vertices without links
 }
 
-static double strands_softness( const wisp_scene* scene, const wisp_scene_strands* s, const torture_body* body, double inverse_mass, double force )
+static double strands_softness( const wisp_scene* scene, const wisp_scene_strands* s, const torture_body* body,
+                                double inverse_mass, double force )
 {
     const double h = (double)scene->dt / scene->substeps;
     if ( s->dynamics.stretch != WISP_STRAND_STRETCH_LINKS )
@@ -316,7 +335,8 @@ static double strands_softness( const wisp_scene* scene, const wisp_scene_strand
         return (double)s->dynamics.stretch_tolerance;
     }
     const bool is_pbd = s->dynamics.solver == WISP_SOLVER_PBD;
-    return softness_of( is_pbd ? 0.0 : (double)s->dynamics.stretch_compliance, is_pbd ? (double)s->dynamics.stretch_stiffness : 1.0, inverse_mass, h, force, body->edge );
+    return softness_of( is_pbd ? 0.0 : (double)s->dynamics.stretch_compliance,
+                        is_pbd ? (double)s->dynamics.stretch_stiffness : 1.0, inverse_mass, h, force, body->edge );
 }
 
 static double total_mass( const scene_world* world )
@@ -343,9 +363,10 @@ static void find_softness( const scene_world* world, torture_trace* trace )
         const double inverse_mass = b->mass > 0.0 ? vertices / b->mass : 0.0;
         if ( b->moves )
         {
-            b->softness = i < scene->strands_count
-                              ? strands_softness( scene, &scene->strands[i], b, inverse_mass, force )
-                              : surface_softness( scene, &scene->surfaces[i - scene->strands_count], b, inverse_mass, force );
+            b->softness =
+                i < scene->strands_count
+                    ? strands_softness( scene, &scene->strands[i], b, inverse_mass, force )
+                    : surface_softness( scene, &scene->surfaces[i - scene->strands_count], b, inverse_mass, force );
         }
     }
 }
@@ -388,7 +409,8 @@ static void measure( const scene_world* world, int body, torture_body* b )
 {
     const scene_body shape = scene_world_body( world, body );
     const wisp_vec3* p = points_of( world, body );
-    const double diameter = body < world->scene->strands_count ? (double)world->scene->strands[body].dynamics.diameter : 0.0;
+    const double diameter =
+        body < world->scene->strands_count ? (double)world->scene->strands[body].dynamics.diameter : 0.0;
     bounds box = NOTHING;
     b->edge = INFINITY;
     for ( int i = 0; i < shape.vertex_count; ++i )
@@ -451,7 +473,8 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
     for ( int i = 0; i < scene->strands_count; ++i )
     {
         const wisp_scene_strands* s = &scene->strands[i];
-        const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD && s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
+        const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD &&
+                                     s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
         trace->inputs.rods += is_straightened ? rod_energy( s, &world->grooms[i] ) : 0.0;
     }
     add_air( world, trace );

@@ -5,10 +5,10 @@
 #include <stdio.h>
 #include <string.h>
 
-const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = {
-    "crash",  "time",        "refused",       "status", "finite", "halted",   "energy",
-    "strain", "penetration", "intersections", "rest",   "bits",   "snapshot", "scale", "shift"
-};
+const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = { "crash",       "time",          "refused", "status",
+                                                               "finite",      "halted",        "energy",  "strain",
+                                                               "penetration", "intersections", "rest",    "bits",
+                                                               "snapshot",    "scale",         "shift" };
 
 __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdict* out, torture_judge judge, int step,
                                                                   double severity, const char* format, ... )
@@ -27,8 +27,8 @@ __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdic
 
 bool torture_judge_status( const torture_trace* trace, torture_verdict* out )
 {
-    return trace->status == WISP_OK ||
-           break_it( out, TORTURE_STATUS, trace->steps + 1, 1.0, "step %d failed: %s", trace->steps + 1, trace->message );
+    return trace->status == WISP_OK || break_it( out, TORTURE_STATUS, trace->steps + 1, 1.0, "step %d failed: %s",
+                                                 trace->steps + 1, trace->message );
 }
 
 bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
@@ -39,8 +39,8 @@ bool torture_judge_finite( const torture_trace* trace, torture_verdict* out )
         {
             if ( !torture_sample_of( trace, row, body )->is_finite )
             {
-                return break_it( out, TORTURE_FINITE, row, 1.0, "%s is not finite at %.3g s", trace->bodies[body].name,
-                                 trace->times[row] );
+                return break_it( out, TORTURE_FINITE, row, 1.0, "%s is not finite at %.3g s",
+                                 trace->bodies[body].name, trace->times[row] );
             }
         }
     }
@@ -74,14 +74,15 @@ bool torture_judge_halted( const torture_trace* trace, torture_verdict* out )
 
 static double distance_of( const double a[3], const double b[3] )
 {
-    return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) + ( a[2] - b[2] ) * ( a[2] - b[2] ) );
+    return sqrt( ( a[0] - b[0] ) * ( a[0] - b[0] ) + ( a[1] - b[1] ) * ( a[1] - b[1] ) +
+                 ( a[2] - b[2] ) * ( a[2] - b[2] ) );
 }
 
-// What gravity gives is in the potential energy. A pin, collider or event of speed V leaves what it meets with 2 V at most,
-// and lifts it along its path. Wind of speed W drags a body along with up to W, and a part that lags behind it may be
-// thrown to 2 W; where it carries the body, its force works along the way. So do buoyancy and jet. Gas and bent hair set free
-// what they store. What starts inside a collider, or too near to something else, is lifted out of it: no farther than
-// everything together is large. Corrections may round up: one percent of what the motion holds.
+// What gravity gives is in the potential energy. A pin, collider or event of speed V leaves what it meets with 2 V at
+// most, and lifts it along its path. Wind of speed W drags a body along with up to W, and a part that lags behind it
+// may be thrown to 2 W; where it carries the body, its force works along the way. So do buoyancy and jet. Gas and
+// bent hair set free what they store. What starts inside a collider, or too near to something else, is lifted out of
+// it: no farther than everything together is large. Corrections may round up: one percent of what the motion holds.
 double torture_energy_budget( const torture_trace* trace, int row )
 {
     const double ROUNDING = 0.01, DRIVEN = 2.0, FLUTTER = 2.0;
@@ -133,8 +134,8 @@ bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
         {
             const int body = fastest_body( trace, row );
             return break_it( out, TORTURE_ENERGY, row, gain / budget,
-                             "energy is %.3g J above the start at %.3g s, and inputs explain %.3g J; %s has %.3g m/s", gain,
-                             trace->times[row], budget, trace->bodies[body].name,
+                             "energy is %.3g J above the start at %.3g s, and inputs explain %.3g J; %s has %.3g m/s",
+                             gain, trace->times[row], budget, trace->bodies[body].name,
                              torture_sample_of( trace, row, body )->speed );
         }
     }
@@ -143,8 +144,8 @@ bool torture_judge_energy( const torture_trace* trace, torture_verdict* out )
 
 // ---- at rest ----
 
-// Inputs are at rest since this time at the end of a run. Solvers that need longer than a second to bring back lengths or
-// to push out what is inside are too slow for what is shown.
+// Inputs are at rest since this time at the end of a run. Solvers that need longer than a second to bring back
+// lengths or to push out what is inside are too slow for what is shown.
 static const double SETTLING = 1.0; // s
 
 bool torture_is_at_rest( const torture_trace* trace )
@@ -152,7 +153,8 @@ bool torture_is_at_rest( const torture_trace* trace )
     return trace->steps > 0 && trace->times[trace->steps] - trace->inputs.last >= SETTLING;
 }
 
-// Pins, colliders and heads that moved may hold a body stretched, or inside of something. So may a collider that it starts in.
+// Pins, colliders and heads that moved may hold a body stretched, or inside of something. So may a collider that it
+// starts in.
 bool torture_is_held( const torture_trace* trace, int body )
 {
     const torture_body* b = &trace->bodies[body];
@@ -161,8 +163,8 @@ bool torture_is_held( const torture_trace* trace, int body )
 
 bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
 {
-    const double FREE = 0.5;    // folds and contacts keep single edges long; half is far beyond what is seen of them
-    const double FACTOR = 3.0;  // of the stretch that weight explains: it is an estimate
+    const double FREE = 0.5;     // folds and contacts keep single edges long; half is far beyond what is seen of them
+    const double FACTOR = 3.0;   // of the stretch that weight explains: it is an estimate
     const double TOO_SOFT = 1.0; // a body that its weight stretches to twice its length says nothing
     for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
     {
@@ -171,8 +173,8 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
         if ( b->moves && b->softness < TOO_SOFT && !torture_is_held( trace, body ) && b->stretch > limit )
         {
             return break_it( out, TORTURE_STRAIN, trace->steps, b->stretch / limit,
-                             "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%", b->name,
-                             100.0 * b->stretch, 100.0 * b->softness );
+                             "%s has an edge stretched by %.3g %% at the end, and its weight explains %.3g %%",
+                             b->name, 100.0 * b->stretch, 100.0 * b->softness );
         }
     }
     return true;
@@ -181,7 +183,8 @@ bool torture_judge_strain( const torture_trace* trace, torture_verdict* out )
 bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out )
 {
     const double SMALL = 0.01; // of the body: depths that nobody sees, of colliders without a thickness
-    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ) && !trace->inputs.has_colliders_close; ++body )
+    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ) && !trace->inputs.has_colliders_close;
+          ++body )
     {
         const torture_body* b = &trace->bodies[body];
         const torture_sample* s = torture_sample_of( trace, trace->steps, body );
@@ -203,7 +206,8 @@ bool torture_judge_intersections( const torture_trace* trace, torture_verdict* o
     const bool came = trace->intersections_before == 0 && trace->intersections_after > 0;
     if ( came && torture_is_at_rest( trace ) && !trace->inputs.moves_pins && !trace->inputs.may_intersect )
     {
-        return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after, "%d edges pass through triangles at the end, none did at the start",
+        return break_it( out, TORTURE_INTERSECTIONS, trace->steps, trace->intersections_after,
+                         "%d edges pass through triangles at the end, none did at the start",
                          trace->intersections_after );
     }
     return true;
@@ -246,30 +250,35 @@ static double least_damping( const torture_trace* trace )
 // A body that falls, slides or swings goes somewhere: only one that is fast and stays where it is trembles.
 static bool judge_body_at_rest( const torture_trace* trace, int body, torture_verdict* out )
 {
-    const double WINDOW = 0.5;        // s
-    const double SLOW = 0.01;         // of the speed of a fall through the body's own size
-    const double UNSEEN = 0.01;       // m/s
-    const double DAMPED = 3.0;        // rates times time that damp a motion to a twentieth
-    const double FAST = 10.0, GONE = 5.0; // times the speed that is slow; rates times time after which nothing is left
-    const double TRAVEL = 0.2;        // part of the way of the fastest vertex that the centre goes
+    const double WINDOW = 0.5;  // s
+    const double SLOW = 0.01;   // of the speed of a fall through the body's own size
+    const double UNSEEN = 0.01; // m/s
+    const double DAMPED = 3.0;  // rates times time that damp a motion to a twentieth
+    const double FAST = 10.0,
+                 GONE = 5.0;   // times the speed that is slow; rates times time after which nothing is left
+    const double TRAVEL = 0.2; // part of the way of the fastest vertex that the centre goes
     const torture_body* b = &trace->bodies[body];
     const double end = trace->times[trace->steps], begin = trace->inputs.last + SETTLING;
-    const int early = row_at( trace, begin ), early_end = row_at( trace, begin + WINDOW ), late = row_at( trace, end - WINDOW );
+    const int early = row_at( trace, begin ), early_end = row_at( trace, begin + WINDOW ),
+              late = row_at( trace, end - WINDOW );
     const double elapsed = end - WINDOW - begin;
     if ( !b->moves || b->starts_inside || elapsed < WINDOW || least_damping( trace ) * elapsed < DAMPED )
     {
         return true;
     }
-    const double before = speed_between( trace, body, early, early_end ), after = speed_between( trace, body, late, trace->steps );
+    const double before = speed_between( trace, body, early, early_end ),
+                 after = speed_between( trace, body, late, trace->steps );
     const double limit = fmax( UNSEEN, SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) );
-    const double way = distance_of( torture_sample_of( trace, late, body )->centre, torture_sample_of( trace, trace->steps, body )->centre );
+    const double way = distance_of( torture_sample_of( trace, late, body )->centre,
+                                    torture_sample_of( trace, trace->steps, body )->centre );
     const bool grows = after > limit && after >= before;
     const bool lasts = after > FAST * limit && after > 0.5 * before && least_damping( trace ) * elapsed > GONE;
     if ( ( grows || lasts ) && way < TRAVEL * after * WINDOW )
     {
-        return break_it( out, TORTURE_REST, trace->steps, after / limit,
-                         "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before", b->name,
-                         after, end - trace->inputs.last, before, elapsed );
+        return break_it(
+            out, TORTURE_REST, trace->steps, after / limit,
+            "%s moves with %.3g m/s at the end, %.3g s after all inputs rest, and with %.3g m/s %.3g s before",
+            b->name, after, end - trace->inputs.last, before, elapsed );
     }
     return true;
 }
@@ -288,9 +297,9 @@ bool torture_judge_rest( const torture_trace* trace, torture_verdict* out )
 
 bool torture_judge_trace( const torture_trace* trace, torture_verdict* out )
 {
-    static torture_judge_fn* const judges[] = { torture_judge_status,      torture_judge_finite,
-                                                torture_judge_halted,      torture_judge_energy,
-                                                torture_judge_strain,      torture_judge_penetration,
+    static torture_judge_fn* const judges[] = { torture_judge_status,        torture_judge_finite,
+                                                torture_judge_halted,        torture_judge_energy,
+                                                torture_judge_strain,        torture_judge_penetration,
                                                 torture_judge_intersections, torture_judge_rest };
     *out = ( torture_verdict ){ .judge = TORTURE_HOLDS };
     for ( int i = 0; i < WISP_COUNT( judges ); ++i )

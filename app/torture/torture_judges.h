@@ -49,7 +49,8 @@ bool torture_is_at_rest( const torture_trace* trace );
 /// @return whether pins, colliders or heads may hold a body stretched, or inside of something
 bool torture_is_held( const torture_trace* trace, int body );
 
-/// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can bring.
+/// J, that bodies may have above their start at a time: what the inputs and the lifting of what starts inside can
+/// bring.
 double torture_energy_budget( const torture_trace* trace, int row );
 
 // ---- twins ----
@@ -75,18 +76,20 @@ typedef struct torture_subject
 wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error );
 
 /// Run the twins of a scene whose trace holds. @return whether all hold
-bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins, torture_verdict* out );
+bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins,
+                          torture_verdict* out );
 
 /// Compare two runs of which one is the other at a scale, or elsewhere. @return whether they are alike
 bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge,
                              torture_verdict* out );
 
-/// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made, such as
-/// "with 2 workers than with one" @return whether they are equal
+/// Compare the hashes after the steps of two runs. @param first steps before them @param how the second run was made,
+/// such as "with 2 workers than with one" @return whether they are equal
 bool torture_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
                            torture_judge judge, int first, const char* how, torture_verdict* out );
 
-/// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the metre.
+/// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the
+/// metre.
 void torture_scale( torture_node* scene, double factor );
 /// Multiply all lengths and nothing else: another scene, of the same materials.
 void torture_resize( torture_node* scene, double factor );

@@ -125,8 +125,9 @@ torture_block torture_block_below( torture_block block, const char* key, const t
     if ( strcmp( key, "generate" ) == 0 )
     {
         const int mesh = is_mesh ? shape_of( SCENE_MESH_BLOCKS, value ) : 0;
-        return is_mesh ? ( torture_block ){ &SCENE_MESH_BLOCKS[mesh], &d->meshes[mesh] }
-                       : ( torture_block ){ &SCENE_GENERATE_BLOCK, &d->grooms[shape_of( &SCENE_GENERATE_BLOCK, value )] };
+        return is_mesh
+                   ? ( torture_block ){ &SCENE_MESH_BLOCKS[mesh], &d->meshes[mesh] }
+                   : ( torture_block ){ &SCENE_GENERATE_BLOCK, &d->grooms[shape_of( &SCENE_GENERATE_BLOCK, value )] };
     }
     if ( strcmp( key, "keyframes" ) == 0 )
     {
@@ -149,8 +150,8 @@ typedef struct span
     double lower, upper;
 } span;
 
-// Keys of the same name mean the same in all blocks, so that a name is enough. What is not here spans two powers of ten
-// on each side of its default.
+// Keys of the same name mean the same in all blocks, so that a name is enough. What is not here spans two powers of
+// ten on each side of its default.
 static const span SPANS[] = {
     { "dt", 0, 0 },
     { "steps", 0, 0 },

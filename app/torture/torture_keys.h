@@ -1,5 +1,6 @@
-/// The keys of a scene from the tables that read them: which block a mapping is, and a random value for a key. A new key of
-/// a table is tortured without another line here; a span below says where a value is sensible if its default does not.
+/// The keys of a scene from the tables that read them: which block a mapping is, and a random value for a key. A new
+/// key of a table is tortured without another line here; a span below says where a value is sensible if its default
+/// does not.
 #pragma once
 
 #include "torture_random.h"

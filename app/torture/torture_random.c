@@ -60,7 +60,8 @@ torture_number torture_random_log( torture_random* random, double lower, double 
         torture_number candidate;
         snprintf( candidate.text, sizeof candidate.text, "%de%d", DIGITS[i - DIGIT_COUNT * exponent], exponent );
         const double value = strtod( candidate.text, NULL );
-        if ( value >= lower * ( 1.0 - 1e-6 ) && value <= upper * ( 1.0 + 1e-6 ) && torture_random_whole( random, 0, count++ ) == 0 )
+        if ( value >= lower * ( 1.0 - 1e-6 ) && value <= upper * ( 1.0 + 1e-6 ) &&
+             torture_random_whole( random, 0, count++ ) == 0 )
         {
             snprintf( found.text, sizeof found.text, "%.3g", value );
         }

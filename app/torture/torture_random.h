@@ -1,5 +1,5 @@
-/// Random numbers of the generator: a sequence for each scene of a seed, the same on every machine. No function of the C
-/// library takes part, whose last bit may differ between machines.
+/// Random numbers of the generator: a sequence for each scene of a seed, the same on every machine. No function of
+/// the C library takes part, whose last bit may differ between machines.
 #pragma once
 
 #include <stdbool.h>

@@ -16,9 +16,9 @@ static int length_power( const char* unit, const char* key )
         const char* unit;
         int power;
     } powers[] = {
-        { "m", 1 },       { "m/s", 1 },   { "m/s^2", 1 }, { "m^2", 2 },   { "m^3/s", 3 },
-        { "kg/m^2", -2 }, { "kg/m", -1 }, { "kg/m^3", -3 }, { "Pa", -1 }, { "N m", 2 },
-        { "N m^2", 3 },   { "m/N", 0 },   { "N/m", 0 },   { "N s/m", 0 },
+        { "m", 1 },       { "m/s", 1 },   { "m/s^2", 1 },   { "m^2", 2 },   { "m^3/s", 3 },
+        { "kg/m^2", -2 }, { "kg/m", -1 }, { "kg/m^3", -3 }, { "Pa", -1 },   { "N m", 2 },
+        { "N m^2", 3 },   { "m/N", 0 },   { "N/m", 0 },     { "N s/m", 0 },
     };
     // R T / M is the square of a speed, and the gas constant is fixed.
     if ( strcmp( key, "temperature" ) == 0 )
@@ -51,7 +51,8 @@ static void multiply( torture_node* node, double factor, scene_range range )
     }
 }
 
-// What a key has where it is not written, as a node; null where that is found from other keys, or nothing at any size.
+// What a key has where it is not written, as a node; null where that is found from other keys, or nothing at any
+// size.
 static torture_node* default_of( const scene_field* field, const void* base )
 {
     const void* at = (const char*)base + field->at;
@@ -60,8 +61,8 @@ static torture_node* default_of( const scene_field* field, const void* base )
         return NULL;
     }
     const wisp_vec3* v = at;
-    const bool is_zero = field->type == SCENE_NUMBER ? *(const float*)at == 0.0f
-                                                     : v->x == 0.0f && v->y == 0.0f && v->z == 0.0f;
+    const bool is_zero =
+        field->type == SCENE_NUMBER ? *(const float*)at == 0.0f : v->x == 0.0f && v->y == 0.0f && v->z == 0.0f;
     if ( is_zero )
     {
         return NULL;
@@ -110,7 +111,8 @@ static void scale_value( torture_node* value, torture_block block, const scene_f
     for ( int i = -1; i < value->count; ++i )
     {
         torture_node* inner = i < 0 ? value : value->children[i];
-        const torture_block below = inner->kind == TORTURE_MAP ? torture_block_below( block, field->key, inner ) : ( torture_block ){ NULL, NULL };
+        const torture_block below = inner->kind == TORTURE_MAP ? torture_block_below( block, field->key, inner )
+                                                               : ( torture_block ){ NULL, NULL };
         if ( below.table != NULL )
         {
             scale_block( inner, below, r );
@@ -197,7 +199,8 @@ static torture_node* vector_of( torture_node* map, const char* key )
 // Keys that are a place of the world wherever they stand; displacements such as those of pins are none.
 static void shift_below( torture_node* node, const double offset[3] )
 {
-    static const char* const places[] = { "position", "cursor", "pivot", "pin_pivot", "eye", "outlet_nearest", "min", "max" };
+    static const char* const places[] = { "position", "cursor",         "pivot", "pin_pivot",
+                                          "eye",      "outlet_nearest", "min",   "max" };
     for ( int i = 0; i < node->count; ++i )
     {
         torture_node* child = node->children[i];

@@ -89,12 +89,14 @@ static wisp_status write_scene( const char* path, const torture_node* scene, con
                : wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
 }
 
-static wisp_status keep_scene( const torture_search* search, torture_node* scene, const torture_verdict* verdict, const char* name,
-                               int number, results* out, wisp_error* error )
+static wisp_status keep_scene( const torture_search* search, torture_node* scene, const torture_verdict* verdict,
+                               const char* name, int number, results* out, wisp_error* error )
 {
     const int MAX_TRIES = 600;
     const double MAX_SECONDS = 120.0, CLEAR = 3.0;
-    shown s = { search, name, verdict->judge, fmin( verdict->severity, CLEAR ), twins_of( verdict->judge ), *verdict };
+    shown s = {
+        search, name, verdict->judge, fmin( verdict->severity, CLEAR ), twins_of( verdict->judge ), *verdict
+    };
     const torture_shrink_def shrink = { breaks_the_same, &s, MAX_TRIES, MAX_SECONDS };
     char comment[512], path[4096];
     torture_shrink( &shrink, scene );
@@ -114,13 +116,15 @@ int torture_twins_for( int number )
     return TURNS[number % WISP_COUNT( TURNS )];
 }
 
-static wisp_status try_scene( const torture_search* search, int number, torture_found* found, results* out, wisp_error* error )
+static wisp_status try_scene( const torture_search* search, int number, torture_found* found, results* out,
+                              wisp_error* error )
 {
     torture_node* scene = torture_generate( &search->generator, number );
     char name[4096];
     snprintf( name, sizeof name, "%s/scene", search->folder );
     const torture_subject subject = { scene, name };
-    const torture_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), search->scene_seconds );
+    const torture_verdict verdict =
+        torture_judge_scene( &subject, torture_twins_for( number ), search->scene_seconds );
     wisp_status status = WISP_OK;
     ++found->scenes;
     found->refused += verdict.judge == TORTURE_REFUSED;
@@ -170,11 +174,16 @@ wisp_status torture_search_run( const torture_search* search, torture_found* fou
     }
     progress bar = progress_begin();
     wisp_status status = WISP_OK;
-    for ( int i = 0; status == WISP_OK && ( search->max_scenes == 0 || i < search->max_scenes ) && found->seconds < search->max_seconds; ++i )
+    for ( int i = 0; status == WISP_OK && ( search->max_scenes == 0 || i < search->max_scenes ) &&
+                     found->seconds < search->max_seconds;
+          ++i )
     {
         status = try_scene( search, search->first + i, found, out, error );
         found->seconds = wisp_clock_seconds() - start;
-        progress_show( &bar, search->max_scenes > 0 ? (double)( i + 1 ) / search->max_scenes : found->seconds / search->max_seconds, "scenes" );
+        progress_show( &bar,
+                       search->max_scenes > 0 ? (double)( i + 1 ) / search->max_scenes
+                                              : found->seconds / search->max_seconds,
+                       "scenes" );
     }
     progress_end( &bar );
     report( found, out );
@@ -195,7 +204,8 @@ static wisp_status read_tree( const char* path, torture_node** out, wisp_error* 
     return status;
 }
 
-wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found, results* out, wisp_error* error )
+wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
+                            results* out, wisp_error* error )
 {
     *found = ( torture_found ){ 0 };
     const double start = wisp_clock_seconds();

@@ -8,9 +8,9 @@
 typedef struct torture_search
 {
     torture_generator generator;
-    int first;          ///< number of the first scene
-    int max_scenes;     ///< 0: as many as the time allows
-    double max_seconds; ///< of wall time; infinite: as many scenes as requested
+    int first;            ///< number of the first scene
+    int max_scenes;       ///< 0: as many as the time allows
+    double max_seconds;   ///< of wall time; infinite: as many scenes as requested
     double scene_seconds; ///< wall time of a scene
     const char* folder;   ///< where smaller scenes that break are written
     int keep;             ///< scenes of a kind that are made smaller and written; more are only counted

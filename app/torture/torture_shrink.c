@@ -52,7 +52,8 @@ static bool try_without( shrinker* s, torture_node* parent, int place )
     return false;
 }
 
-// Outer parts first: an entry that goes takes all of its keys with it. Later ones may name earlier ones, so they go first.
+// Outer parts first: an entry that goes takes all of its keys with it. Later ones may name earlier ones, so they go
+// first.
 static bool take_out( shrinker* s, torture_node* node )
 {
     bool has_changed = false;
@@ -73,8 +74,11 @@ static bool take_out( shrinker* s, torture_node* node )
 static bool is_simpler( const char* text, const char* than )
 {
     double a = strtod( text, NULL ), b = strtod( than, NULL );
-    const bool are_whole = strspn( text, "0123456789" ) == strlen( text ) && strspn( than, "0123456789" ) == strlen( than );
-    return are_whole ? a < b : strlen( text ) < strlen( than ) || ( strlen( text ) == strlen( than ) && fabs( a ) < fabs( b ) );
+    const bool are_whole =
+        strspn( text, "0123456789" ) == strlen( text ) && strspn( than, "0123456789" ) == strlen( than );
+    return are_whole
+               ? a < b
+               : strlen( text ) < strlen( than ) || ( strlen( text ) == strlen( than ) && fabs( a ) < fabs( b ) );
 }
 
 static bool try_text( shrinker* s, torture_node* scalar, const char* text )

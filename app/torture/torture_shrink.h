@@ -14,6 +14,6 @@ typedef struct torture_shrink_def
     double max_seconds; ///< of wall time
 } torture_shrink_def;
 
-/// Take entries, keys and items out, lower counts, and round numbers to one or two digits, over and over, until nothing
-/// smaller shows it or a limit is reached. @param scene shows it, and is changed @return tries that were made
+/// Take entries, keys and items out, lower counts, and round numbers to one or two digits, over and over, until
+/// nothing smaller shows it or a limit is reached. @param scene shows it, and is changed @return tries that were made
 int torture_shrink( const torture_shrink_def* def, torture_node* scene );

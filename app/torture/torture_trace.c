@@ -69,7 +69,8 @@ static void sample_motion( const scene_world* world, int body, torture_sample* s
         sample->potential = m.potential_energy;
         sample->speed = m.speed_max;
         memcpy( sample->centre, m.centre, sizeof m.centre );
-        sample->is_finite &= isfinite( m.kinetic_energy ) && isfinite( m.potential_energy ) && isfinite( m.speed_max );
+        sample->is_finite &=
+            isfinite( m.kinetic_energy ) && isfinite( m.potential_energy ) && isfinite( m.speed_max );
     }
 }
 
@@ -77,13 +78,15 @@ static void sample_body( const scene_world* world, const torture_trace* trace, i
                          torture_sample* sample )
 {
     const scene_body shape = scene_world_body( world, body );
-    sample->is_finite = scene_world_points( world, body, points, NULL ) != WISP_OK || are_finite( points, shape.vertex_count );
+    sample->is_finite =
+        scene_world_points( world, body, points, NULL ) != WISP_OK || are_finite( points, shape.vertex_count );
     if ( trace->bodies[body].moves )
     {
         sample_motion( world, body, sample );
     }
     wisp_collision_stats stats;
-    if ( collides( world->scene, body ) && wisp_read_collision_stats( world->world, entity_of( world, body ), &stats ) == WISP_OK )
+    if ( collides( world->scene, body ) &&
+         wisp_read_collision_stats( world->world, entity_of( world, body ), &stats ) == WISP_OK )
     {
         sample->penetration = stats.vertex >= 0 ? (double)stats.penetration : 0.0;
         sample->thickness = (double)stats.thickness;
@@ -119,7 +122,8 @@ static double stretch_of( const scene_body* shape, const wisp_vec3* now, const w
     for ( int i = 0; i < 3 * shape->triangle_count; ++i )
     {
         const int first = i - i % 3;
-        stretch = fmax( stretch, stretch_of_edge( now, rest, shape->triangles[i], shape->triangles[first + ( i + 1 ) % 3] ) );
+        stretch = fmax( stretch,
+                        stretch_of_edge( now, rest, shape->triangles[i], shape->triangles[first + ( i + 1 ) % 3] ) );
     }
     for ( int s = 0; s < shape->strand_count; ++s )
     {
@@ -138,7 +142,8 @@ static void finish_bodies( const scene_world* world, torture_trace* trace, wisp_
     {
         torture_body* b = &trace->bodies[body];
         const scene_body shape = scene_world_body( world, body );
-        const wisp_vec3* rest = body < strands ? world->grooms[body].points : world->surfaces[body - strands].mesh.points;
+        const wisp_vec3* rest =
+            body < strands ? world->grooms[body].points : world->surfaces[body - strands].mesh.points;
         b->is_halted = wisp_is_halted( world->world, entity_of( world, body ) );
         if ( b->moves && scene_world_points( world, body, points, NULL ) == WISP_OK )
         {
@@ -215,7 +220,8 @@ static void make_steps( scene_world* world, torture_trace* trace, wisp_vec3* poi
         }
         trace->steps = step + 1;
         sample_all( world, trace, step + 1, points );
-        trace->intersections_before = step == 0 && counts ? count_intersections( world ) : trace->intersections_before;
+        trace->intersections_before =
+            step == 0 && counts ? count_intersections( world ) : trace->intersections_before;
         trace->intersections_after = is_end && counts ? count_intersections( world ) : -1;
     }
 }

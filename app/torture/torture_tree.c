@@ -234,7 +234,8 @@ static const int LINE_LENGTH = 118;
 // Numbers, words and names stand as they are; a path may hold anything and gets quotes.
 static bool needs_quotes( const char* text )
 {
-    return text[0] == '\0' || strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-" ) != strlen( text );
+    return text[0] == '\0' ||
+           strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-" ) != strlen( text );
 }
 
 static void write_scalar( FILE* out, const char* text )
@@ -292,7 +293,8 @@ static bool fits_a_line( const torture_node* node, int depth )
            ( !is_entry_list && depth > 0 && flow_length( node ) + 2 * depth < LINE_LENGTH - 24 );
 }
 
-// Write what follows a key or a dash, up to the end of the line: entries of the scene's lists have lines of their own.
+// Write what follows a key or a dash, up to the end of the line: entries of the scene's lists have lines of their
+// own.
 static void write_block( FILE* out, const torture_node* node, int depth, bool is_after_dash )
 {
     if ( fits_a_line( node, depth ) )
@@ -307,7 +309,8 @@ static void write_block( FILE* out, const torture_node* node, int depth, bool is
     {
         const torture_node* child = node->children[i];
         const bool is_map = node->kind == TORTURE_MAP;
-        fprintf( out, "%*s%s%s", is_after_dash && i == 0 ? 0 : 2 * depth, "", is_map ? child->key : "-", is_map ? ":" : "" );
+        fprintf( out, "%*s%s%s", is_after_dash && i == 0 ? 0 : 2 * depth, "", is_map ? child->key : "-",
+                 is_map ? ":" : "" );
         write_block( out, child, depth + 1, !is_map );
     }
 }

@@ -1,5 +1,6 @@
-/// A scene as a tree of texts that can be changed: the generator builds one, the twins scale and shift it, the shrinker
-/// cuts it. Comments and the layout of a file are not part of it. Memory that cannot be had ends the program.
+/// A scene as a tree of texts that can be changed: the generator builds one, the twins scale and shift it, the
+/// shrinker cuts it. Comments and the layout of a file are not part of it. Memory that cannot be had ends the
+/// program.
 #pragma once
 
 #include "wisp/base.h"

@@ -177,9 +177,11 @@ static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
 
 // ---- another size, another place ----
 
-bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge, torture_verdict* out )
+bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge,
+                             torture_verdict* out )
 {
-    // Crumpled cloth falls into other folds after any rounding: only a stretch that is of another order is another motion.
+    // Crumpled cloth falls into other folds after any rounding: only a stretch that is of another order is another
+    // motion.
     const double APART = 0.5, FACTOR = 3.0;
     const char* where = judge == TORTURE_SCALE ? "at another size" : "100 m away";
     torture_verdict other;
@@ -195,9 +197,12 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
         const double larger = fmax( a->stretch, b->stretch ), smaller = fmin( a->stretch, b->stretch );
         if ( a->moves && a->softness < 1.0 && !torture_is_held( trace, body ) && larger > APART + FACTOR * smaller )
         {
-            *out = ( torture_verdict ){ .judge = judge, .step = trace->steps, .severity = larger / ( APART + FACTOR * smaller ) };
-            snprintf( out->message, sizeof out->message, "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name, 100.0 * a->stretch,
-                      100.0 * b->stretch, where );
+            *out = ( torture_verdict ){ .judge = judge,
+                                        .step = trace->steps,
+                                        .severity = larger / ( APART + FACTOR * smaller ) };
+            snprintf( out->message, sizeof out->message,
+                      "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name,
+                      100.0 * a->stretch, 100.0 * b->stretch, where );
             return false;
         }
     }
@@ -205,7 +210,8 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
 }
 
 // Takes the tree, which is released.
-static bool judge_alike( const torture_subject* subject, torture_node* tree, const torture_trace* trace, torture_judge judge, torture_verdict* out )
+static bool judge_alike( const torture_subject* subject, torture_node* tree, const torture_trace* trace,
+                         torture_judge judge, torture_verdict* out )
 {
     const torture_subject moved = { tree, subject->name };
     wisp_scene scene;
@@ -215,7 +221,8 @@ static bool judge_alike( const torture_subject* subject, torture_node* tree, con
     // What is beyond a range at another size says nothing.
     if ( torture_read( &moved, &scene, &error ) == WISP_OK )
     {
-        holds = torture_trace_run( &scene, &twin, &error ) != WISP_OK || torture_compare_traces( trace, &twin, judge, out );
+        holds = torture_trace_run( &scene, &twin, &error ) != WISP_OK ||
+                torture_compare_traces( trace, &twin, judge, out );
         torture_trace_release( &twin );
     }
     wisp_scene_release( &scene );
@@ -223,7 +230,8 @@ static bool judge_alike( const torture_subject* subject, torture_node* tree, con
     return holds;
 }
 
-bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins, torture_verdict* out )
+bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins,
+                          torture_verdict* out )
 {
     wisp_scene scene;
     wisp_error error = { 0 };

@@ -85,8 +85,7 @@ static void every_command_has_a_usage( void** state )
 {
     (void)state;
     static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
-                                            "info --usage", "render --usage", "tune --usage",
-                                            "torture --usage" };
+                                            "info --usage", "render --usage", "tune --usage", "torture --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
         run_ok( commands[i] );

@@ -1,4 +1,5 @@
-// The search itself: a fixed number of scenes must hold, apart from those that are known to break, which must still do so.
+// The search itself: a fixed number of scenes must hold, apart from those that are known to break, which must still
+// do so.
 #include "torture_fixture.h"
 
 #include "torture_search.h"

@@ -1,4 +1,5 @@
-// The generator: a seed is a sequence of scenes, they hold everything that a scene can say, and the reader takes them.
+// The generator: a seed is a sequence of scenes, they hold everything that a scene can say, and the reader takes
+// them.
 #include "torture_fixture.h"
 
 #include "torture_generate.h"
@@ -80,14 +81,52 @@ static void text_of_a_scene_is_read_as_the_same_tree( void** state )
 static void every_kind_is_drawn( void** state )
 {
     (void)state;
-    static const char* const words[] = {
-        "cloth:",       "balloon:",    "implicit:",      "contact:",     "boundary:",      "instance_of:", "dynamics:",
-        "ghosts:",      "curves:",     "frozen_hair:",   "environment:", "appearance:",    "grid:",        "head:",
-        "on_surface:",  "hair_events:", "events:",       "keyframes:",   "pin_keyframes:", "dt_factors:",  "gravity:",
-        "shape: plane", "shape: sphere", "shape: capsule", "shape: box", "shape: mesh",    "shape: torus", "shape: tube",
-        "shape: pear",  "shape: garment", "shape: delaunay", "shape: icosphere", "release:", "gas_ratio_keyframes:",
-        "strain_limit:", "vertex_masses:", "level_passes:", "primitives: particles", "stretch: follow", "stretch: links",
-        "bending: dihedral", "bending: isometric", "solver: pbd", "integrator: bdf2", "links: quad", "time: 0.001" };
+    static const char* const words[] = { "cloth:",
+                                         "balloon:",
+                                         "implicit:",
+                                         "contact:",
+                                         "boundary:",
+                                         "instance_of:",
+                                         "dynamics:",
+                                         "ghosts:",
+                                         "curves:",
+                                         "frozen_hair:",
+                                         "environment:",
+                                         "appearance:",
+                                         "grid:",
+                                         "head:",
+                                         "on_surface:",
+                                         "hair_events:",
+                                         "events:",
+                                         "keyframes:",
+                                         "pin_keyframes:",
+                                         "dt_factors:",
+                                         "gravity:",
+                                         "shape: plane",
+                                         "shape: sphere",
+                                         "shape: capsule",
+                                         "shape: box",
+                                         "shape: mesh",
+                                         "shape: torus",
+                                         "shape: tube",
+                                         "shape: pear",
+                                         "shape: garment",
+                                         "shape: delaunay",
+                                         "shape: icosphere",
+                                         "release:",
+                                         "gas_ratio_keyframes:",
+                                         "strain_limit:",
+                                         "vertex_masses:",
+                                         "level_passes:",
+                                         "primitives: particles",
+                                         "stretch: follow",
+                                         "stretch: links",
+                                         "bending: dihedral",
+                                         "bending: isometric",
+                                         "solver: pbd",
+                                         "integrator: bdf2",
+                                         "links: quad",
+                                         "time: 0.001" };
     bool found[WISP_COUNT( words )] = { false };
     for ( int i = 0; i < 2000; ++i )
     {
@@ -112,7 +151,8 @@ static void every_key_of_an_effect_is_drawn( void** state )
 {
     (void)state;
     static const char* const effects[] = { "cloth", "balloon", "implicit", "collision" };
-    static const char* const left_out[] = { "max_iterations", "outlet", "outlet_radius", "min_gas_ratio", "mask", "allow_open" };
+    static const char* const left_out[] = { "max_iterations", "outlet", "outlet_radius",
+                                            "min_gas_ratio",  "mask",   "allow_open" };
     torture_node* found = torture_map();
     for ( int i = 0; i < 2000; ++i )
     {

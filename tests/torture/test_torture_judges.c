@@ -1,5 +1,5 @@
-// Every judge holds for a run that is good and breaks for one that is not: numbers of a run that are made up, so that each
-// judge is seen alone.
+// Every judge holds for a run that is good and breaks for one that is not: numbers of a run that are made up, so that
+// each judge is seen alone.
 #include "torture_fixture.h"
 
 #include "torture_keys.h"
@@ -13,7 +13,9 @@ enum
 // Two bodies of 1 kg and 1 m that hang at rest for five seconds, one metre up.
 static torture_trace make_trace( void )
 {
-    torture_trace trace = { .body_count = BODIES, .steps = STEPS, .intersections_before = 0, .intersections_after = 0, .extent = 1.0 };
+    torture_trace trace = {
+        .body_count = BODIES, .steps = STEPS, .intersections_before = 0, .intersections_after = 0, .extent = 1.0
+    };
     trace.bodies = torture_alloc( BODIES * sizeof *trace.bodies );
     trace.samples = torture_alloc( ( STEPS + 1 ) * BODIES * sizeof *trace.samples );
     trace.times = torture_alloc( ( STEPS + 1 ) * sizeof *trace.times );
@@ -22,14 +24,23 @@ static torture_trace make_trace( void )
         trace.times[row] = row / 60.0;
         for ( int body = 0; body < BODIES; ++body )
         {
-            *torture_sample_of( &trace, row, body ) =
-                ( torture_sample ){ .potential = 9.8, .thickness = 0.01, .is_finite = true, .centre = { 0.0, 1.0, 0.0 } };
+            *torture_sample_of( &trace, row, body ) = ( torture_sample ){
+                .potential = 9.8, .thickness = 0.01, .is_finite = true, .centre = { 0.0, 1.0, 0.0 }
+            };
         }
     }
     for ( int body = 0; body < BODIES; ++body )
     {
-        trace.bodies[body] = ( torture_body ){ .name = "cloth", .moves = true, .mass = 1.0, .size = 1.0, .area = 1.0, .edge = 0.05,
-                                               .gravity = 9.8, .damping = 2.0, .softness = 0.01, .start = { 0.0, 1.0, 0.0 } };
+        trace.bodies[body] = ( torture_body ){ .name = "cloth",
+                                               .moves = true,
+                                               .mass = 1.0,
+                                               .size = 1.0,
+                                               .area = 1.0,
+                                               .edge = 0.05,
+                                               .gravity = 9.8,
+                                               .damping = 2.0,
+                                               .softness = 0.01,
+                                               .start = { 0.0, 1.0, 0.0 } };
     }
     return trace;
 }
@@ -213,7 +224,8 @@ static void runs_with_other_bits_break( void** state )
     assert_false( torture_compare_bits( expected, 3, other, 3, TORTURE_BITS, 0, "with 2 workers", &verdict ) );
     assert_judged( verdict, TORTURE_BITS );
     assert_contains( verdict.message, "step 3 has other bits with 2 workers" );
-    assert_false( torture_compare_bits( expected, 3, expected, 2, TORTURE_SNAPSHOT, 10, "in a new world", &verdict ) );
+    assert_false(
+        torture_compare_bits( expected, 3, expected, 2, TORTURE_SNAPSHOT, 10, "in a new world", &verdict ) );
     assert_judged( verdict, TORTURE_SNAPSHOT );
     assert_int_equal( verdict.step, 13 );
 }
@@ -252,13 +264,15 @@ static void a_scene_that_the_reader_refuses_is_refused( void** state )
 static void a_scene_that_the_engine_refuses_is_refused( void** state )
 {
     (void)state;
-    assert_judged( judge_text( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane }, balloon: {} }\n", 0 ), TORTURE_REFUSED );
+    assert_judged( judge_text( "wisp: 1\nsurfaces:\n  - { name: a, generate: { shape: plane }, balloon: {} }\n", 0 ),
+                   TORTURE_REFUSED );
 }
 
 static void a_scene_without_an_end_is_stopped( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( "wisp: 1\nsteps: 1000000\nsubsteps: 100\nsurfaces:\n  - { name: a, generate: { shape: plane }, cloth: {} }\n" );
+    torture_node* tree = parse_scene( "wisp: 1\nsteps: 1000000\nsubsteps: 100\nsurfaces:\n  - { name: a, generate: { "
+                                      "shape: plane }, cloth: {} }\n" );
     const torture_subject subject = { tree, "test" };
     const torture_verdict verdict = torture_judge_scene( &subject, 0, 0.3 );
     assert_judged( verdict, TORTURE_TIME );
@@ -280,16 +294,17 @@ static void a_process_that_dies_is_a_crash( void** state )
 static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( "wisp: 1\n"
-                                      "surfaces:\n"
-                                      "  - name: a\n"
-                                      "    generate: { shape: icosphere, radius: 0.2 }\n"
-                                      "    transform: { translate: [0, 1, 0] }\n"
-                                      "    pin_nearest: [[0, 1.2, 0]]\n"
-                                      "    area_density: 0.1\n"
-                                      "    balloon: { temperature: 300, edge_stiffness: 500 }\n"
-                                      "colliders:\n"
-                                      "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
+    torture_node* tree =
+        parse_scene( "wisp: 1\n"
+                     "surfaces:\n"
+                     "  - name: a\n"
+                     "    generate: { shape: icosphere, radius: 0.2 }\n"
+                     "    transform: { translate: [0, 1, 0] }\n"
+                     "    pin_nearest: [[0, 1.2, 0]]\n"
+                     "    area_density: 0.1\n"
+                     "    balloon: { temperature: 300, edge_stiffness: 500 }\n"
+                     "colliders:\n"
+                     "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
     torture_scale( tree, 10.0 );
     char* text = torture_write( tree, NULL );
     assert_contains( text, "gravity: [0, -98" ); // m/s^2, by default
@@ -309,14 +324,15 @@ static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state
 static void a_scene_elsewhere_has_all_places_moved( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( "wisp: 1\n"
-                                      "surfaces:\n"
-                                      "  - name: a\n"
-                                      "    generate: { shape: plane }\n"
-                                      "    pin_nearest: [[1, 2, 3]]\n"
-                                      "    pin_keyframes: [{ time: 1, translate: [0, 0, 1] }]\n"
-                                      "colliders:\n"
-                                      "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
+    torture_node* tree =
+        parse_scene( "wisp: 1\n"
+                     "surfaces:\n"
+                     "  - name: a\n"
+                     "    generate: { shape: plane }\n"
+                     "    pin_nearest: [[1, 2, 3]]\n"
+                     "    pin_keyframes: [{ time: 1, translate: [0, 0, 1] }]\n"
+                     "colliders:\n"
+                     "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
     torture_shift( tree, ( const double[] ){ 100.0, 0.0, 10.0 } );
     char* text = torture_write( tree, NULL );
     assert_contains( text, "transform: { translate: [100, 0, 10] }" );

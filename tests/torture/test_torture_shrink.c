@@ -25,7 +25,9 @@ static bool has_full_balloon( void* user, const torture_node* scene )
     for ( int i = 0; surfaces && i < surfaces->count; ++i )
     {
         double ratio;
-        if ( torture_is_number( torture_find( torture_find( surfaces->children[i], "balloon" ), "gas_ratio" ), &ratio ) && ratio > 1.2 )
+        if ( torture_is_number( torture_find( torture_find( surfaces->children[i], "balloon" ), "gas_ratio" ),
+                                &ratio ) &&
+             ratio > 1.2 )
         {
             return true;
         }
@@ -55,7 +57,8 @@ static bool is_wide_and_long( void* user, const torture_node* scene )
     const torture_node* surfaces = torture_find( scene, "surfaces" );
     const torture_node* first = surfaces && surfaces->count > 0 ? surfaces->children[0] : NULL;
     return torture_is_number( torture_find( scene, "steps" ), &steps ) && steps >= 30.0 &&
-           torture_is_number( torture_find( torture_find( first, "generate" ), "columns" ), &columns ) && columns >= 5.0;
+           torture_is_number( torture_find( torture_find( first, "generate" ), "columns" ), &columns ) &&
+           columns >= 5.0;
 }
 
 static void counts_come_down_to_the_smallest_that_break( void** state )
