@@ -475,6 +475,8 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
         const wisp_scene_strands* s = &scene->strands[i];
         const bool is_straightened = s->has_dynamics && s->dynamics.bending == WISP_STRAND_BEND_ROD &&
                                      s->dynamics.rest == WISP_STRAND_REST_STRAIGHT;
+        // A grid that pushes strands apart works on them as long as they are close.
+        trace->inputs.rods += s->has_grid && s->grid.repulsion > 0.0f ? INFINITY : 0.0;
         trace->inputs.rods += is_straightened ? rod_energy( s, &world->grooms[i] ) : 0.0;
     }
     add_air( world, trace );
