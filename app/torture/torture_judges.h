@@ -91,7 +91,7 @@ bool torture_compare_bits( const uint64_t* expected, int expected_count, const u
 /// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the
 /// metre.
 void torture_scale( torture_node* scene, double factor );
-/// Multiply all lengths and nothing else: another scene, of the same materials.
+/// Multiply lengths, areas and flows and nothing else: another scene, of the same materials.
 void torture_resize( torture_node* scene, double factor );
 /// Move everything that has a place.
 void torture_shift( torture_node* scene, const double offset[3] );

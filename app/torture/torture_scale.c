@@ -84,7 +84,7 @@ static bool is_list_of_places( const char* key )
     return strcmp( key, "pin_nearest" ) == 0;
 }
 
-// How a scene gets another size: everything whose unit holds a length, or lengths alone.
+// How a scene gets another size: everything whose unit holds a length, or lengths, areas and flows alone.
 typedef struct resizing
 {
     double factor;
@@ -94,8 +94,10 @@ typedef struct resizing
 static int power_of( const resizing* r, const scene_field* field )
 {
     const int power = is_list_of_places( field->key ) ? 1 : length_power( field->unit, field->key );
-    const bool is_length = is_list_of_places( field->key ) || ( field->unit && strcmp( field->unit, "m" ) == 0 );
-    return r->only_lengths && !is_length ? 0 : power;
+    const char* unit = field->unit ? field->unit : "";
+    const bool is_geometry = is_list_of_places( field->key ) || strcmp( unit, "m" ) == 0 ||
+                             strcmp( unit, "m^2" ) == 0 || strcmp( unit, "m^3/s" ) == 0;
+    return r->only_lengths && !is_geometry ? 0 : power;
 }
 
 static void scale_block( torture_node* map, torture_block block, const resizing* r );
