@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define FILES_MAX 4096
 #define MESHES_MAX 64
@@ -36,6 +37,7 @@ enum
     KEY_KEEP,
     KEY_LIMIT,
     KEY_PRINT,
+    KEY_JOBS,
 };
 
 static const char doc[] = "Search for scenes that break the engine, or judge scenes.\n"
@@ -60,6 +62,7 @@ static const struct argp_option option_list[] = {
     { "seed", KEY_SEED, "S", 0, "Seed of the scenes, default 1", 1 },
     { "first", KEY_FIRST, "I", 0, "Begin with scene I of the seed, default 0", 1 },
     { "mesh", KEY_MESH, "FILE", 0, "Make surfaces and colliders of this mesh too; can be repeated", 1 },
+    { "jobs", KEY_JOBS, "N", 0, "Judge N scenes at the same time, 1 to 64; default: one per core", 1 },
     { "limit", KEY_LIMIT, "SECONDS", 0, "Wall time of a scene, default 20", 1 },
     { "print", KEY_PRINT, 0, 0, "Print the first scene and run nothing", 1 },
     { 0, 0, 0, 0, "Output:", 2 },
@@ -117,6 +120,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_LIMIT:
             search->scene_seconds = option_positive( state, "--limit", argument, 1e6 );
             return 0;
+        case KEY_JOBS:
+            search->jobs = option_whole( state, "--jobs", argument, 1, 64 );
+            return 0;
         case KEY_PRINT:
             options->prints = true;
             return 0;
@@ -138,6 +144,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
     }
 }
 
+static int core_count( void )
+{
+    const long cores = sysconf( _SC_NPROCESSORS_ONLN );
+    return cores < 1 ? 1 : cores > 64 ? 64 : (int)cores;
+}
+
 static int print_scene( const torture_search* search )
 {
     torture_node* scene = torture_generate( &search->generator, search->first );
@@ -152,7 +164,11 @@ int command_torture( int argc, char** argv )
 {
     static torture_options options; // too large for a stack
     options = ( torture_options ){
-        .search = { .generator = { .seed = 1 }, .scene_seconds = 20.0, .folder = DEFAULT_FOLDER, .keep = 3 },
+        .search = { .generator = { .seed = 1 },
+                    .jobs = core_count(),
+                    .scene_seconds = 20.0,
+                    .folder = DEFAULT_FOLDER,
+                    .keep = 3 },
     };
     options.search.generator.meshes = options.meshes;
     const struct argp parser = { option_list, parse, "[SCENE...]", doc, NULL, NULL, NULL };

@@ -2,6 +2,7 @@
 #include "torture_judges.h"
 
 #include <errno.h>
+#include <math.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdio.h>
@@ -65,63 +66,77 @@ static _Noreturn void be_child( const torture_subject* subject, int twins, int o
     _exit( written == (ssize_t)sizeof verdict ? 0 : 1 );
 }
 
-// Wait until the verdict is there, the child is gone, or the time is over.
-static bool wait_for( int in, double seconds, torture_verdict* out )
+torture_child torture_start( const torture_subject* subject, int twins, double seconds )
 {
-    struct pollfd wait = { in, POLLIN, 0 };
-    const double end = wisp_clock_seconds() + seconds;
-    for ( double left = seconds; left > 0.0; left = end - wisp_clock_seconds() )
-    {
-        const int ready = poll( &wait, 1, (int)( 1e3 * left ) + 1 );
-        if ( ready > 0 )
-        {
-            return read( in, out, sizeof *out ) == (ssize_t)sizeof *out;
-        }
-        if ( ready < 0 && errno != EINTR )
-        {
-            break;
-        }
-    }
-    *out = ( torture_verdict ){ .judge = TORTURE_TIME, .severity = 1.0 };
-    snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", seconds );
-    return true;
-}
-
-torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
-{
-    torture_verdict verdict = { .judge = TORTURE_CRASH, .severity = 1.0 };
+    torture_child child = { .pid = -1, .in = -1, .seconds = seconds, .end = wisp_clock_seconds() + seconds };
     int ends[2];
     fflush( NULL );
     if ( pipe( ends ) != 0 )
     {
-        snprintf( verdict.message, sizeof verdict.message, "no pipe: %s", strerror( errno ) );
-        return verdict;
+        return child;
     }
-    const pid_t child = fork();
-    if ( child == 0 )
+    child.in = ends[0];
+    child.pid = fork();
+    if ( child.pid == 0 )
     {
         close( ends[0] );
         be_child( subject, twins, ends[1] );
     }
     close( ends[1] );
-    const bool has_verdict = child > 0 && wait_for( ends[0], seconds, &verdict );
-    close( ends[0] );
+    return child;
+}
+
+// Wait until the verdict is there, the child is gone, or its time is over. A verdict that is there counts, however late
+// it is asked for.
+static bool wait_for( const torture_child* child, torture_verdict* out )
+{
+    struct pollfd wait = { child->in, POLLIN, 0 };
+    double left = 0.0;
+    do
+    {
+        left = fmax( 0.0, child->end - wisp_clock_seconds() );
+        const int ready = poll( &wait, 1, (int)( 1e3 * left ) );
+        if ( ready > 0 )
+        {
+            return read( child->in, out, sizeof *out ) == (ssize_t)sizeof *out;
+        }
+        if ( ready < 0 && errno != EINTR )
+        {
+            break;
+        }
+    } while ( left > 0.0 );
+    *out = ( torture_verdict ){ .judge = TORTURE_TIME, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", child->seconds );
+    return true;
+}
+
+torture_verdict torture_finish( const torture_child* child )
+{
+    torture_verdict verdict = { .judge = TORTURE_CRASH, .severity = 1.0 };
+    if ( child->pid < 0 )
+    {
+        snprintf( verdict.message, sizeof verdict.message, "no process could be started" );
+        return verdict;
+    }
+    const bool has_verdict = wait_for( child, &verdict );
+    close( child->in );
+    if ( has_verdict && verdict.judge == TORTURE_TIME )
+    {
+        kill( child->pid, SIGKILL );
+    }
     int status = 0;
-    if ( child > 0 && has_verdict && verdict.judge == TORTURE_TIME )
-    {
-        kill( child, SIGKILL );
-    }
-    if ( child > 0 )
-    {
-        waitpid( child, &status, 0 );
-    }
+    waitpid( child->pid, &status, 0 );
     if ( !has_verdict )
     {
         verdict = ( torture_verdict ){ .judge = TORTURE_CRASH, .severity = 1.0 };
-        const char* cause = child < 0               ? strerror( errno )
-                            : WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) )
-                                                    : "an exit";
-        snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s", cause );
+        snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s",
+                  WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit" );
     }
     return verdict;
+}
+
+torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
+{
+    const torture_child child = torture_start( subject, twins, seconds );
+    return torture_finish( &child );
 }

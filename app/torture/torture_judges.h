@@ -98,5 +98,17 @@ void torture_shift( torture_node* scene, const double offset[3] );
 
 // ---- a scene, in a process of its own ----
 
+/// A process that judges a scene.
+typedef struct torture_child
+{
+    int pid, in;         ///< -1: it could not be started
+    double seconds, end; ///< s, that it may take, and when they are over
+} torture_child;
+
+/// Start to judge a scene. @param seconds of wall time that it may take
+torture_child torture_start( const torture_subject* subject, int twins, double seconds );
+/// Wait for the verdict. Each child must be finished.
+torture_verdict torture_finish( const torture_child* child );
+
 /// Run a scene and judge it. @param seconds of wall time that it may take
 torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds );

@@ -11,6 +11,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
+enum
+{
+    MAX_JOBS = 64,
+};
+
 int torture_broken_count( const torture_found* found )
 {
     int sum = 0;
@@ -116,25 +121,45 @@ int torture_twins_for( int number )
     return TURNS[number % WISP_COUNT( TURNS )];
 }
 
-static wisp_status try_scene( const torture_search* search, int number, torture_found* found, results* out,
-                              wisp_error* error )
+// Scenes that are judged at the same time, in turn.
+typedef struct pending
 {
-    torture_node* scene = torture_generate( &search->generator, number );
+    torture_node* scene;
+    torture_child child;
+    int number;
+} pending;
+
+static void subject_name( const torture_search* search, char* name, size_t size )
+{
+    snprintf( name, size, "%s/scene", search->folder );
+}
+
+static pending start_scene( const torture_search* search, int number )
+{
     char name[4096];
-    snprintf( name, sizeof name, "%s/scene", search->folder );
-    const torture_subject subject = { scene, name };
-    const torture_verdict verdict =
-        torture_judge_scene( &subject, torture_twins_for( number ), search->scene_seconds );
+    pending p = { .scene = torture_generate( &search->generator, number ), .number = number };
+    subject_name( search, name, sizeof name );
+    const torture_subject subject = { p.scene, name };
+    p.child = torture_start( &subject, torture_twins_for( number ), search->scene_seconds );
+    return p;
+}
+
+static wisp_status finish_scene( const torture_search* search, const pending* p, torture_found* found, results* out,
+                                 wisp_error* error )
+{
+    char name[4096];
+    subject_name( search, name, sizeof name );
+    const torture_verdict verdict = torture_finish( &p->child );
     wisp_status status = WISP_OK;
     ++found->scenes;
     found->refused += verdict.judge == TORTURE_REFUSED;
     if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED )
     {
         const bool is_kept = found->broken[verdict.judge]++ < search->keep;
-        results_add_note( out, "scene %d: %s: %s", number, torture_judge_names[verdict.judge], verdict.message );
-        status = is_kept ? keep_scene( search, scene, &verdict, name, number, out, error ) : WISP_OK;
+        results_add_note( out, "scene %d: %s: %s", p->number, torture_judge_names[verdict.judge], verdict.message );
+        status = is_kept ? keep_scene( search, p->scene, &verdict, name, p->number, out, error ) : WISP_OK;
     }
-    torture_release( scene );
+    torture_release( p->scene );
     return status;
 }
 
@@ -173,15 +198,30 @@ wisp_status torture_search_run( const torture_search* search, torture_found* fou
         return wisp_fail( error, WISP_IO_ERROR, "%s: %s", search->folder, strerror( errno ) );
     }
     progress bar = progress_begin();
+    const int jobs = search->jobs < MAX_JOBS ? search->jobs : MAX_JOBS;
+    pending ring[MAX_JOBS];
     wisp_status status = WISP_OK;
-    for ( int i = 0; status == WISP_OK && ( search->max_scenes == 0 || i < search->max_scenes ) &&
-                     found->seconds < search->max_seconds;
-          ++i )
+    int started = 0, finished = 0;
+    for ( bool goes_on = true; goes_on || finished < started; )
     {
-        status = try_scene( search, search->first + i, found, out, error );
+        goes_on = status == WISP_OK && ( search->max_scenes == 0 || started < search->max_scenes ) &&
+                  found->seconds < search->max_seconds;
+        if ( goes_on && started - finished < jobs )
+        {
+            ring[started % jobs] = start_scene( search, search->first + started );
+            ++started;
+            continue;
+        }
+        if ( finished < started )
+        {
+            wisp_error later = { 0 };
+            const wisp_status done =
+                finish_scene( search, &ring[finished++ % jobs], found, out, status == WISP_OK ? error : &later );
+            status = status == WISP_OK ? done : status;
+        }
         found->seconds = wisp_clock_seconds() - start;
         progress_show( &bar,
-                       search->max_scenes > 0 ? (double)( i + 1 ) / search->max_scenes
+                       search->max_scenes > 0 ? (double)finished / search->max_scenes
                                               : found->seconds / search->max_seconds,
                        "scenes" );
     }

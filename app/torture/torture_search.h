@@ -9,6 +9,7 @@ typedef struct torture_search
 {
     torture_generator generator;
     int first;            ///< number of the first scene
+    int jobs;             ///< scenes at the same time, >= 1
     int max_scenes;       ///< 0: as many as the time allows
     double max_seconds;   ///< of wall time; infinite: as many scenes as requested
     double scene_seconds; ///< wall time of a scene
