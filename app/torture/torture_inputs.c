@@ -54,7 +54,15 @@ static const wisp_vec3* points_of( const scene_world* world, int body )
     return body < strands ? world->grooms[body].points : world->surfaces[body - strands].mesh.points;
 }
 
-static double find_extent( const scene_world* world )
+static double farthest( const bounds* b )
+{
+    const double x = fmax( fabs( (double)b->lower.x ), fabs( (double)b->upper.x ) );
+    const double y = fmax( fabs( (double)b->lower.y ), fabs( (double)b->upper.y ) );
+    const double z = fmax( fabs( (double)b->lower.z ), fabs( (double)b->upper.z ) );
+    return b->lower.x <= b->upper.x ? fmax( x, fmax( y, z ) ) : 0.0;
+}
+
+static double find_extent( const scene_world* world, double* rounding )
 {
     bounds all = NOTHING;
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
@@ -75,6 +83,7 @@ static double find_extent( const scene_world* world )
             widen( &all, b.upper );
         }
     }
+    *rounding = (double)FLT_EPSILON * farthest( &all ) * world->scene->substeps / (double)world->scene->dt;
     return diagonal( &all );
 }
 
@@ -455,7 +464,7 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
 {
     const wisp_scene* scene = world->scene;
     trace->inputs = ( torture_inputs ){ 0 };
-    trace->extent = find_extent( world );
+    trace->extent = find_extent( world, &trace->rounding );
     for ( int body = 0; body < trace->body_count; ++body )
     {
         describe_body( world, body, &trace->bodies[body] );

@@ -250,10 +250,11 @@ static double least_damping( const torture_trace* trace )
 // A body that falls, slides or swings goes somewhere: only one that is fast and stays where it is trembles.
 static bool judge_body_at_rest( const torture_trace* trace, int body, torture_verdict* out )
 {
-    const double WINDOW = 0.5;  // s
-    const double SLOW = 0.01;   // of the speed of a fall through the body's own size
-    const double UNSEEN = 0.01; // m/s
-    const double DAMPED = 3.0;  // rates times time that damp a motion to a twentieth
+    const double WINDOW = 0.5;    // s
+    const double SLOW = 0.01;     // of the speed of a fall through the body's own size
+    const double UNSEEN = 0.01;   // m/s
+    const double ROUNDINGS = 4.0; // bits: far from the origin a vertex at rest moves by single ones
+    const double DAMPED = 3.0;    // rates times time that damp a motion to a twentieth
     const double FAST = 10.0,
                  GONE = 5.0;   // times the speed that is slow; rates times time after which nothing is left
     const double TRAVEL = 0.2; // part of the way of the fastest vertex that the centre goes
@@ -268,7 +269,8 @@ static bool judge_body_at_rest( const torture_trace* trace, int body, torture_ve
     }
     const double before = speed_between( trace, body, early, early_end ),
                  after = speed_between( trace, body, late, trace->steps );
-    const double limit = fmax( UNSEEN, SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) );
+    const double slow = SLOW * sqrt( fmax( b->gravity, 1.0 ) * b->size ) + ROUNDINGS * trace->rounding;
+    const double limit = fmax( UNSEEN, slow );
     const double way = distance_of( torture_sample_of( trace, late, body )->centre,
                                     torture_sample_of( trace, trace->steps, body )->centre );
     const bool grows = after > limit && after >= before;

@@ -61,7 +61,8 @@ typedef struct torture_trace
     char message[500];                             ///< of that step, or of an entity that was halted
     int intersections_before, intersections_after; ///< of contact, after the first and the last step; -1: not counted
     torture_inputs inputs;
-    double extent; ///< m, diagonal of the bounds of bodies and colliders at the start, without planes
+    double rounding; ///< m/s, that the last bit of a coordinate is worth in a substep
+    double extent;   ///< m, diagonal of the bounds of bodies and colliders at the start, without planes
 } torture_trace;
 
 static inline torture_sample* torture_sample_of( const torture_trace* trace, int row, int body )

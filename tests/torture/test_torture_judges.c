@@ -180,6 +180,10 @@ static void motion_that_does_not_die_breaks( void** state )
     set_speeds( &trace, 0.2, 0.1, 0.0 ); // it dies
     assert_trace( &trace, TORTURE_HOLDS, "" );
     trace = make_trace();
+    set_speeds( &trace, 0.2, 0.21, 0.0 );
+    trace.rounding = 0.05; // far from the origin
+    assert_trace( &trace, TORTURE_HOLDS, "" );
+    trace = make_trace();
     set_speeds( &trace, 0.01, 0.02, 0.0 ); // slower than a hundredth of a fall
     assert_trace( &trace, TORTURE_HOLDS, "" );
     trace = make_trace();
