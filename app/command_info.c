@@ -348,8 +348,9 @@ static wisp_status info_scene( const char* path, wisp_error* error )
         return status;
     }
     printf( "%s: scene, %.4g s in %d step%s of %.4g ms, %d substep%s and %d iteration%s each\n", path,
-            scene.steps * (double)scene.dt, scene.steps, scene.steps == 1 ? "" : "s", 1e3 * (double)scene.dt,
-            scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations, scene.iterations == 1 ? "" : "s" );
+            wisp_scene_step_time( &scene, scene.steps ), scene.steps, scene.steps == 1 ? "" : "s",
+            1e3 * (double)scene.dt, scene.substeps, scene.substeps == 1 ? "" : "s", scene.iterations,
+            scene.iterations == 1 ? "" : "s" );
     status = info_strands( &scene, error );
     if ( status == WISP_OK )
     {

@@ -12,8 +12,8 @@ typedef struct program_command
 } program_command;
 
 static const program_command commands[] = {
-    { "run", command_run },   { "plan", command_plan },     { "bench", command_bench },
-    { "info", command_info }, { "render", command_render }, { "tune", command_tune },
+    { "run", command_run },       { "plan", command_plan }, { "bench", command_bench },     { "info", command_info },
+    { "render", command_render }, { "tune", command_tune }, { "torture", command_torture },
 };
 
 static const char program_doc[] =
@@ -26,13 +26,14 @@ static const char program_doc[] =
     "  plan SCENE     list the passes that a scene needs, and why\n"
     "  tune SCENE     find the cheapest configuration within an error or time\n"
     "  bench [CASE]   measure time and error together\n"
+    "  torture        search for scenes that break the engine, or judge scenes\n"
     "\v"
     "'wisp COMMAND --help' describes the arguments and options of a command.\n"
     "\n"
     "Examples:\n"
     "  wisp run data/scenes/flag.yaml --record flag.wisp\n"
     "  wisp render flag.wisp -o flag.png\n"
-    "\n" STATUS_HELP_UNMET( "a benchmark check failed, or a tuning target was not met" );
+    "\n" STATUS_HELP_UNMET( "a benchmark check failed, a tuning target was not met, or a scene breaks" );
 
 // Options before the command belong to the program. Everything after it belongs to the command.
 static error_t parse_program( int key, char* argument, struct argp_state* state )
@@ -45,7 +46,7 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a command: run, render, info, plan, tune or bench" );
+            argp_error( state, "expected a command: run, render, info, plan, tune, bench or torture" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -66,7 +67,7 @@ static int unknown_command( const char* word )
     }
     else
     {
-        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune or bench\n", word );
+        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune, bench or torture\n", word );
     }
     return STATUS_USAGE;
 }

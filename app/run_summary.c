@@ -49,7 +49,7 @@ static void add_times( results* out, int table, const scene_world* world, const 
         return;
     }
     const double wall = 1e-3 * sum( record->ms, record->steps );
-    const double simulated = record->steps * (double)world->scene->dt;
+    const double simulated = wisp_scene_step_time( world->scene, record->steps );
     add_head_line( out, table, "steps", "%d of %.4g ms: %.4g s simulated in %.3g s", record->steps,
                    1e3 * (double)world->scene->dt, simulated, wall );
     add_head_line( out, table, "ms per step", "median %.4f, p10 %.4f, p90 %.4f, max %.4f", times.median, times.p10,

@@ -139,6 +139,11 @@ wisp_status tune_scene_search( const tune_scene_def* def, wisp_tune_result* out,
                                wisp_error* error )
 {
     *out = ( wisp_tune_result ){ 0 };
+    if ( def->scene->dt_factor_count > 0 )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: got dt_factors, but tuning needs steps of one length",
+                          def->scene->name );
+    }
     *info = ( tune_scene_info ){ .steps = steps_of( def ) };
     host h = { .def = def, .info = info, .options = def->world };
     const size_t room = (size_t)def->scene->strands_count + (size_t)def->scene->surface_count;

@@ -159,7 +159,7 @@ wisp_status scene_world_step( scene_world* world, wisp_error* error )
     {
         return status;
     }
-    status = wisp_world_step( world->world, scene->dt );
+    status = wisp_world_step( world->world, wisp_scene_step_length( scene, world->next_step ) );
     if ( status != WISP_OK )
     {
         return wisp_fail( error, status, "%s: step %d: %s", scene->name, world->next_step,

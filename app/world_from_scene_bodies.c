@@ -252,5 +252,5 @@ wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_m
 
 double scene_world_time( const scene_world* world )
 {
-    return (double)world->next_step * (double)world->scene->dt;
+    return wisp_scene_step_time( world->scene, world->next_step );
 }

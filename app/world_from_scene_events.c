@@ -1,19 +1,23 @@
-// Changes of surfaces, colliders and strands before a step: keyframes, then events.
+// What happens to surfaces, colliders and strands before a step: keyframes, then the script's entries.
 #include "world_from_scene_parts.h"
 
-/// A step of simulated time, s.
+#include <math.h>
+
+/// A step of simulated time, s, and when the step before it began.
 typedef struct step_times
 {
-    double begin, end;
+    double last, begin, end;
 } step_times;
 
 static step_times next_times( const scene_world* world )
 {
-    const double seconds = (double)world->scene->dt;
-    return ( step_times ){ (double)world->next_step * seconds, ( (double)world->next_step + 1.0 ) * seconds };
+    const int step = world->next_step;
+    return ( step_times ){ step > 0 ? wisp_scene_step_time( world->scene, step - 1 ) : -INFINITY,
+                           wisp_scene_step_time( world->scene, step ),
+                           wisp_scene_step_time( world->scene, step + 1 ) };
 }
 
-// Keyframes are decimals and steps may be 1/60 s: times within a thousandth of a step are equal.
+// Keyframes are in decimals and steps may be 1/60 s: within a thousandth of a step two times are the same.
 static bool is_before( const scene_world* world, double a, double b )
 {
     return a < b - 1e-3 * (double)world->scene->dt;
@@ -21,7 +25,7 @@ static bool is_before( const scene_world* world, double a, double b )
 
 // ---- poses ----
 
-// Number of keyframes that are not after the time. By bisection, because a hostile path has a million of them.
+// Number of keyframes that are not after the time. Searched by halves: a hostile path has a million of them.
 static int count_reached( const wisp_scene_path* path, double time )
 {
     int lower = 0, upper = path->count;
@@ -71,8 +75,8 @@ static wisp_transform pose_at_end( const scene_world* world, const wisp_scene_pa
 static bool is_moving( const scene_world* world, const wisp_scene_path* path, step_times t )
 {
     const wisp_scene_pose* last = path->count > 0 ? &path->poses[path->count - 1] : NULL;
-    const double late = last != NULL && last->jump ? t.end - t.begin : 0.0; // a jump is made by the step after it
-    return last != NULL && is_before( world, t.begin - late, (double)last->time );
+    // A jump is made by the step after it.
+    return last != NULL && is_before( world, last->jump ? t.last : t.begin, (double)last->time );
 }
 
 // ---- jumps ----
@@ -84,7 +88,7 @@ static wisp_quat multiply( wisp_quat a, wisp_quat b )
                      a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z };
 }
 
-// The motion of the world from one pose about a pivot to another.
+// The motion of the world that takes one pose about a pivot to another.
 static wisp_transform motion_between( wisp_transform from, wisp_transform to, wisp_vec3 pivot )
 {
     const wisp_quat back = { -from.rotation.x, -from.rotation.y, -from.rotation.z, from.rotation.w };
@@ -102,12 +106,12 @@ static wisp_status make_jumps( scene_world* world, wisp_entity entity, const wis
                                wisp_transform start, wisp_vec3 pivot, step_times t )
 {
     wisp_status status = WISP_OK;
-    const double step = t.end - t.begin;
-    for ( int i = count_reached( path, t.begin - 2.0 * step ); i < path->count && status == WISP_OK; ++i )
+    for ( int i = count_reached( path, t.last - (double)world->scene->dt ); i < path->count && status == WISP_OK;
+          ++i )
     {
         const wisp_scene_pose* to = &path->poses[i];
         const bool is_due = !is_before( world, t.begin, (double)to->time ),
-                   is_past = !is_before( world, t.begin - step, (double)to->time );
+                   is_past = !is_before( world, t.last, (double)to->time );
         if ( to->jump && is_due && !is_past )
         {
             const wisp_transform motion = motion_between( pose_before( path, i, start ), to->pose, pivot );
@@ -148,7 +152,7 @@ static wisp_status follow_collider( scene_world* world, int collider, step_times
 
 // ---- filling ----
 
-// Between the first and the last keyframe the filling follows them; before and after, it is not changed.
+// From the first keyframe's time to that of the last the filling is told; before and after, the gas is left to itself.
 static bool is_filling( const scene_world* world, const wisp_scene_surface* entry, step_times t )
 {
     return entry->gas_ratio_keyframe_count > 0 &&
@@ -158,7 +162,7 @@ static bool is_filling( const scene_world* world, const wisp_scene_surface* entr
 
 static float fill_at( const wisp_scene_surface* entry, double time )
 {
-    int lower = 0, upper = entry->gas_ratio_keyframe_count - 1; // the result is between low and high
+    int lower = 0, upper = entry->gas_ratio_keyframe_count - 1; // the pair around the time is low and high in the end
     if ( time <= (double)entry->gas_ratio_keyframes[0].time )
     {
         return entry->gas_ratio_keyframes[0].gas_ratio;
@@ -201,8 +205,8 @@ static wisp_status follow_surface( scene_world* world, int surface, step_times t
     return status == WISP_OK ? WISP_OK : scene_fail_at_line( world, entry->line, entry->column, status, error );
 }
 
-// A head is a body that starts at its pivot, not rotated. Its path gives the pose of the pivot; the engine needs that
-// of the origin.
+// A head is a body that starts at its pivot, not turned. Its path tells where the pivot is; the engine wants to know what
+// becomes of the origin.
 static wisp_status follow_head( scene_world* world, int strands, step_times t )
 {
     const wisp_scene_strands* entry = &world->scene->strands[strands];
@@ -251,7 +255,7 @@ static wisp_status follow_keyframes( scene_world* world, wisp_error* error )
     return status;
 }
 
-// ---- events ----
+// ---- the script ----
 
 static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
 {
@@ -272,7 +276,7 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-// BDF2 uses the previous substep, which had another velocity, so it restarts.
+// BDF2 looks back on the substep before, which had another velocity: it begins anew.
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];
@@ -282,7 +286,7 @@ static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e 
     return status == WISP_OK && looks_back ? scene_implicit_set( world, e->surface ) : status;
 }
 
-// Pins are released first, so that a velocity applies to them too.
+// Pins are let go first, so that a velocity reaches them too.
 static wisp_status play( scene_world* world, const wisp_scene_event* e )
 {
     if ( e->strands >= 0 )

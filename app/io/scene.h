@@ -31,6 +31,7 @@ extern "C"
 #define WISP_SCENE_MAX_COLLIDERS 1000
 #define WISP_SCENE_MAX_VERTICES ( 1 << 24 ) ///< of all surfaces together
 #define WISP_SCENE_MAX_NAME 64              ///< letters of a name
+#define WISP_SCENE_MAX_DT_FACTORS 64
 
     /// A pose at a time. Of pins: how far they are from where they started; of colliders and heads: where they are.
     typedef struct wisp_scene_pose
@@ -238,8 +239,10 @@ extern "C"
 
     typedef struct wisp_scene
     {
-        const char* name; ///< of the file, as messages show it
-        float dt;
+        const char* name;        ///< of the file, as messages show it
+        float dt;                ///< s, of a step; see wisp_scene_step_length()
+        const float* dt_factors; ///< [dt_factor_count] factors of the steps in turn, over and over; null: all are 1
+        int dt_factor_count;
         int steps;
         int substeps, iterations;
         int workers; ///< 0 is one a core
@@ -278,6 +281,13 @@ extern "C"
     /// @param name what messages call it, and whose folder relative files are in
     WISP_API wisp_status wisp_scene_parse( const char* text, size_t size, const char* name, wisp_scene* out,
                                            wisp_error* error );
+
+    /// @param step >= 0, counted from 0 @return s, its length
+    WISP_API float wisp_scene_step_length( const wisp_scene* scene, int step );
+    /// @return s, where a step begins: the sum of the lengths before it
+    WISP_API double wisp_scene_step_time( const wisp_scene* scene, int step );
+    /// @return the first step that begins at a time or after it; may be beyond the last step
+    WISP_API double wisp_scene_step_at( const wisp_scene* scene, float time );
 
     /// Make the strands of a scattered entry around those of its source, target after target. Each is its target moved by
     /// an offset; in two dimensions offsets lie in the plane.

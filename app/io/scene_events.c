@@ -2,7 +2,6 @@
 #include "scene_parts.h"
 #include "scene_ranges.h"
 
-#include <math.h>
 #include <stddef.h>
 #include <stdlib.h>
 
@@ -59,14 +58,6 @@ static const scene_field EVENT_FIELDS[] = {
 #undef AT
 const scene_block SCENE_EVENT_BLOCK = { EVENT_FIELDS, WISP_COUNT( EVENT_FIELDS ) };
 
-// The first step that begins at the time or after it. A time is written in decimals, and a step may be 1/60 s: what is
-// within a thousandth of a step is meant to be the same.
-static double step_of( const wisp_scene* scene, float time )
-{
-    double steps = (double)time / (double)scene->dt;
-    return fmax( 0.0, ceil( steps - 1e-3 ) );
-}
-
 static wisp_status find_step( scene_reader* r, const scene_node* node, scene_event* read )
 {
     if ( read->has_step == read->has_time )
@@ -75,7 +66,7 @@ static wisp_status find_step( scene_reader* r, const scene_node* node, scene_eve
                                   read->has_step ? "got both 'step' and 'time', expected one of them"
                                                  : "got neither 'step' nor 'time', expected one of them" );
     }
-    double step = read->has_step ? (double)read->event.step : step_of( r->scene, read->time );
+    double step = read->has_step ? (double)read->event.step : wisp_scene_step_at( r->scene, read->time );
     if ( !( step < (double)r->scene->steps ) )
     {
         return scene_refuse_node( r, node, "got step %.0f, expected a step below %d, the number of steps", step,
@@ -109,7 +100,7 @@ static wisp_status check_gas( scene_reader* r, const scene_node* node, const wis
                                   (double)e->gas_ratio, s->name, (double)s->balloon.min_gas_ratio );
     }
     // Keyframes would overwrite it before the next step.
-    const double time = (double)e->step * (double)r->scene->dt;
+    const double time = wisp_scene_step_time( r->scene, e->step );
     const wisp_scene_gas_ratio_keyframe* last =
         s->gas_ratio_keyframe_count > 0 ? &s->gas_ratio_keyframes[s->gas_ratio_keyframe_count - 1] : NULL;
     if ( e->has_gas_ratio && last && time < (double)last->time )

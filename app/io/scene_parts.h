@@ -36,8 +36,8 @@ scene_read_fn scene_read_strain_limit;               // float[2]
 scene_read_fn scene_read_tile_size;                  // int
 
 // Readers of the scene's lists; they are pointed at the wisp_scene.
-scene_read_fn scene_read_strands, scene_read_surfaces, scene_read_colliders, scene_read_commands, scene_read_events,
-    scene_read_outputs, scene_read_contact;
+scene_read_fn scene_read_dt_factors, scene_read_strands, scene_read_surfaces, scene_read_colliders,
+    scene_read_commands, scene_read_events, scene_read_outputs, scene_read_contact;
 
 // Readers of an entry's values; they are pointed at the entry.
 scene_read_fn scene_read_generate, scene_read_curve, scene_read_request;              // wisp_scene_strands

@@ -30,9 +30,12 @@ static void move_columns( const strands_state* state, wisp_world* world, wisp_en
 {
     const wisp_strand_topology* t = wisp_world_strands( world, strands );
     const wisp_quat turn = teleport->motion.rotation;
+    const wisp_teleport_motion low = { teleport->motion, true }; // low parts turn like velocities
     wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->good, 0 ),
                          wisp_world_column( world, strands, state->good, 1 ), t->row_count );
     wisp_teleport_lanes( teleport, wisp_world_column( world, strands, state->anchor, 3 ), NULL, 3 * t->group_count );
+    wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, state->low, 0 ), t->row_count );
+    wisp_teleport_lanes( &low, NULL, wisp_world_column( world, strands, WISP_STRAND_ROOT, 2 ), t->group_count );
     turn_frames( wisp_world_column( world, strands, state->curve, 0 ), t->row_count, turn );
     turn_frames( wisp_world_column( world, strands, WISP_STRAND_ROOT, 1 ), t->group_count, turn );
 }

@@ -69,6 +69,7 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
         { "info --help", "Usage: wisp info [OPTION...] FILE" },
         { "render --help", "Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM" },
         { "tune --help", "Usage: wisp tune [OPTION...] SCENE" },
+        { "torture --help", "Usage: wisp torture [OPTION...] [SCENE...]" },
     };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
@@ -84,7 +85,7 @@ static void every_command_has_a_usage( void** state )
 {
     (void)state;
     static const char* const commands[] = { "--usage",      "run --usage",    "plan --usage", "bench --usage",
-                                            "info --usage", "render --usage", "tune --usage" };
+                                            "info --usage", "render --usage", "tune --usage", "torture --usage" };
     for ( int i = 0; i < WISP_COUNT( commands ); ++i )
     {
         run_ok( commands[i] );

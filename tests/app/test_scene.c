@@ -360,7 +360,7 @@ static void columns_count_characters_and_not_bytes( void** state )
     (void)state;
     demand_refusal(
         "{ \"wisp\": 1, \"\xc3\xa4\": 2, \"steps\": 1 }",
-        "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, steps, substeps, "
+        "scenes/test.yaml:1:14: unknown key '\xc3\xa4', expected one of wisp, dt, dt_factors, steps, substeps, "
         "iterations, workers, gravity, contact, strands, surfaces, colliders, hair_events, events, output" );
     demand_refusal( "{ \"wisp\": 1, \"strands\": [ { \"name\": \"\xc3\xa4\xc3\xa4\", \"generate\": 3 } ] }",
                     "scenes/test.yaml:1:37: strands[0].name: got '\xc3\xa4\xc3\xa4', expected 1 to 64 of the "
@@ -400,6 +400,36 @@ static void numbers_have_points_whatever_the_locale_of_the_host( void** state )
     assert_int_equal( refusal, WISP_BAD_INPUT );
     // and the host gets its own back, after success and after a rejection
     assert_int_equal( point, ',' );
+}
+
+// ---- steps that vary ----
+
+static void factors_of_steps_repeat( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n" );
+    static const float lengths[] = { 0.25f, 0.5f, 0.125f, 0.25f, 0.5f, 0.125f, 0.25f };
+    double time = 0.0; // sums of powers of two are exact
+    for ( int step = 0; step < scene.steps; ++step )
+    {
+        assert_true( wisp_scene_step_length( &scene, step ) == lengths[step] );
+        assert_true( wisp_scene_step_time( &scene, step ) == time );
+        assert_true( wisp_scene_step_at( &scene, (float)time ) == step );
+        time += (double)lengths[step];
+    }
+    wisp_scene_release( &scene );
+}
+
+static void an_event_at_a_time_comes_before_the_step_that_begins_then_or_later( void** state )
+{
+    (void)state;
+    wisp_scene scene = good( "wisp: 1\ndt: 0.25\ndt_factors: [1, 2, 0.5]\nsteps: 7\n"
+                             "surfaces:\n  - { name: a, generate: { shape: plane } }\n"
+                             "events:\n  - { time: 0.8, surface: a, velocity: [1, 0, 0] }\n"
+                             "  - { time: 1.125, surface: a, velocity: [1, 0, 0] }\n" );
+    assert_int_equal( scene.events[0].step, 3 ); // steps begin at 0, 0.25, 0.75, 0.875, 1.125
+    assert_int_equal( scene.events[1].step, 4 );
+    wisp_scene_release( &scene );
 }
 
 // ---- limits ----
@@ -547,6 +577,8 @@ int main( void )
         cmocka_unit_test( a_stage_is_queried_for_by_its_key_alone ),
         cmocka_unit_test( a_generator_takes_the_defaults_of_its_shape_wherever_the_shape_stands ),
         cmocka_unit_test( every_key_reaches_its_place ),
+        cmocka_unit_test( factors_of_steps_repeat ),
+        cmocka_unit_test( an_event_at_a_time_comes_before_the_step_that_begins_then_or_later ),
         cmocka_unit_test( points_are_requested_unless_the_scene_says_what_to_compute ),
         cmocka_unit_test( commands_come_in_the_order_of_their_steps ),
         cmocka_unit_test( files_are_looked_for_beside_the_scene ),

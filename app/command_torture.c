@@ -1,0 +1,198 @@
+#include "commands.h"
+
+#include "torture_search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#define FILES_MAX 4096
+#define MESHES_MAX 64
+#define MINUTES_MAX 1e6
+#define DEFAULT_FOLDER "./torture"
+
+typedef struct torture_options
+{
+    torture_search search;
+    const char* meshes[MESHES_MAX];
+    const char* files[FILES_MAX];
+    int file_count;
+    double minutes; ///< 0: not given
+    bool prints;    ///< the first scene, instead of a search
+    results_format format;
+} torture_options;
+
+// ---- the command line ----
+
+enum
+{
+    KEY_MINUTES = 'm',
+    KEY_SCENES = 'n',
+    KEY_SEED = 's',
+    KEY_OUT = 'o',
+    KEY_FORMAT = 'f',
+    KEY_MESH = 256,
+    KEY_FIRST,
+    KEY_KEEP,
+    KEY_LIMIT,
+    KEY_PRINT,
+    KEY_JOBS,
+};
+
+static const char doc[] = "Search for scenes that break the engine, or judge scenes.\n"
+                          "\v"
+                          "Random scenes over all that a scene can say are run, each in a process of its own, and\n"
+                          "judged: crash, time, status, finite, halted, energy, strain, penetration,\n"
+                          "intersections, rest, bits, snapshot, scale, shift. docs/outputs.md explains each.\n"
+                          "A scene that breaks is made smaller while it breaks the same way, and written with a\n"
+                          "sentence that says what breaks. Scene number i of a seed is always the same.\n"
+                          "\n"
+                          "With SCENE no scenes are made: those given are judged.\n"
+                          "\n"
+                          "Examples:\n"
+                          "  wisp torture --minutes 10 --seed 7\n"
+                          "  wisp torture torture/energy_7_123.yaml\n"
+                          "\n" STATUS_HELP_UNMET( "a scene breaks" );
+
+static const struct argp_option option_list[] = {
+    { 0, 0, 0, 0, "Search:", 1 },
+    { "minutes", KEY_MINUTES, "M", 0, "Search for M minutes, default 1", 1 },
+    { "scenes", KEY_SCENES, "N", 0, "Try N scenes", 1 },
+    { "seed", KEY_SEED, "S", 0, "Seed of the scenes, default 1", 1 },
+    { "first", KEY_FIRST, "I", 0, "Begin with scene I of the seed, default 0", 1 },
+    { "mesh", KEY_MESH, "FILE", 0, "Make surfaces and colliders of this mesh too; can be repeated", 1 },
+    { "jobs", KEY_JOBS, "N", 0, "Judge N scenes at the same time, 1 to 64; default: one per core", 1 },
+    { "limit", KEY_LIMIT, "SECONDS", 0, "Wall time of a scene, default 20", 1 },
+    { "print", KEY_PRINT, 0, 0, "Print the first scene and run nothing", 1 },
+    { 0, 0, 0, 0, "Output:", 2 },
+    { "out", KEY_OUT, "FOLDER", 0, "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, 2 },
+    { "keep", KEY_KEEP, "N", 0, "Write the first N scenes of each kind, default 3", 2 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { 0 },
+};
+
+// A path of a mesh must not depend on the folder of the scenes that name it.
+static void add_mesh( struct argp_state* state, torture_options* options, const char* path )
+{
+    if ( options->search.generator.mesh_count == MESHES_MAX )
+    {
+        argp_error( state, "--mesh: got more than %d files", MESHES_MAX );
+    }
+    char* absolute = realpath( path, NULL );
+    if ( absolute == NULL )
+    {
+        argp_error( state, "--mesh: got '%s', expected a file", path );
+    }
+    options->meshes[options->search.generator.mesh_count++] = absolute;
+}
+
+static void add_file( struct argp_state* state, torture_options* options, const char* path )
+{
+    if ( options->file_count == FILES_MAX )
+    {
+        argp_error( state, "got more than %d scenes", FILES_MAX );
+    }
+    options->files[options->file_count++] = path;
+}
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    torture_options* options = state->input;
+    torture_search* search = &options->search;
+    switch ( key )
+    {
+        case KEY_MINUTES:
+            options->minutes = option_positive( state, "--minutes", argument, MINUTES_MAX );
+            return 0;
+        case KEY_SCENES:
+            search->max_scenes = option_whole( state, "--scenes", argument, 1, 1000000000 );
+            return 0;
+        case KEY_SEED:
+            search->generator.seed = (uint64_t)option_whole( state, "--seed", argument, 0, 2000000000 );
+            return 0;
+        case KEY_FIRST:
+            search->first = option_whole( state, "--first", argument, 0, 1000000000 );
+            return 0;
+        case KEY_MESH:
+            add_mesh( state, options, argument );
+            return 0;
+        case KEY_LIMIT:
+            search->scene_seconds = option_positive( state, "--limit", argument, 1e6 );
+            return 0;
+        case KEY_JOBS:
+            search->jobs = option_whole( state, "--jobs", argument, 1, 64 );
+            return 0;
+        case KEY_PRINT:
+            options->prints = true;
+            return 0;
+        case KEY_OUT:
+            search->folder = argument;
+            return 0;
+        case KEY_KEEP:
+            search->keep = option_whole( state, "--keep", argument, 0, 1000000 );
+            return 0;
+        case KEY_FORMAT:
+            options->format = (results_format)option_word( state, "--format", argument, results_format_names,
+                                                           RESULTS_FORMAT_COUNT );
+            return 0;
+        case ARGP_KEY_ARG:
+            add_file( state, options, argument );
+            return 0;
+        default:
+            return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static int core_count( void )
+{
+    const long cores = sysconf( _SC_NPROCESSORS_ONLN );
+    return cores < 1 ? 1 : cores > 64 ? 64 : (int)cores;
+}
+
+static int print_scene( const torture_search* search )
+{
+    torture_node* scene = torture_generate( &search->generator, search->first );
+    char* text = torture_write( scene, NULL );
+    fputs( text, stdout );
+    free( text );
+    torture_release( scene );
+    return STATUS_GOOD;
+}
+
+int command_torture( int argc, char** argv )
+{
+    static torture_options options; // too large for a stack
+    options = ( torture_options ){
+        .search = { .generator = { .seed = 1 },
+                    .jobs = core_count(),
+                    .scene_seconds = 20.0,
+                    .folder = DEFAULT_FOLDER,
+                    .keep = 3 },
+    };
+    options.search.generator.meshes = options.meshes;
+    const struct argp parser = { option_list, parse, "[SCENE...]", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    const bool has_end = options.minutes > 0.0 || options.search.max_scenes == 0;
+    options.search.max_seconds = has_end ? 60.0 * ( options.minutes > 0.0 ? options.minutes : 1.0 ) : INFINITY;
+
+    if ( options.prints )
+    {
+        return print_scene( &options.search );
+    }
+    wisp_error error = { 0 };
+    results out = { .is_result_first = true };
+    torture_found found;
+    wisp_status status = options.file_count > 0 ? torture_replay( options.files, options.file_count,
+                                                                  options.search.scene_seconds, &found, &out, &error )
+                                                : torture_search_run( &options.search, &found, &out, &error );
+    status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;
+    results_free( &out );
+    for ( int i = 0; i < options.search.generator.mesh_count; ++i )
+    {
+        free( (void*)(uintptr_t)options.meshes[i] );
+    }
+    return status != WISP_OK                    ? command_fail( &error )
+           : torture_broken_count( &found ) > 0 ? STATUS_UNMET
+                                                : STATUS_GOOD;
+}

@@ -1,0 +1,142 @@
+// A scene in a process of its own: a crash or an endless loop is a verdict like any other.
+#include "torture_judges.h"
+
+#include <errno.h>
+#include <math.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
+{
+    char* text = torture_write( subject->tree, NULL );
+    const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
+    free( text );
+    return status;
+}
+
+static void refuse( torture_verdict* out, const wisp_error* error )
+{
+    *out = ( torture_verdict ){ .judge = TORTURE_REFUSED, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "%.310s", error->message );
+}
+
+// What happens in the child.
+static torture_verdict judge_here( const torture_subject* subject, int twins )
+{
+    torture_verdict verdict = { .judge = TORTURE_HOLDS };
+    wisp_error error = { 0 };
+    wisp_scene scene;
+    if ( torture_read( subject, &scene, &error ) != WISP_OK )
+    {
+        refuse( &verdict, &error );
+        return verdict;
+    }
+    torture_trace trace;
+    if ( torture_trace_run( &scene, &trace, &error ) != WISP_OK )
+    {
+        refuse( &verdict, &error );
+    }
+    else if ( torture_judge_trace( &trace, &verdict ) && twins != 0 )
+    {
+        torture_judge_twins( subject, &trace, twins, &verdict );
+    }
+    torture_trace_release( &trace );
+    wisp_scene_release( &scene );
+    return verdict;
+}
+
+// A core file of each crash would fill the disk.
+static _Noreturn void be_child( const torture_subject* subject, int twins, int out )
+{
+    const struct rlimit none = { 0, 0 };
+    setrlimit( RLIMIT_CORE, &none );
+    static const int fatal[] = { SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT };
+    for ( int i = 0; i < WISP_COUNT( fatal ); ++i )
+    {
+        signal( fatal[i], SIG_DFL ); // a host that catches them would go on as two processes
+    }
+    const torture_verdict verdict = judge_here( subject, twins );
+    const ssize_t written = write( out, &verdict, sizeof verdict );
+    _exit( written == (ssize_t)sizeof verdict ? 0 : 1 );
+}
+
+torture_child torture_start( const torture_subject* subject, int twins, double seconds )
+{
+    torture_child child = { .pid = -1, .in = -1, .seconds = seconds, .end = wisp_clock_seconds() + seconds };
+    int ends[2];
+    fflush( NULL );
+    if ( pipe( ends ) != 0 )
+    {
+        return child;
+    }
+    child.in = ends[0];
+    child.pid = fork();
+    if ( child.pid == 0 )
+    {
+        close( ends[0] );
+        be_child( subject, twins, ends[1] );
+    }
+    close( ends[1] );
+    return child;
+}
+
+// Wait until the verdict is there, the child is gone, or its time is over. A verdict that is there counts, however late
+// it is asked for.
+static bool wait_for( const torture_child* child, torture_verdict* out )
+{
+    struct pollfd wait = { child->in, POLLIN, 0 };
+    double left = 0.0;
+    do
+    {
+        left = fmax( 0.0, child->end - wisp_clock_seconds() );
+        const int ready = poll( &wait, 1, (int)( 1e3 * left ) );
+        if ( ready > 0 )
+        {
+            return read( child->in, out, sizeof *out ) == (ssize_t)sizeof *out;
+        }
+        if ( ready < 0 && errno != EINTR )
+        {
+            break;
+        }
+    } while ( left > 0.0 );
+    *out = ( torture_verdict ){ .judge = TORTURE_TIME, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "the scene did not end within %.3g s", child->seconds );
+    return true;
+}
+
+torture_verdict torture_finish( const torture_child* child )
+{
+    torture_verdict verdict = { .judge = TORTURE_CRASH, .severity = 1.0 };
+    if ( child->pid < 0 )
+    {
+        snprintf( verdict.message, sizeof verdict.message, "no process could be started" );
+        return verdict;
+    }
+    const bool has_verdict = wait_for( child, &verdict );
+    close( child->in );
+    if ( has_verdict && verdict.judge == TORTURE_TIME )
+    {
+        kill( child->pid, SIGKILL );
+    }
+    int status = 0;
+    waitpid( child->pid, &status, 0 );
+    if ( !has_verdict )
+    {
+        verdict = ( torture_verdict ){ .judge = TORTURE_CRASH, .severity = 1.0 };
+        snprintf( verdict.message, sizeof verdict.message, "the process ended without a verdict: %s",
+                  WIFSIGNALED( status ) ? strsignal( WTERMSIG( status ) ) : "an exit" );
+    }
+    return verdict;
+}
+
+torture_verdict torture_judge_scene( const torture_subject* subject, int twins, double seconds )
+{
+    const torture_child child = torture_start( subject, twins, seconds );
+    return torture_finish( &child );
+}

@@ -1,0 +1,153 @@
+// Colliders, and what happens to surfaces and strands in the course of a scene.
+#include "torture_generate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---- colliders ----
+
+static void put_friction( torture_builder* b, torture_node* collider )
+{
+    if ( torture_random_chance( &b->random, 70 ) )
+    {
+        torture_put_linear( b, collider, "friction", 0.0, 1.2 );
+        return;
+    }
+    torture_node* pair = torture_put( collider, "friction", torture_list() );
+    torture_add( pair, torture_scalar( "%s", torture_random_linear( &b->random, 0.6, 1.2 ).text ) );
+    torture_add( pair, torture_scalar( "%s", torture_random_linear( &b->random, 0.0, 0.6 ).text ) );
+}
+
+// The defaults are a metre: everything else would start inside.
+static void put_size( torture_builder* b, torture_node* collider, const char* shape )
+{
+    const bool is_capsule = strcmp( shape, "capsule" ) == 0;
+    if ( is_capsule || strcmp( shape, "sphere" ) == 0 )
+    {
+        torture_put_log( b, collider, "radius", 0.02, 0.2 );
+    }
+    if ( is_capsule )
+    {
+        torture_put_linear( b, collider, "half_length", 0.0, 0.4 );
+    }
+    if ( strcmp( shape, "box" ) == 0 )
+    {
+        torture_put_vector( b, collider, "half_extent", ( const double[] ){ 0.02, 0.02, 0.02 },
+                            ( const double[] ){ 0.3, 0.15, 0.3 } );
+    }
+}
+
+// The first one is the ground, most of the time.
+void torture_make_collider( torture_builder* b )
+{
+    static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh" };
+    const bool is_ground = b->colliders->count == 0 && ( b->is_stack || torture_random_chance( &b->random, 85 ) );
+    const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, 4 )];
+    torture_node* collider = torture_add( b->colliders, torture_map() );
+    torture_put( collider, "name", torture_scalar( "body%d", b->colliders->count ) );
+    torture_put( collider, "shape", torture_scalar( "%s", shape ) );
+    const torture_block block = torture_entry_block( "colliders", collider );
+    const bool is_mesh = strcmp( shape, "mesh" ) == 0;
+    const bool is_open = is_mesh && torture_random_chance( &b->random, 30 );
+    double centre[3] = { 0.0, 0.0, 0.0 };
+    if ( is_mesh )
+    {
+        torture_put_mesh( b, block, collider, !is_open );
+    }
+    if ( is_mesh && ( is_open || torture_find( collider, "file" ) ) )
+    {
+        torture_put( collider, "double_sided", torture_scalar( "true" ) );
+    }
+    if ( !is_ground )
+    {
+        torture_node* position = torture_put_vector( b, collider, "position", ( const double[] ){ -0.2, -0.1, -0.2 },
+                                                     ( const double[] ){ 0.2, 0.2, 0.2 } );
+        for ( int i = 0; i < 3; ++i )
+        {
+            torture_is_number( position->children[i], &centre[i] );
+        }
+    }
+    put_friction( b, collider );
+    put_size( b, collider, shape );
+    torture_draw_keys( &b->random, block, 35, collider );
+    if ( torture_random_chance( &b->random, is_ground ? 10 : 45 ) )
+    {
+        torture_put_keyframes( b, collider, "keyframes", "position", "rotation", centre );
+    }
+}
+
+// ---- events ----
+
+static bool has_number_above( const torture_node* map, const char* key, double limit )
+{
+    double value = 0.0;
+    return torture_is_number( torture_find( map, key ), &value ) && value > limit;
+}
+
+static void put_wind( torture_builder* b, torture_node* event )
+{
+    torture_put_vector( b, event, "wind", ( const double[] ){ -8, -2, -8 }, ( const double[] ){ 8, 2, 8 } );
+}
+
+static void change_surface( torture_builder* b, torture_node* event, const torture_node* surface )
+{
+    const torture_node* cloth = torture_find( surface, "cloth" );
+    const torture_node* balloon = torture_find( surface, "balloon" );
+    const bool has_air =
+        has_number_above( cloth, "drag_coefficient", 0.0 ) || has_number_above( cloth, "lift_coefficient", 0.0 );
+    const bool is_pinned = torture_find( surface, "pins" ) || torture_find( surface, "pin_nearest" ) ||
+                           torture_find( surface, "pin_box" );
+    torture_put( event, "surface", torture_scalar( "%s", torture_text_at( surface, "name" ) ) );
+    if ( has_air && torture_random_chance( &b->random, 50 ) )
+    {
+        put_wind( b, event );
+    }
+    else if ( is_pinned && torture_random_chance( &b->random, 30 ) )
+    {
+        torture_put( event, "release", torture_scalar( "true" ) );
+    }
+    else if ( balloon && torture_find( balloon, "outlet_nearest" ) && torture_random_chance( &b->random, 40 ) )
+    {
+        torture_put( event, "outlet_open",
+                     torture_scalar( "%s", torture_random_chance( &b->random, 70 ) ? "true" : "false" ) );
+    }
+    else if ( balloon && !torture_find( balloon, "gas_ratio_keyframes" ) && torture_random_chance( &b->random, 60 ) )
+    {
+        torture_put_linear( b, event, "gas_ratio", 1.0, 1.6 );
+    }
+    else
+    {
+        torture_draw_keys( &b->random, torture_block_below( torture_block_of_scene(), "events", event ), 0, event );
+        torture_put_vector( b, event, "velocity", ( const double[] ){ -3, -3, -3 }, ( const double[] ){ 3, 3, 3 } );
+    }
+}
+
+void torture_make_event( torture_builder* b, int number )
+{
+    const int count = b->surfaces->count + b->strands->count;
+    const int entry = torture_random_whole( &b->random, 0, count - 1 );
+    const bool is_surface = entry < b->surfaces->count;
+    const torture_node* changed =
+        is_surface ? b->surfaces->children[entry] : b->strands->children[entry - b->surfaces->count];
+    const torture_node* dynamics = torture_find( changed, "dynamics" );
+    const bool has_frozen = torture_find( changed, "frozen_hair" ) != NULL;
+    if ( !is_surface && !has_frozen && !has_number_above( dynamics, "drag_coefficient", 0.0 ) )
+    {
+        return;
+    }
+    torture_node* event = torture_add( has_frozen ? b->hair_events : b->events, torture_map() );
+    torture_put( event, "step", torture_scalar( "%d", number * b->steps / 10 ) );
+    if ( is_surface )
+    {
+        change_surface( b, event, changed );
+        return;
+    }
+    torture_put( event, "strands", torture_scalar( "%s", torture_text_at( changed, "name" ) ) );
+    if ( has_frozen )
+    {
+        torture_put_vector( b, event, "cursor", ( const double[] ){ -0.3, 0, -0.3 },
+                            ( const double[] ){ 0.3, 0.8, 0.3 } );
+        return;
+    }
+    put_wind( b, event );
+}

@@ -1,0 +1,162 @@
+#include "torture_generate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct strands_maker
+{
+    torture_builder* b;
+    torture_node* entry;
+    torture_block block;
+    int strands, vertices;
+} strands_maker;
+
+static bool chance( strands_maker* m, int percent )
+{
+    return torture_random_chance( &m->b->random, percent );
+}
+
+static torture_node* begin_entry( torture_builder* b, const char* name )
+{
+    torture_node* entry = torture_add( b->strands, torture_map() );
+    torture_put( entry, "name", torture_scalar( "%s%d", name, b->strands->count ) );
+    return entry;
+}
+
+static void put_groom( strands_maker* m, bool is_frozen )
+{
+    static const char* const shapes[] = { "straight", "wavy", "curly" };
+    torture_node* generate = torture_put( m->entry, "generate", torture_map() );
+    torture_put( generate, "shape", torture_scalar( "%s", shapes[torture_random_whole( &m->b->random, 0, 2 )] ) );
+    m->strands = torture_random_whole( &m->b->random, 1, 12 );
+    m->vertices = torture_random_whole( &m->b->random, is_frozen ? 4 : 2, 24 );
+    torture_put( generate, "strands", torture_scalar( "%d", m->strands ) );
+    torture_put( generate, "vertices", torture_scalar( "%d", m->vertices ) );
+    torture_draw_keys( &m->b->random, torture_block_below( m->block, "generate", generate ), 100, generate );
+    torture_node* transform = torture_put( m->entry, "transform", torture_map() );
+    torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, 0.4, -0.1 },
+                        ( const double[] ){ 0.1, 0.8, 0.1 } );
+}
+
+static void put_masses( strands_maker* m, torture_node* dynamics )
+{
+    torture_node* list = torture_put( dynamics, "vertex_masses", torture_list() );
+    torture_remove_key( dynamics, "vertex_mass" );
+    for ( int i = m->strands * m->vertices; i > 0; --i )
+    {
+        torture_add( list, torture_scalar( "%s", torture_random_log( &m->b->random, 1e-6, 1e-4 ).text ) );
+    }
+}
+
+static void put_dynamics( strands_maker* m )
+{
+    torture_node* dynamics = torture_put_block( m->b, m->block, m->entry, "dynamics", 30 );
+    if ( chance( m, 70 ) )
+    {
+        torture_put_log( m->b, dynamics, "damping", 0.5, 10.0 );
+    }
+    if ( m->strands * m->vertices < 60 && chance( m, 10 ) )
+    {
+        put_masses( m, dynamics );
+    }
+    if ( m->b->surfaces->count > 0 && chance( m, 30 ) )
+    {
+        torture_put( m->entry, "on_surface",
+                     torture_scalar( "%s", torture_text_at( m->b->surfaces->children[0], "name" ) ) );
+    }
+    else if ( chance( m, 60 ) )
+    {
+        double centre[3] = { 0.0, 0.0, 0.0 };
+        const torture_node* place = torture_find( torture_find( m->entry, "transform" ), "translate" );
+        for ( int i = 0; i < 3; ++i )
+        {
+            torture_is_number( place->children[i], &centre[i] );
+        }
+        torture_node* head = torture_put( m->entry, "head", torture_map() );
+        torture_put_keyframes( m->b, head, "keyframes", "position", "rotation", centre );
+    }
+    static const char* const blocks[] = { "grid", "collision", "contact" };
+    static const int percents[] = { 25, 55, 60 };
+    for ( int i = 0; i < WISP_COUNT( blocks ); ++i )
+    {
+        const bool is_contact = strcmp( blocks[i], "contact" ) == 0;
+        if ( ( !is_contact || m->b->has_contact ) && chance( m, percents[i] ) )
+        {
+            torture_put_block( m->b, m->block, m->entry, blocks[i], 30 );
+        }
+    }
+}
+
+static void put_frozen_hair( strands_maker* m )
+{
+    torture_node* frozen = torture_put_block( m->b, m->block, m->entry, "frozen_hair", 30 );
+    const torture_block block = torture_block_below( m->block, "frozen_hair", frozen );
+    static const char* const stages[] = { "freeze", "align", "clump" };
+    for ( int i = 0; i < WISP_COUNT( stages ); ++i )
+    {
+        if ( chance( m, 60 ) )
+        {
+            torture_put_block( m->b, block, frozen, stages[i], 30 );
+        }
+    }
+    if ( chance( m, 40 ) )
+    {
+        torture_put_block( m->b, m->block, m->entry, "environment", 40 );
+    }
+}
+
+// Ghosts around what moves, with or without frozen hair on top; and curves through either.
+static void make_followers( torture_builder* b, const char* source )
+{
+    torture_node* entry = begin_entry( b, "ghosts" );
+    strands_maker m = { b, entry, torture_entry_block( "strands", entry ), 0, 0 };
+    torture_node* scatter = torture_put( entry, "scatter", torture_map() );
+    torture_put( scatter, "around", torture_scalar( "%s", source ) );
+    torture_put( scatter, "count", torture_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );
+    torture_put_linear( b, scatter, "radius", 0.0, 0.02 );
+    torture_put_block( b, m.block, entry, "ghosts", 30 );
+    if ( chance( &m, 25 ) )
+    {
+        torture_put_block( b, m.block, entry, "collision", 30 );
+    }
+    if ( chance( &m, 20 ) )
+    {
+        put_frozen_hair( &m );
+    }
+}
+
+static void make_curves( torture_builder* b, const char* source )
+{
+    torture_node* entry = begin_entry( b, "curves" );
+    torture_node* curves = torture_put_block( b, torture_entry_block( "strands", entry ), entry, "curves", 50 );
+    torture_put( curves, "of", torture_scalar( "%s", source ) );
+}
+
+void torture_make_strands( torture_builder* b )
+{
+    torture_node* entry = begin_entry( b, "hair" );
+    strands_maker m = { b, entry, torture_entry_block( "strands", entry ), 0, 0 };
+    const bool is_frozen = torture_random_chance( &b->random, 15 );
+    put_groom( &m, is_frozen );
+    if ( is_frozen )
+    {
+        put_frozen_hair( &m );
+    }
+    else
+    {
+        put_dynamics( &m );
+    }
+    if ( chance( &m, 15 ) )
+    {
+        torture_put_block( b, m.block, entry, "appearance", 40 );
+    }
+    const char* source = torture_text_at( entry, "name" );
+    if ( !is_frozen && chance( &m, 35 ) )
+    {
+        make_followers( b, source );
+    }
+    if ( chance( &m, 15 ) )
+    {
+        make_curves( b, source );
+    }
+}

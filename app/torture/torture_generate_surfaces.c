@@ -1,0 +1,230 @@
+#include "torture_generate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct surface_maker
+{
+    torture_builder* b;
+    torture_node* entry;
+    torture_block block;
+    double place[3];
+} surface_maker;
+
+static bool chance( surface_maker* m, int percent )
+{
+    return torture_random_chance( &m->b->random, percent );
+}
+
+// ---- where ----
+
+static void put_transform( surface_maker* m, int number )
+{
+    torture_node* transform = torture_put( m->entry, "transform", torture_map() );
+    if ( chance( m, 50 ) )
+    {
+        torture_node* rotate = torture_put( transform, "rotate", torture_map() );
+        torture_put_vector( m->b, rotate, "degrees", ( const double[] ){ -90, -90, -90 },
+                            ( const double[] ){ 90, 90, 90 } );
+    }
+    const double y = 0.3 + 0.35 * number;
+    const torture_node* place = torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, y, -0.1 },
+                                                    ( const double[] ){ 0.1, y + 0.1, 0.1 } );
+    for ( int i = 0; i < 3; ++i )
+    {
+        torture_is_number( place->children[i], &m->place[i] );
+    }
+}
+
+static bool put_pins( surface_maker* m )
+{
+    torture_node* columns = torture_find( torture_find( m->entry, "generate" ), "columns" );
+    if ( columns && chance( m, 50 ) )
+    {
+        torture_node* pins = torture_put( m->entry, "pins", torture_list() );
+        torture_add( pins, torture_scalar( "0" ) );
+        torture_add( pins, torture_scalar( "%d", atoi( columns->text ) - 1 ) );
+    }
+    else
+    {
+        torture_node* list = torture_put( m->entry, "pin_nearest", torture_list() );
+        for ( int i = torture_random_whole( &m->b->random, 1, 3 ); i > 0; --i )
+        {
+            torture_node* point = torture_add( list, torture_list() );
+            for ( int k = 0; k < 3; ++k )
+            {
+                torture_add(
+                    point,
+                    torture_scalar(
+                        "%s", torture_random_linear( &m->b->random, m->place[k] - 0.3, m->place[k] + 0.3 ).text ) );
+            }
+        }
+    }
+    if ( chance( m, 45 ) )
+    {
+        torture_put_keyframes( m->b, m->entry, "pin_keyframes", "translate", "rotate",
+                               ( const double[] ){ 0, 0, 0 } );
+    }
+    return true;
+}
+
+// ---- effects ----
+
+static void put_cloth( surface_maker* m, bool is_pinned, bool is_instance )
+{
+    torture_node* cloth = torture_put_block( m->b, m->block, m->entry, "cloth", 30 );
+    if ( !is_pinned || is_instance )
+    {
+        torture_remove_key( cloth, "tethers" );
+    }
+    if ( !is_instance && chance( m, 20 ) )
+    {
+        torture_put( m->entry, "levels", torture_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
+        torture_put( cloth, "level_passes", torture_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
+    }
+}
+
+static void put_balloon( surface_maker* m )
+{
+    torture_node* balloon = torture_put_block( m->b, m->block, m->entry, "balloon", 25 );
+    torture_put_linear( m->b, balloon, "gas_ratio", 1.0, 1.6 );
+    if ( chance( m, 25 ) )
+    {
+        torture_node* list = torture_put( balloon, "gas_ratio_keyframes", torture_list() );
+        for ( int i = 0; i < 3; ++i )
+        {
+            torture_node* pair = torture_add( list, torture_list() );
+            torture_add( pair, torture_scalar( "%.3g", 0.4 * i ) );
+            torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 1.0, 1.8 ).text ) );
+        }
+    }
+    if ( chance( m, 10 ) )
+    {
+        torture_put_log( m->b, balloon, "inflation_rate", 1e-5, 1e-2 );
+    }
+    if ( chance( m, 25 ) )
+    {
+        torture_put_vector( m->b, balloon, "outlet_nearest", ( const double[] ){ -0.2, 0, -0.2 },
+                            ( const double[] ){ 0.2, 0.6, 0.2 } );
+        torture_put( balloon, "outlet_open", torture_scalar( "%s", chance( m, 50 ) ? "true" : "false" ) );
+    }
+    if ( torture_find( m->entry, "file" ) )
+    {
+        torture_put( balloon, "allow_open", torture_scalar( "true" ) );
+    }
+}
+
+// Links of quads need a regular plane and stiffnesses of links.
+static void put_implicit( surface_maker* m, const torture_node* source )
+{
+    torture_node* implicit = torture_put_block( m->b, m->block, m->entry, "implicit", 30 );
+    const bool is_plane = strcmp( torture_text_at( torture_find( source, "generate" ), "shape" ), "plane" ) == 0;
+    if ( !is_plane || strcmp( torture_text_at( implicit, "stiffness_model" ), "material" ) == 0 )
+    {
+        torture_remove_key( implicit, "links" );
+    }
+}
+
+static void put_strain_limit( surface_maker* m )
+{
+    torture_node* pair = torture_put( m->entry, "strain_limit", torture_list() );
+    torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 0.0, 0.95 ).text ) );
+    torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 1.02, 1.5 ).text ) );
+}
+
+// What stands by the effect of a surface: damping, what stops it, points on it.
+static void put_surroundings( surface_maker* m, bool is_implicit )
+{
+    if ( chance( m, 65 ) )
+    {
+        torture_put_log( m->b, m->entry, "damping", 0.5, 10.0 );
+    }
+    if ( chance( m, 85 ) )
+    {
+        torture_put_block( m->b, m->block, m->entry, "collision", 25 );
+    }
+    if ( m->b->has_contact && !is_implicit && chance( m, 80 ) )
+    {
+        torture_node* contact = torture_put_block( m->b, m->block, m->entry, "contact", 25 );
+        torture_put_log( m->b, contact, "thickness", 1e-3, 5e-3 );
+    }
+    if ( !is_implicit && chance( m, 15 ) )
+    {
+        put_strain_limit( m );
+    }
+    if ( chance( m, 8 ) )
+    {
+        torture_put_block( m->b, m->block, m->entry, "boundary", 20 );
+    }
+}
+
+// A cloth of a stack: it lies flat, a few centimetres above the one below, and weighs what it likes.
+static void make_layer( torture_builder* b )
+{
+    const int number = b->surfaces->count;
+    torture_node* entry = torture_add( b->surfaces, torture_map() );
+    surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
+    torture_put( entry, "name", torture_scalar( "surface%d", number ) );
+    torture_node* generate = torture_put( entry, "generate", torture_map() );
+    torture_put( generate, "shape", torture_scalar( "%s", chance( &m, 50 ) ? "plane" : "alternating_plane" ) );
+    torture_draw_keys( &b->random, torture_block_below( m.block, "generate", generate ), 100, generate );
+    torture_node* transform = torture_put( entry, "transform", torture_map() );
+    torture_node* rotate = torture_put( transform, "rotate", torture_map() );
+    const double y = 0.03 + 0.05 * number;
+    torture_put_vector( b, rotate, "degrees", ( const double[] ){ 0, -90, 0 }, ( const double[] ){ 0, 90, 0 } );
+    torture_put_vector( b, transform, "translate", ( const double[] ){ -0.05, y, -0.05 },
+                        ( const double[] ){ 0.05, y, 0.05 } );
+    torture_put_log( b, entry, "area_density", 0.02, 20.0 );
+    torture_put_log( b, entry, "damping", 0.5, 10.0 );
+    torture_put_block( b, m.block, entry, "cloth", 15 );
+    torture_remove_key( torture_find( entry, "cloth" ), "tethers" );
+    torture_remove_key( torture_find( entry, "cloth" ), "wind" );
+    torture_put_block( b, m.block, entry, "collision", 15 );
+    torture_node* contact = torture_put_block( b, m.block, entry, "contact", 15 );
+    torture_put_log( b, contact, "thickness", 2e-3, 0.02 );
+}
+
+void torture_make_surface( torture_builder* b )
+{
+    if ( b->is_stack )
+    {
+        make_layer( b );
+        return;
+    }
+    const int number = b->surfaces->count, kind = torture_random_whole( &b->random, 0, 99 );
+    const bool is_balloon = kind < 30, is_implicit = kind >= 30 && kind < 50, is_cloth = kind >= 50 && kind < 95;
+    const torture_node* first = number > 0 ? b->surfaces->children[0] : NULL;
+    const bool is_instance = first && torture_find( first, "generate" ) && torture_find( first, "balloon" ) &&
+                             torture_random_chance( &b->random, 30 );
+    torture_node* entry = torture_add( b->surfaces, torture_map() );
+    surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
+    torture_put( entry, "name", torture_scalar( "surface%d", number ) );
+    if ( is_instance )
+    {
+        torture_put( entry, "instance_of", torture_scalar( "%s", torture_text_at( first, "name" ) ) );
+    }
+    else
+    {
+        torture_put_mesh( b, m.block, entry, is_balloon );
+    }
+    put_transform( &m, number );
+    const bool is_pinned = torture_random_chance( &b->random, is_balloon ? 20 : 55 ) && put_pins( &m );
+    torture_draw_keys( &b->random, m.block, 20, entry );
+    if ( is_instance )
+    {
+        torture_remove_key( entry, "solve_order" );
+    }
+    if ( is_cloth )
+    {
+        put_cloth( &m, is_pinned, is_instance );
+    }
+    else if ( is_balloon )
+    {
+        put_balloon( &m );
+    }
+    else if ( is_implicit )
+    {
+        put_implicit( &m, is_instance ? first : entry );
+    }
+    put_surroundings( &m, is_implicit );
+}

@@ -1,0 +1,276 @@
+#include "torture_search.h"
+
+#include "io_file.h"
+#include "progress.h"
+#include "torture_shrink.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum
+{
+    MAX_JOBS = 64,
+};
+
+int torture_broken_count( const torture_found* found )
+{
+    int sum = 0;
+    for ( int i = 0; i < TORTURE_JUDGE_COUNT; ++i )
+    {
+        sum += found->broken[i];
+    }
+    return sum;
+}
+
+// ---- making it smaller ----
+
+typedef struct shown
+{
+    const torture_search* search;
+    const char* name;
+    torture_judge judge;
+    double severity; // that must not be lost: a scene that breaks by a hair is another one
+    int twins;
+    torture_verdict verdict; // of the last scene that shows it
+} shown;
+
+// The reader must take the scene: a scene that it refuses is another failure.
+static bool breaks_the_same( void* user, const torture_node* scene )
+{
+    shown* s = user;
+    const torture_subject subject = { scene, s->name };
+    wisp_scene read;
+    const wisp_status status = torture_read( &subject, &read, NULL );
+    wisp_scene_release( &read );
+    if ( status != WISP_OK )
+    {
+        return false;
+    }
+    const torture_verdict verdict = torture_judge_scene( &subject, s->twins, s->search->scene_seconds );
+    const bool is_same = verdict.judge == s->judge && verdict.severity >= s->severity;
+    s->verdict = is_same ? verdict : s->verdict;
+    return is_same;
+}
+
+// Only the twins that broke need to run again.
+static int twins_of( torture_judge judge )
+{
+    switch ( judge )
+    {
+        case TORTURE_BITS:
+            return TORTURE_TWIN_BITS;
+        case TORTURE_SNAPSHOT:
+            return TORTURE_TWIN_SNAPSHOT;
+        case TORTURE_SCALE:
+            return TORTURE_TWIN_SCALE;
+        case TORTURE_SHIFT:
+            return TORTURE_TWIN_SHIFT;
+        default:
+            return 0;
+    }
+}
+
+// ---- files ----
+
+// The file is in the folder: the paths of meshes are from there.
+static void name_of( const torture_search* search, char* name, size_t size, torture_judge judge, int number )
+{
+    snprintf( name, size, "%s/%s_%llu_%d.yaml", search->folder, torture_judge_names[judge],
+              (unsigned long long)search->generator.seed, number );
+}
+
+static wisp_status write_scene( const char* path, const torture_node* scene, const char* comment, wisp_error* error )
+{
+    char* text = torture_write( scene, comment );
+    FILE* file = fopen( path, "w" );
+    const bool is_good = file != NULL && fputs( text, file ) >= 0;
+    free( text );
+    return ( file == NULL || fclose( file ) == 0 ) && is_good
+               ? WISP_OK
+               : wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
+}
+
+static wisp_status keep_scene( const torture_search* search, torture_node* scene, const torture_verdict* verdict,
+                               const char* name, int number, results* out, wisp_error* error )
+{
+    const int MAX_TRIES = 600;
+    const double MAX_SECONDS = 120.0, CLEAR = 3.0;
+    shown s = {
+        search, name, verdict->judge, fmin( verdict->severity, CLEAR ), twins_of( verdict->judge ), *verdict
+    };
+    const torture_shrink_def shrink = { breaks_the_same, &s, MAX_TRIES, MAX_SECONDS };
+    char comment[512], path[4096];
+    torture_shrink( &shrink, scene );
+    snprintf( comment, sizeof comment, "%s: %s (seed %llu, scene %d).", torture_judge_names[verdict->judge],
+              s.verdict.message, (unsigned long long)search->generator.seed, number );
+    name_of( search, path, sizeof path, verdict->judge, number );
+    results_add_note( out, "%s: %s", path, s.verdict.message );
+    return write_scene( path, scene, comment, error );
+}
+
+// ---- the search ----
+
+// Each scene has one twin, in turn: all of them would take five times as long.
+int torture_twins_for( int number )
+{
+    static const int TURNS[] = { TORTURE_TWIN_BITS, TORTURE_TWIN_SCALE, TORTURE_TWIN_SNAPSHOT, TORTURE_TWIN_SHIFT };
+    return TURNS[number % WISP_COUNT( TURNS )];
+}
+
+// Scenes that are judged at the same time, in turn.
+typedef struct pending
+{
+    torture_node* scene;
+    torture_child child;
+    int number;
+} pending;
+
+static void subject_name( const torture_search* search, char* name, size_t size )
+{
+    snprintf( name, size, "%s/scene", search->folder );
+}
+
+static pending start_scene( const torture_search* search, int number )
+{
+    char name[4096];
+    pending p = { .scene = torture_generate( &search->generator, number ), .number = number };
+    subject_name( search, name, sizeof name );
+    const torture_subject subject = { p.scene, name };
+    p.child = torture_start( &subject, torture_twins_for( number ), search->scene_seconds );
+    return p;
+}
+
+static wisp_status finish_scene( const torture_search* search, const pending* p, torture_found* found, results* out,
+                                 wisp_error* error )
+{
+    char name[4096];
+    subject_name( search, name, sizeof name );
+    const torture_verdict verdict = torture_finish( &p->child );
+    wisp_status status = WISP_OK;
+    ++found->scenes;
+    found->refused += verdict.judge == TORTURE_REFUSED;
+    if ( verdict.judge != TORTURE_HOLDS && verdict.judge != TORTURE_REFUSED )
+    {
+        const bool is_kept = found->broken[verdict.judge]++ < search->keep;
+        results_add_note( out, "scene %d: %s: %s", p->number, torture_judge_names[verdict.judge], verdict.message );
+        status = is_kept ? keep_scene( search, p->scene, &verdict, name, p->number, out, error ) : WISP_OK;
+    }
+    torture_release( p->scene );
+    return status;
+}
+
+static void report( const torture_found* found, results* out )
+{
+    char text[64];
+    out->machine = machine_describe( "every set" );
+    const int table = results_add_table( out, "", 2, ( const char* const[] ){ "", "" } );
+    results_row* row = results_add_row( out, "torture", "search" );
+    snprintf( text, sizeof text, "%d, %.3g per second", found->scenes, found->scenes / fmax( found->seconds, 1e-9 ) );
+    results_add_cells( out, table, ( const char* const[] ){ "scenes", text } );
+    results_put( &row->size, "scenes", found->scenes );
+    results_put( &row->size, "scenes_per_second", found->scenes / fmax( found->seconds, 1e-9 ) );
+    snprintf( text, sizeof text, "%d", found->refused );
+    results_add_cells( out, table, ( const char* const[] ){ "refused", text } );
+    results_put( &row->size, "refused", found->refused );
+    snprintf( text, sizeof text, "%d", torture_broken_count( found ) );
+    results_add_cells( out, table, ( const char* const[] ){ "broken", text } );
+    for ( int i = 0; i < TORTURE_JUDGE_COUNT; ++i )
+    {
+        snprintf( text, sizeof text, "%d", found->broken[i] );
+        if ( found->broken[i] > 0 )
+        {
+            results_add_cells( out, table, ( const char* const[] ){ torture_judge_names[i], text } );
+        }
+        results_put( &row->size, torture_judge_names[i], found->broken[i] );
+    }
+}
+
+wisp_status torture_search_run( const torture_search* search, torture_found* found, results* out, wisp_error* error )
+{
+    *found = ( torture_found ){ 0 };
+    const double start = wisp_clock_seconds();
+    if ( mkdir( search->folder, 0777 ) != 0 && errno != EEXIST )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "%s: %s", search->folder, strerror( errno ) );
+    }
+    progress bar = progress_begin();
+    const int jobs = search->jobs < MAX_JOBS ? search->jobs : MAX_JOBS;
+    pending ring[MAX_JOBS];
+    wisp_status status = WISP_OK;
+    int started = 0, finished = 0;
+    for ( bool goes_on = true; goes_on || finished < started; )
+    {
+        goes_on = status == WISP_OK && ( search->max_scenes == 0 || started < search->max_scenes ) &&
+                  found->seconds < search->max_seconds;
+        if ( goes_on && started - finished < jobs )
+        {
+            ring[started % jobs] = start_scene( search, search->first + started );
+            ++started;
+            continue;
+        }
+        if ( finished < started )
+        {
+            wisp_error later = { 0 };
+            const wisp_status done =
+                finish_scene( search, &ring[finished++ % jobs], found, out, status == WISP_OK ? error : &later );
+            status = status == WISP_OK ? done : status;
+        }
+        found->seconds = wisp_clock_seconds() - start;
+        progress_show( &bar,
+                       search->max_scenes > 0 ? (double)finished / search->max_scenes
+                                              : found->seconds / search->max_seconds,
+                       "scenes" );
+    }
+    progress_end( &bar );
+    report( found, out );
+    return status;
+}
+
+// ---- files that are given ----
+
+static wisp_status read_tree( const char* path, torture_node** out, wisp_error* error )
+{
+    const size_t MAX_BYTES = (size_t)16 << 20;
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
+    *out = NULL;
+    status = status == WISP_OK ? torture_parse( bytes ? (const char*)bytes : "", size, path, out, error ) : status;
+    free( bytes );
+    return status;
+}
+
+wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
+                            results* out, wisp_error* error )
+{
+    *found = ( torture_found ){ 0 };
+    const double start = wisp_clock_seconds();
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        torture_node* tree;
+        wisp_scene scene = { 0 };
+        status = read_tree( files[i], &tree, error );
+        const torture_subject subject = { tree, files[i] };
+        status = status == WISP_OK ? torture_read( &subject, &scene, error ) : status;
+        if ( status == WISP_OK )
+        {
+            const torture_verdict verdict = torture_judge_scene( &subject, TORTURE_TWIN_ALL, scene_seconds );
+            ++found->scenes;
+            if ( verdict.judge != TORTURE_HOLDS )
+            {
+                ++found->broken[verdict.judge];
+                results_add_note( out, "%s: %s: %s", files[i], torture_judge_names[verdict.judge], verdict.message );
+            }
+        }
+        wisp_scene_release( &scene );
+        torture_release( tree );
+    }
+    found->seconds = wisp_clock_seconds() - start;
+    report( found, out );
+    return status;
+}

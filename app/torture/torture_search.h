@@ -1,0 +1,38 @@
+/// The search for scenes that break a judge, and what it has found.
+#pragma once
+
+#include "results.h"
+#include "torture_generate.h"
+#include "torture_judges.h"
+
+typedef struct torture_search
+{
+    torture_generator generator;
+    int first;            ///< number of the first scene
+    int jobs;             ///< scenes at the same time, >= 1
+    int max_scenes;       ///< 0: as many as the time allows
+    double max_seconds;   ///< of wall time; infinite: as many scenes as requested
+    double scene_seconds; ///< wall time of a scene
+    const char* folder;   ///< where smaller scenes that break are written
+    int keep;             ///< scenes of a kind that are made smaller and written; more are only counted
+} torture_search;
+
+typedef struct torture_found
+{
+    int scenes, refused; ///< tried, and of those refused
+    int broken[TORTURE_JUDGE_COUNT];
+    double seconds;
+} torture_found;
+
+/// Search. @param out receives what was found, also as tables @return a folder that cannot be written
+wisp_status torture_search_run( const torture_search* search, torture_found* found, results* out, wisp_error* error );
+
+/// Judge files. @return a file that cannot be read
+wisp_status torture_replay( const char* const* files, int count, double scene_seconds, torture_found* found,
+                            results* out, wisp_error* error );
+
+/// @return the twin that a search runs of a scene: each has one, in turn
+int torture_twins_for( int number );
+
+/// @return scenes that broke a judge
+int torture_broken_count( const torture_found* found );

@@ -1,0 +1,336 @@
+#include "torture_tree.h"
+
+#include "scene_text.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void* torture_alloc( size_t size )
+{
+    void* memory = calloc( 1, size + 1 );
+    if ( memory == NULL )
+    {
+        fputs( "wisp: out of memory\n", stderr );
+        exit( 2 );
+    }
+    return memory;
+}
+
+static char* copy_text( const char* text )
+{
+    const size_t size = strlen( text ) + 1;
+    return memcpy( torture_alloc( size ), text, size );
+}
+
+// ---- nodes ----
+
+static torture_node* make( torture_kind kind )
+{
+    torture_node* node = torture_alloc( sizeof *node );
+    node->kind = kind;
+    return node;
+}
+
+torture_node* torture_list( void )
+{
+    return make( TORTURE_LIST );
+}
+
+torture_node* torture_map( void )
+{
+    return make( TORTURE_MAP );
+}
+
+torture_node* torture_scalar( const char* format, ... )
+{
+    char text[256];
+    va_list arguments;
+    va_start( arguments, format );
+    vsnprintf( text, sizeof text, format, arguments );
+    va_end( arguments );
+    torture_node* node = make( TORTURE_SCALAR );
+    node->text = copy_text( text );
+    return node;
+}
+
+torture_node* torture_copy( const torture_node* node )
+{
+    torture_node* copy = make( node->kind );
+    copy->key = node->key ? copy_text( node->key ) : NULL;
+    copy->text = node->text ? copy_text( node->text ) : NULL;
+    for ( int i = 0; i < node->count; ++i )
+    {
+        torture_add( copy, torture_copy( node->children[i] ) );
+    }
+    return copy;
+}
+
+void torture_release( torture_node* node )
+{
+    if ( node == NULL )
+    {
+        return;
+    }
+    for ( int i = 0; i < node->count; ++i )
+    {
+        torture_release( node->children[i] );
+    }
+    free( node->children );
+    free( node->key );
+    free( node->text );
+    free( node );
+}
+
+torture_node* torture_add( torture_node* list, torture_node* value )
+{
+    if ( list->count == list->capacity )
+    {
+        list->capacity = 2 * list->capacity + 4;
+        torture_node** children = torture_alloc( (size_t)list->capacity * sizeof *children );
+        if ( list->count > 0 )
+        {
+            memcpy( children, list->children, (size_t)list->count * sizeof *children );
+        }
+        free( list->children );
+        list->children = children;
+    }
+    list->children[list->count++] = value;
+    return value;
+}
+
+static int index_of( const torture_node* map, const char* key )
+{
+    for ( int i = 0; map && map->kind == TORTURE_MAP && i < map->count; ++i )
+    {
+        if ( strcmp( map->children[i]->key, key ) == 0 )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
+torture_node* torture_put( torture_node* map, const char* key, torture_node* value )
+{
+    char* copy = copy_text( key );
+    free( value->key );
+    value->key = copy;
+    const int i = index_of( map, key );
+    if ( i < 0 )
+    {
+        return torture_add( map, value );
+    }
+    torture_release( map->children[i] );
+    return map->children[i] = value;
+}
+
+torture_node* torture_find( const torture_node* map, const char* key )
+{
+    const int i = index_of( map, key );
+    return i < 0 ? NULL : map->children[i];
+}
+
+const char* torture_text_at( const torture_node* map, const char* key )
+{
+    const torture_node* node = torture_find( map, key );
+    return node && node->kind == TORTURE_SCALAR ? node->text : "";
+}
+
+void torture_remove( torture_node* parent, int child )
+{
+    torture_release( parent->children[child] );
+    --parent->count;
+    memmove( parent->children + child, parent->children + child + 1,
+             (size_t)( parent->count - child ) * sizeof *parent->children );
+}
+
+void torture_remove_key( torture_node* map, const char* key )
+{
+    const int i = index_of( map, key );
+    if ( i >= 0 )
+    {
+        torture_remove( map, i );
+    }
+}
+
+void torture_set( torture_node* scalar, const char* text )
+{
+    char* copy = copy_text( text );
+    free( scalar->text );
+    scalar->text = copy;
+}
+
+bool torture_is_number( const torture_node* node, double* value )
+{
+    if ( node == NULL || node->kind != TORTURE_SCALAR || node->text[0] == '\0' )
+    {
+        return false;
+    }
+    char* end;
+    const double number = strtod( node->text, &end );
+    if ( value )
+    {
+        *value = number;
+    }
+    return *end == '\0' && number - number == 0.0;
+}
+
+void torture_set_number( torture_node* scalar, double value )
+{
+    char text[40];
+    snprintf( text, sizeof text, "%.9g", value );
+    torture_set( scalar, text );
+}
+
+int torture_size( const torture_node* node )
+{
+    int size = 1;
+    for ( int i = 0; i < node->count; ++i )
+    {
+        size += torture_size( node->children[i] );
+    }
+    return size;
+}
+
+// ---- reading ----
+
+static torture_node* convert( const scene_tree* tree, const scene_node* from )
+{
+    torture_node* node = make( from->kind == SCENE_SCALAR ? TORTURE_SCALAR
+                               : from->kind == SCENE_LIST ? TORTURE_LIST
+                                                          : TORTURE_MAP );
+    if ( from->kind == SCENE_SCALAR )
+    {
+        node->text = copy_text( scene_text_of( tree, from ) );
+    }
+    for ( const scene_node* child = scene_first( tree, from ); child; child = scene_next( tree, child ) )
+    {
+        torture_node* value = torture_add( node, convert( tree, child ) );
+        value->key = from->kind == SCENE_MAP ? copy_text( scene_key_of( tree, child ) ) : NULL;
+    }
+    return node;
+}
+
+wisp_status torture_parse( const char* text, size_t size, const char* name, torture_node** out, wisp_error* error )
+{
+    *out = NULL;
+    const scene_source source = { name, text, size, error };
+    scene_tree tree;
+    const wisp_status status = scene_tree_build( &source, &tree );
+    if ( status == WISP_OK )
+    {
+        *out = convert( &tree, &tree.nodes[0] );
+    }
+    scene_tree_release( &tree );
+    return status;
+}
+
+// ---- writing ----
+
+static const int LINE_LENGTH = 118;
+
+// Numbers, words and names stand as they are; a path may hold anything and gets quotes.
+static bool needs_quotes( const char* text )
+{
+    return text[0] == '\0' ||
+           strspn( text, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.+-" ) != strlen( text );
+}
+
+static void write_scalar( FILE* out, const char* text )
+{
+    if ( !needs_quotes( text ) )
+    {
+        fputs( text, out );
+        return;
+    }
+    fputc( '"', out );
+    for ( ; *text; ++text )
+    {
+        fprintf( out, *text == '"' || *text == '\\' ? "\\%c" : "%c", *text );
+    }
+    fputc( '"', out );
+}
+
+static void write_flow( FILE* out, const torture_node* node )
+{
+    if ( node->kind == TORTURE_SCALAR )
+    {
+        write_scalar( out, node->text );
+        return;
+    }
+    const bool is_map = node->kind == TORTURE_MAP, is_empty = node->count == 0;
+    fputs( !is_map ? "[" : is_empty ? "{" : "{ ", out );
+    for ( int i = 0; i < node->count; ++i )
+    {
+        fputs( i > 0 ? ", " : "", out );
+        if ( is_map )
+        {
+            fprintf( out, "%s: ", node->children[i]->key );
+        }
+        write_flow( out, node->children[i] );
+    }
+    fputs( !is_map ? "]" : is_empty ? "}" : " }", out );
+}
+
+static int flow_length( const torture_node* node )
+{
+    int length = node->kind == TORTURE_SCALAR ? (int)strlen( node->text ) + 2 : 4;
+    for ( int i = 0; i < node->count; ++i )
+    {
+        const torture_node* child = node->children[i];
+        length += flow_length( child ) + 2 + ( child->key ? (int)strlen( child->key ) + 2 : 0 );
+    }
+    return length;
+}
+
+static bool fits_a_line( const torture_node* node, int depth )
+{
+    const bool is_entry_list =
+        depth == 1 && node->kind == TORTURE_LIST && node->count > 0 && node->children[0]->kind == TORTURE_MAP;
+    return node->kind == TORTURE_SCALAR || node->count == 0 ||
+           ( !is_entry_list && depth > 0 && flow_length( node ) + 2 * depth < LINE_LENGTH - 24 );
+}
+
+// Write what follows a key or a dash, up to the end of the line: entries of the scene's lists have lines of their
+// own.
+static void write_block( FILE* out, const torture_node* node, int depth, bool is_after_dash )
+{
+    if ( fits_a_line( node, depth ) )
+    {
+        fputc( ' ', out );
+        write_flow( out, node );
+        fputc( '\n', out );
+        return;
+    }
+    fputs( is_after_dash ? " " : depth > 0 ? "\n" : "", out );
+    for ( int i = 0; i < node->count; ++i )
+    {
+        const torture_node* child = node->children[i];
+        const bool is_map = node->kind == TORTURE_MAP;
+        fprintf( out, "%*s%s%s", is_after_dash && i == 0 ? 0 : 2 * depth, "", is_map ? child->key : "-",
+                 is_map ? ":" : "" );
+        write_block( out, child, depth + 1, !is_map );
+    }
+}
+
+char* torture_write( const torture_node* root, const char* comment )
+{
+    char* text = NULL;
+    size_t size = 0;
+    FILE* out = open_memstream( &text, &size );
+    if ( out == NULL )
+    {
+        return copy_text( "" );
+    }
+    for ( const char* line = comment; line && *line; )
+    {
+        const int length = (int)strcspn( line, "\n" );
+        fprintf( out, "# %.*s\n", length, line );
+        line += length + ( line[length] == '\n' );
+    }
+    write_block( out, root, 0, false );
+    fclose( out );
+    return text;
+}

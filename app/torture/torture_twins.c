@@ -1,0 +1,258 @@
+// A scene run again in another way: with other workers, after a snapshot, at another size, elsewhere.
+#include "torture_judges.h"
+
+#include "torture_random.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Longer runs find little more, and each twin costs as much as the run itself.
+static const int TWIN_STEPS = 60;
+
+static int twin_steps( const wisp_scene* scene )
+{
+    return scene->steps < TWIN_STEPS ? scene->steps : TWIN_STEPS;
+}
+
+// ---- bits ----
+
+bool torture_compare_bits( const uint64_t* expected, int expected_count, const uint64_t* found, int found_count,
+                           torture_judge judge, int first, const char* how, torture_verdict* out )
+{
+    int same = 0;
+    while ( same < expected_count && same < found_count && expected[same] == found[same] )
+    {
+        ++same;
+    }
+    if ( same == expected_count && same == found_count )
+    {
+        return true;
+    }
+    *out = ( torture_verdict ){ .judge = judge, .step = first + same + 1, .severity = 1.0 };
+    snprintf( out->message, sizeof out->message, "step %d has other bits %s", first + same + 1, how );
+    return false;
+}
+
+// Make steps and keep the hash after each. @return steps that were made
+static int hash_steps( scene_world* world, int steps, uint64_t* hashes )
+{
+    int made = 0;
+    while ( made < steps && scene_world_step( world, NULL ) == WISP_OK )
+    {
+        hashes[made++] = wisp_world_hash( world->world );
+    }
+    return made;
+}
+
+static int hash_scene( const wisp_scene* scene, const scene_world_options* options, int steps, uint64_t* hashes )
+{
+    scene_world world;
+    if ( scene_world_create( scene, options, &world, NULL ) != WISP_OK )
+    {
+        return 0;
+    }
+    const int made = hash_steps( &world, steps, hashes );
+    scene_world_destroy( &world );
+    return made;
+}
+
+static bool judge_bits( const wisp_scene* scene, torture_verdict* out )
+{
+    static const struct
+    {
+        int workers;
+        const char *isa, *how;
+    } places[] = { { 2, "baseline", "with 2 workers than with one" },
+                   { 5, "avx2", "with 5 workers and AVX2 than with one and without" },
+                   { 1, "avx512", "with AVX-512 than without" } };
+    const int steps = twin_steps( scene );
+    uint64_t *expected = torture_alloc( (size_t)steps * sizeof *expected ),
+             *found = torture_alloc( (size_t)steps * sizeof *found );
+    const scene_world_options plain = { 1, "baseline", true };
+    const int made = hash_scene( scene, &plain, steps, expected );
+    bool holds = true;
+    for ( int i = 0; i < WISP_COUNT( places ) && holds; ++i )
+    {
+        const scene_world_options options = { places[i].workers, places[i].isa, true };
+        const int count = hash_scene( scene, &options, steps, found );
+        holds = torture_compare_bits( expected, made, found, count, TORTURE_BITS, 0, places[i].how, out );
+    }
+    free( expected );
+    free( found );
+    return holds;
+}
+
+// ---- snapshots ----
+
+// What a host keeps besides the world: where the scene's script is.
+static void copy_place( const scene_world* from, scene_world* to )
+{
+    to->next_step = from->next_step;
+    to->next_command = from->next_command;
+    to->next_event = from->next_event;
+    for ( int i = 0; i < from->scene->surface_count; ++i )
+    {
+        to->surfaces[i].is_released = from->surfaces[i].is_released;
+    }
+}
+
+typedef struct snapshot_run
+{
+    scene_world worlds[2]; // the one that the snapshot comes from, and a new one
+    scene_world place;     // where the script was
+    void* bytes;
+    size_t size;
+    uint64_t *expected, *found; // hashes of the steps that follow
+    int half, left;
+} snapshot_run;
+
+static bool judge_restored( snapshot_run* run, int world, int expected, torture_verdict* out )
+{
+    scene_world* restored = &run->worlds[world];
+    copy_place( &run->place, restored );
+    if ( wisp_world_restore( restored->world, run->bytes, run->size ) != WISP_OK )
+    {
+        *out = ( torture_verdict ){ .judge = TORTURE_SNAPSHOT, .step = run->half, .severity = 1.0 };
+        snprintf( out->message, sizeof out->message, "a snapshot after step %d is refused: %.200s", run->half,
+                  wisp_world_message( restored->world ) );
+        return false;
+    }
+    char how[80];
+    snprintf( how, sizeof how, "in %s world that a snapshot after step %d was restored into",
+              world == 0 ? "the same" : "a new", run->half );
+    const int count = hash_steps( restored, run->left, run->found );
+    return torture_compare_bits( run->expected, expected, run->found, count, TORTURE_SNAPSHOT, run->half, how, out );
+}
+
+// Both worlds have made a step, which compiles the plan.
+static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, torture_verdict* out )
+{
+    run->expected = torture_alloc( (size_t)run->left * sizeof *run->expected );
+    run->found = torture_alloc( (size_t)run->left * sizeof *run->found );
+    run->place.surfaces = torture_alloc( (size_t)scene->surface_count * sizeof *run->place.surfaces );
+    run->place.scene = scene;
+    copy_place( &run->worlds[0], &run->place );
+    run->size = wisp_world_snapshot_size( run->worlds[0].world );
+    run->bytes = torture_alloc( run->size );
+    bool holds = wisp_world_snapshot( run->worlds[0].world, run->bytes, run->size ) == WISP_OK;
+    const int expected = hash_steps( &run->worlds[0], run->left, run->expected );
+    for ( int world = 0; world < 2 && holds; ++world )
+    {
+        holds = judge_restored( run, world, expected, out );
+    }
+    free( run->bytes );
+    free( run->place.surfaces );
+    free( run->expected );
+    free( run->found );
+    return holds;
+}
+
+static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
+{
+    const scene_world_options options = { 1, NULL, true };
+    const int steps = twin_steps( scene );
+    torture_random random = torture_random_start( (uint64_t)scene->steps, (uint64_t)scene->substeps );
+    snapshot_run run = { .half = steps > 1 ? torture_random_whole( &random, 1, steps - 1 ) : 0 };
+    run.left = steps - run.half;
+    if ( steps < 2 || scene_world_create( scene, &options, &run.worlds[0], NULL ) != WISP_OK )
+    {
+        return true;
+    }
+    bool holds = true;
+    if ( scene_world_create( scene, &options, &run.worlds[1], NULL ) == WISP_OK )
+    {
+        bool has_stepped = scene_world_step( &run.worlds[1], NULL ) == WISP_OK;
+        for ( int i = 0; i < run.half; ++i )
+        {
+            has_stepped = has_stepped && scene_world_step( &run.worlds[0], NULL ) == WISP_OK;
+        }
+        holds = !has_stepped || judge_snapshot_of( scene, &run, out );
+        scene_world_destroy( &run.worlds[1] );
+    }
+    scene_world_destroy( &run.worlds[0] );
+    return holds;
+}
+
+// ---- another size, another place ----
+
+bool torture_compare_traces( const torture_trace* trace, const torture_trace* twin, torture_judge judge,
+                             torture_verdict* out )
+{
+    // Crumpled cloth falls into other folds after any rounding: only a stretch that is of another order is another
+    // motion.
+    const double APART = 0.5, FACTOR = 3.0;
+    const char* where = judge == TORTURE_SCALE ? "at another size" : "100 m away";
+    torture_verdict other;
+    if ( !torture_judge_trace( twin, &other ) )
+    {
+        *out = ( torture_verdict ){ .judge = judge, .step = other.step, .severity = other.severity };
+        snprintf( out->message, sizeof out->message, "%s: %.250s", where, other.message );
+        return false;
+    }
+    for ( int body = 0; body < trace->body_count && torture_is_at_rest( trace ); ++body )
+    {
+        const torture_body *a = &trace->bodies[body], *b = &twin->bodies[body];
+        const double larger = fmax( a->stretch, b->stretch ), smaller = fmin( a->stretch, b->stretch );
+        if ( a->moves && a->softness < 1.0 && !torture_is_held( trace, body ) && larger > APART + FACTOR * smaller )
+        {
+            *out = ( torture_verdict ){ .judge = judge,
+                                        .step = trace->steps,
+                                        .severity = larger / ( APART + FACTOR * smaller ) };
+            snprintf( out->message, sizeof out->message,
+                      "%s has an edge stretched by %.3g %% at the end, and by %.3g %% %s", a->name,
+                      100.0 * a->stretch, 100.0 * b->stretch, where );
+            return false;
+        }
+    }
+    return true;
+}
+
+// Takes the tree, which is released.
+static bool judge_alike( const torture_subject* subject, torture_node* tree, const torture_trace* trace,
+                         torture_judge judge, torture_verdict* out )
+{
+    const torture_subject moved = { tree, subject->name };
+    wisp_scene scene;
+    wisp_error error = { 0 };
+    torture_trace twin = { 0 };
+    bool holds = true;
+    // What is beyond a range at another size says nothing.
+    if ( torture_read( &moved, &scene, &error ) == WISP_OK )
+    {
+        holds = torture_trace_run( &scene, &twin, &error ) != WISP_OK ||
+                torture_compare_traces( trace, &twin, judge, out );
+        torture_trace_release( &twin );
+    }
+    wisp_scene_release( &scene );
+    torture_release( tree );
+    return holds;
+}
+
+bool torture_judge_twins( const torture_subject* subject, const torture_trace* trace, int twins,
+                          torture_verdict* out )
+{
+    wisp_scene scene;
+    wisp_error error = { 0 };
+    if ( torture_read( subject, &scene, &error ) != WISP_OK )
+    {
+        return true;
+    }
+    bool holds = ( twins & TORTURE_TWIN_BITS ) == 0 || judge_bits( &scene, out );
+    holds = holds && ( ( twins & TORTURE_TWIN_SNAPSHOT ) == 0 || judge_snapshot( &scene, out ) );
+    wisp_scene_release( &scene );
+    if ( holds && ( twins & TORTURE_TWIN_SCALE ) )
+    {
+        torture_node* tree = torture_copy( subject->tree );
+        torture_scale( tree, trace->steps % 2 == 0 ? 10.0 : 0.1 );
+        holds = judge_alike( subject, tree, trace, TORTURE_SCALE, out );
+    }
+    if ( holds && ( twins & TORTURE_TWIN_SHIFT ) )
+    {
+        torture_node* tree = torture_copy( subject->tree );
+        torture_shift( tree, ( const double[] ){ 60.0, 0.0, 80.0 } );
+        holds = judge_alike( subject, tree, trace, TORTURE_SHIFT, out );
+    }
+    return holds;
+}

@@ -1,0 +1,84 @@
+// The program as a user meets it: wisp torture.
+#include "program_fixture.h"
+
+#include <jansson.h>
+
+static const char good_scene[] = "wisp: 1\n"
+                                 "steps: 60\n"
+                                 "surfaces:\n"
+                                 "  - name: cloth\n"
+                                 "    generate: { shape: plane, columns: 5, rows: 5, spacing: 0.05 }\n"
+                                 "    pins: [0, 4]\n"
+                                 "    cloth: {}\n";
+
+// The reader takes it and the engine does not: the mesh is open.
+static const char broken_scene[] = "wisp: 1\n"
+                                   "steps: 120\n"
+                                   "surfaces:\n"
+                                   "  - name: cloth\n"
+                                   "    generate: { shape: plane }\n"
+                                   "    balloon: {}\n";
+
+static int enter_folder( void** state )
+{
+    static const text_file files[] = { { "good.yaml", good_scene }, { "broken.yaml", broken_scene } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
+}
+
+static void scenes_that_hold_are_status_0( void** state )
+{
+    (void)state;
+    run_ok( "torture good.yaml" );
+    assert_string_equal( result.err, "" );
+    assert_contains( result.out, "scenes   1, " );
+    assert_contains( result.out, "broken   0" );
+}
+
+static void a_scene_that_breaks_is_status_1_and_a_sentence( void** state )
+{
+    (void)state;
+    run( "torture good.yaml broken.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "broken   1" );
+    assert_contains( result.out, "broken.yaml: refused: " );
+}
+
+static void a_search_counts_its_scenes( void** state )
+{
+    (void)state;
+    run( "torture --seed 1 --scenes 3 --keep 0 --out found --format json" );
+    assert_true( result.status == 0 || result.status == 1 );
+    json_t* root = json_loads( result.out, 0, NULL );
+    assert_non_null( root );
+    const json_t* size = json_object_get( json_array_get( json_object_get( root, "rows" ), 0 ), "size" );
+    assert_int_equal( json_number_value( json_object_get( size, "scenes" ) ), 3 );
+    json_decref( root );
+}
+
+static void a_scene_of_a_seed_is_printed_as_a_scene( void** state )
+{
+    (void)state;
+    run_ok( "torture --seed 3 --first 5 --print" );
+    write_text( "printed.yaml", result.out );
+    run_ok( "info printed.yaml" );
+}
+
+static void wrong_usage_and_bad_files_are_told( void** state )
+{
+    (void)state;
+    assert_usage( "torture --scenes 0", "--scenes" );
+    assert_usage( "torture --mesh none.obj", "expected a file" );
+    assert_refused( "torture none.yaml", "none.yaml" );
+}
+
+int main( int argc, char** argv )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( scenes_that_hold_are_status_0 ),
+        cmocka_unit_test( a_scene_that_breaks_is_status_1_and_a_sentence ),
+        cmocka_unit_test( a_search_counts_its_scenes ),
+        cmocka_unit_test( a_scene_of_a_seed_is_printed_as_a_scene ),
+        cmocka_unit_test( wrong_usage_and_bad_files_are_told ),
+    };
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
+}

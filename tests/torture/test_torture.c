@@ -1,0 +1,75 @@
+// The search itself: a fixed number of scenes must hold, apart from those that are known to break, which must still
+// do so.
+#include "torture_fixture.h"
+
+#include "torture_search.h"
+
+typedef struct known_scene
+{
+    int seed, number;
+    torture_judge judge;
+} known_scene;
+
+#define TORTURE_KNOWN( seed, number, judge ) { seed, number, judge },
+static const known_scene KNOWN[] = {
+#include "known.inc"
+    { -1, -1, TORTURE_HOLDS },
+};
+#undef TORTURE_KNOWN
+
+static torture_judge known_judge( int seed, int number )
+{
+    for ( int i = 0; i < WISP_COUNT( KNOWN ); ++i )
+    {
+        if ( KNOWN[i].seed == seed && KNOWN[i].number == number )
+        {
+            return KNOWN[i].judge;
+        }
+    }
+    return TORTURE_HOLDS;
+}
+
+// Twins take turns as in a search. @return whether the scene is as it is known
+static bool check_scene( int seed, int number )
+{
+    const torture_generator generator = { .seed = (uint64_t)seed };
+    torture_node* tree = torture_generate( &generator, number );
+    const torture_subject subject = { tree, "test" };
+    const torture_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), 120.0 );
+    const torture_judge known = known_judge( seed, number );
+    if ( verdict.judge != known )
+    {
+        print_error( "seed %d, scene %d: %s%s%s; expected %s\n", seed, number,
+                     verdict.judge < 0 ? "holds" : torture_judge_names[verdict.judge], verdict.judge < 0 ? "" : ": ",
+                     verdict.message, known < 0 ? "that it holds" : torture_judge_names[known] );
+    }
+    torture_release( tree );
+    return verdict.judge == known;
+}
+
+static void random_scenes_hold_apart_from_those_that_are_known( void** state )
+{
+    (void)state;
+    enum
+    {
+        SEEDS = 5,
+        SCENES = 20,
+    };
+    int wrong = 0;
+    for ( int seed = 1; seed <= SEEDS; ++seed )
+    {
+        for ( int number = 0; number < SCENES; ++number )
+        {
+            wrong += !check_scene( seed, number );
+        }
+    }
+    assert_int_equal( wrong, 0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( random_scenes_hold_apart_from_those_that_are_known ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

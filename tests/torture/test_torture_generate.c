@@ -1,0 +1,226 @@
+// The generator: a seed is a sequence of scenes, they hold everything that a scene can say, and the reader takes
+// them.
+#include "torture_fixture.h"
+
+#include "torture_generate.h"
+
+static char* text_of( uint64_t seed, int number )
+{
+    const torture_generator generator = { .seed = seed };
+    torture_node* scene = torture_generate( &generator, number );
+    char* text = torture_write( scene, NULL );
+    torture_release( scene );
+    return text;
+}
+
+static void a_scene_of_a_seed_is_always_the_same_text( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < 20; ++i )
+    {
+        char *a = text_of( 7, i ), *b = text_of( 7, i );
+        assert_string_equal( a, b );
+        free( a );
+        free( b );
+    }
+}
+
+static void seeds_and_numbers_are_different_scenes( void** state )
+{
+    (void)state;
+    char *a = text_of( 7, 1 ), *b = text_of( 7, 2 ), *c = text_of( 8, 1 );
+    assert_string_not_equal( a, b );
+    assert_string_not_equal( a, c );
+    free( a );
+    free( b );
+    free( c );
+}
+
+// Computed from the definition of SplitMix64 with whole numbers of any length.
+static void random_numbers_are_those_of_every_machine( void** state )
+{
+    (void)state;
+    torture_random random = torture_random_start( 1, 2 );
+    assert_true( torture_random_next( &random ) == UINT64_C( 0xd2f6d0470be1a7b1 ) );
+}
+
+static void every_scene_is_read( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < 400; ++i )
+    {
+        const torture_generator generator = { .seed = 11 };
+        torture_node* tree = torture_generate( &generator, i );
+        const torture_subject subject = { tree, "test" };
+        wisp_scene scene;
+        wisp_error error = { 0 };
+        if ( torture_read( &subject, &scene, &error ) != WISP_OK )
+        {
+            fail_msg( "scene %d: %s", i, error.message );
+        }
+        wisp_scene_release( &scene );
+        torture_release( tree );
+    }
+}
+
+static void text_of_a_scene_is_read_as_the_same_tree( void** state )
+{
+    (void)state;
+    for ( int i = 0; i < 50; ++i )
+    {
+        char* text = text_of( 13, i );
+        torture_node* tree = parse_scene( text );
+        char* again = torture_write( tree, NULL );
+        assert_string_equal( text, again );
+        torture_release( tree );
+        free( again );
+        free( text );
+    }
+}
+
+static void every_kind_is_drawn( void** state )
+{
+    (void)state;
+    static const char* const words[] = { "cloth:",
+                                         "balloon:",
+                                         "implicit:",
+                                         "contact:",
+                                         "boundary:",
+                                         "instance_of:",
+                                         "dynamics:",
+                                         "ghosts:",
+                                         "curves:",
+                                         "frozen_hair:",
+                                         "environment:",
+                                         "appearance:",
+                                         "grid:",
+                                         "head:",
+                                         "on_surface:",
+                                         "hair_events:",
+                                         "events:",
+                                         "keyframes:",
+                                         "pin_keyframes:",
+                                         "dt_factors:",
+                                         "gravity:",
+                                         "shape: plane",
+                                         "shape: sphere",
+                                         "shape: capsule",
+                                         "shape: box",
+                                         "shape: mesh",
+                                         "shape: torus",
+                                         "shape: tube",
+                                         "shape: pear",
+                                         "shape: garment",
+                                         "shape: delaunay",
+                                         "shape: icosphere",
+                                         "release:",
+                                         "gas_ratio_keyframes:",
+                                         "strain_limit:",
+                                         "vertex_masses:",
+                                         "level_passes:",
+                                         "primitives: particles",
+                                         "stretch: follow",
+                                         "stretch: links",
+                                         "bending: dihedral",
+                                         "bending: isometric",
+                                         "solver: pbd",
+                                         "integrator: bdf2",
+                                         "links: quad",
+                                         "time: 0.001" };
+    bool found[WISP_COUNT( words )] = { false };
+    for ( int i = 0; i < 2000; ++i )
+    {
+        char* text = text_of( 17, i );
+        for ( int k = 0; k < WISP_COUNT( words ); ++k )
+        {
+            found[k] |= strstr( text, words[k] ) != NULL;
+        }
+        free( text );
+    }
+    for ( int k = 0; k < WISP_COUNT( words ); ++k )
+    {
+        if ( !found[k] )
+        {
+            fail_msg( "no scene has '%s'", words[k] );
+        }
+    }
+}
+
+// A key that no scene has is one that the generator should draw, or that is listed here with its reason.
+static void every_key_of_an_effect_is_drawn( void** state )
+{
+    (void)state;
+    static const char* const effects[] = { "cloth", "balloon", "implicit", "collision" };
+    static const char* const left_out[] = { "max_iterations", "outlet", "outlet_radius",
+                                            "min_gas_ratio",  "mask",   "allow_open" };
+    torture_node* found = torture_map();
+    for ( int i = 0; i < 2000; ++i )
+    {
+        const torture_generator generator = { .seed = 19 };
+        torture_node* tree = torture_generate( &generator, i );
+        const torture_node* surfaces = torture_find( tree, "surfaces" );
+        for ( int k = 0; surfaces && k < surfaces->count; ++k )
+        {
+            for ( int e = 0; e < WISP_COUNT( effects ); ++e )
+            {
+                const torture_node* effect = torture_find( surfaces->children[k], effects[e] );
+                for ( int c = 0; effect && c < effect->count; ++c )
+                {
+                    torture_put( found, effect->children[c]->key, torture_scalar( "1" ) );
+                }
+            }
+        }
+        torture_release( tree );
+    }
+    for ( int e = 0; e < WISP_COUNT( effects ); ++e )
+    {
+        const torture_block surface = torture_block_below( torture_block_of_scene(), "surfaces", NULL );
+        const torture_block block = torture_block_below( surface, effects[e], NULL );
+        for ( int i = 0; i < block.table->field_count; ++i )
+        {
+            const char* key = block.table->fields[i].key;
+            bool is_left_out = false;
+            for ( int k = 0; k < WISP_COUNT( left_out ); ++k )
+            {
+                is_left_out |= strcmp( key, left_out[k] ) == 0;
+            }
+            if ( !is_left_out && torture_find( found, key ) == NULL )
+            {
+                fail_msg( "no scene has %s.%s", effects[e], key );
+            }
+        }
+    }
+    torture_release( found );
+}
+
+static void a_mesh_that_is_given_is_used( void** state )
+{
+    (void)state;
+    static const char* const meshes[] = { WISP_SOURCE_ROOT "/data/bunny.obj" };
+    const torture_generator generator = { .seed = 1, .meshes = meshes, .mesh_count = 1 };
+    int count = 0;
+    for ( int i = 0; i < 40; ++i )
+    {
+        torture_node* scene = torture_generate( &generator, i );
+        char* text = torture_write( scene, NULL );
+        count += strstr( text, "bunny.obj" ) != NULL;
+        free( text );
+        torture_release( scene );
+    }
+    assert_true( count > 5 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_scene_of_a_seed_is_always_the_same_text ),
+        cmocka_unit_test( seeds_and_numbers_are_different_scenes ),
+        cmocka_unit_test( random_numbers_are_those_of_every_machine ),
+        cmocka_unit_test( every_scene_is_read ),
+        cmocka_unit_test( text_of_a_scene_is_read_as_the_same_tree ),
+        cmocka_unit_test( every_kind_is_drawn ),
+        cmocka_unit_test( every_key_of_an_effect_is_drawn ),
+        cmocka_unit_test( a_mesh_that_is_given_is_used ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}

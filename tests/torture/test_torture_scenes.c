@@ -1,0 +1,36 @@
+// Scenes that broke once and hold now: every file of the folder, with all twins.
+#define _XOPEN_SOURCE 700
+
+#include "torture_fixture.h"
+
+#include "files.h"
+
+#include <glob.h>
+
+static void scenes_that_broke_once_hold( void** state )
+{
+    (void)state;
+    glob_t found;
+    assert_int_equal( glob( WISP_SOURCE_ROOT "/tests/torture/*.yaml", 0, NULL, &found ), 0 );
+    int broken = 0;
+    for ( size_t i = 0; i < found.gl_pathc; ++i )
+    {
+        size_t size = 0;
+        char* text = read_bytes( found.gl_pathv[i], &size );
+        const torture_verdict verdict = judge_text( text, TORTURE_TWIN_ALL );
+        if ( verdict.judge != TORTURE_HOLDS )
+        {
+            print_error( "%s: %s: %s\n", found.gl_pathv[i], torture_judge_names[verdict.judge], verdict.message );
+            ++broken;
+        }
+        free( text );
+    }
+    globfree( &found );
+    assert_int_equal( broken, 0 );
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = { cmocka_unit_test( scenes_that_broke_once_hold ) };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
