@@ -183,7 +183,11 @@ LANE_INLINE void move_row( const wisp_strand_stretch_args* args, const substitut
 {
     float* at = args->velocity + (size_t)row * STRIDE;
     const lane16 w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
-    const lane16v moved = lane16v_scale( lane16v_sub( s->pull, pull ), w );
+    const lane16 zero = lane16_zero();
+    const lane16v none = { zero, zero, zero };
+    // pinned vertices stay even if the multipliers overflow
+    const lane16v moved =
+        lane16v_select( lane16_lt( zero, w ), lane16v_scale( lane16v_sub( s->pull, pull ), w ), none );
     const lane16v velocity = lane16v_load( at );
     lane16v_store( at, lane16v_mul_add( velocity, terms->inverse_dt, moved ) );
     if ( kind.is_predicted )
