@@ -91,6 +91,7 @@ LANE_INLINE place16 predict_row( const wisp_strand_motion_args* args, const moti
     const lane16v velocity = lane16v_add( s.velocity, lane16v_select( is_free, gain, none ) );
     const place16 p = { s.position, place16_moved( s.low, velocity, w, terms->dt ), s.low, velocity, w };
     lane16v_store( args->velocity + at, velocity );
+    lane16_store( args->speed + (size_t)row * WISP_LANES, lane16v_dot( velocity, velocity ) );
     if ( is_predicted )
     {
         lane16v_store( args->previous + at, lane16v_select( is_free, s.position, start ) );

@@ -71,7 +71,10 @@ LANE_INLINE lane16 acceleration_offset( const wisp_strand_rod_args* args, int gr
 LANE_INLINE void accelerate( const wisp_strand_rod_args* args, int row, lane16v moved )
 {
     float* velocity = args->velocity + (size_t)row * STRIDE;
-    lane16v_store( velocity, lane16v_mul_add( lane16v_load( velocity ), lane16_set1( 1.0f / args->dt ), moved ) );
+    const lane16v v = lane16v_load( velocity );
+    const lane16m is_free = lane16_lt( lane16_zero(), lanes_of( args->inverse_mass, row ) );
+    const lane16v faster = lane16v_mul_add( v, lane16_set1( 1.0f / args->dt ), moved );
+    lane16v_store( velocity, lane16v_select( is_free, faster, v ) );
 }
 
 // Changes a segment by the displacements of its vertices.

@@ -14,17 +14,14 @@
 static const size_t STRIDE = 3 * WISP_LANES;
 
 // Values of a row kept in scratch for the sweep back: the multiplier of its segment so far and the coupling to the
-// next one. The first sweep back leaves the squared speed of a vertex in place of a coupling that it has used, for
-// a reset.
+// next one.
 enum
 {
     ROW = 2 * WISP_LANES,
     MULTIPLIER = 0,
     COUPLING = WISP_LANES,
-    SPEED = COUPLING,
-    CHAIN_ROW = 2 * ROW, // of the first iteration, and of later ones
 };
-_Static_assert( CHAINS* CHAIN_ROW <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
+_Static_assert( CHAINS* ROW <= WISP_STRAND_SCRATCH, "groups in turns share the scratch of one" );
 
 // Relative error of the squared length at single precision; another iteration would not improve it.
 #define EXACT 4e-5f
@@ -45,7 +42,7 @@ typedef struct chain
 {
     int first, last;
 
-    float *values, *speed; // [row - first][ROW], of the iteration and of the first one
+    float* values; // [row - first][ROW]
 } chain;
 
 LANE_INLINE place_columns columns_of( const wisp_strand_stretch_args* args )
@@ -181,17 +178,17 @@ typedef struct substitution_terms
 } substitution_terms;
 
 // Moves a vertex by the multipliers of its two segments, and tests the segment after it.
-LANE_INLINE void move_row( const wisp_strand_stretch_args* args, const chain* c, const substitution_terms* terms,
-                           substitution* s, int row, lane16v pull, iteration_kind kind )
+LANE_INLINE void move_row( const wisp_strand_stretch_args* args, const substitution_terms* terms, substitution* s,
+                           int row, lane16v pull, iteration_kind kind )
 {
     float* at = args->velocity + (size_t)row * STRIDE;
     const lane16 w = lane16_load( args->inverse_mass + (size_t)row * WISP_LANES );
-    const lane16v moved = lane16v_scale( lane16v_sub( s->pull, pull ), w );
+    const lane16 zero = lane16_zero();
+    const lane16v none = { zero, zero, zero };
+    // pinned vertices stay even if the multipliers overflow
+    const lane16v moved =
+        lane16v_select( lane16_lt( zero, w ), lane16v_scale( lane16v_sub( s->pull, pull ), w ), none );
     const lane16v velocity = lane16v_load( at );
-    if ( kind.is_first )
-    {
-        lane16_store( c->speed + (size_t)( row - c->first ) * ROW + SPEED, lane16v_dot( velocity, velocity ) );
-    }
     lane16v_store( at, lane16v_mul_add( velocity, terms->inverse_dt, moved ) );
     if ( kind.is_predicted )
     {
@@ -216,7 +213,7 @@ LANE_INLINE void substitute_row( const wisp_strand_stretch_args* args, const cha
     const float* in = c->values + (size_t)( row - 1 - c->first ) * ROW;
     const lane16 multiplier = lane16_add( lane16_load( in + MULTIPLIER ), lane16_mul( s->coupling, s->multiplier ) );
     const lane16v e = lane16v_load( args->segment + (size_t)( row - 1 ) * STRIDE );
-    move_row( args, c, terms, s, row, lane16v_scale( e, multiplier ), kind );
+    move_row( args, terms, s, row, lane16v_scale( e, multiplier ), kind );
     s->e = e;
     s->multiplier = multiplier;
     s->coupling = lane16_load( in + COUPLING );
@@ -251,7 +248,7 @@ LANE_INLINE lane16m substitute( const wisp_strand_stretch_args* args, const chai
     {
         substitute_row( args, c, &terms, &s, row, kind );
     }
-    move_row( args, c, &terms, &s, c->first, none, kind );
+    move_row( args, &terms, &s, c->first, none, kind );
     return s.inexact;
 }
 
@@ -355,7 +352,7 @@ static void reset_strands( const wisp_strand_stretch_args* args, const chain* c,
         direction = lane16v_select( has_direction, lane16v_scale( e, inverse ), direction );
         put = lane16v_mul_add( put, lane16_load( args->length + (size_t)row * WISP_LANES ), direction );
         const lane16v start = lane16v_add( lane16v_sub( p.start, root.start ), p.low );
-        const lane16 speed = lane16_load( c->speed + (size_t)( row + 1 - first ) * ROW + SPEED );
+        const lane16 speed = lane16_load( args->speed + (size_t)( row + 1 ) * WISP_LANES );
         reset_row( args, row + 1, lane16v_sub( put, start ), speed, reach2, lanes );
         before = p;
     }
@@ -436,8 +433,8 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
     const size_t rows = (size_t)( first[1] - first[0] );
     for ( int c = 0; c < count; ++c )
     {
-        float* scratch = args->scratch + (size_t)c * rows * CHAIN_ROW;
-        chains[c] = ( chain ){ first[c], first[c + 1], scratch, scratch };
+        float* scratch = args->scratch + (size_t)c * rows * ROW;
+        chains[c] = ( chain ){ first[c], first[c + 1], scratch };
         if ( kind.is_predicted )
         {
             const place_columns columns = columns_of( args );
@@ -450,7 +447,6 @@ LANE_INLINE int stretch_groups( const wisp_strand_stretch_args* args, const int*
     int laid = 0;
     for ( int c = 0; c < count; ++c )
     {
-        chains[c].values += rows * ROW;
         for ( int pass = 1; pass < args->iterations && lane16m_any( inexact[c] ); ++pass )
         {
             iterate( args, &chains[c], 1, kind, &inexact[c] );

@@ -12,7 +12,7 @@
 enum
 {
     PAIR = 2,                            // kernels interleave two groups
-    PAIR_FLOATS = PAIR * 3 * WISP_LANES, // per row, of a vector
+    PAIR_FLOATS = PAIR * 4 * WISP_LANES, // per row: segments and speeds
 };
 
 // Optional components of an entity.
@@ -227,6 +227,8 @@ void strands_substeps( wisp_frame* frame, const wisp_span* span, int substep_end
     float* behind = all.stretch.scratch + (size_t)( group_row[1] - group_row[0] ) * WISP_STRAND_SCRATCH;
     batch.motion.previous = batch.stretch.previous = NULL;
     batch.link.previous = batch.rod.previous = NULL;
+    batch.motion.speed = behind + (size_t)( group_row[1] - group_row[0] ) * PAIR * 3 * WISP_LANES;
+    batch.stretch.speed = batch.motion.speed;
     batch.motion.segment = batch.link.segment = batch.rod.segment = batch.stretch.segment = behind;
     batch.rod.scratch = all.stretch.scratch;
     for ( wisp_span pair = *span; pair.begin < span->end; pair.begin = pair.end )

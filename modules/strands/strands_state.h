@@ -63,8 +63,7 @@ typedef struct strands_grid
 #define STRANDS_AIR( X ) X( strands_air, air, 1 )
 #define STRANDS_PINS( X ) X( int32_t, count, 1 )  /* vertices behind the root that are pinned */
 #define STRANDS_FAULT( X ) X( int32_t, fault, 1 ) /* the state check restored the entity in this step */
-#define STRANDS_LOW( X )                                                                                             \
-    X( float, low, 48 ) /* m, what does not fit the digits of the position */
+#define STRANDS_LOW( X ) X( float, low, 48 )      /* m, what does not fit the digits of the position */
 #define STRANDS_DIRECT( X ) X( strands_direct, direct, 1 )
 #define STRANDS_LINKS( X ) X( strands_link, link, 1 )
 #define STRANDS_FOLLOW( X ) X( float, fraction, 1 )

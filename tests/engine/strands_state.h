@@ -15,6 +15,7 @@ typedef struct strands_state
     _Alignas( 64 ) float position[STRAND_ROWS][3][16];
     float previous[STRAND_ROWS][3][16], velocity[STRAND_ROWS][3][16], low[STRAND_ROWS][3][16],
         segment[STRAND_ROWS][3][16];
+    float speed[STRAND_ROWS][16];
     float weight[STRAND_ROWS][16], length[STRAND_ROWS][16], tension[STRAND_ROWS][16];
     float max_tension[STRAND_ROWS][16];
     float rest2[STRAND_ROWS][16], lambda[STRAND_ROWS][16]; // of links two apart
@@ -53,6 +54,8 @@ static inline void find_start( strands_state* s )
     {
         const int row = i / 48, k = i / 16 % 3, lane = i % 16;
         const float path = s->weight[row][lane] > 0.0f ? s->velocity[row][k][lane] / 600.0f : 0.0f;
+        const float v = s->velocity[row][k][lane];
+        s->speed[row][lane] = ( k > 0 ? s->speed[row][lane] : 0.0f ) + v * v;
         s->previous[row][k][lane] = s->position[row][k][lane] - path;
         if ( row > 0 )
         {
@@ -119,6 +122,7 @@ static inline wisp_strand_motion_args motion_args( strands_state* s, float dt )
     return ( wisp_strand_motion_args ){ .group_row = s->group_row,
                                         .position = s->position[0][0],
                                         .previous = s->previous[0][0],
+                                        .speed = s->speed[0],
                                         .segment = s->segment[0][0],
                                         .low = s->low[0][0],
                                         .velocity = s->velocity[0][0],
@@ -142,6 +146,7 @@ static inline wisp_strand_stretch_args stretch_args( strands_state* s, float dt,
                                          .tolerance = 1e-3f,
                                          .previous = s->previous[0][0],
                                          .low = s->low[0][0],
+                                         .speed = s->speed[0],
                                          .segment = s->segment[0][0],
                                          .velocity = s->velocity[0][0],
                                          .dt = dt,

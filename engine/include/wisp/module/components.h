@@ -57,7 +57,8 @@
 /// Means nothing between steps: neither snapshots nor hashes hold it.
 #define WISP_STRAND_PREVIOUS_COLUMNS( X )                                                                            \
     X( float, previous, 48 ) /* m, position at the start of the substep */                                           \
-    X( float, segment, 48 )  /* m, from the next vertex to this one, as strands have solved it */
+    X( float, segment, 48 )  /* m, from the next vertex to this one, as strands have solved it */                    \
+    X( float, speed, 16 )    /* m^2/s^2, squared, as predicted */
 #define WISP_STRAND_INVERSE_MASS_COLUMNS( X ) X( float, inverse_mass, 16 ) /* 1/kg; 0: pinned, or not a vertex */
 #define WISP_STRAND_LENGTH_COLUMNS( X ) X( float, length, 16 ) /* m, > 0: of the segment to the next row; 0: none */
 #define WISP_STRAND_ROOT_COLUMNS( X )                                                                                \

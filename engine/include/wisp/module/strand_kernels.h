@@ -81,6 +81,7 @@ typedef struct wisp_strand_motion_args
     float dt;                        ///< s
     const float* length;             ///< [row][16] m, of the segment to the next row; with `segment` only
     float* segment;                  ///< [row][3][16] m, vectors from the next row to this one, in and out
+    float* speed;                    ///< [row][16] m^2/s^2, output of the prediction: squared speeds
 } wisp_strand_motion_args;
 
 /// Arguments of damping towards a rigid motion: v <- u + retained_fraction (v - u) with u = linear + angular x (p -
@@ -118,11 +119,11 @@ typedef struct wisp_strand_air_args
 /// not reset.
 typedef struct wisp_strand_stretch_args
 {
-    const int32_t* group_row; ///< [group_count + 1] first row of each group
-    float* position;          ///< [row][3][16] m; without `previous` it changes only in a reset
-    float* previous;          ///< [row][3][16] m, moved with a vertex that loses velocity; null: as motion_args
-    float* low;               ///< [row][3][16] m, what does not fit the digits of position
-    float* velocity; ///< [row][3][16] m/s, predicted; takes the corrections. A reset gives no vertex a higher speed
+    const int32_t* group_row;  ///< [group_count + 1] first row of each group
+    float* position;           ///< [row][3][16] m; without `previous` it changes only in a reset
+    float* previous;           ///< [row][3][16] m, moved with a vertex that loses velocity; null: as motion_args
+    float* low;                ///< [row][3][16] m, what does not fit the digits of position
+    float* velocity;           ///< [row][3][16] m/s, takes the corrections
     const float* inverse_mass; ///< [row][16] 1/kg
     const float* length;      ///< [row][16] m, > 0: length of the segment from this row to the next; 0 beyond the tip
     float* tension;           ///< [row][16] N, of that segment, output; null: not computed
@@ -132,6 +133,7 @@ typedef struct wisp_strand_stretch_args
     float dt;                 ///< s
     float* scratch;           ///< WISP_STRAND_SCRATCH floats per row of the longest group
     float* segment;           ///< [row][3][16] m, vectors from the next row to this one, in and out
+    const float* speed;       ///< [row][16] m^2/s^2, squared, as predicted; a reset gives no vertex a higher one
 } wisp_strand_stretch_args;
 
 /// Floats of scratch per row of a strand kernel.
