@@ -125,6 +125,7 @@ bool contact_build_contact_mesh( const contact_work* work )
     {
         return false;
     }
+    memset( s->intersection_free, 0, (size_t)s->point_count * 4 * sizeof( float ) ); // compared before it is written
     for ( int g = 0; g < work->participant_count; ++g )
     {
         const contact_participant* participant = work->participants + g;

@@ -86,7 +86,7 @@ static void shift_side( contact_contact_mesh* s, const contact_row* row, contact
 static void way_on_body( const contact_work* work, const contact_row* row, contact_side upper, float way[3] )
 {
     const contact_contact_mesh* s = work->contact_mesh;
-    const float* motion = s->supports->points[row->point[upper.begin]].motion;
+    const float* motion = contact_highest( s->supports, row, upper )->motion;
     const float sign = upper.begin == 0 ? -1.0f : 1.0f;
     for ( int k = 0; k < 3; ++k )
     {
@@ -178,7 +178,7 @@ static void rub_on_body( const contact_work* work, const float* half, int point,
         way[k] -= along * n[k] + done[k];
     }
     const float length = sqrtf( contact_dot( way, way ) ), held = tally->held * p[3];
-    const bool stands = length <= half[14] * normal - held;
+    const bool stands = length == 0.0f || length <= half[14] * normal - held;
     const float fraction = stands ? 1.0f : contact_larger( half[15] * normal - held, 0.0f ) / length;
     for ( int k = 0; k < 3; ++k )
     {

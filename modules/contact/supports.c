@@ -165,13 +165,16 @@ bool contact_is_supported( const contact_work* work, const contact_row* row )
     return any;
 }
 
-static int highest_of( const contact_supports* supports, const contact_row* row, int begin, int end )
+const contact_support* contact_highest( const contact_supports* supports, const contact_row* row, contact_side side )
 {
-    int highest = -1;
-    for ( int i = begin; i < end; ++i )
+    const contact_support* highest = NULL;
+    for ( int i = side.begin; i < side.end; ++i )
     {
-        const int layer = supports->points[row->point[i]].layer;
-        highest = layer < CONTACT_NO_SUPPORT && layer > highest ? layer : highest;
+        const contact_support* support = supports->points + row->point[i];
+        if ( support->layer < CONTACT_NO_SUPPORT && ( highest == NULL || support->layer > highest->layer ) )
+        {
+            highest = support;
+        }
     }
     return highest;
 }
@@ -179,13 +182,13 @@ static int highest_of( const contact_supports* supports, const contact_row* row,
 contact_side contact_upper_side( const contact_work* work, const contact_row* row )
 {
     const contact_supports* supports = work->contact_mesh->supports;
-    const int first = highest_of( supports, row, 0, row->split ),
-              second = highest_of( supports, row, row->split, row->count );
-    if ( first < 0 || second < 0 || first == second )
+    const contact_side first = { 0, row->split }, second = { row->split, row->count };
+    const contact_support *a = contact_highest( supports, row, first ), *b = contact_highest( supports, row, second );
+    if ( a == NULL || b == NULL || a->layer == b->layer )
     {
         return ( contact_side ){ 0, 0 };
     }
-    return first > second ? ( contact_side ){ 0, row->split } : ( contact_side ){ row->split, row->count };
+    return a->layer > b->layer ? first : second;
 }
 
 // Take from a direction what would push the point against its support or out of a half space.
@@ -216,14 +219,16 @@ static void keep_supported( const contact_work* work, int point, float length, i
 void contact_move_supported( const contact_work* work, contact_row* row, float change, float sum )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    const int highest[2] = { highest_of( s->supports, row, 0, row->split ),
-                             highest_of( s->supports, row, row->split, row->count ) };
+    const contact_side sides[2] = { { 0, row->split }, { row->split, row->count } };
+    const contact_support* highest[2] = { contact_highest( s->supports, row, sides[0] ),
+                                          contact_highest( s->supports, row, sides[1] ) };
     float directions[CONTACT_MAX_POINTS][3], left = 0.0f;
     for ( int i = 0; i < row->count; ++i )
     {
         const float fraction = s->now[(size_t)row->point[i] * 4 + 3] * row->weight[i];
         memcpy( directions[i], row->normal, 3 * sizeof( float ) );
-        keep_supported( work, row->point[i], change / sum * fraction, highest[i < row->split ? 1 : 0],
+        const contact_support* other = highest[i < row->split ? 1 : 0];
+        keep_supported( work, row->point[i], change / sum * fraction, other != NULL ? other->layer : -1,
                         directions[i] );
         left += fraction * row->weight[i] * contact_dot( row->normal, directions[i] );
     }

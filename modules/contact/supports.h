@@ -64,6 +64,9 @@ void contact_find_supports( const contact_work* work );
 /// Return whether a point of a row is supported, so that contact_move_supported() has to move it.
 bool contact_is_supported( const contact_work* work, const contact_row* row );
 
+/// Return the point of a side in the highest layer, null if nothing supports any.
+const contact_support* contact_highest( const contact_supports* supports, const contact_row* row, contact_side side );
+
 /// Return the side of a row that lies on the other one; empty if neither does.
 contact_side contact_upper_side( const contact_work* work, const contact_row* row );
 
