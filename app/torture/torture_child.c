@@ -12,14 +12,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
-{
-    char* text = torture_write( subject->tree, NULL );
-    const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
-    free( text );
-    return status;
-}
-
 static void refuse( torture_verdict* out, const wisp_error* error )
 {
     *out = ( torture_verdict ){ .judge = TORTURE_REFUSED, .severity = 1.0 };

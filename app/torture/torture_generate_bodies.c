@@ -1,5 +1,5 @@
 // Colliders, and what happens to surfaces and strands in the course of a scene.
-#include "torture_generate.h"
+#include "torture_builder.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "torture_generate.h"
+#include "torture_builder.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -3,12 +3,21 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = { "crash",       "time",          "refused", "status",
                                                                "finite",      "halted",        "energy",  "strain",
                                                                "penetration", "intersections", "rest",    "bits",
                                                                "snapshot",    "scale",         "shift" };
+
+wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
+{
+    char* text = torture_write( subject->tree, NULL );
+    const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
+    free( text );
+    return status;
+}
 
 __attribute__( ( format( printf, 5, 6 ) ) ) static bool break_it( torture_verdict* out, torture_judge judge, int step,
                                                                   double severity, const char* format, ... )

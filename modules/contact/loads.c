@@ -12,7 +12,7 @@
 // - Friction that an upper layer got from below is no longer there for the layers between: it is handed down as well.
 #include "loads.h"
 
-#include "solve.h"
+#include "slip.h"
 
 #include <string.h>
 

@@ -14,6 +14,7 @@
 #include "colouring.h"
 #include "constraints.h"
 #include "loads.h"
+#include "slip.h"
 
 typedef void row_fn( const contact_work* work, contact_row* row );
 
@@ -60,36 +61,6 @@ static void move( float* xyzw, const float* masses, const contact_row* row, cons
         xyzw[at] += fraction * by[0];
         xyzw[at + 1] += fraction * by[1];
         xyzw[at + 2] += fraction * by[2];
-    }
-}
-
-void contact_add_way( const contact_contact_mesh* s, const contact_row* row, int begin, int end, float way[3] )
-{
-    for ( int i = begin; i < end; ++i )
-    {
-        const float *p = s->now + (size_t)row->point[i] * 4, *q = s->intersection_free + (size_t)row->point[i] * 4;
-        for ( int k = 0; k < 3; ++k )
-        {
-            way[k] += row->weight[i] * ( p[k] - q[k] );
-        }
-    }
-}
-
-void contact_find_slip( contact_row* row, const float way[3], float most, float by[3] )
-{
-    const float* n = row->normal;
-    const float along = n[0] * way[0] + n[1] * way[1] + n[2] * way[2];
-    float requested[3], squared = 0.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        requested[k] = row->tangential_correction[k] - ( way[k] - along * n[k] );
-        squared += requested[k] * requested[k];
-    }
-    const float scale = squared > most * most ? most / sqrtf( squared ) : 1.0f;
-    for ( int k = 0; k < 3; ++k )
-    {
-        by[k] = scale * requested[k] - row->tangential_correction[k];
-        row->tangential_correction[k] = scale * requested[k];
     }
 }
 
