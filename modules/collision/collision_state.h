@@ -24,8 +24,8 @@ typedef struct collision_body
 /// nothing else.
 typedef struct collision_state
 {
-    wisp_component settings;       // collision_settings: the surface, or the strands, collide
-    wisp_component active;         // a mark on surfaces, while there is a body: also on those that an external solver moves
+    wisp_component settings; // collision_settings: the surface, or the strands, collide
+    wisp_component active;   // a mark on surfaces, while there is a body: also on those that an external solver moves
     wisp_component strand_contact; // rows of strands, likewise
     wisp_component carried;        // rows of strands without dynamics, likewise
     wisp_component stats;          // wisp_collision_stats
