@@ -34,6 +34,30 @@ typedef struct wisp_hinge_args
     float inverse_dt2;       ///< xpbd: 1/s^2
 } wisp_hinge_args;
 
+/// A symmetric matrix whose rows sum to zero, by slices of eight rows: ( Q x )_i = sum of weight ( x_i - x_j ) over the entries of
+/// row i. Cooked by plate.h.
+typedef struct wisp_plate_rows
+{
+    int slice_count;
+    const int32_t* begin;           ///< [slice_count + 1] first entry of a slice
+    const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads
+    const float ( *weight )[8];     ///< [entry] 1/m^2; 0 pads
+} wisp_plate_rows;
+
+/// Arguments of an implicit step of bending by a Chebyshev recurrence, slices of eight rows. Rows are slots. With A = r W Q, W the
+/// inverse masses, it approaches y = ( 1 + A )^-1 W b, and is exact for long waves after any number of stages.
+typedef struct wisp_plate_args
+{
+    wisp_plate_rows rows;
+    const float* position; ///< [row][4] m; inverse mass, 1/kg
+    float* impulse;        ///< [row][4] kg m: b = - r Q x
+    const float* newer;    ///< [row][4] m, y of the stage before; 0 behind it
+    float* older;          ///< [row][4] m, y of the one before that; replaced by y of this stage
+    float rate;            ///< kg m^2: r, rigidity times the square of the substep
+    float momentum;        ///< y += momentum ( newer - older )
+    float gain;            ///< y += gain W ( b - r Q newer )
+} wisp_plate_args;
+
 /// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
 /// volume and its gradient).
 typedef struct wisp_ring_args
