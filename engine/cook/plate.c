@@ -9,11 +9,10 @@
 
 enum
 {
-    STENCIL = 5,       // hinges that share a turn: the hinge itself, two of each triangle
-    PATCH = 12,        // vertices of a triangle, its neighbours and theirs
-    CORNERS = 4,       // of a hinge
-    MONOMIALS = 3,     // of a quadratic surface: x x / 2, y y / 2, x y
-    HELD = 1,          // of a hinge: the triangle of side 0 is rigid; 2: that of side 1
+    STENCIL = 5,   // hinges that share a turn: the hinge itself, two of each triangle
+    PATCH = 12,    // vertices of a triangle, its neighbours and theirs; more than the hinges between them
+    CORNERS = 4,   // of a hinge
+    MONOMIALS = 3, // of a quadratic surface: x x / 2, y y / 2, x y
 };
 
 // Shares below this are dropped. They are rounding errors on regular meshes, whose rows become half as long.
@@ -22,11 +21,14 @@ static const double LEAST_SHARE = 1e-5;
 static const double REGULARISATION = 1e-6;
 // A triangle lower than this part of its edge has no direction, so its edges are open.
 static const double LEAST_HEIGHT = 1e-5;
+// Squared gradients of an angle may be so many times those of the rest shape before the moment is scaled down.
+static const double STEEPEST = 2.0;
 
 // A hinge between side 0, the triangle (i, j, k), and side 1, the triangle (j, i, l).
 typedef struct plate_hinge
 {
     int32_t corner[CORNERS];      // slots i, j, k, l
+    int32_t constraint;           // of the fabric
     int32_t triangle[2];
     int32_t stencil[STENCIL];     // hinges: itself, across (j, k), (k, i), (i, l), (l, j); -1: none
     double row[CORNERS];          // J = sum of row x, 1/m
@@ -36,14 +38,25 @@ typedef struct plate_hinge
     double share[STENCIL];        // the same next to pins
 } plate_hinge;
 
+// A matrix over vertices or over hinges by slices of eight rows. A slice has as many entries as its longest row.
+typedef struct row_set
+{
+    bool of_hinges; // else of vertices
+    int item_count, slice_count;
+    int32_t* item_row;       // [item_count]
+    int32_t* begin;          // [slice_count + 1]
+    int32_t ( *other )[8];   // [entry] rows, times 4 of vertices; a lane's own row pads
+    float ( *weight )[8];    // [entry]
+} row_set;
+
 struct wisp_plate
 {
-    wisp_plate_rows rows;
-    int32_t* slot_row;              // [vertex_count]
+    row_set vertices;               // Q, without its diagonal
+    row_set turns;                  // energy of turns, 1/2 D sum of K J J; empty unless requested
+    float *stiffness, *steepest;    // [row of turns]
     plate_hinge* hinges;            // [hinge_count]
     int hinge_count;
     int32_t ( *triangle_hinge )[3]; // [triangle_count] across the edge from corner k to the next; -1: open
-    float ( *weight )[8];           // [entry]
     uint8_t* pinned;                // [vertex_count]
     float max_rate;
     fabric_pool pool;
@@ -151,7 +164,7 @@ static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool
     memset( plate->triangle_hinge, -1, (size_t)f->triangle_count * sizeof( plate->triangle_hinge[0] ) );
     for ( int n = 0; n < f->hinge_count; ++n )
     {
-        plate_hinge h = { .stencil = { 0 } };
+        plate_hinge h = { .constraint = n };
         memcpy( h.corner, f->hinges + CORNERS * (size_t)n, sizeof( h.corner ) );
         const half_edge* side[2] = { find_half_edge( edges, count, h.corner[0], h.corner[1] ),
                                      find_half_edge( edges, count, h.corner[1], h.corner[0] ) };
@@ -314,39 +327,42 @@ static void fit_shares( const wisp_plate* plate, plate_hinge* h )
 
 // ---- patches ----
 
-// What acts on the curvature of one triangle: its turns as linear combinations of the vertices around.
+// What acts on the curvature of one triangle: its turns as linear combinations of those of hinges, and of the vertices around.
 typedef struct patch
 {
-    int count;
-    int32_t slot[PATCH];
-    double turn[3][PATCH]; // 1/m
+    int hinge_count, vertex_count;
+    int32_t hinge[PATCH], vertex[PATCH];
+    double of_hinge[3][PATCH];
+    double of_vertex[3][PATCH]; // 1/m
 } patch;
 
-static int patch_index( patch* p, int32_t slot )
+static int find_or_add( int32_t* list, int* count, int32_t item )
 {
-    for ( int i = 0; i < p->count; ++i )
+    for ( int i = 0; i < *count; ++i )
     {
-        if ( p->slot[i] == slot )
+        if ( list[i] == item )
         {
             return i;
         }
     }
-    p->slot[p->count] = slot;
-    return p->count++;
+    list[*count] = item;
+    return ( *count )++;
 }
 
-static void add_jump( patch* p, int edge, const plate_hinge* h, double factor )
+static void add_jump( patch* p, int edge, const wisp_plate* plate, int32_t hinge, double factor )
 {
+    const plate_hinge* h = plate->hinges + hinge;
+    p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
     for ( int k = 0; k < CORNERS; ++k )
     {
-        p->turn[edge][patch_index( p, h->corner[k] )] += factor * h->row[k];
+        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, h->corner[k] )] += factor * h->row[k];
     }
 }
 
-// @param shares of the hinges: fitted, or those next to pins
+// @param with_pins with the shares next to pins; without, a patch has the vertices and hinges that it can ever have
 static patch patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins )
 {
-    patch p = { .count = 0 };
+    patch p = { .hinge_count = 0 };
     for ( int edge = 0; edge < 3; ++edge )
     {
         const int32_t hinge = plate->triangle_hinge[triangle][edge];
@@ -355,14 +371,13 @@ static patch patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins
             continue;
         }
         const plate_hinge* h = plate->hinges + hinge;
-        const bool first = h->triangle[0] == triangle;
         const double* share = with_pins ? h->share : h->fitted;
         for ( int s = 0; s < STENCIL; ++s )
         {
-            const double factor = first ? share[s] : ( s == 0 ? 1.0 : 0.0 ) - share[s];
+            const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
             if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
             {
-                add_jump( &p, edge, plate->hinges + h->stencil[s], factor );
+                add_jump( &p, edge, plate, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
             }
         }
     }
@@ -371,18 +386,30 @@ static patch patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins
 
 // ---- rows ----
 
-// Lists of the patches that a vertex is in, to merge into its row.
+// The patches that a vertex or a hinge is in, to merge into its row.
 typedef struct patch_lists
 {
-    int32_t* begin;    // [vertex_count + 1]
-    int32_t* triangle; // [begin[vertex_count]]
+    int32_t* begin;    // [item_count + 2]
+    int32_t* triangle; // [begin[item_count]]
+    int32_t* mark;     // [item_count] last row that has the item
+    int32_t* found;    // [item_count]
 } patch_lists;
 
-static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch, patch_lists* out )
+static int members_of( const patch* p, const row_set* set, const int32_t** out )
 {
-    out->begin = fabric_pool_push_zeroed( scratch, (size_t)f->vertex_count + 2, sizeof( int32_t ) );
+    *out = set->of_hinges ? p->hinge : p->vertex;
+    return set->of_hinges ? p->hinge_count : p->vertex_count;
+}
+
+static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const row_set* set, fabric_pool* scratch,
+                          patch_lists* out )
+{
+    const size_t count = (size_t)set->item_count;
+    out->begin = fabric_pool_push_zeroed( scratch, count + 2, sizeof( int32_t ) );
     out->triangle = fabric_pool_push( scratch, PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
-    if ( out->begin == NULL || out->triangle == NULL )
+    out->mark = fabric_pool_push( scratch, count, sizeof( int32_t ) );
+    out->found = fabric_pool_push( scratch, count, sizeof( int32_t ) );
+    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL )
     {
         return false;
     }
@@ -391,10 +418,12 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, fabric_
         for ( int32_t t = 0; t < f->triangle_count; ++t )
         {
             const patch p = patch_of( plate, t, false );
-            for ( int i = 0; i < p.count; ++i )
+            const int32_t* members;
+            const int member_count = members_of( &p, set, &members );
+            for ( int i = 0; i < member_count; ++i )
             {
                 // first the counts, two places ahead; then each place moves to its end, where the next one begins
-                int32_t* place = out->begin + p.slot[i] + ( pass == 0 ? 2 : 1 );
+                int32_t* place = out->begin + members[i] + ( pass == 0 ? 2 : 1 );
                 if ( pass == 1 )
                 {
                     out->triangle[*place] = t;
@@ -402,131 +431,164 @@ static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, fabric_
                 *place += 1;
             }
         }
-        for ( int v = 0; v < f->vertex_count && pass == 0; ++v )
+        for ( size_t i = 0; i < count && pass == 0; ++i )
         {
-            out->begin[v + 2] += out->begin[v + 1];
+            out->begin[i + 2] += out->begin[i + 1];
         }
     }
     return true;
 }
 
-typedef struct row_list
-{
-    const wisp_plate* plate;
-    const patch_lists* lists;
-    int32_t* mark; // [vertex_count] last row that has the slot
-    int32_t* found;
-} row_list;
-
-static int compare_slots( const void* first, const void* second )
+static int compare_items( const void* first, const void* second )
 {
     const int32_t a = *(const int32_t*)first, b = *(const int32_t*)second;
     return ( a > b ) - ( a < b );
 }
 
-// Other ends of a row in ascending order. @return their number
-static int merge_row( const row_list* r, int32_t slot )
+// Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
+// number
+static int merge_row( const wisp_plate* plate, const row_set* set, const patch_lists* lists, int32_t item )
 {
     int count = 0;
-    r->mark[slot] = slot;
-    for ( int32_t at = r->lists->begin[slot]; at < r->lists->begin[slot + 1]; ++at )
+    lists->mark[item] = set->of_hinges ? -1 : item;
+    for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
     {
-        const patch p = patch_of( r->plate, r->lists->triangle[at], false );
-        for ( int i = 0; i < p.count; ++i )
+        const patch p = patch_of( plate, lists->triangle[at], false );
+        const int32_t* members;
+        const int member_count = members_of( &p, set, &members );
+        for ( int i = 0; i < member_count; ++i )
         {
-            if ( r->mark[p.slot[i]] != slot )
+            if ( lists->mark[members[i]] != item )
             {
-                r->mark[p.slot[i]] = slot;
-                r->found[count++] = p.slot[i];
+                lists->mark[members[i]] = item;
+                lists->found[count++] = members[i];
             }
         }
     }
-    qsort( r->found, (size_t)count, sizeof( int32_t ), compare_slots );
+    qsort( lists->found, (size_t)count, sizeof( int32_t ), compare_items );
     return count;
 }
 
-// A slice has as many entries as its longest row.
-static bool place_rows( wisp_plate* plate, const wisp_fabric* f, const row_list* r, fabric_pool* scratch )
+static void clear_marks( const row_set* set, const patch_lists* lists )
 {
-    const int slices = plate->rows.slice_count;
-    int32_t* begin = fabric_pool_push_zeroed( &plate->pool, (size_t)slices + 1, sizeof( int32_t ) );
-    int32_t* row_slot = fabric_pool_push( scratch, 8 * (size_t)slices, sizeof( int32_t ) );
-    if ( begin == NULL || row_slot == NULL )
+    memset( lists->mark, -1, (size_t)set->item_count * sizeof( int32_t ) );
+}
+
+static void write_rows( const wisp_plate* plate, row_set* set, const patch_lists* lists )
+{
+    const int times = set->of_hinges ? 1 : 4;
+    for ( int slice = 0; slice < set->slice_count; ++slice )
     {
-        return false;
-    }
-    memset( row_slot, -1, 8 * (size_t)slices * sizeof( int32_t ) );
-    for ( int32_t v = 0; v < f->vertex_count; ++v )
-    {
-        row_slot[plate->slot_row[v]] = v;
-        const int length = merge_row( r, v );
-        int32_t* entries = begin + plate->slot_row[v] / 8 + 1;
-        *entries = length > *entries ? length : *entries;
-    }
-    memset( r->mark, -1, (size_t)f->vertex_count * sizeof( int32_t ) );
-    for ( int s = 0; s < slices; ++s )
-    {
-        begin[s + 1] += begin[s];
-    }
-    int32_t( *other_x4 )[8] = fabric_pool_push( &plate->pool, (size_t)begin[slices], sizeof( *other_x4 ) );
-    plate->weight = fabric_pool_push_zeroed( &plate->pool, (size_t)begin[slices], sizeof( plate->weight[0] ) );
-    if ( other_x4 == NULL || plate->weight == NULL )
-    {
-        return false;
-    }
-    for ( int row = 0; row < 8 * slices; ++row )
-    {
-        const int length = row_slot[row] >= 0 ? merge_row( r, row_slot[row] ) : 0;
-        for ( int n = 0; n < begin[row / 8 + 1] - begin[row / 8]; ++n )
+        for ( int32_t n = set->begin[slice]; n < set->begin[slice + 1]; ++n )
         {
-            other_x4[begin[row / 8] + n][row % 8] = 4 * ( n < length ? plate->slot_row[r->found[n]] : row );
+            for ( int lane = 0; lane < 8; ++lane )
+            {
+                set->other[n][lane] = times * ( 8 * slice + lane );
+            }
         }
     }
-    plate->rows.begin = begin;
-    plate->rows.other_x4 = (const int32_t( * )[8])other_x4;
-    plate->rows.weight = (const float( * )[8])plate->weight;
+    for ( int32_t item = 0; item < set->item_count; ++item )
+    {
+        const int32_t row = set->item_row[item];
+        const int length = merge_row( plate, set, lists, item );
+        for ( int n = 0; n < length; ++n )
+        {
+            set->other[set->begin[row / 8] + n][row % 8] = times * set->item_row[lists->found[n]];
+        }
+    }
+}
+
+static bool cook_rows( wisp_plate* plate, const wisp_fabric* f, row_set* set, fabric_pool* scratch )
+{
+    patch_lists lists;
+    set->begin = fabric_pool_push_zeroed( &plate->pool, (size_t)set->slice_count + 1, sizeof( int32_t ) );
+    if ( set->begin == NULL || list_patches( plate, f, set, scratch, &lists ) == false )
+    {
+        return false;
+    }
+    clear_marks( set, &lists );
+    for ( int32_t item = 0; item < set->item_count; ++item )
+    {
+        const int length = merge_row( plate, set, &lists, item );
+        int32_t* longest = set->begin + set->item_row[item] / 8 + 1;
+        *longest = length > *longest ? length : *longest;
+    }
+    for ( int s = 0; s < set->slice_count; ++s )
+    {
+        set->begin[s + 1] += set->begin[s];
+    }
+    const size_t entries = (size_t)set->begin[set->slice_count];
+    set->other = fabric_pool_push( &plate->pool, entries, sizeof( set->other[0] ) );
+    set->weight = fabric_pool_push_zeroed( &plate->pool, entries, sizeof( set->weight[0] ) );
+    if ( set->other == NULL || set->weight == NULL )
+    {
+        return false;
+    }
+    clear_marks( set, &lists );
+    write_rows( plate, set, &lists );
     return true;
 }
 
-static bool cook_rows( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
+// Rows of hinges are the slots of their schedule.
+static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
-    patch_lists lists;
-    row_list r = { .plate = plate, .lists = &lists };
-    r.mark = fabric_pool_push( scratch, (size_t)f->vertex_count, sizeof( int32_t ) );
-    r.found = fabric_pool_push( scratch, (size_t)f->vertex_count, sizeof( int32_t ) );
-    if ( r.mark == NULL || r.found == NULL || list_patches( plate, f, scratch, &lists ) == false )
+    const size_t slots = (size_t)f->hinge_order.slot_count;
+    row_set* set = &plate->turns;
+    *set = ( row_set ){ .of_hinges = true, .item_count = plate->hinge_count, .slice_count = (int)( slots / 8 ) };
+    int32_t* slot_of = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( int32_t ) );
+    set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
+    plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
+    plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
+    if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL )
     {
         return false;
     }
-    memset( r.mark, -1, (size_t)f->vertex_count * sizeof( int32_t ) );
-    return place_rows( plate, f, &r, scratch );
+    for ( size_t slot = 0; slot < slots; ++slot )
+    {
+        if ( f->hinge_order.constraint[slot] >= 0 )
+        {
+            slot_of[f->hinge_order.constraint[slot]] = (int32_t)slot;
+        }
+    }
+    for ( int32_t n = 0; n < plate->hinge_count; ++n )
+    {
+        const plate_hinge* h = plate->hinges + n;
+        const double k = h->height[0], l = h->height[1];
+        set->item_row[n] = slot_of[h->constraint];
+        plate->steepest[set->item_row[n]] = (float)( STEEPEST * ( 1.0 / ( k * k ) + 1.0 / ( l * l ) ) );
+    }
+    return cook_rows( plate, f, set, scratch );
 }
 
-static bool cook( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, fabric_pool* scratch )
+static bool cook( wisp_plate* plate, const wisp_fabric* f, const int32_t* slot_row, bool with_turns,
+                  fabric_pool* scratch )
 {
     fabric_pool* keep = &plate->pool;
-    plate->slot_row = fabric_pool_push( keep, (size_t)f->vertex_count, sizeof( int32_t ) );
+    int32_t* item_row = fabric_pool_push( keep, (size_t)f->vertex_count, sizeof( int32_t ) );
     plate->hinges = fabric_pool_push( keep, (size_t)f->hinge_count, sizeof( plate_hinge ) );
     plate->triangle_hinge = fabric_pool_push( keep, (size_t)f->triangle_count, sizeof( plate->triangle_hinge[0] ) );
     plate->pinned = fabric_pool_push_zeroed( keep, (size_t)f->vertex_count, sizeof( uint8_t ) );
-    if ( plate->slot_row == NULL || plate->hinges == NULL || plate->triangle_hinge == NULL ||
+    if ( item_row == NULL || plate->hinges == NULL || plate->triangle_hinge == NULL ||
          plate->pinned == NULL || connect_hinges( plate, f, scratch ) == false )
     {
         return false;
     }
     for ( int32_t v = 0; v < f->vertex_count; ++v )
     {
-        plate->slot_row[v] = slot_row != NULL ? slot_row[v] : v;
+        item_row[v] = slot_row != NULL ? slot_row[v] : v;
     }
+    plate->vertices.item_row = item_row;
+    plate->vertices.item_count = f->vertex_count;
     for ( int32_t h = 0; h < plate->hinge_count; ++h )
     {
         list_stencil( plate, f, h );
         fit_shares( plate, plate->hinges + h );
     }
-    return cook_rows( plate, f, scratch );
+    return cook_rows( plate, f, &plate->vertices, scratch ) &&
+           ( with_turns == false || cook_turns( plate, f, scratch ) );
 }
 
-wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count,
+wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count, bool with_turns,
                                const wisp_allocator* allocator, wisp_plate** out )
 {
     fabric_pool pool = { .allocator = allocator }, scratch = { .allocator = allocator };
@@ -537,8 +599,8 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
         return WISP_NO_MEMORY;
     }
     plate->pool = pool;
-    plate->rows.slice_count = row_count / 8;
-    const bool done = cook( plate, fabric, slot_row, &scratch );
+    plate->vertices.slice_count = row_count / 8;
+    const bool done = cook( plate, fabric, slot_row, with_turns, &scratch );
     fabric_pool_release( &scratch );
     if ( done == false )
     {
@@ -625,19 +687,19 @@ static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t 
     }
 }
 
-// Q of one triangle, by its vertices.
-static void patch_matrix( const patch* p, double m[3][3], double out[PATCH][PATCH] )
+// Energy of one triangle by its items. @param factor turns of its edges from those items
+static void patch_matrix( double m[3][3], double factor[3][PATCH], int count, double out[PATCH][PATCH] )
 {
-    for ( int a = 0; a < p->count; ++a )
+    for ( int a = 0; a < count; ++a )
     {
-        double force[3];
+        double moment[3];
         for ( int k = 0; k < 3; ++k )
         {
-            force[k] = m[k][0] * p->turn[0][a] + m[k][1] * p->turn[1][a] + m[k][2] * p->turn[2][a];
+            moment[k] = m[k][0] * factor[0][a] + m[k][1] * factor[1][a] + m[k][2] * factor[2][a];
         }
-        for ( int b = 0; b < p->count; ++b )
+        for ( int b = 0; b < count; ++b )
         {
-            out[a][b] = force[0] * p->turn[0][b] + force[1] * p->turn[1][b] + force[2] * p->turn[2][b];
+            out[a][b] = moment[0] * factor[0][b] + moment[1] * factor[1][b] + moment[2] * factor[2][b];
         }
     }
 }
@@ -646,62 +708,94 @@ static void patch_matrix( const patch* p, double m[3][3], double out[PATCH][PATC
 static double patch_rate( const patch* p, const float* position, double q[PATCH][PATCH] )
 {
     double largest = 0.0;
-    for ( int a = 0; a < p->count; ++a )
+    for ( int a = 0; a < p->vertex_count; ++a )
     {
         double sum = 0.0;
-        for ( int b = 0; b < p->count; ++b )
+        for ( int b = 0; b < p->vertex_count; ++b )
         {
             sum += fabs( q[a][b] );
         }
-        largest = fmax( largest, sum * (double)position[4 * (size_t)p->slot[a] + 3] );
+        largest = fmax( largest, sum * (double)position[4 * (size_t)p->vertex[a] + 3] );
     }
     return largest;
 }
 
-static float* find_entry( wisp_plate* plate, int32_t row, int32_t other )
+static void add_entry( row_set* set, int32_t row, int32_t other, double value )
 {
-    for ( int32_t n = plate->rows.begin[row / 8]; n < plate->rows.begin[row / 8 + 1]; ++n )
+    const int32_t name = set->of_hinges ? other : 4 * other;
+    for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
     {
-        if ( plate->rows.other_x4[n][row % 8] == 4 * other )
+        if ( set->other[n][row % 8] == name )
         {
-            return &plate->weight[n][row % 8];
+            set->weight[n][row % 8] += (float)value;
+            return;
         }
     }
-    return NULL;
 }
 
-static void add_patch( wisp_plate* plate, const patch* p, double q[PATCH][PATCH], double scale )
+// Rows sum to zero with their diagonal, so off it the weights of differences are the negative entries.
+static void add_vertices( wisp_plate* plate, const patch* p, double q[PATCH][PATCH], double scale )
 {
-    for ( int a = 0; a < p->count; ++a )
+    const int32_t* row = plate->vertices.item_row;
+    for ( int a = 0; a < p->vertex_count; ++a )
     {
-        for ( int b = 0; b < p->count; ++b )
+        for ( int b = 0; b < p->vertex_count; ++b )
         {
-            float* entry = a != b ? find_entry( plate, plate->slot_row[p->slot[a]], plate->slot_row[p->slot[b]] ) : NULL;
-            if ( entry != NULL )
+            if ( a != b )
             {
-                *entry -= (float)( scale * q[a][b] );
+                add_entry( &plate->vertices, row[p->vertex[a]], row[p->vertex[b]], -scale * q[a][b] );
             }
         }
     }
 }
 
-// Rows sum to zero, so a row sum of magnitudes is at most twice that of the weights.
+static void add_turns( wisp_plate* plate, const patch* p, double k[PATCH][PATCH], double scale )
+{
+    const int32_t* row = plate->turns.item_row;
+    for ( int a = 0; a < p->hinge_count; ++a )
+    {
+        for ( int b = 0; b < p->hinge_count; ++b )
+        {
+            add_entry( &plate->turns, row[p->hinge[a]], row[p->hinge[b]], scale * k[a][b] );
+        }
+        plate->stiffness[row[p->hinge[a]]] += (float)( scale * k[a][a] );
+    }
+}
+
+// A row sum of magnitudes: of the weights, and of their sum, the diagonal.
 static void bound_rate( wisp_plate* plate, const wisp_fabric* f, const float* position )
 {
+    const row_set* set = &plate->vertices;
     double largest = 0.0;
     for ( int32_t v = 0; v < f->vertex_count; ++v )
     {
-        const int32_t row = plate->slot_row[v];
+        const int32_t row = set->item_row[v];
         double diagonal = 0.0, magnitudes = 0.0;
-        for ( int32_t n = plate->rows.begin[row / 8]; n < plate->rows.begin[row / 8 + 1]; ++n )
+        for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
         {
-            const double weight = (double)plate->weight[n][row % 8];
+            const double weight = (double)set->weight[n][row % 8];
             diagonal += weight;
             magnitudes += fabs( weight );
         }
         largest = fmax( largest, ( diagonal + magnitudes ) * (double)position[4 * (size_t)v + 3] );
     }
     plate->max_rate = (float)largest;
+}
+
+static void clear( wisp_plate* plate )
+{
+    row_set* sets[2] = { &plate->vertices, &plate->turns };
+    for ( int i = 0; i < 2; ++i )
+    {
+        if ( sets[i]->begin != NULL )
+        {
+            memset( sets[i]->weight, 0, (size_t)sets[i]->begin[sets[i]->slice_count] * sizeof( sets[i]->weight[0] ) );
+        }
+    }
+    if ( plate->stiffness != NULL )
+    {
+        memset( plate->stiffness, 0, 8 * (size_t)plate->turns.slice_count * sizeof( float ) );
+    }
 }
 
 int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
@@ -714,7 +808,7 @@ int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* 
     {
         share_next_to_pins( plate, fabric, plate->hinges + h );
     }
-    memset( plate->weight, 0, (size_t)plate->rows.begin[plate->rows.slice_count] * sizeof( plate->weight[0] ) );
+    clear( plate );
     int lowered = 0;
     for ( int32_t t = 0; t < fabric->triangle_count; ++t )
     {
@@ -723,12 +817,18 @@ int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* 
             continue;
         }
         double m[3][3], q[PATCH][PATCH];
-        const patch p = patch_of( plate, t, true );
+        patch p = patch_of( plate, t, true );
         turn_energy( plate, fabric, t, m );
-        patch_matrix( &p, m, q );
+        patch_matrix( m, p.of_vertex, p.vertex_count, q );
         const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
+        const double scale = rate > most ? most / rate : 1.0;
         lowered += rate > most ? 1 : 0;
-        add_patch( plate, &p, q, rate > most ? most / rate : 1.0 );
+        add_vertices( plate, &p, q, scale );
+        if ( plate->turns.begin != NULL )
+        {
+            patch_matrix( m, p.of_hinge, p.hinge_count, q );
+            add_turns( plate, &p, q, scale );
+        }
     }
     bound_rate( plate, fabric, position );
     return lowered;
@@ -748,7 +848,23 @@ bool wisp_plate_is_current( const wisp_plate* plate, const wisp_fabric* fabric, 
 
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate )
 {
-    return plate->rows;
+    return ( wisp_plate_rows ){
+        .slice_count = plate->vertices.slice_count,
+        .begin = plate->vertices.begin,
+        .other_x4 = (const int32_t( * )[8])plate->vertices.other,
+        .weight = (const float( * )[8])plate->vertices.weight,
+    };
+}
+
+wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
+{
+    return ( wisp_plate_turns ){
+        .begin = plate->turns.begin,
+        .other = (const int32_t( * )[8])plate->turns.other,
+        .weight = (const float( * )[8])plate->turns.weight,
+        .stiffness = plate->stiffness,
+        .steepest = plate->steepest,
+    };
 }
 
 float wisp_plate_max_rate( const wisp_plate* plate )

@@ -8,12 +8,14 @@
 
 enum
 {
-    MAX_STAGES = 128, // of a substep
+    MAX_STAGES = 512, // of a substep
     GRAIN = 64,       // slices per block
 };
 
 // T_s at the start of the recurrence: short waves are damped to a quarter or less per substep. Up to a third would be stable.
 static const double SHORT_WAVES = 4.0;
+// Moments of angles change faster than the matrix says where triangles are deformed: the stages take it so many times.
+static const double ANGLE_MARGIN = 2.0;
 
 // ---- plates of a world ----
 
@@ -49,7 +51,7 @@ wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity 
     cloth_plate plate = { .entity = surface };
     if ( wisp_world_reserve( world, (void**)&state->plates, &state->plate_capacity, state->plate_count,
                              sizeof( *state->plates ) ) == false ||
-         wisp_plate_create( fabric, NULL, fabric->slot_count, wisp_world_allocator( world ), &plate.plate ) != WISP_OK )
+         wisp_plate_create( fabric, NULL, fabric->slot_count, true, wisp_world_allocator( world ), &plate.plate ) != WISP_OK )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );
@@ -63,6 +65,7 @@ wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity 
 typedef struct bending
 {
     wisp_plate_args args;
+    wisp_plate_angle_args angles; // dihedral; else without rest angles
     const wisp_kernels* kernels;
     const float *position, *target; // [slot][4]; targets may be null
     float* velocity;                // [slot][4]
@@ -124,6 +127,18 @@ static void compute_impulse( void* context, int begin, int end, int worker )
     (void)worker;
     const bending* b = context;
     b->kernels->plate_impulse( &b->args, begin, end );
+}
+
+static void measure_angles( const void* context, int begin, int end )
+{
+    const bending* b = context;
+    b->kernels->plate_measure_angles( &b->angles, begin, end );
+}
+
+static void add_moments( const void* context, int begin, int end )
+{
+    const bending* b = context;
+    b->kernels->plate_add_moments( &b->angles, begin, end );
 }
 
 static void run_stage( void* context, int begin, int end, int worker )
@@ -199,12 +214,22 @@ static void update_plate( wisp_frame* frame, const wisp_span* span, cloth_plate*
     }
 }
 
+// Impulses of angles, for which the rows of the matrix stand in the stages: they are an upper bound while triangles keep half of
+// their heights.
+static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending* b )
+{
+    memset( b->args.impulse, 0, 4 * (size_t)fabric->slot_count * sizeof( float ) );
+    wisp_run_schedule( parallel, &fabric->hinge_order, measure_angles, b );
+    wisp_run_schedule( parallel, &fabric->hinge_order, add_moments, b );
+}
+
 // Columns and scratch memory of a surface. @return false without memory
 static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
 {
-    const size_t numbers = 4 * (size_t)wisp_frame_fabric( frame, span->entity )->slot_count;
-    float* scratch =
-        wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, 4 * numbers * sizeof( float ) );
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const size_t numbers = 4 * (size_t)fabric->slot_count, hinges = (size_t)fabric->hinge_order.slot_count;
+    float* scratch = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker,
+                                            ( 4 * numbers + hinges ) * sizeof( float ) );
     if ( scratch == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "out of memory for the bending of %zu particles", numbers / 4 );
@@ -223,6 +248,13 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
     b->args.impulse = scratch + numbers;
     b->moved = scratch + 2 * numbers;
     b->args.older = scratch + 3 * numbers;
+    b->angles = ( wisp_plate_angle_args ){
+        .slot_x4 = fabric->hinge_slot_x4,
+        .rest = wisp_frame_column( frame, span->entity, WISP_HINGE_REST, 0 ),
+        .position = b->predicted,
+        .angle = scratch + 4 * numbers,
+        .impulse = b->args.impulse,
+    };
     return true;
 }
 
@@ -240,14 +272,25 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
     b.args.rate = rigidity * b.dt * b.dt;
     update_plate( frame, span, plate, b.position, b.args.rate );
     b.args.rows = wisp_plate_get_rows( plate->plate );
-    const double reach = recurrence_of( MAX_STAGES ).reach;
-    const double largest = (double)b.args.rate * (double)wisp_plate_max_rate( plate->plate );
+    const bool by_angle = b.angles.rest != NULL;
+    const double reach = recurrence_of( MAX_STAGES ).reach, margin = by_angle ? ANGLE_MARGIN : 1.0;
+    const double largest = margin * (double)b.args.rate * (double)wisp_plate_max_rate( plate->plate );
     b.args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
     if ( plate->lowered > 0 || largest > reach )
     {
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     for_slices( parallel, &b, predict );
-    for_slices( parallel, &b, compute_impulse );
+    if ( by_angle )
+    {
+        b.angles.turns = wisp_plate_get_turns( plate->plate );
+        b.angles.rate = b.args.rate;
+        b.args.rate *= (float)ANGLE_MARGIN;
+        compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
+    }
+    else
+    {
+        for_slices( parallel, &b, compute_impulse );
+    }
     run_stages( parallel, &b, stages_for( largest ) );
 }

@@ -194,7 +194,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 11,
+    COMPONENT_COUNT = 10,
 };
 
 // List the components of the definition for which the fabric has rows. A mesh too small for a coarse level has no level pass,
@@ -211,10 +211,9 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
         { WISP_HINGE_REST, dihedral },
-        { state->bending, isometric && pbd == false },
+        { state->bending, ( dihedral || isometric ) && pbd == false },
         { WISP_HINGE_COTANGENT, isometric && pbd },
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
-        { WISP_HINGE_COMPLIANCE, dihedral && pbd == false },
         { WISP_SURFACE_TETHERS, d->tethers },
         { WISP_SURFACE_LEVELS, d->level_passes > 0 && f->level_count > 0 },
     };
@@ -297,8 +296,9 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
-    const bool bends = def->solver == WISP_SOLVER_XPBD && def->bending == WISP_CLOTH_BENDING_ISOMETRIC;
-    status = status == WISP_OK && bends ? cloth_add_plate( world, state, surface ) : status;
+    const bool bends = status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 && def->solver == WISP_SOLVER_XPBD &&
+                       ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
+    status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )
     {

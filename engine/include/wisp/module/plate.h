@@ -18,8 +18,9 @@ typedef struct wisp_plate wisp_plate;
 
 /// @param slot_row [vertex_count] the row of a slot; null: the slot itself
 /// @param row_count rows, a multiple of 8
+/// @param with_turns also the energy of angles; the fabric must have hinges
 /// @param out receives the plate without coefficients, null on failure
-wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count,
+wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_row, int row_count, bool with_turns,
                                const wisp_allocator* allocator, wisp_plate** out );
 void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
 
@@ -34,6 +35,8 @@ bool wisp_plate_is_current( const wisp_plate* plate, const wisp_fabric* fabric, 
 
 /// @return the matrix; the pointers stay valid as long as the plate
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );
+/// @return the matrix over angles, of a plate that was created with it
+wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate );
 /// @return 1/(kg m^2), an upper bound of the eigenvalues of W Q, W the inverse masses at the last fill
 float wisp_plate_max_rate( const wisp_plate* plate );
 

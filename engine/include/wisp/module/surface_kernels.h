@@ -44,6 +44,29 @@ typedef struct wisp_plate_rows
     const float ( *weight )[8];     ///< [entry] 1/m^2; 0 pads
 } wisp_plate_rows;
 
+/// Moments of hinges from their angles, by groups of eight hinges: moment = - D sum of weight angle. Cooked by plate.h.
+typedef struct wisp_plate_turns
+{
+    const int32_t* begin;        ///< [group + 1] first entry of a group
+    const int32_t ( *other )[8]; ///< [entry] hinges, the own one too
+    const float ( *weight )[8];  ///< [entry] no unit; 0 pads
+    const float* stiffness;      ///< [hinge] the weight of the own angle
+    const float* steepest;       ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
+                                 ///< opposite vertices exceed this
+} wisp_plate_turns;
+
+/// Arguments of moments of angles, groups of eight hinges.
+typedef struct wisp_plate_angle_args
+{
+    wisp_plate_turns turns;
+    const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
+    const float* rest;      ///< [hinge] rad, rest angle between the normals, 0 is flat
+    const float* position;  ///< [slot][4] m; inverse mass, 1/kg
+    float* angle;           ///< [hinge] rad, beyond the rest angle
+    float* impulse;         ///< [slot][4] kg m, to which the forces of moments are added
+    float rate;             ///< kg m^2: rigidity times the square of the substep
+} wisp_plate_angle_args;
+
 /// Arguments of an implicit step of bending by a Chebyshev recurrence, slices of eight rows. Rows are slots. With A = r W Q, W the
 /// inverse masses, it approaches y = ( 1 + A )^-1 W b, and is exact for long waves after any number of stages.
 typedef struct wisp_plate_args
