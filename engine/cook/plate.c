@@ -59,6 +59,9 @@ struct wisp_plate
     int32_t ( *triangle_hinge )[3]; // [triangle_count] across the edge from corner k to the next; -1: open
     uint8_t* pinned;                // [vertex_count]
     float max_rate;
+    bool filled;
+    int lowered;     // triangles that are scaled down
+    float scaled_to; // 1/(kg m^2)
     fabric_pool pool;
 };
 
@@ -798,7 +801,7 @@ static void clear( wisp_plate* plate )
     }
 }
 
-int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
 {
     for ( int32_t v = 0; v < fabric->vertex_count; ++v )
     {
@@ -834,7 +837,7 @@ int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* 
     return lowered;
 }
 
-bool wisp_plate_is_current( const wisp_plate* plate, const wisp_fabric* fabric, const float* position )
+static bool has_same_pins( const wisp_plate* plate, const wisp_fabric* fabric, const float* position )
 {
     for ( int32_t v = 0; v < fabric->vertex_count; ++v )
     {
@@ -844,6 +847,18 @@ bool wisp_plate_is_current( const wisp_plate* plate, const wisp_fabric* fabric, 
         }
     }
     return true;
+}
+
+int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+{
+    const bool rescaled = max_rate != plate->scaled_to && ( plate->lowered > 0 || max_rate < plate->scaled_to );
+    if ( plate->filled == false || rescaled || has_same_pins( plate, fabric, position ) == false )
+    {
+        plate->lowered = fill( plate, fabric, position, max_rate );
+        plate->scaled_to = max_rate;
+        plate->filled = true;
+    }
+    return plate->lowered;
 }
 
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate )

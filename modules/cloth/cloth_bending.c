@@ -199,21 +199,6 @@ static void run_stages( const wisp_parallel* parallel, bending* b, int stages )
     for_slices( parallel, b, accelerate );
 }
 
-// Computes the matrix if pins changed, or if the step or the rigidity changed where triangles are scaled down.
-static void update_plate( wisp_frame* frame, const wisp_span* span, cloth_plate* plate, const float* position,
-                          float rate )
-{
-    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const float most = (float)( 0.25 * recurrence_of( MAX_STAGES ).reach ) / rate;
-    const bool rescaled = most != plate->max_rate && ( plate->lowered > 0 || most < plate->max_rate );
-    if ( plate->filled == false || rescaled || wisp_plate_is_current( plate->plate, fabric, position ) == false )
-    {
-        plate->lowered = wisp_plate_fill( plate->plate, fabric, position, most );
-        plate->max_rate = most;
-        plate->filled = true;
-    }
-}
-
 // Impulses of angles, for which the rows of the matrix stand in the stages: they are an upper bound while triangles keep half of
 // their heights.
 static void compute_angle_impulse( const wisp_parallel* parallel, const wisp_fabric* fabric, bending* b )
@@ -260,8 +245,9 @@ static bool find_arrays( wisp_frame* frame, const wisp_span* span, bending* b )
 
 void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
 {
-    cloth_state* state = user;
-    cloth_plate* plate = state->plates + cloth_find_plate( state, span->entity );
+    const cloth_state* state = user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    wisp_plate* plate = state->plates[cloth_find_plate( state, span->entity )].plate;
     const wisp_parallel* parallel = wisp_frame_parallel( frame, span );
     const float rigidity = *(float*)wisp_frame_column( frame, span->entity, state->bending, 0 );
     bending b = { .gain = 1.0f };
@@ -270,23 +256,25 @@ void cloth_bend( wisp_frame* frame, const wisp_span* span, void* user )
         return;
     }
     b.args.rate = rigidity * b.dt * b.dt;
-    update_plate( frame, span, plate, b.position, b.args.rate );
-    b.args.rows = wisp_plate_get_rows( plate->plate );
     const bool by_angle = b.angles.rest != NULL;
     const double reach = recurrence_of( MAX_STAGES ).reach, margin = by_angle ? ANGLE_MARGIN : 1.0;
-    const double largest = margin * (double)b.args.rate * (double)wisp_plate_max_rate( plate->plate );
+    // where a few triangles alone are too stiff, only they are lowered; a vertex lies in several of their patches
+    const int lowered =
+        wisp_plate_update( plate, fabric, b.position, (float)( reach / ( 4.0 * margin * (double)b.args.rate ) ) );
+    b.args.rows = wisp_plate_get_rows( plate );
+    const double largest = margin * (double)b.args.rate * (double)wisp_plate_max_rate( plate );
     b.args.rate *= largest > reach ? (float)( reach / largest ) : 1.0f;
-    if ( plate->lowered > 0 || largest > reach )
+    if ( lowered > 0 || largest > reach )
     {
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
     }
     for_slices( parallel, &b, predict );
     if ( by_angle )
     {
-        b.angles.turns = wisp_plate_get_turns( plate->plate );
+        b.angles.turns = wisp_plate_get_turns( plate );
         b.angles.rate = b.args.rate;
         b.args.rate *= (float)ANGLE_MARGIN;
-        compute_angle_impulse( parallel, wisp_frame_fabric( frame, span->entity ), &b );
+        compute_angle_impulse( parallel, fabric, &b );
     }
     else
     {

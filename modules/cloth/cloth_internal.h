@@ -12,9 +12,6 @@ typedef struct cloth_plate
 {
     wisp_entity entity;
     wisp_plate* plate;
-    bool filled;
-    int lowered;    ///< triangles that are scaled down
-    float max_rate; ///< 1/(kg m^2), to which they are
 } cloth_plate;
 
 typedef struct cloth_state

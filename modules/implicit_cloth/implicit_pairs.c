@@ -266,12 +266,11 @@ static void set_coefficients( const implicit_cook* cook, const wisp_implicit_clo
             implicit_pair* p = pairs + i;
             const float inverse = 1.0f / p->rest;
             const float fraction = sheet ? p->area * inverse * inverse : 1.0f;
-            const float arc = sheet ? 8.0f / 9.0f * d->bend_rigidity * p->area * inverse : d->bend_stiffness;
             const float both = d->weights == WISP_IMPLICIT_WEIGHTS_PAIR
                                    ? 0.5f * ( weight_of( cook, p->a ) + weight_of( cook, p->b ) )
                                    : 1.0f;
-            p->load = both * ( bends ? arc * inverse * inverse : fraction * d->stretch_stiffness );
-            p->ramp = bends ? both * fraction * compression : 0.0f;
+            p->load = both * ( bends ? d->bend_stiffness * inverse * inverse : fraction * d->stretch_stiffness );
+            p->ramp = bends || sheet ? both * fraction * compression : 0.0f;
             p->damping = both * fraction * d->link_damping;
         }
     }
@@ -308,6 +307,8 @@ wisp_status implicit_list_pairs( implicit_cook* cook, const wisp_implicit_cloth_
     if ( status == WISP_OK )
     {
         count_neighbours( cook );
+        // neighbours count as they do for arcs, but the plate bends in their place
+        cook->bend_count = d->stiffness_model == WISP_IMPLICIT_STIFFNESS_MATERIAL ? 0 : cook->bend_count;
         set_coefficients( cook, d );
     }
     return status;

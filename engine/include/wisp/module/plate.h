@@ -24,14 +24,13 @@ wisp_status wisp_plate_create( const wisp_fabric* fabric, const int32_t* slot_ro
                                const wisp_allocator* allocator, wisp_plate** out );
 void wisp_plate_release( wisp_plate* plate, const wisp_allocator* allocator );
 
-/// Compute the coefficients. A triangle between three pins is rigid, so the plate is clamped at the edge of those triangles.
+/// Compute the coefficients if that is due: the first time, where other vertices are pinned than before, and where max_rate
+/// changes what is scaled down. A triangle between three pins is rigid, so the plate is clamped at the edge of those triangles.
 /// @param position [slot][4], of which only the inverse masses are read
-/// @param max_rate 1/(kg m^2), > 0: where a triangle's share of the largest eigenvalue of W Q could exceed this, its energy is
-///        scaled down to it
-/// @return number of triangles that were scaled down
-int wisp_plate_fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
-/// @return whether the same vertices are pinned as when the coefficients were computed
-bool wisp_plate_is_current( const wisp_plate* plate, const wisp_fabric* fabric, const float* position );
+/// @param max_rate 1/(kg m^2), > 0: where the share of a triangle in the largest eigenvalue of W Q could exceed this, its energy
+///        is scaled down to it
+/// @return number of triangles that are scaled down
+int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate );
 
 /// @return the matrix; the pointers stay valid as long as the plate
 wisp_plate_rows wisp_plate_get_rows( const wisp_plate* plate );
