@@ -53,7 +53,8 @@ struct wisp_plate
 {
     row_set vertices;               // Q, without its diagonal
     row_set turns;                  // energy of turns, 1/2 D sum of K J J; empty unless requested
-    float *stiffness, *steepest;    // [row of turns]
+    float* steepest;                // [row of turns] 1/m^2
+    float* least_height;            // [slot] m
     plate_hinge* hinges;            // [hinge_count]
     int hinge_count;
     int32_t ( *triangle_hinge )[3]; // [triangle_count] across the edge from corner k to the next; -1: open
@@ -532,6 +533,26 @@ static bool cook_rows( wisp_plate* plate, const wisp_fabric* f, row_set* set, fa
     return true;
 }
 
+// The least height of the triangles at each vertex; vertices without a hinge do not bend.
+static bool list_heights( wisp_plate* plate, const wisp_fabric* f )
+{
+    plate->least_height = fabric_pool_push( &plate->pool, (size_t)f->slot_count, sizeof( float ) );
+    for ( int slot = 0; slot < f->slot_count && plate->least_height != NULL; ++slot )
+    {
+        plate->least_height[slot] = INFINITY;
+    }
+    for ( int n = 0; n < plate->hinge_count && plate->least_height != NULL; ++n )
+    {
+        const plate_hinge* h = plate->hinges + n;
+        const float least = (float)fmin( h->height[0], h->height[1] );
+        for ( int k = 0; k < CORNERS; ++k )
+        {
+            plate->least_height[h->corner[k]] = fminf( plate->least_height[h->corner[k]], least );
+        }
+    }
+    return plate->least_height != NULL;
+}
+
 // Rows of hinges are the slots of their schedule.
 static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
 {
@@ -540,9 +561,8 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     *set = ( row_set ){ .of_hinges = true, .item_count = plate->hinge_count, .slice_count = (int)( slots / 8 ) };
     int32_t* slot_of = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( int32_t ) );
     set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
-    plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
     plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
-    if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL )
+    if ( slot_of == NULL || set->item_row == NULL || plate->steepest == NULL || list_heights( plate, f ) == false )
     {
         return false;
     }
@@ -761,7 +781,6 @@ static void add_turns( wisp_plate* plate, const patch* p, double k[PATCH][PATCH]
         {
             add_entry( &plate->turns, row[p->hinge[a]], row[p->hinge[b]], scale * k[a][b] );
         }
-        plate->stiffness[row[p->hinge[a]]] += (float)( scale * k[a][a] );
     }
 }
 
@@ -794,10 +813,6 @@ static void clear( wisp_plate* plate )
         {
             memset( sets[i]->weight, 0, (size_t)sets[i]->begin[sets[i]->slice_count] * sizeof( sets[i]->weight[0] ) );
         }
-    }
-    if ( plate->stiffness != NULL )
-    {
-        memset( plate->stiffness, 0, 8 * (size_t)plate->turns.slice_count * sizeof( float ) );
     }
 }
 
@@ -877,8 +892,8 @@ wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
         .begin = plate->turns.begin,
         .other = (const int32_t( * )[8])plate->turns.other,
         .weight = (const float( * )[8])plate->turns.weight,
-        .stiffness = plate->stiffness,
         .steepest = plate->steepest,
+        .least_height = plate->least_height,
     };
 }
 

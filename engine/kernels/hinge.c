@@ -171,24 +171,15 @@ void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 
 // ---- moments of angles (wisp/module/plate.h) ----
 
-// Measures angles beyond their rest angles. An implicit step turns a hinge alone by A / ( 1 + A ) of its angle, A = r K w
-// |gradient|^2; the angle counts only as far as that is MAX_TURN.
+// Measures angles beyond their rest angles.
 void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end )
 {
-    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( args->rate );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
         corners c = load_corners( args->position, args->slot_x4, hinge );
         fold f = measure_fold( &c );
-        lane8v gradient[CORNERS];
-        angle_gradients( &f, gradient );
-        lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) );
-        stiff = lane8_mul( stiff, weighted_square( &c, gradient ) );
-        const lane8 largest = lane8_mul( lane8_set1( MAX_TURN ), lane8_add( one, lane8_div( one, stiff ) ) );
-        lane8 angle = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
-        angle = lane8_max( lane8_min( angle, largest ), lane8_neg( largest ) );
-        const lane8m acts = lane8m_and( f.usable, lane8_gt( stiff, lane8_set1( FLT_MIN ) ) );
-        lane8_storeu( args->angle + hinge, lane8_select( acts, angle, lane8_zero() ) );
+        const lane8 angle = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
+        lane8_storeu( args->angle + hinge, lane8_select( f.usable, angle, lane8_zero() ) );
     }
 }
 
