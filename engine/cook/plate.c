@@ -12,13 +12,13 @@ enum
     STENCIL = 5,   // hinges that share a turn: the hinge itself, two of each triangle
     PATCH = 12,    // vertices of a triangle, its neighbours and theirs; more than the hinges between them
     CORNERS = 4,   // of a hinge
-    MONOMIALS = 3, // of a quadratic surface: x x / 2, y y / 2, x y
+    MONOMIALS = 3, // quadratic surfaces of unit curvature: x x / 2, y y / 2, x y / sqrt 2
 };
 
 // Shares below this are dropped. They are rounding errors on regular meshes, whose rows become half as long.
 static const double LEAST_SHARE = 1e-5;
 // Of the sum of squares that a fit is solved with: where hinges lie badly for a fit, the share stays near that by height.
-static const double REGULARISATION = 1e-6;
+static const double REGULARISATION = 1e-4;
 // A triangle lower than this part of its edge has no direction, so its edges are open.
 static const double LEAST_HEIGHT = 1e-5;
 // Squared gradients of an angle may be so many times those of the rest shape before the moment is scaled down.
@@ -53,7 +53,7 @@ struct wisp_plate
 {
     row_set vertices;               // Q, without its diagonal
     row_set turns;                  // energy of turns, 1/2 D sum of K J J; empty unless requested
-    float* steepest;                // [row of turns] 1/m^2
+    float *stiffness, *steepest;    // [row of turns]
     float* least_height;            // [slot] m
     plate_hinge* hinges;            // [hinge_count]
     int hinge_count;
@@ -223,7 +223,7 @@ static void add_monomials( const plate_hinge* h, const vec2d at[CORNERS], double
     {
         out[0] += h->row[k] * 0.5 * at[k].x * at[k].x;
         out[1] += h->row[k] * 0.5 * at[k].y * at[k].y;
-        out[2] += h->row[k] * at[k].x * at[k].y;
+        out[2] += h->row[k] * sqrt( 0.5 ) * at[k].x * at[k].y;
     }
 }
 
@@ -271,7 +271,7 @@ static void measure_quadratics( const wisp_plate* plate, const plate_hinge* h, d
     // the gradient at the middle of the edge is 0, that of the flat triangle leads from the edge to the corner
     turn[0] = ( 0.5 * half * half - 0.5 * k.x * k.x ) / k.y;
     turn[1] = -0.5 * k.y;
-    turn[2] = -k.x;
+    turn[2] = -sqrt( 0.5 ) * k.x;
 }
 
 // Solve a symmetric system in place. @return by pivots of a matrix that is positive definite
@@ -561,8 +561,9 @@ static bool cook_turns( wisp_plate* plate, const wisp_fabric* f, fabric_pool* sc
     *set = ( row_set ){ .of_hinges = true, .item_count = plate->hinge_count, .slice_count = (int)( slots / 8 ) };
     int32_t* slot_of = fabric_pool_push( scratch, (size_t)f->hinge_count, sizeof( int32_t ) );
     set->item_row = fabric_pool_push( &plate->pool, (size_t)plate->hinge_count, sizeof( int32_t ) );
+    plate->stiffness = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
     plate->steepest = fabric_pool_push_zeroed( &plate->pool, slots, sizeof( float ) );
-    if ( slot_of == NULL || set->item_row == NULL || plate->steepest == NULL || list_heights( plate, f ) == false )
+    if ( slot_of == NULL || set->item_row == NULL || plate->stiffness == NULL || plate->steepest == NULL || list_heights( plate, f ) == false )
     {
         return false;
     }
@@ -781,6 +782,7 @@ static void add_turns( wisp_plate* plate, const patch* p, double k[PATCH][PATCH]
         {
             add_entry( &plate->turns, row[p->hinge[a]], row[p->hinge[b]], scale * k[a][b] );
         }
+        plate->stiffness[row[p->hinge[a]]] += (float)( scale * k[a][a] );
     }
 }
 
@@ -813,6 +815,10 @@ static void clear( wisp_plate* plate )
         {
             memset( sets[i]->weight, 0, (size_t)sets[i]->begin[sets[i]->slice_count] * sizeof( sets[i]->weight[0] ) );
         }
+    }
+    if ( plate->stiffness != NULL )
+    {
+        memset( plate->stiffness, 0, 8 * (size_t)plate->turns.slice_count * sizeof( float ) );
     }
 }
 
@@ -892,6 +898,7 @@ wisp_plate_turns wisp_plate_get_turns( const wisp_plate* plate )
         .begin = plate->turns.begin,
         .other = (const int32_t( * )[8])plate->turns.other,
         .weight = (const float( * )[8])plate->turns.weight,
+        .stiffness = plate->stiffness,
         .steepest = plate->steepest,
         .least_height = plate->least_height,
     };

@@ -8,6 +8,9 @@
 // triangles by 3 %, and half a turn threefold: tiny stiff meshes would gain energy without bound.
 #define MAX_TURN 0.25f
 
+// Hinges that may turn a vertex in a flattened triangle at the same time.
+#define AT_ONCE 8.0f
+
 enum
 {
     END_I, // ends of the edge
@@ -200,7 +203,8 @@ LANE_INLINE lane8 moment_of( const wisp_plate_angle_args* args, int hinge )
 }
 
 // Adds the impulses of moments. A moment along the exact gradient keeps linear and angular momentum whatever its size, so where
-// a triangle has lost its height the moment is what gives way.
+// a triangle has lost its height the moment is what gives way: as in xpbd, with the part of A = r K w |gradient|^2 that the
+// matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
 void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -args->rate );
@@ -210,8 +214,11 @@ void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, 
         fold f = measure_fold( &c );
         lane8v gradient[CORNERS];
         const lane8 steep = angle_gradients( &f, gradient );
-        const lane8 within = lane8_div( lane8_loadu( args->turns.steepest + hinge ), steep );
-        lane8 moment = lane8_mul( lane8_mul( rate, moment_of( args, hinge ) ), lane8_min( within, one ) );
+        const lane8 within = lane8_min( lane8_div( lane8_loadu( args->turns.steepest + hinge ), steep ), one );
+        lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
+        stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
+        const lane8 gives = lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) );
+        lane8 moment = lane8_div( lane8_mul( rate, moment_of( args, hinge ) ), gives );
         moment = lane8_select( f.usable, moment, lane8_zero() );
         for ( int k = 0; k < CORNERS; ++k )
         {

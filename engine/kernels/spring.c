@@ -123,8 +123,7 @@ LANE_INLINE lane8 clamp_stiffness( const wisp_spring_args* args, lane8 stiffness
     return lane8_min( stiffness, lane8_set1( args->max_stiffness > 0.0f ? args->max_stiffness : FLT_MAX ) );
 }
 
-// Adds tension above the rest length (Noh and Jung, eq. 6 and 8), and pressure below it if the link resists compression. Its
-// derivative across the link would be negative there, and is left out.
+// Adds tension, only above the rest length (Noh and Jung, eq. 6 and 8).
 LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entry )
 {
     const link_lanes l = load_link( args, row, entry );
@@ -132,11 +131,9 @@ LANE_INLINE void stretch( const wisp_spring_args* args, row_lanes* row, int entr
     const lane8 stiffness = clamp_stiffness( args, l.load ), zero = lane8_zero();
     const lane8 near = lane8_mul( l.rest, lane8_set1( 1.0f - args->compression_margin ) );
     const lane8m resists = lane8m_and( lane8_ge( l.length, near ), l.directed );
-    const lane8 pressed = clamp_stiffness( args, lane8_load( args->links.ramp_stiffness[entry] ) );
-    const lane8 along = lane8_select( resists, stiffness, lane8_select( l.directed, pressed, zero ) );
-    const lane8 force = lane8_select( taut, stiffness, lane8_select( l.directed, pressed, zero ) );
-    const lane8 pull = lane8_mul( force, lane8_sub( l.length, l.rest ) );
-    add_link( args, row, entry, &l, pull, along, lane8_select( taut, lane8_mul( pull, l.inverse_length ), zero ) );
+    const lane8 along = lane8_select( resists, stiffness, zero );
+    const lane8 pull = lane8_mul( lane8_select( taut, stiffness, zero ), lane8_sub( l.length, l.rest ) );
+    add_link( args, row, entry, &l, pull, along, lane8_mul( pull, l.inverse_length ) );
 }
 
 // Adds compression, only below the rest length: the load of an arc, blended in by a ramp (Noh and Jung, eq. 11-13).

@@ -65,7 +65,7 @@ typedef struct wisp_implicit_cloth_def
     /// mesh; the rest shape bends to a plane
     float bend_rigidity;
     /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
-    /// compression
+    /// compression, until an edge buckles
     float compression_stiffness;
     float link_damping;          ///< k_d of a link, N s/m, >= 0, default 0.02
 

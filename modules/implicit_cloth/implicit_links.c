@@ -137,7 +137,7 @@ static float stiffest_of( const implicit_cook* cook )
     float most = 0.0f;
     for ( int i = 0; i < cook->stretch_count; ++i )
     {
-        most = fmaxf( most, fmaxf( cook->stretch[i].load, cook->stretch[i].ramp ) );
+        most = fmaxf( most, cook->stretch[i].load );
     }
     for ( int i = 0; i < cook->bend_count; ++i )
     {

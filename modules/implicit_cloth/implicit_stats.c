@@ -91,8 +91,7 @@ static void add_entry( const implicit_links* links, const float* position, float
                      load = (double)links->springs.stiffness[entry][lane];
         const double ramp = (double)fminf( links->springs.ramp_stiffness[entry][lane], most );
         const double over = fmax( 0.0, length - rest );
-        const double under = bends ? 0.0 : fmin( 0.0, length - rest );
-        out->stretch_energy += bends ? 0.0 : 0.5 * fmin( load, (double)most ) * over * over + 0.5 * ramp * under * under;
+        out->stretch_energy += bends ? 0.0 : 0.5 * fmin( load, (double)most ) * over * over;
         out->bend_energy += bends ? bend_energy( load, ramp, rest, length ) : 0.0;
     }
 }

@@ -19,7 +19,7 @@ typedef struct wisp_spring_links
     const float ( *rest )[8];       ///< [entry] m, > 0; 0 pads
     const float (
         *stiffness )[8]; ///< [entry] k of a link that stretches, N/m; k_b / L^2 of one that bends, N; 0 pads
-    const float ( *ramp_stiffness )[8]; ///< [entry] c, N/m: of a link that bends; of one that stretches, against compression
+    const float ( *ramp_stiffness )[8]; ///< [entry] c of a link that bends, N/m
     const float ( *damping )[8];        ///< [entry] k_d, N s/m
 } wisp_spring_links;
 

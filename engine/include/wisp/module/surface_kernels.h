@@ -50,6 +50,7 @@ typedef struct wisp_plate_turns
     const int32_t* begin;        ///< [group + 1] first entry of a group
     const int32_t ( *other )[8]; ///< [entry] hinges, the own one too
     const float ( *weight )[8];  ///< [entry] no unit; 0 pads
+    const float* stiffness;      ///< [hinge] the weight of the own angle
     const float* steepest;       ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
                                  ///< opposite vertices exceed this
     const float* least_height;   ///< [slot] m, of the triangles at a vertex
