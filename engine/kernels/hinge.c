@@ -8,6 +8,9 @@
 // triangles by 3 %, and half a turn threefold: tiny stiff meshes would gain energy without bound.
 #define MAX_TURN 0.25f
 
+// Hinges that may turn a vertex in a flattened triangle at the same time.
+#define AT_ONCE 8.0f
+
 enum
 {
     END_I, // ends of the edge
@@ -23,13 +26,13 @@ typedef struct corners
     lane8 weight[CORNERS]; // inverse masses
 } corners;
 
-LANE_INLINE corners load_corners( const wisp_hinge_args* args, int hinge )
+LANE_INLINE corners load_corners( const float* position, const int32_t* slots_x4, int hinge )
 {
     corners c;
     for ( int k = 0; k < CORNERS; ++k )
     {
-        const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
-        lane8_load_xyzw( args->position, slot_x4, &c.point[k].x, &c.point[k].y, &c.point[k].z, &c.weight[k] );
+        const int32_t* slot_x4 = slots_x4 + (size_t)hinge * CORNERS + 8 * k;
+        lane8_load_xyzw( position, slot_x4, &c.point[k].x, &c.point[k].y, &c.point[k].z, &c.weight[k] );
     }
     return c;
 }
@@ -127,38 +130,105 @@ LANE_INLINE fold measure_fold( const corners* c )
     return f;
 }
 
+// Gradients of the angle of Bridson, Marino and Fedkiw 2003: an opposite vertex has 1 / height along its normal, and the ends
+// balance forces and torques. Gradients are finite for a flat hinge. @return squared gradients of the opposite vertices
+LANE_INLINE lane8 angle_gradients( const fold* f, lane8v gradient[CORNERS] )
+{
+    const lane8 one = lane8_set1( 1.0f );
+    const lane8v of_k = lane8v_scale( f->n1, lane8_div( f->length, f->n1n1 ) );
+    const lane8v of_l = lane8v_scale( f->n2, lane8_div( f->length, f->n2n2 ) );
+    gradient[END_I] =
+        lane8v_mul_add( lane8v_scale( of_k, lane8_sub( f->foot_k, one ) ), lane8_sub( f->foot_l, one ), of_l );
+    gradient[END_J] = lane8v_mul_add( lane8v_scale( of_k, lane8_neg( f->foot_k ) ), lane8_neg( f->foot_l ), of_l );
+    gradient[OPPOSITE_K] = of_k;
+    gradient[OPPOSITE_L] = of_l;
+    return lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
+}
+
 // Projects the angle between the normals, positive where the opposite vertices lie on the side to which the normals
-// point. Gradients are those of Bridson, Marino and Fedkiw 2003: an opposite vertex has 1 / height along its
-// normal, and the ends balance forces and torques. Gradients are finite for a flat hinge.
+// point.
 void KERNEL( hinge_dihedral )( const wisp_hinge_args* args, int begin, int end )
 {
     const lane8 one = lane8_set1( 1.0f );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args, hinge );
+        corners c = load_corners( args->position, args->slot_x4, hinge );
         fold f = measure_fold( &c );
         if ( lane8m_any( f.usable ) == false )
         {
             continue;
         }
-        lane8v of_k = lane8v_scale( f.n1, lane8_div( f.length, f.n1n1 ) );
-        lane8v of_l = lane8v_scale( f.n2, lane8_div( f.length, f.n2n2 ) );
-        const lane8v gradient[CORNERS] = {
-            lane8v_mul_add( lane8v_scale( of_k, lane8_sub( f.foot_k, one ) ), lane8_sub( f.foot_l, one ), of_l ),
-            lane8v_mul_add( lane8v_scale( of_k, lane8_neg( f.foot_k ) ), lane8_neg( f.foot_l ), of_l ),
-            of_k,
-            of_l,
-        };
+        lane8v gradient[CORNERS];
+        const lane8 steep = angle_gradients( &f, gradient );
         lane8 error = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
         // Where free corners have no lever arm on the angle, such as one free corner while the others are pinned in
         // a line, gradient and sum are rounding errors. Their quotient would move the corner arbitrarily far.
         lane8 sum = weighted_square( &c, gradient );
-        lane8 steep = lane8_add( lane8v_dot( of_k, of_k ), lane8v_dot( of_l, of_l ) );
         lane8 weights = lane8_add( lane8_add( c.weight[0], c.weight[1] ), lane8_add( c.weight[2], c.weight[3] ) );
         lane8m levered = lane8_ge( sum, lane8_mul( lane8_set1( MIN_LEVER ), lane8_mul( weights, steep ) ) );
         lane8 largest = lane8_div( lane8_set1( MAX_TURN ), lane8_select( levered, sum, one ) );
         lane8 step = change_of_lambda( args, hinge, error, sum, largest, lane8m_and( f.usable, levered ) );
         move_corners( args, hinge, &c, gradient, step );
+    }
+}
+
+// ---- moments of angles (wisp/module/plate.h) ----
+
+// Measures angles beyond their rest angles.
+void KERNEL( plate_measure_angles )( const wisp_plate_angle_args* args, int begin, int end )
+{
+    for ( int hinge = begin; hinge < end; hinge += 8 )
+    {
+        corners c = load_corners( args->position, args->slot_x4, hinge );
+        fold f = measure_fold( &c );
+        const lane8 angle = wrap_angle( lane8_sub( f.angle, lane8_loadu( args->rest + hinge ) ) );
+        lane8_storeu( args->angle + hinge, lane8_select( f.usable, angle, lane8_zero() ) );
+    }
+}
+
+LANE_INLINE lane8 moment_of( const wisp_plate_angle_args* args, int hinge )
+{
+    const wisp_plate_turns* turns = &args->turns;
+    lane8 moment = lane8_zero();
+    for ( int entry = turns->begin[hinge / 8]; entry < turns->begin[hinge / 8 + 1]; ++entry )
+    {
+        float angle[8];
+        for ( int lane = 0; lane < 8; ++lane )
+        {
+            angle[lane] = args->angle[turns->other[entry][lane]];
+        }
+        moment = lane8_mul_add( lane8_loadu( turns->weight[entry] ), lane8_loadu( angle ), moment );
+    }
+    return moment;
+}
+
+// Adds the impulses of moments. A moment along the exact gradient keeps linear and angular momentum whatever its size, so where
+// a triangle has lost its height the moment is what gives way: as in xpbd, with the part of A = r K w |gradient|^2 that the
+// matrix does not have. Hinges around such a vertex act at once, hence AT_ONCE.
+void KERNEL( plate_add_moments )( const wisp_plate_angle_args* args, int begin, int end )
+{
+    const lane8 one = lane8_set1( 1.0f ), rate = lane8_set1( -args->rate );
+    for ( int hinge = begin; hinge < end; hinge += 8 )
+    {
+        corners c = load_corners( args->position, args->slot_x4, hinge );
+        fold f = measure_fold( &c );
+        lane8v gradient[CORNERS];
+        const lane8 steep = angle_gradients( &f, gradient );
+        const lane8 within = lane8_min( lane8_div( lane8_loadu( args->turns.steepest + hinge ), steep ), one );
+        lane8 stiff = lane8_mul( rate, lane8_loadu( args->turns.stiffness + hinge ) ); // negative
+        stiff = lane8_mul( lane8_mul( stiff, weighted_square( &c, gradient ) ), lane8_sub( one, within ) );
+        const lane8 gives = lane8_sub( one, lane8_mul( stiff, lane8_set1( AT_ONCE ) ) );
+        lane8 moment = lane8_div( lane8_mul( rate, moment_of( args, hinge ) ), gives );
+        moment = lane8_select( f.usable, moment, lane8_zero() );
+        for ( int k = 0; k < CORNERS; ++k )
+        {
+            const int32_t* slot_x4 = args->slot_x4 + (size_t)hinge * CORNERS + 8 * k;
+            lane8v b;
+            lane8 unused;
+            lane8_load_xyzw( args->impulse, slot_x4, &b.x, &b.y, &b.z, &unused );
+            b = lane8v_mul_add( b, moment, gradient[k] );
+            lane8_store_xyzw( args->impulse, slot_x4, b.x, b.y, b.z, unused );
+        }
     }
 }
 
@@ -170,7 +240,7 @@ void KERNEL( hinge_isometric )( const wisp_hinge_args* args, int begin, int end 
     const lane8 one = lane8_set1( 1.0f );
     for ( int hinge = begin; hinge < end; hinge += 8 )
     {
-        corners c = load_corners( args, hinge );
+        corners c = load_corners( args->position, args->slot_x4, hinge );
         lane8v y = { lane8_zero(), lane8_zero(), lane8_zero() };
         lane8 cotangent[CORNERS];
         for ( int k = 0; k < CORNERS; ++k )

@@ -153,6 +153,35 @@ LANE_INLINE void bend( const wisp_spring_args* args, row_lanes* row, int entry )
     add_link( args, row, entry, &l, pull, along, args->full_jacobian ? lane8_mul( pull, l.inverse_length ) : zero );
 }
 
+// Adds bending, D Q x, whose derivative is constant and the same in every direction.
+LANE_INLINE void add_plate( const wisp_spring_args* args, row_lanes* row, int slice )
+{
+    const lane8 h = lane8_set1( args->dt ), rigidity = lane8_set1( args->rigidity );
+    const lane8 h2 = lane8_mul( h, h ), none = lane8_zero();
+    for ( int entry = args->plate.begin[slice]; entry < args->plate.begin[slice + 1]; ++entry )
+    {
+        const int32_t* other_x4 = args->plate.other_x4[entry];
+        lane8v point, moves;
+        lane8_load_xyz( args->position, other_x4, &point.x, &point.y, &point.z );
+        lane8_load_xyz( args->velocity, other_x4, &moves.x, &moves.y, &moves.z );
+        lane8v apart = lane8v_sub( row->point, point );
+        const lane8v parting = lane8v_sub( row->velocity, moves );
+        if ( args->base_position != NULL )
+        {
+            lane8v from;
+            lane8_load_xyz( args->base_position, other_x4, &from.x, &from.y, &from.z );
+            apart = lane8v_mul_add( lane8v_sub( row->place, from ), h, parting );
+        }
+        const lane8 stiffness = lane8_mul( rigidity, lane8_loadu( args->plate.weight[entry] ) );
+        const lane8 kept = lane8_mul( h2, stiffness );
+        row->force = lane8v_mul_add( row->force, lane8_neg( stiffness ), apart );
+        row->drag = lane8v_mul_add( row->drag, args->is_repeat ? none : lane8_neg( kept ), parting );
+        row->matrix[0] = lane8_add( row->matrix[0], kept );
+        row->matrix[3] = lane8_add( row->matrix[3], kept );
+        row->matrix[5] = lane8_add( row->matrix[5], kept );
+    }
+}
+
 // Inverts a symmetric matrix by L D L'. `least` is its isotropic part and a lower bound of the pivots. Next to a
 // stiff link that part is lost by rounding, and without the bound the inverse would not be positive definite.
 LANE_INLINE void invert( const lane8 matrix[6], lane8 least, float out[6][8] )
@@ -224,6 +253,10 @@ int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end 
         {
             bend( args, &row, entry );
         }
+        if ( args->plate.begin != NULL )
+        {
+            add_plate( args, &row, slice );
+        }
         finish_row( args, &row, slice, mass );
         undirected += (int)lane8_sum_ordered( row.undirected );
     }
@@ -231,6 +264,18 @@ int KERNEL( spring_assemble )( const wisp_spring_args* args, int begin, int end 
 }
 
 // ---- matrix product ----
+
+LANE_INLINE lane8v plate_product( const wisp_conjugate_args* args, int slice, lane8v own )
+{
+    lane8v sum = { lane8_zero(), lane8_zero(), lane8_zero() };
+    for ( int entry = args->plate.begin[slice]; entry < args->plate.begin[slice + 1]; ++entry )
+    {
+        lane8v other;
+        lane8_load_xyz( args->direction, args->plate.other_x4[entry], &other.x, &other.y, &other.z );
+        sum = lane8v_mul_add( sum, lane8_loadu( args->plate.weight[entry] ), lane8v_sub( own, other ) );
+    }
+    return lane8v_scale( sum, lane8_set1( args->plate_rate ) );
+}
 
 double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int end )
 {
@@ -252,6 +297,10 @@ double KERNEL( spring_product )( const wisp_conjugate_args* args, int begin, int
                 const lane8v u = lane8v_sub( own, other ), e = lane8v_load( args->axis[entry][0] );
                 product = lane8v_mul_add( product, lane8_load( args->axis[entry][3] ), u );
                 product = lane8v_mul_add( product, lane8v_dot( e, u ), e );
+            }
+            if ( args->plate.begin != NULL )
+            {
+                product = lane8v_add( product, plate_product( args, slice, own ) );
             }
             lane8v_store( args->product[slice][0], product );
             dot = lane8_add( dot, lane8v_dot( own, product ) );

@@ -32,7 +32,7 @@ static void project_links( wisp_frame* frame, const wisp_span* span, link_call* 
     call->args.b_x4 = fabric->link_b_x4;
     call->args.rest = fabric->link_rest;
     call->first = span->iteration == 0;
-    passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
+    wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
 }
 
 static float inverse_dt2( const wisp_frame* frame )
@@ -100,7 +100,7 @@ static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call
                             : NULL;
     call->args.inverse_dt2 = inverse_dt2( frame );
     call->first = span->iteration == 0;
-    passes_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
+    wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
 }
 
 static void hinges_dihedral( wisp_frame* frame, const wisp_span* span, void* user )

@@ -136,7 +136,7 @@ static void project_levels( wisp_frame* frame, const wisp_span* span, void* user
         };
         for ( int pass = 0; pass < passes; ++pass )
         {
-            passes_run_schedule( parallel, &level->schedule, run_links, &links );
+            wisp_run_schedule( parallel, &level->schedule, run_links, &links );
         }
         vertices.level = level;
         wisp_parallel_for( parallel, level->vertex_count, VERTEX_GRAIN, measure, &vertices );

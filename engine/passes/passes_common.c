@@ -2,7 +2,7 @@
 
 typedef struct tile_loop
 {
-    passes_schedule_fn* run;
+    wisp_schedule_fn* run;
     const void* args;
     const int32_t* tile_begin; // of the colour's first tile
 } tile_loop;
@@ -14,8 +14,8 @@ static void run_tiles( void* context, int begin, int end, int worker )
     loop->run( loop->args, loop->tile_begin[begin], loop->tile_begin[end] );
 }
 
-void passes_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, passes_schedule_fn* run,
-                          const void* args )
+void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
+                        const void* args )
 {
     for ( int colour = 0; colour < schedule->colour_count; ++colour )
     {

@@ -5,11 +5,22 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/plate.h"
+
+/// Bending of one surface.
+typedef struct cloth_plate
+{
+    wisp_entity entity;
+    wisp_plate* plate;
+} cloth_plate;
 
 typedef struct cloth_state
 {
     wisp_component air;     // cloth_air: air acts on it
     wisp_component damping; // float: rate of damping
+    wisp_component bending; // float, N m: rigidity of bending by curvature
+    cloth_plate* plates;    // [plate_count]
+    int plate_count, plate_capacity;
 } cloth_state;
 
 /// Air around a cloth.

@@ -146,62 +146,41 @@ static void bending_row( const hinge_shape* s, double c[4] )
     c[3] = -( at_i_l + at_j_l );
 }
 
-// Energy of an angle t over an edge e whose triangles have the area A together: 1/2 B e^2 t^2 / A. Summed over a mesh
-// of equilateral triangles this is 1/2 B times the square of the curvature times the area, whatever the direction in
-// which the sheet is rolled. (Bergou et al. 2006 weigh it by 3 / A, which is right for a sphere and three times too
-// stiff for a cylinder, and nearly inextensible cloth bends as a cylinder does.) Compliance is the inverse of the second
-// derivative.
-static float dihedral_compliance( const hinge_shape* s, float rigidity )
-{
-    return s->sound ? (float)( s->area / ( (double)rigidity * s->edge * s->edge ) ) : NOTHING;
-}
-
-static void fill_shape( wisp_world* world, wisp_entity surface, const wisp_fabric* f, const wisp_cloth_def* def,
+static void fill_shape( wisp_world* world, wisp_entity surface, const hinge_shape* s, const wisp_cloth_def* def,
                         int slot )
 {
-    int hinge = f->hinge_order.constraint[slot];
-    const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
     if ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL )
     {
         float* angle = wisp_world_column( world, surface, WISP_HINGE_REST, 0 );
-        angle[slot] = s.sound ? rest_angle( &s ) : 0.0f;
+        angle[slot] = s->sound ? rest_angle( s ) : 0.0f;
         return;
     }
     float* weight = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 0 );
     float* scale = wisp_world_column( world, surface, WISP_HINGE_COTANGENT, 1 );
     double c[4] = { 0 };
-    if ( s.sound )
+    if ( s->sound )
     {
-        bending_row( &s, c );
+        bending_row( s, c );
     }
     for ( int k = 0; k < 4; ++k )
     {
         weight[( slot / 8 ) * 32 + 8 * k + slot % 8] = (float)c[k];
     }
-    scale[slot] = s.sound ? (float)( 1.0 / s.area ) : 0.0f;
-}
-
-// Coefficient of a hinge: a stiffness in pbd, a compliance in xpbd. A hinge without an angle does not resist.
-static float hinge_value( const wisp_fabric* f, const wisp_cloth_def* def, int slot )
-{
-    int hinge = f->hinge_order.constraint[slot];
-    const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
-    if ( def->solver == WISP_SOLVER_PBD )
-    {
-        return s.sound ? def->bend_stiffness : 0.0f;
-    }
-    return def->bending == WISP_CLOTH_BENDING_DIHEDRAL ? dihedral_compliance( &s, def->bend_rigidity )
-                                                       : 1.0f / def->bend_rigidity;
+    scale[slot] = s->sound ? (float)( 1.0 / s->area ) : 0.0f;
 }
 
 void cloth_fill_hinges( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
     const wisp_fabric* f = wisp_world_fabric( world, surface );
-    wisp_component component = def->solver == WISP_SOLVER_PBD ? WISP_HINGE_STIFFNESS : WISP_HINGE_COMPLIANCE;
-    float* column = wisp_world_column( world, surface, component, 0 );
+    float* stiffness = wisp_world_column( world, surface, WISP_HINGE_STIFFNESS, 0 );
     for ( int slot = 0; slot < f->hinge_order.slot_count; ++slot )
     {
-        fill_shape( world, surface, f, def, slot );
-        column[slot] = hinge_value( f, def, slot );
+        const int hinge = f->hinge_order.constraint[slot];
+        const hinge_shape s = hinge >= 0 ? shape_of( f, hinge ) : ( hinge_shape ){ 0 };
+        fill_shape( world, surface, &s, def, slot );
+        if ( stiffness != NULL )
+        {
+            stiffness[slot] = s.sound ? def->bend_stiffness : 0.0f;
+        }
     }
 }

@@ -1,4 +1,4 @@
-#include "cloth_internal.h"
+#include "cloth_bending.h"
 
 #include <math.h>
 #include <string.h>
@@ -7,9 +7,11 @@ static const uint32_t CLOTH_DEF_COOKIE = 0x434c4f54;
 
 #define CLOTH_AIR_COLUMNS( X ) X( cloth_air, air, 1 )
 #define CLOTH_DAMPING_COLUMNS( X ) X( float, rate, 1 )
+#define CLOTH_BENDING_COLUMNS( X ) X( float, rigidity, 1 ) /* N m */
 
 static const wisp_column_def AIR_COLUMNS[] = { CLOTH_AIR_COLUMNS( WISP_COLUMN_DEF ) };
 static const wisp_column_def DAMPING_COLUMNS[] = { CLOTH_DAMPING_COLUMNS( WISP_COLUMN_DEF ) };
+static const wisp_column_def BENDING_COLUMNS[] = { CLOTH_BENDING_COLUMNS( WISP_COLUMN_DEF ) };
 
 wisp_cloth_def wisp_default_cloth_def( void )
 {
@@ -28,6 +30,26 @@ wisp_cloth_def wisp_default_cloth_def( void )
     };
 }
 
+// ---- state ----
+
+static void release_state( void* memory, const wisp_allocator* allocator )
+{
+    cloth_state* state = memory;
+    while ( state->plate_count > 0 )
+    {
+        cloth_remove_plate( state, state->plates[0].entity, allocator );
+    }
+    if ( state->plates != NULL )
+    {
+        allocator->release( allocator->user, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
+    }
+}
+
+static void entity_removed( void* memory, wisp_world* world, wisp_entity entity )
+{
+    cloth_remove_plate( memory, entity, wisp_world_allocator( world ) );
+}
+
 static wisp_status declare( wisp_registry* r )
 {
     cloth_state* state = wisp_declare_state( r, sizeof( cloth_state ) );
@@ -35,10 +57,13 @@ static wisp_status declare( wisp_registry* r )
     {
         return WISP_NO_MEMORY;
     }
+    wisp_declare_hooks( r, &( wisp_state_hooks ){ .release = release_state, .removed = entity_removed } );
     const wisp_component_def air = { "cloth.air", WISP_TABLE_ENTITY, AIR_COLUMNS, 1 };
     const wisp_component_def damping = { "cloth.damping", WISP_TABLE_ENTITY, DAMPING_COLUMNS, 1 };
     state->air = wisp_declare_component( r, &air );
+    const wisp_component_def bending = { "cloth.bending", WISP_TABLE_ENTITY, BENDING_COLUMNS, 1 };
     state->damping = wisp_declare_component( r, &damping );
+    state->bending = wisp_declare_component( r, &bending );
     wisp_status status =
         wisp_declare_pass( r, &( wisp_pass ){
                                   .name = "cloth.air",
@@ -50,6 +75,20 @@ static wisp_status declare( wisp_registry* r )
                                   .run = cloth_blow,
                                   .user = state,
                               } );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    status = wisp_declare_pass( r, &( wisp_pass ){
+                                       .name = "cloth.bending",
+                                       .stage = WISP_STAGE_FORCE,
+                                       .domain = WISP_DOMAIN_ENTITY,
+                                       .required = { state->bending },
+                                       .reads = { state->bending, WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY },
+                                       .writes = { WISP_PARTICLE_VELOCITY },
+                                       .run = cloth_bend,
+                                       .user = state,
+                                   } );
     if ( status != WISP_OK )
     {
         return status;
@@ -172,9 +211,9 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
         { WISP_HINGE_REST, dihedral },
-        { WISP_HINGE_COTANGENT, isometric },
+        { state->bending, ( dihedral || isometric ) && pbd == false },
+        { WISP_HINGE_COTANGENT, isometric && pbd },
         { WISP_HINGE_STIFFNESS, ( dihedral || isometric ) && pbd },
-        { WISP_HINGE_COMPLIANCE, ( dihedral || isometric ) && pbd == false },
         { WISP_SURFACE_TETHERS, d->tethers },
         { WISP_SURFACE_LEVELS, d->level_passes > 0 && f->level_count > 0 },
     };
@@ -224,6 +263,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
         *air = ( cloth_air ){ d->wind, d->air_density, d->drag_coefficient, d->lift_coefficient };
     }
     set_float( world, surface, state->damping, d->internal_damping );
+    set_float( world, surface, state->bending, d->bend_rigidity );
     set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
     int32_t* passes = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 );
     if ( passes != NULL )
@@ -239,7 +279,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
 
 // ---- public functions ----
 
-static wisp_status find_state( wisp_world* world, wisp_entity surface, const cloth_state** out )
+static wisp_status find_state( wisp_world* world, wisp_entity surface, cloth_state** out )
 {
     void* state;
     wisp_status status = wisp_world_surface_state( world, "cloth", surface, &state );
@@ -250,15 +290,22 @@ static wisp_status find_state( wisp_world* world, wisp_entity surface, const clo
 wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_cloth_def* def )
 {
     WISP_ASSERT( def->cookie == CLOTH_DEF_COOKIE );
-    const cloth_state* state;
+    cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     status = status == WISP_OK ? check_alone( world, surface ) : status;
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
+    const bool bends = status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 && def->solver == WISP_SOLVER_XPBD &&
+                       ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
+    status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )
     {
+        if ( bends == false )
+        {
+            cloth_remove_plate( state, surface, wisp_world_allocator( world ) );
+        }
         fill( world, surface, def, state );
     }
     return status;
@@ -266,7 +313,7 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
 
 wisp_status wisp_set_cloth_wind( wisp_world* world, wisp_entity surface, wisp_vec3 wind )
 {
-    const cloth_state* state;
+    cloth_state* state;
     wisp_status status = find_state( world, surface, &state );
     if ( status != WISP_OK )
     {

@@ -5,6 +5,7 @@
 
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
+#include "wisp/module/plate.h"
 
 #include <math.h>
 
@@ -37,6 +38,8 @@ typedef struct implicit_links
     float* fraction;   ///< [row_count] what part of a vertex's mass its row has: 1 over the weight of its forces
     float stiffest;    ///< N/m, k or c of the stiffest link
     wisp_spring_links springs;
+    wisp_plate* plate; ///< bending of a material; null: none
+    float rigidity;    ///< N m, of the plate
     size_t bytes;
 } implicit_links;
 

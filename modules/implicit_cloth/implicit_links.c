@@ -212,6 +212,19 @@ static implicit_links* assemble( row_cook* r, const wisp_implicit_cloth_def* def
     return links;
 }
 
+// Bending of a material, in the rows of the links.
+static bool add_plate( row_cook* r, const wisp_implicit_cloth_def* def, implicit_links* links )
+{
+    const implicit_cook* cook = r->cook;
+    if ( def->stiffness_model != WISP_IMPLICIT_STIFFNESS_MATERIAL || !( def->bend_rigidity > 0.0f ) )
+    {
+        return true;
+    }
+    links->rigidity = def->bend_rigidity;
+    return wisp_plate_create( cook->fabric, r->slot_row, links->row_count, false, cook->allocator, &links->plate ) ==
+           WISP_OK;
+}
+
 static implicit_links* cook_rows( implicit_cook* cook, const wisp_implicit_cloth_def* def )
 {
     const size_t vertices = (size_t)cook->fabric->vertex_count,
@@ -231,7 +244,13 @@ static implicit_links* cook_rows( implicit_cook* cook, const wisp_implicit_cloth
     count_degrees( &r );
     order_rows( &r, row_slot, (int)rows );
     const size_t entries = place_entries( &r, row_slot, (int)( rows / WISP_SLICE ), begin );
-    return assemble( &r, def, row_slot, (int)rows, begin, entries );
+    implicit_links* links = assemble( &r, def, row_slot, (int)rows, begin, entries );
+    if ( links != NULL && add_plate( &r, def, links ) == false )
+    {
+        implicit_links_release( links, cook->allocator );
+        return NULL;
+    }
+    return links;
 }
 
 wisp_status implicit_links_create( wisp_world* world, wisp_entity surface, const wisp_implicit_cloth_def* def,
@@ -264,6 +283,7 @@ void implicit_links_release( implicit_links* links, const wisp_allocator* alloca
 {
     if ( links != NULL )
     {
+        wisp_plate_release( links->plate, allocator );
         allocator->release( allocator->user, links, links->bytes );
     }
 }

@@ -96,6 +96,26 @@ static void add_entry( const implicit_links* links, const float* position, float
     }
 }
 
+// 1/2 D x' Q x, as a sum over pairs.
+static double plate_energy( const implicit_links* links, const float* position )
+{
+    const wisp_plate_rows rows = wisp_plate_get_rows( links->plate );
+    double sum = 0.0;
+    for ( int row = 0; row < links->row_count; ++row )
+    {
+        for ( int entry = rows.begin[row / WISP_SLICE]; entry < rows.begin[row / WISP_SLICE + 1]; ++entry )
+        {
+            const int other = rows.other_x4[entry][row % WISP_SLICE] / 4;
+            if ( other > row )
+            {
+                const double length = row_distance( position, links, row, other );
+                sum += (double)rows.weight[entry][row % WISP_SLICE] * length * length;
+            }
+        }
+    }
+    return 0.5 * (double)links->rigidity * sum;
+}
+
 void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
 {
     const implicit_state* state = user;
@@ -123,5 +143,6 @@ void implicit_measure( wisp_frame* frame, const wisp_span* span, void* user )
             add_entry( links, position, tally->stiffest, slice, entry, entry >= parts[1], &stats );
         }
     }
+    stats.bend_energy += links->plate != NULL ? plate_energy( links, position ) : 0.0;
     *(wisp_implicit_cloth_stats*)wisp_frame_column( frame, span->entity, state->stats, 0 ) = stats;
 }

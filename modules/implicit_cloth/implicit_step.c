@@ -575,6 +575,27 @@ static void find_columns( wisp_frame* frame, const wisp_span* span, const implic
     };
 }
 
+// Bending of a material. Beyond MAX_RATIO floats lose the mass next to it, as they do with links.
+static void set_plate( wisp_frame* frame, const wisp_span* span, step* s )
+{
+    implicit_system* y = &s->system;
+    const implicit_links* links = y->links;
+    if ( links->plate == NULL )
+    {
+        return;
+    }
+    const double rate = (double)links->rigidity * (double)y->spring.dt * (double)y->spring.dt;
+    const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ), s->columns.position,
+                                           (float)( MAX_RATIO / rate ) );
+    if ( lowered > 0 )
+    {
+        wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );
+    }
+    y->spring.plate = y->conjugate.plate = wisp_plate_get_rows( links->plate );
+    y->spring.rigidity = links->rigidity;
+    y->conjugate.plate_rate = (float)rate;
+}
+
 // ---- the pass ----
 
 static void add_contacts( const step* s, implicit_tally* total )
@@ -614,6 +635,7 @@ void implicit_step( wisp_frame* frame, const wisp_span* span, void* user )
                          wisp_frame_fabric( frame, span->entity )->vertex_count );
         return;
     }
+    set_plate( frame, span, &s );
     for_slices( &s, gather_slices );
     implicit_tally tally = solve( frame, &s );
     add_contacts( &s, &tally );

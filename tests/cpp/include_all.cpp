@@ -15,6 +15,7 @@
 #include "wisp/module/intersections.h"
 #include "wisp/module/kernels.h"
 #include "wisp/module/module.h"
+#include "wisp/module/plate.h"
 #include "wisp/module/primitives.h"
 #include "wisp/module/random.h"
 #include "wisp/module/sampling.h"

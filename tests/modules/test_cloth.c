@@ -426,7 +426,7 @@ static void a_mesh_too_small_for_levels_has_no_level_pass( void** state )
     add_cloth( h->world, &fabric, wisp_default_surface_def(), &cloth, EARTH );
     step( h->world );
     assert_int_equal( count_passes_named( h->world, "surface.levels" ), 0 );
-    assert_int_equal( count_passes_named( h->world, "hinges.dihedral_xpbd" ), 0 );
+    assert_int_equal( count_passes_named( h->world, "cloth.bending" ), 0 );
     test_mesh_free( &mesh );
 }
 

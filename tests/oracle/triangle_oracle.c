@@ -200,6 +200,13 @@ void triangle_oracle_forces( const triangle_oracle* cloth, const double3* x, dou
         force[i] = double3_add_scaled( force[i], term.force, term.direction );
         force[j] = double3_add_scaled( force[j], -term.force, term.direction );
     }
+    double3* bent = calloc( (size_t)cloth->count, sizeof( double3 ) );
+    plate_oracle_multiply( &cloth->plate, x, cloth->count, bent );
+    for ( int i = 0; i < cloth->count; ++i )
+    {
+        force[i] = double3_add_scaled( force[i], -cloth->params.bend_rigidity, bent[i] );
+    }
+    free( bent );
 }
 
 void triangle_oracle_damping_forces( const triangle_oracle* cloth, const double3* x, const double3* v,
@@ -271,7 +278,7 @@ double triangle_oracle_stretch_energy( const triangle_oracle* cloth, const doubl
 
 double triangle_oracle_bend_energy( const triangle_oracle* cloth, const double3* x )
 {
-    return energy_of( cloth, x, true );
+    return energy_of( cloth, x, true ) + cloth->params.bend_rigidity * plate_oracle_energy( &cloth->plate, x );
 }
 
 double triangle_oracle_kinetic_energy( const triangle_oracle* cloth )

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "double3.h"
+#include "plate_oracle.h"
 #include "wisp/base.h"
 
 #include <stdbool.h>
@@ -98,6 +99,7 @@ typedef struct triangle_oracle_link
     double length;  ///< m, at rest
     double stretch; ///< N/m, k; of a bending link 0
     double bend;    ///< N m^2, k_b; of a stretching link 0
+    double area;    ///< m^2, of the triangles at it
     double ramp;    ///< N/m, c
     double damping; ///< N s/m
     double scale;   ///< of all its forces: (w_i + w_j) / 2 with weights `pair`, else 1
@@ -209,6 +211,11 @@ typedef struct triangle_oracle
 
     int link_count, stretch_count, bend_count;
     triangle_oracle_link* link; ///< stretching ones first; the mesh's own in ascending order of (i, j)
+    /// Bending of a material, of its rest shape, which is flat; its edges bear pressure as arcs in place of the diagonals.
+    plate_oracle plate;
+    double3* rest;
+    int* triangles;
+    int triangle_count;         ///< 0: no plate
     int max_neighbours;         ///< max |N|
     int* neighbours;            ///< |N_i|
     double* weight;             ///< w_i of (1); 1 for a vertex without neighbours

@@ -5,6 +5,7 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 // ---- checks of the input ----
 
@@ -248,11 +249,12 @@ static triangle_oracle_link make_link( const triangle_oracle_params* p, pair of,
     const bool sheet = p->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL;
     const double fraction = sheet ? of.area / ( length * length ) : 1.0;
     const double compression = p->compression_stiffness > 0.0 ? p->compression_stiffness : p->stretch_stiffness;
-    const double bend = sheet ? 8.0 / 9.0 * p->bend_rigidity * of.area / length : p->bend_stiffness;
+    const double bend = sheet ? p->bend_rigidity * of.area / length : p->bend_stiffness;
     return ( triangle_oracle_link ){
         .i = of.i,
         .j = of.j,
         .bends = bends,
+        .area = of.area,
         .length = length,
         .stretch = bends ? 0.0 : fraction * p->stretch_stiffness,
         .bend = bends ? bend : 0.0,
@@ -348,6 +350,37 @@ static void weigh( triangle_oracle* cloth, const double* masses )
     }
 }
 
+// ---- a material ----
+
+static void make_plate( triangle_oracle* cloth )
+{
+    plate_oracle_destroy( &cloth->plate );
+    cloth->plate = plate_oracle_create( cloth->rest, cloth->count, cloth->triangles, cloth->triangle_count, cloth->pinned );
+}
+
+// A material bends as a plate, and its edges bear pressure as arcs as wide as the triangles around them.
+static void become_material( triangle_oracle* cloth, const triangle_oracle_def* def )
+{
+    const size_t edges = (size_t)cloth->stretch_count, corners = 3 * (size_t)def->triangle_count;
+    cloth->link = realloc( cloth->link, ( 2 * edges + 1 ) * sizeof( triangle_oracle_link ) );
+    cloth->term = realloc( cloth->term, ( 2 * edges + 1 ) * sizeof( triangle_oracle_term ) );
+    for ( size_t k = 0; k < edges; ++k )
+    {
+        const triangle_oracle_link* edge = cloth->link + k;
+        const pair of = { edge->i, edge->j, 0, edge->area };
+        cloth->link[edges + k] = make_link( &cloth->params, of, true, edge->length );
+        cloth->link[edges + k].scale = edge->scale;
+    }
+    cloth->bend_count = cloth->stretch_count;
+    cloth->link_count = 2 * cloth->stretch_count;
+    cloth->rest = calloc( (size_t)cloth->count, sizeof( double3 ) );
+    cloth->triangles = calloc( corners + 1, sizeof( int ) );
+    cloth->triangle_count = def->triangle_count;
+    memcpy( cloth->rest, def->points, (size_t)cloth->count * sizeof( double3 ) );
+    memcpy( cloth->triangles, def->triangles, corners * sizeof( int ) );
+    make_plate( cloth );
+}
+
 // ---- the cloth ----
 
 static void take_memory( triangle_oracle* cloth )
@@ -392,6 +425,10 @@ wisp_status triangle_oracle_create( const triangle_oracle_def* def, const triang
     }
     count_neighbours( &cloth );
     weigh( &cloth, def->masses );
+    if ( params->stiffness == TRIANGLE_ORACLE_STIFFNESS_MATERIAL )
+    {
+        become_material( &cloth, def );
+    }
     for ( int i = 0; i < cloth.count; ++i )
     {
         cloth.x[i] = cloth.target[i] = def->points[i];
@@ -406,7 +443,9 @@ void triangle_oracle_destroy( triangle_oracle* cloth )
     void* blocks[] = { cloth->link,   cloth->term,    cloth->neighbours, cloth->weight,     cloth->true_mass,
                        cloth->mass,   cloth->x,       cloth->v,          cloth->x_before,   cloth->v_before,
                        cloth->pinned, cloth->target,  cloth->freedom,    cloth->prescribed, cloth->push,
-                       cloth->change, cloth->impulse, cloth->contact };
+                       cloth->change, cloth->impulse, cloth->contact,    cloth->rest,
+                       cloth->triangles };
+    plate_oracle_destroy( &cloth->plate );
     for ( size_t k = 0; k < sizeof( blocks ) / sizeof( blocks[0] ); ++k )
     {
         free( blocks[k] );
@@ -418,4 +457,8 @@ void triangle_oracle_pin( triangle_oracle* cloth, int vertex )
 {
     cloth->pinned[vertex] = true;
     cloth->target[vertex] = cloth->x[vertex];
+    if ( cloth->triangle_count > 0 )
+    {
+        make_plate( cloth );
+    }
 }

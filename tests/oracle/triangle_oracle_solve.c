@@ -95,6 +95,12 @@ static triangle_oracle_matrix block_of( const triangle_oracle* cloth, int k )
     return block;
 }
 
+// What a pair of the plate adds: s^2 D weight, the same in every direction.
+static double plate_weight( const triangle_oracle* cloth, const plate_oracle_pair* pair )
+{
+    return cloth->s * cloth->s * cloth->params.bend_rigidity * pair->stiffness;
+}
+
 void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector, double3* out )
 {
     for ( int i = 0; i < cloth->count; ++i )
@@ -108,6 +114,13 @@ void triangle_oracle_apply( const triangle_oracle* cloth, const double3* vector,
         const double3 force = times( &block, double3_sub( vector[i], vector[j] ) );
         out[i] = double3_add( out[i], force );
         out[j] = double3_sub( out[j], force );
+    }
+    for ( int n = 0; n < cloth->plate.pair_count; ++n )
+    {
+        const plate_oracle_pair* p = cloth->plate.pairs + n;
+        const double3 force = double3_scale( plate_weight( cloth, p ), double3_sub( vector[p->i], vector[p->j] ) );
+        out[p->i] = double3_add( out[p->i], force );
+        out[p->j] = double3_sub( out[p->j], force );
     }
 }
 
@@ -133,6 +146,15 @@ void triangle_oracle_dense( const triangle_oracle* cloth, double* matrix )
                 matrix[( j + a ) * n + i + b] -= block.m[a][b];
             }
         }
+    }
+    for ( int m = 0; m < 3 * cloth->plate.pair_count; ++m )
+    {
+        const plate_oracle_pair* p = cloth->plate.pairs + m / 3;
+        const size_t i = 3 * (size_t)p->i + (size_t)( m % 3 ), j = 3 * (size_t)p->j + (size_t)( m % 3 );
+        matrix[i * n + i] += plate_weight( cloth, p );
+        matrix[j * n + j] += plate_weight( cloth, p );
+        matrix[i * n + j] -= plate_weight( cloth, p );
+        matrix[j * n + i] -= plate_weight( cloth, p );
     }
 }
 
@@ -162,6 +184,12 @@ static triangle_oracle_matrix* new_preconditioner( const triangle_oracle* cloth 
             p[cloth->link[k].i].m[n / 3][n % 3] += block.m[n / 3][n % 3];
             p[cloth->link[k].j].m[n / 3][n % 3] += block.m[n / 3][n % 3];
         }
+    }
+    for ( int n = 0; n < 3 * cloth->plate.pair_count; ++n )
+    {
+        const plate_oracle_pair* pair = cloth->plate.pairs + n / 3;
+        p[pair->i].m[n % 3][n % 3] += plate_weight( cloth, pair );
+        p[pair->j].m[n % 3][n % 3] += plate_weight( cloth, pair );
     }
     for ( int i = 0; i < cloth->count; ++i )
     {

@@ -220,6 +220,11 @@ WISP_API const wisp_parallel* wisp_frame_parallel( wisp_frame* frame, const wisp
 WISP_API void* wisp_frame_workspace( wisp_frame* frame, int workspace, int worker );
 /// Steps finished before this one.
 WISP_API uint64_t wisp_frame_step( wisp_frame* frame );
+/// Callback for a range of a fabric's schedule on one worker: groups of eight constraints [begin, end).
+typedef void wisp_schedule_fn( const void* args, int begin, int end );
+/// Run a schedule: tile colours one after another, the tiles of a colour in parallel.
+WISP_API void wisp_run_schedule( const wisp_parallel* parallel, const wisp_schedule* schedule, wisp_schedule_fn* run,
+                                 const void* args );
 /// Report a failure from inside a pass; the step returns one of them and finishes its other passes. Thread-safe.
 WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char* format, ... )
     __attribute__( ( format( printf, 3, 4 ) ) );

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "wisp/base.h"
+#include "wisp/module/surface_kernels.h"
 
 WISP_BEGIN_C
 
@@ -24,11 +25,13 @@ typedef struct wisp_spring_links
 
 /// Forces and their derivatives at a state, and the linear system of an implicit step (Noh and Jung, eq. 5-17):
 ///
-///   A dv = b,  A_ij = -( K2 I + e e' ),  A_ii = m I - sum A_ij
+///   A dv = b,  A_ij = -( K2 I + e e' + s^2 D weight I ),  A_ii = m I - sum A_ij
 ///   b = m ( v_start - v ) + s f + drag,  drag = s f_damping in a repeat, -( A - M ) v in the first solve
 typedef struct wisp_spring_args
 {
     wisp_spring_links links;
+    wisp_plate_rows plate; ///< begin null: none
+    float rigidity;        ///< N m, of the plate
     const float* position; ///< [row][4] m; mass, kg > 0
     const float* velocity; ///< [row][4] m/s; any
     const float*
@@ -52,6 +55,8 @@ typedef struct wisp_spring_args
 typedef struct wisp_conjugate_args
 {
     wisp_spring_links links;
+    wisp_plate_rows plate; ///< begin null: none
+    float plate_rate;      ///< kg m^2: rigidity times s^2
     const float ( *axis )[4][8];
     const float ( *inverse )[6][8]; ///< the preconditioner P
     const float ( *filter )[6][8];  ///< [slice] S, what a row is free to do, as `inverse`

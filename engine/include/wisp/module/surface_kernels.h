@@ -34,6 +34,54 @@ typedef struct wisp_hinge_args
     float inverse_dt2;       ///< xpbd: 1/s^2
 } wisp_hinge_args;
 
+/// A symmetric matrix whose rows sum to zero, by slices of eight rows: ( Q x )_i = sum of weight ( x_i - x_j ) over the entries of
+/// row i. Cooked by plate.h.
+typedef struct wisp_plate_rows
+{
+    int slice_count;
+    const int32_t* begin;           ///< [slice_count + 1] first entry of a slice
+    const int32_t ( *other_x4 )[8]; ///< [entry] rows times 4; a lane's own row pads
+    const float ( *weight )[8];     ///< [entry] 1/m^2; 0 pads
+} wisp_plate_rows;
+
+/// Moments of hinges from their angles, by groups of eight hinges: moment = - D sum of weight angle. Cooked by plate.h.
+typedef struct wisp_plate_turns
+{
+    const int32_t* begin;        ///< [group + 1] first entry of a group
+    const int32_t ( *other )[8]; ///< [entry] hinges, the own one too
+    const float ( *weight )[8];  ///< [entry] no unit; 0 pads
+    const float* stiffness;      ///< [hinge] the weight of the own angle
+    const float* steepest;       ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
+                                 ///< opposite vertices exceed this
+    const float* least_height;   ///< [slot] m, of the triangles at a vertex
+} wisp_plate_turns;
+
+/// Arguments of moments of angles, groups of eight hinges.
+typedef struct wisp_plate_angle_args
+{
+    wisp_plate_turns turns;
+    const int32_t* slot_x4; ///< [group][4][8] i, j, k, l, slots times 4
+    const float* rest;      ///< [hinge] rad, rest angle between the normals, 0 is flat
+    const float* position;  ///< [slot][4] m; inverse mass, 1/kg
+    float* angle;           ///< [hinge] rad, beyond the rest angle
+    float* impulse;         ///< [slot][4] kg m, to which the forces of moments are added
+    float rate;             ///< kg m^2: rigidity times the square of the substep
+} wisp_plate_angle_args;
+
+/// Arguments of an implicit step of bending by a Chebyshev recurrence, slices of eight rows. Rows are slots. With A = r W Q, W the
+/// inverse masses, it approaches y = ( 1 + A )^-1 W b, and is exact for long waves after any number of stages.
+typedef struct wisp_plate_args
+{
+    wisp_plate_rows rows;
+    const float* position; ///< [row][4] m; inverse mass, 1/kg
+    float* impulse;        ///< [row][4] kg m: b = - r Q x
+    const float* newer;    ///< [row][4] m, y of the stage before; 0 behind it
+    float* older;          ///< [row][4] m, y of the one before that; replaced by y of this stage
+    float rate;            ///< kg m^2: r, rigidity times the square of the substep
+    float momentum;        ///< y += momentum ( newer - older )
+    float gain;            ///< y += gain W ( b - r Q newer )
+} wisp_plate_args;
+
 /// Arguments of kernels over ordered one-rings: area vectors, volume and normals at vertices (docs/methods.md,
 /// volume and its gradient).
 typedef struct wisp_ring_args
