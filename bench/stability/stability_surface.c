@@ -220,13 +220,13 @@ static double cable_strain( stability_surface* s, double rest )
                     : 0.0;
 }
 
-static void look_at_links( stability_surface* s, const float* x, double speed, stability_look* look )
+static void observe_links( stability_surface* s, const float* x, double speed, stability_observation* observation )
 {
     const wisp_fabric* f = s->fabric;
     const double h = substep_of( s );
     const double load = stability_surface_weight( s ) / fmax( s->implementation.generator.pin_count, 1.0 ) *
                         ( 1.0 + 2.0 * speed * speed / ( (double)STABILITY_GRAVITY * s->size ) );
-    look->strain_limit = 1e-4;
+    observation->strain_limit = 1e-4;
     for ( int i = 0; i < f->edge_count; ++i )
     {
         const int a = f->edges[2 * i], b = f->edges[2 * i + 1];
@@ -237,9 +237,10 @@ static void look_at_links( stability_surface* s, const float* x, double speed, s
         const double worst = s->slack && strain < 0.0 ? 0.0 : fabs( strain );
         // what a linear solve leaves of a substep's fall, by its tolerance, which is of the norm over all vertices
         const double left = s->is_solved ? 1e-4 * sqrt( f->vertex_count ) * (double)STABILITY_GRAVITY * h * h : 0.0;
-        look->strain_limit = fmax( look->strain_limit, s->taut + ( soft * load + left ) / rest );
-        look->strain_limit = fmax( look->strain_limit, cable_strain( s, rest ) );
-        look->strain = worst <= look->strain || isnan( look->strain ) ? look->strain : worst;
+        observation->strain_limit = fmax( observation->strain_limit, s->taut + ( soft * load + left ) / rest );
+        observation->strain_limit = fmax( observation->strain_limit, cable_strain( s, rest ) );
+        observation->strain =
+            worst <= observation->strain || isnan( observation->strain ) ? observation->strain : worst;
     }
 }
 
@@ -265,7 +266,7 @@ static bool all_finite( const float* x, const float* v, int count )
     return finite;
 }
 
-wisp_status stability_surface_look( void* context, int frame, stability_look* out, wisp_error* error )
+wisp_status stability_surface_observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
     stability_surface* s = context;
     const wisp_vec3* points = s->start;
@@ -277,12 +278,12 @@ wisp_status stability_surface_look( void* context, int frame, stability_look* ou
     const float* x = positions( s );
     const float* v =
         wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_VELOCITY, 0 );
-    *out = ( stability_look ){ .is_finite = all_finite( x, v, 4 * s->fabric->vertex_count ) };
+    *out = ( stability_observation ){ .is_finite = all_finite( x, v, 4 * s->fabric->vertex_count ) };
     out->is_halted = wisp_is_halted( s->implementation.world, s->implementation.entity );
     out->speed =
         stability_farthest( points, s->seen, s->fabric->vertex_count ) / (double)s->implementation.generator.seconds;
     memcpy( s->seen, points, (size_t)s->fabric->vertex_count * sizeof( wisp_vec3 ) );
-    look_at_links( s, x, out->speed, out );
+    observe_links( s, x, out->speed, out );
     out->energy = kinetic_energy( s, x, v ) + stored_energy( s, frame, x );
     out->breach = frame > 0 && s->breach != NULL ? s->breach( s ) : 0.0;
     return WISP_OK;
@@ -305,14 +306,14 @@ stability_trial stability_surface_trial( stability_surface* s, const stability_a
         .frame_count = stability_frames( stability_duration( (double)axes->scale ), step ),
         .context = s,
         .step = stability_surface_step,
-        .look = stability_surface_look,
+        .observe = stability_surface_observe,
         .hash = stability_surface_hash,
         .world = s->implementation.world,
         .close = stability_surface_close,
     };
     trial.limits.energy = stability_surface_energy_limit( s );
-    stability_look look = { 0 };
-    look_at_links( s, positions( s ), 0.0, &look );
-    trial.limits.jitter = look.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
+    stability_observation observation = { 0 };
+    observe_links( s, positions( s ), 0.0, &observation );
+    trial.limits.jitter = observation.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
     return trial;
 }
