@@ -132,9 +132,11 @@ static double substep_of( const stability_surface* s )
 }
 
 // @param softness 1/k, m/N, in series with the compliance of a substep
-static double link_energy( const float* a, const float* b, double rest, double softness, double h, bool only_pulls )
+// @param min_length m, below which a link stores no more: a bend link gives way to its hinge in a sharp fold
+static double link_energy( const float* a, const float* b, double rest, double min_length, double softness, double h,
+                           bool only_pulls )
 {
-    const double error = length_of( a, b ) - rest;
+    const double error = fmax( length_of( a, b ), min_length ) - rest;
     const double whole = softness + ( (double)a[3] + (double)b[3] ) * h * h;
     return whole > 0.0 && ( error > 0.0 || only_pulls == false ) ? 0.5 * error * error / whole : 0.0;
 }
@@ -146,6 +148,7 @@ static double energy_of_links( stability_surface* s, const float* x )
     const wisp_schedule* order = &s->fabric->link_order;
     const float* compliance = wisp_world_column( world, e, WISP_LINK_COMPLIANCE, 0 );
     const float* fraction = wisp_world_column( world, e, WISP_LINK_STIFFNESS, 0 );
+    const bool folds = wisp_world_has( world, e, WISP_LINK_FOLDS );
     const double h = substep_of( s );
     double sum = 0.0;
     for ( int i = 0; i < order->slot_count && ( compliance != NULL || fraction != NULL ); ++i )
@@ -155,7 +158,9 @@ static double energy_of_links( stability_surface* s, const float* x )
         // a fraction k of the error per substep corresponds to the compliance that leaves 1 - k of it
         const double soft =
             compliance != NULL ? (double)compliance[i] : weight * ( 1.0 / fmax( (double)fraction[i], 1e-6 ) - 1.0 );
-        sum += order->constraint[i] >= 0 ? link_energy( a, b, (double)s->fabric->link_rest[i], soft, h, false ) : 0.0;
+        const double rest = (double)s->fabric->link_rest[i];
+        const double min_length = folds && order->constraint[i] >= s->fabric->edge_count ? 0.5 * rest : 0.0;
+        sum += order->constraint[i] >= 0 ? link_energy( a, b, rest, min_length, soft, h, false ) : 0.0;
     }
     return sum;
 }
@@ -171,16 +176,16 @@ static double energy_of_far_links( stability_surface* s, const float* x )
     for ( int i = 0; i < ( tethers ? f->tether_count * f->slot_count : 0 ); ++i )
     {
         sum += link_energy( x + f->tether_x4[i], x + 4 * (size_t)( i % f->slot_count ), (double)f->tether_rest[i],
-                            0.0, h, true );
+                            0.0, 0.0, h, true );
     }
     for ( int k = 0; k < ( levels ? f->level_count : 0 ); ++k )
     {
         const wisp_fabric_level* level = f->levels + k;
         for ( int i = 0; i < level->schedule.slot_count; ++i )
         {
-            sum += level->schedule.constraint[i] >= 0
-                       ? link_energy( x + level->a_x4[i], x + level->b_x4[i], (double)level->rest[i], 0.0, h, true )
-                       : 0.0;
+            sum += level->schedule.constraint[i] >= 0 ? link_energy( x + level->a_x4[i], x + level->b_x4[i],
+                                                                     (double)level->rest[i], 0.0, 0.0, h, true )
+                                                      : 0.0;
         }
     }
     return sum;
