@@ -213,6 +213,10 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
         {
             status = run_layers_step( record->layers, error );
         }
+        if ( status == WISP_OK )
+        {
+            status = run_collision_step( record->collision, error );
+        }
         progress_show( &bar, (double)record->steps / steps, "steps" );
     }
     progress_end( &bar );
@@ -229,6 +233,10 @@ static wisp_status simulate_and_record( const run_options* options, scene_world*
     int steps = options->steps > 0 ? options->steps : world->scene->steps;
     const run_layers_def layers = { options->boundary, options->recorder.every };
     wisp_status status = run_layers_open( &layers, world, steps, &record->layers, error );
+    if ( status == WISP_OK )
+    {
+        status = run_collision_open( world, &record->collision, error );
+    }
     if ( status == WISP_OK )
     {
         status = run_recorder_open( &options->recorder, world, &recorder, error );
@@ -281,6 +289,7 @@ static wisp_status run_scene( const run_options* options, const wisp_scene* scen
     status = simulate_and_record( options, &world, &record, out, error );
     profile_samples_free( &record.profile );
     run_layers_close( record.layers );
+    run_collision_close( record.collision );
     free( record.ms );
     scene_world_destroy( &world );
     return status;

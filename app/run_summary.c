@@ -257,6 +257,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
     row->hash = wisp_world_hash( world->world );
     row->has_hash = true;
     run_layers_put( record->layers, &row->size );
+    run_collision_put( record->collision, &row->size );
 }
 
 void run_summarise( const scene_world* world, run_record* record, const run_recorder_def* recorder,
@@ -270,6 +271,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     if ( record->steps > 0 )
     {
         run_motion_add_table( world, out );
+        run_collision_report( record->collision, out );
         add_pass_table( out, record );
         run_motion_add_warnings( world, out );
     }

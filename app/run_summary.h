@@ -4,6 +4,7 @@
 #include "profile_samples.h"
 #include "results.h"
 #include "run_recorder.h"
+#include "run_collision.h"
 #include "run_layers.h"
 #include "world_from_scene.h"
 
@@ -13,7 +14,8 @@ typedef struct run_record
     profile_samples profile;
     double* ms; ///< [steps]
     int steps;
-    run_layers* layers; ///< or null
+    run_layers* layers;       ///< or null
+    run_collision* collision; ///< or null
 } run_record;
 
 /// Fill the results of a run that has ended. Sorts the times of the record.

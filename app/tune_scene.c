@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #define RUNS_MAX 200
-#define LOOKS 12
+#define OBSERVATIONS 12
 #define SECONDS_MAX 2.0
 #define STEPS_MAX 1000000
 
@@ -127,7 +127,7 @@ static wisp_status search( host* h, wisp_tune_result* out, wisp_error* error )
     worlds.user = h;
     worlds.dt = def->scene->dt;
     worlds.step_count = h->info->steps;
-    worlds.sample_count = h->info->steps < LOOKS ? h->info->steps : LOOKS;
+    worlds.sample_count = h->info->steps < OBSERVATIONS ? h->info->steps : OBSERVATIONS;
     worlds.reference_factor = TUNE_REFERENCE_FACTOR;
     h->bar = progress_begin();
     wisp_status status = wisp_tune_worlds( &job, &worlds, out, error );

@@ -250,6 +250,14 @@ wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_m
     return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
 }
 
+wisp_status scene_world_collision_stats( const scene_world* world, int body, wisp_collision_stats* out,
+                                         wisp_error* error )
+{
+    const wisp_status status =
+        wisp_read_collision_stats( world->world, entity_of( world, place_of( world, body ) ), out );
+    return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
+}
+
 double scene_world_time( const scene_world* world )
 {
     return wisp_scene_step_time( world->scene, world->next_step );

@@ -276,7 +276,7 @@ static wisp_status play_gas( scene_world* world, const wisp_scene_event* e )
     return status;
 }
 
-// BDF2 looks back on the substep before, which had another velocity: it begins anew.
+// BDF2 looks back on the substep before, which had another velocity: it starts again.
 static wisp_status play_velocity( scene_world* world, const wisp_scene_event* e )
 {
     const wisp_scene_surface* entry = &world->scene->surfaces[e->surface];

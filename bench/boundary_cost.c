@@ -10,13 +10,13 @@ enum
 {
     SAMPLES_MAX = 200,
     ROUNDS_MIN = 3,
-    IN_PLACE = 0, // case A everywhere
-    ANEW = 1,     // case B everywhere
+    IN_PLACE = 0,  // case A everywhere
+    RESAMPLED = 1, // case B everywhere
     WAYS = 2,
     VARIANTS = WAYS * BOUNDARY_WORKERS_MAX,
 };
 
-static const char* const way_names[WAYS] = { "in place", "anew" };
+static const char* const way_names[WAYS] = { "in place", "resampled" };
 
 // Expected counts on edges and inside triangles, by an independent script in double precision.
 static const struct
@@ -70,7 +70,7 @@ static wisp_status enter_all( cost_run* run, const layer_cost* cost, bench_varia
     for ( int i = 0; i < WAYS * plan->worker_count && status == WISP_OK; ++i )
     {
         status = layer_enter( run->fabric, &def, plan->workers[i / WAYS], run->implementations + i, error );
-        run->implementations[i].is_anew = i % WAYS == ANEW;
+        run->implementations[i].is_resampled = i % WAYS == RESAMPLED;
         variants[i] = ( bench_variant ){ .name = way_names[i % WAYS],
                                          .step = layer_step,
                                          .after = layer_keep_profile,
@@ -87,7 +87,7 @@ static void read_times( cost_run* run, layer_cost* cost )
     }
 }
 
-static wisp_status look( cost_run* run, layer_cost* cost, wisp_error* error )
+static wisp_status observe( cost_run* run, layer_cost* cost, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( cost->law, cost->spacing );
     surface_implementation* first = &run->implementations[0].surface;
@@ -121,7 +121,7 @@ static wisp_status measure( cost_run* run, layer_cost* cost, double seconds, wis
     if ( status == WISP_OK )
     {
         read_times( run, cost );
-        status = look( run, cost, error );
+        status = observe( run, cost, error );
     }
     for ( int i = 0; i < count; ++i )
     {
@@ -217,7 +217,7 @@ static void add_costs( const cost_run* run, const layer_cost* cost, int table, r
         const int way = i / BOUNDARY_WORKERS_MAX, w = i % BOUNDARY_WORKERS_MAX;
         cells_put_number( &row, w < workers ? ns * cost->ms[way][w].median : NAN, 2 );
     }
-    cells_put_number( &row, cost->ms[ANEW][0].median / cost->ms[IN_PLACE][0].median, 2 );
+    cells_put_number( &row, cost->ms[RESAMPLED][0].median / cost->ms[IN_PLACE][0].median, 2 );
     cells_put_number( &row, workers > 1 ? cost->ms[IN_PLACE][0].median / cost->ms[IN_PLACE][1].median : NAN, 2 );
     cells_put_number( &row, (double)cost->bytes / fmax( points_of( cost ), 1.0 ), 0 );
     cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
@@ -239,7 +239,7 @@ static void add_accuracy( const layer_cost* cost, int table, results* out )
     cells_put_number( &row, cost->cover.reach / d, 3 );
     cells_put( &row, "%d", points_of( cost ) );
     cells_put_number( &row, cost->ms[IN_PLACE][0].median, 4 );
-    cells_put_number( &row, cost->ms[ANEW][0].median, 4 );
+    cells_put_number( &row, cost->ms[RESAMPLED][0].median, 4 );
     cells_put_number( &row, 1e-6 * (double)cost->bytes, 2 );
     cells_put( &row, "%s", met ? "yes" : "NO" );
     cells_end_row( &row, table, out );
@@ -280,16 +280,16 @@ static void write_tables( const cost_run* run, results* out )
         "hash", "same"
     };
     const int w = run->plan->workers[run->plan->worker_count - 1];
-    char in_place[40], anew[40], title[160];
+    char in_place[40], resampled[40], title[160];
     snprintf( in_place, sizeof( in_place ), "in place, %d workers", w );
-    snprintf( anew, sizeof( anew ), "resampled, %d workers", w );
+    snprintf( resampled, sizeof( resampled ), "resampled, %d workers", w );
     const char* const costs[] = { "d",
                                   "spacing",
                                   "points",
                                   "in place",
                                   in_place,
                                   "resampled",
-                                  anew,
+                                  resampled,
                                   "resampled / in place",
                                   "1 worker / more",
                                   "bytes per point",

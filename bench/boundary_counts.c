@@ -151,13 +151,13 @@ static const struct
 };
 static const float FAR_AWAY = 1024.0f; // m
 
-typedef struct triangle_look
+typedef struct triangle_observation
 {
     int points, expected, rows;
     double slant;  // the largest sine of the angle between a row and the shortest side
     bool inside;   // no weight is negative or 0
     bool all_same; // copies have the same points with the same weights
-} triangle_look;
+} triangle_observation;
 
 // Lines, and points on each, by the oracle's formulas.
 static int expected_points( const double3 corner[3], const wisp_boundary_def* def )
@@ -184,7 +184,8 @@ static double3 quad_point( const wisp_samples* s, int p )
 }
 
 // Points of one row have the same weight of the opposite corner.
-static void look_at_rows( const wisp_samples* s, int begin, int end, const double3 corner[3], triangle_look* out )
+static void observe_rows( const wisp_samples* s, int begin, int end, const double3 corner[3],
+                          triangle_observation* out )
 {
     const boundary_oracle_axis axis = boundary_oracle_axis_of( corner );
     out->rows = end > begin ? 1 : 0;
@@ -231,7 +232,8 @@ static bool is_same( const wisp_boundary_view* view, int kind, int copy )
     return same;
 }
 
-static void look_at_kind( const wisp_boundary_view* view, const wisp_boundary_def* def, int kind, triangle_look* out )
+static void observe_kind( const wisp_boundary_view* view, const wisp_boundary_def* def, int kind,
+                          triangle_observation* out )
 {
     double3 corner[3];
     for ( int k = 0; k < 3; ++k )
@@ -240,9 +242,9 @@ static void look_at_kind( const wisp_boundary_view* view, const wisp_boundary_de
         corner[k] = double3_make( (double)c.x, (double)c.y, (double)c.z );
     }
     const int element = view->edge_count + kind * COPIES;
-    *out = ( triangle_look ){ .points = points_of( view, element ), .inside = true, .all_same = true };
+    *out = ( triangle_observation ){ .points = points_of( view, element ), .inside = true, .all_same = true };
     out->expected = expected_points( corner, def );
-    look_at_rows( view->samples, view->samples->begin[element], view->samples->begin[element + 1], corner, out );
+    observe_rows( view->samples, view->samples->begin[element], view->samples->begin[element + 1], corner, out );
     for ( int copy = 1; copy < COPIES; ++copy )
     {
         out->all_same = out->all_same && is_same( view, kind, copy );
@@ -267,24 +269,25 @@ static void make_triangles( wisp_vec3* points, int32_t* triangles )
 static void add_kind( const wisp_boundary_view* view, const wisp_boundary_def* def, int law, int kind, int table,
                       results* out )
 {
-    triangle_look look;
-    look_at_kind( view, def, kind, &look );
+    triangle_observation observation;
+    observe_kind( view, def, kind, &observation );
     // a row is level up to roundings of positions over the gap between them
-    const bool met = look.points == look.expected && look.inside && look.all_same &&
-                     look.slant < 8.0 * (double)FLT_EPSILON * 2.0 / (double)def->spacing;
+    const bool met = observation.points == observation.expected && observation.inside && observation.all_same &&
+                     observation.slant < 8.0 * (double)FLT_EPSILON * 2.0 / (double)def->spacing;
     cells row = { .count = 0 };
     cells_put( &row, "%s", kinds[kind].name );
     cells_put_number( &row, (double)def->spacing, 3 );
     cells_put( &row, "%s", layer_laws[law].name );
-    cells_put( &row, "%d", look.rows );
-    cells_put( &row, "%d", look.points );
-    cells_put( &row, "%d", look.expected );
-    cells_put( &row, "%s", look.inside ? "yes" : "NO" );
-    cells_put( &row, "%.1e", look.slant );
-    cells_put( &row, "%s", look.all_same ? "yes" : "NO" );
+    cells_put( &row, "%d", observation.rows );
+    cells_put( &row, "%d", observation.points );
+    cells_put( &row, "%d", observation.expected );
+    cells_put( &row, "%s", observation.inside ? "yes" : "NO" );
+    cells_put( &row, "%.1e", observation.slant );
+    cells_put( &row, "%s", observation.all_same ? "yes" : "NO" );
     cells_put( &row, "%s", met ? "yes" : "NO" );
     cells_end_row( &row, table, out );
-    add_count_row( kinds[kind].name, &layer_laws[law], def->spacing, look.points, look.expected, "oracle", out );
+    add_count_row( kinds[kind].name, &layer_laws[law], def->spacing, observation.points, observation.expected,
+                   "oracle", out );
     if ( !met )
     {
         results_add_failure( out, "Inner points: the %s triangle, %s, d = %g m, has other points than expected.",

@@ -38,15 +38,15 @@ static double mean_of( const angles* sum )
     return sum->count > 0 ? sum->sum / sum->count : NAN;
 }
 
-typedef struct normal_look
+typedef struct normal_observation
 {
     angles edge, inner, turn; // from the direction of the position; between neighbours on an edge
-} normal_look;
+} normal_observation;
 
-static void look_at_normals( const wisp_boundary_view* view, normal_look* out )
+static void observe_normals( const wisp_boundary_view* view, normal_observation* out )
 {
     const wisp_samples* s = view->samples;
-    *out = ( normal_look ){ 0 };
+    *out = ( normal_observation ){ 0 };
     for ( int p = 0; p < s->count; ++p )
     {
         const float* n = s->normals + 4 * (size_t)p;
@@ -61,7 +61,7 @@ static void look_at_normals( const wisp_boundary_view* view, normal_look* out )
     }
 }
 
-static wisp_status look_at_sphere( int segments, normal_look* look, int* vertices, wisp_error* error )
+static wisp_status observe_sphere( int segments, normal_observation* observation, int* vertices, wisp_error* error )
 {
     const wisp_boundary_def def = layer_def( &layer_laws[0], NORMAL_SPACING );
     wisp_mesh mesh = { 0 };
@@ -75,7 +75,7 @@ static wisp_status look_at_sphere( int segments, normal_look* look, int* vertice
     status = status == WISP_OK ? layer_read( &implementation.surface, &view, error ) : status;
     if ( status == WISP_OK )
     {
-        look_at_normals( &view, look );
+        observe_normals( &view, observation );
         *vertices = mesh.vertex_count;
     }
     surface_implementation_destroy( &implementation.surface );
@@ -84,18 +84,19 @@ static wisp_status look_at_sphere( int segments, normal_look* look, int* vertice
     return status;
 }
 
-static void add_sphere( int segments, int vertices, const normal_look* look, bool met, int table, results* out )
+static void add_sphere( int segments, int vertices, const normal_observation* observation, bool met, int table,
+                        results* out )
 {
     cells row = { .count = 0 };
     cells_put( &row, "%d x %d", segments, segments );
     cells_put( &row, "%d", vertices );
-    cells_put( &row, "%d", look->edge.count );
-    cells_put( &row, "%d", look->inner.count );
-    cells_put_number( &row, mean_of( &look->edge ), 4 );
-    cells_put_number( &row, look->edge.most, 4 );
-    cells_put_number( &row, mean_of( &look->inner ), 4 );
-    cells_put_number( &row, look->inner.most, 4 );
-    cells_put_number( &row, look->turn.most, 4 );
+    cells_put( &row, "%d", observation->edge.count );
+    cells_put( &row, "%d", observation->inner.count );
+    cells_put_number( &row, mean_of( &observation->edge ), 4 );
+    cells_put_number( &row, observation->edge.most, 4 );
+    cells_put_number( &row, mean_of( &observation->inner ), 4 );
+    cells_put_number( &row, observation->inner.most, 4 );
+    cells_put_number( &row, observation->turn.most, 4 );
     cells_put( &row, "%s", met ? "yes" : "NO" );
     cells_end_row( &row, table, out );
     results_row* line = results_add_row( out, "boundary", "normals" );
@@ -103,12 +104,12 @@ static void add_sphere( int segments, int vertices, const normal_look* look, boo
     {
         line->workers = 1;
         results_put( &line->size, "vertices", vertices );
-        results_put( &line->size, "points", look->edge.count + look->inner.count );
+        results_put( &line->size, "points", observation->edge.count + observation->inner.count );
         snprintf( line->error_reference, sizeof( line->error_reference ), "sphere" );
-        results_put( &line->error, "edge_mean_degrees", mean_of( &look->edge ) );
-        results_put( &line->error, "edge_max_degrees", look->edge.most );
-        results_put( &line->error, "inner_mean_degrees", mean_of( &look->inner ) );
-        results_put( &line->error, "inner_max_degrees", look->inner.most );
+        results_put( &line->error, "edge_mean_degrees", mean_of( &observation->edge ) );
+        results_put( &line->error, "edge_max_degrees", observation->edge.most );
+        results_put( &line->error, "inner_mean_degrees", mean_of( &observation->inner ) );
+        results_put( &line->error, "inner_max_degrees", observation->inner.most );
     }
 }
 
@@ -124,14 +125,15 @@ wisp_status boundary_normals( const boundary_plan* plan, results* out, wisp_erro
     double before = INFINITY;
     for ( int i = 0; i < plan->sphere_count && status == WISP_OK; ++i )
     {
-        normal_look look = { 0 };
+        normal_observation observation = { 0 };
         int vertices = 0;
-        status = look_at_sphere( plan->segments[i], &look, &vertices, error );
-        const double mean = ( look.edge.sum + look.inner.sum ) / ( look.edge.count + look.inner.count );
+        status = observe_sphere( plan->segments[i], &observation, &vertices, error );
+        const double mean =
+            ( observation.edge.sum + observation.inner.sum ) / ( observation.edge.count + observation.inner.count );
         const bool met = mean < before;
         if ( status == WISP_OK )
         {
-            add_sphere( plan->segments[i], vertices, &look, met, table, out );
+            add_sphere( plan->segments[i], vertices, &observation, met, table, out );
         }
         if ( status == WISP_OK && !met )
         {

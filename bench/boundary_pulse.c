@@ -9,7 +9,7 @@ enum
 {
     PULSES = 11,
     STILL = 0,
-    ALL_ANEW = 1,
+    ALL_RESAMPLED = 1,
     SAMPLES_MAX = 20 * LAYER_PERIOD, // whole periods, so that all phases have equal weight
     ROUNDS_MIN = 4,
 };
@@ -21,7 +21,7 @@ typedef struct pulse
 {
     double amplitude;
     float hysteresis;
-    bool is_anew;
+    bool is_resampled;
     layer_implementation implementation;
     double changed, max_changed; // fraction of the elements, mean and maximum of a step
     double kept;                 // fraction of the points that remain from one step to the next
@@ -34,7 +34,7 @@ static void make_pulses( pulse all[PULSES] )
     static const double amplitudes[] = { 0.001, 0.01, 0.1 };
     static const float hysteresis[] = { 0.0f, 0.1f, 0.3f };
     all[STILL] = ( pulse ){ 0 };
-    all[ALL_ANEW] = ( pulse ){ .is_anew = true };
+    all[ALL_RESAMPLED] = ( pulse ){ .is_resampled = true };
     for ( int i = 0; i < PULSES - 2; ++i )
     {
         all[2 + i] = ( pulse ){ .amplitude = amplitudes[i / 3], .hysteresis = hysteresis[i % 3] };
@@ -47,7 +47,7 @@ static wisp_status enter( const boundary_plan* plan, wisp_fabric* fabric, pulse*
     def.hysteresis = p->hysteresis;
     wisp_status status = layer_enter( fabric, &def, plan->workers[0], &p->implementation, error );
     p->implementation.amplitude = p->amplitude;
-    p->implementation.is_anew = p->is_anew;
+    p->implementation.is_resampled = p->is_resampled;
     return status;
 }
 
@@ -84,7 +84,7 @@ static wisp_status count_step( pulse* p, int32_t* before, bool is_first, wisp_er
         const double fraction = (double)stats.changed_elements / stats.elements;
         p->changed += fraction;
         p->max_changed = fmax( p->max_changed, fraction );
-        p->kept += p->is_anew ? 0.0 : (double)kept / stats.points;
+        p->kept += p->is_resampled ? 0.0 : (double)kept / stats.points;
         p->min_points = p->min_points == 0 || stats.points < p->min_points ? stats.points : p->min_points;
         p->max_points = stats.points > p->max_points ? stats.points : p->max_points;
     }
@@ -132,7 +132,7 @@ static wisp_status time_all( const boundary_plan* plan, pulse all[PULSES], wisp_
 
 static const char* name_of( const pulse* p )
 {
-    return p->is_anew ? "all anew" : p->amplitude == 0.0 ? "still" : "pulse";
+    return p->is_resampled ? "all resampled" : p->amplitude == 0.0 ? "still" : "pulse";
 }
 
 static void add_pulse_row( const pulse* p, const stats_summary* ms, int workers, results* out )
@@ -170,7 +170,7 @@ static void add_pulse( pulse* p, const stats_summary times[2], int workers, int 
     cells_put_number( &row, ms.median, 4 );
     cells_put_number( &row, ms.p90, 4 );
     cells_put_number( &row, ms.median / times[STILL].median, 2 );
-    cells_put_number( &row, ms.median / times[ALL_ANEW].median, 2 );
+    cells_put_number( &row, ms.median / times[ALL_RESAMPLED].median, 2 );
     cells_put_hash( &row, p->hash );
     cells_end_row( &row, table, out );
     add_pulse_row( p, &ms, workers, out );
@@ -180,12 +180,12 @@ static void add_pulse( pulse* p, const stats_summary times[2], int workers, int 
 // follow from positions alone: after whole periods a layer is the same again.
 static void check_pulses( const pulse all[PULSES], results* out )
 {
-    if ( all[STILL].changed != 0.0 || all[ALL_ANEW].changed != 1.0 )
+    if ( all[STILL].changed != 0.0 || all[ALL_RESAMPLED].changed != 1.0 )
     {
         results_add_failure( out,
                              "Pulsating radius: %g of the elements of a static surface are sampled again, and %g "
                              "where all are requested.",
-                             all[STILL].changed, all[ALL_ANEW].changed );
+                             all[STILL].changed, all[ALL_RESAMPLED].changed );
     }
     for ( int i = 2; i < PULSES; ++i )
     {
@@ -215,7 +215,7 @@ static void write_pulses( const boundary_plan* plan, pulse all[PULSES], results*
                                          "of the pass that makes the points",
                                          WISP_COUNT( header ), header );
     const stats_summary times[2] = { layer_pass_ms( &all[STILL].implementation.surface, "boundary.points" ),
-                                     layer_pass_ms( &all[ALL_ANEW].implementation.surface, "boundary.points" ) };
+                                     layer_pass_ms( &all[ALL_RESAMPLED].implementation.surface, "boundary.points" ) };
     for ( int i = 0; i < PULSES; ++i )
     {
         add_pulse( all + i, times, plan->workers[0], table, out );

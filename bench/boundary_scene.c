@@ -93,7 +93,7 @@ static void pulsate( layer_implementation* implementation )
 // A layer that is set again with the same definition keeps its weights where counts are the same. Another hysteresis
 // drops all of them; so small a change affects no count, except for lengths that are a whole number of spacings
 // within the rounding of a float.
-static wisp_status sample_anew( layer_implementation* implementation, wisp_error* error )
+static wisp_status sample_again( layer_implementation* implementation, wisp_error* error )
 {
     wisp_boundary_def def = implementation->def;
     implementation->has_little = !implementation->has_little;
@@ -108,7 +108,7 @@ wisp_status layer_step( void* context, wisp_error* error )
     {
         pulsate( implementation );
     }
-    wisp_status status = implementation->is_anew ? sample_anew( implementation, error ) : WISP_OK;
+    wisp_status status = implementation->is_resampled ? sample_again( implementation, error ) : WISP_OK;
     return status == WISP_OK ? surface_implementation_step( &implementation->surface, error ) : status;
 }
 

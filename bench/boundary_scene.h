@@ -38,8 +38,8 @@ typedef struct layer_implementation
 {
     surface_implementation surface;
     wisp_boundary_def def;
-    bool is_anew;    ///< every step samples all elements again: case B everywhere
-    bool has_little; ///< of two definitions that give the same points, the present one
+    bool is_resampled; ///< every step samples all elements again: case B everywhere
+    bool has_little;   ///< of two definitions that give the same points, the present one
     /// Of the radius: the surface is scaled by 1 + amplitude sin( 2 pi step / LAYER_PERIOD ). 0: it is static
     double amplitude;
 } layer_implementation;

@@ -135,10 +135,10 @@ typedef struct hang
     bool is_finite;
 } hang;
 
-static void look( surface_implementation* balloon, const wisp_mesh* mesh, const wisp_vec3* points, hang* out )
+static void observe( surface_implementation* balloon, const wisp_mesh* mesh, const wisp_vec3* points, hang* out )
 {
     float lower = INFINITY, upper = -INFINITY;
-    out->is_finite = surface_implementation_look( balloon ).is_finite;
+    out->is_finite = surface_implementation_observe( balloon ).is_finite;
     for ( int v = 0; v < mesh->vertex_count; ++v )
     {
         lower = fminf( lower, points[v].y );
@@ -168,7 +168,7 @@ static wisp_status run_hang( const sphere* s, const layer_balloon* setting, int 
     status = status == WISP_OK ? surface_implementation_points( &balloon, &points, error ) : status;
     if ( status == WISP_OK )
     {
-        look( &balloon, &s->mesh, points, out );
+        observe( &balloon, &s->mesh, points, out );
         status = surface_implementation_hash( &balloon, &out->hash, error );
     }
     surface_implementation_destroy( &balloon );

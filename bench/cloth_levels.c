@@ -76,8 +76,8 @@ static wisp_status find_reference( const cloth_plan* plan, const cloth_scene* sc
     wisp_status status = cloth_cook( scene, &settings[PLAIN_SETTING], &fabric, error );
     if ( status == WISP_OK )
     {
-        status =
-            path_record_create( scene->mesh.vertex_count, scenario_path_looks( &plan->scenario ), record, error );
+        status = path_record_create( scene->mesh.vertex_count, scenario_path_observations( &plan->scenario ), record,
+                                     error );
     }
     if ( status == WISP_OK )
     {

@@ -134,8 +134,8 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
     converged.substeps *= plan->reference_factor;
     snprintf( reference_name, sizeof( reference_name ), "%d x 2, engine", converged.substeps );
     converged.name = reference_name;
-    wisp_status status =
-        path_record_create( figure->mesh.vertex_count, scenario_path_looks( &plan->scenario ), &reference, error );
+    wisp_status status = path_record_create( figure->mesh.vertex_count, scenario_path_observations( &plan->scenario ),
+                                             &reference, error );
     level_line line;
     if ( status == WISP_OK )
     {

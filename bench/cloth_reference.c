@@ -187,9 +187,9 @@ static double released_energy( const cloth_reference* reference )
     return sum;
 }
 
-static void keep_path( const cloth_reference* reference, int look, path_record* record )
+static void keep_path( const cloth_reference* reference, int observation, path_record* record )
 {
-    double* q = record->points + (size_t)look * (size_t)record->vertex_count * 3;
+    double* q = record->points + (size_t)observation * (size_t)record->vertex_count * 3;
     for ( int v = 0; v < record->vertex_count; ++v, q += 3 )
     {
         const double* p = reference->position[reference->fabric->vertex_slot[v]];

@@ -75,10 +75,10 @@ static wisp_status run_sweep( const cloth_scene* scene, wisp_solve_order solve_o
         status = status == WISP_OK ? repeat_step( &implementation, error ) : status;
         if ( status == WISP_OK )
         {
-            surface_look look = surface_implementation_look( &implementation );
+            surface_observation observation = surface_implementation_observe( &implementation );
             out->ms[i] = surface_implementation_pass_ms( &implementation, "links." );
-            out->residual[i] = look.stretch_mean;
-            out->largest[i] = look.stretch_max;
+            out->residual[i] = observation.stretch_mean;
+            out->largest[i] = observation.stretch_max;
         }
         surface_implementation_destroy( &implementation );
     }
@@ -88,7 +88,7 @@ static wisp_status run_sweep( const cloth_scene* scene, wisp_solve_order solve_o
 
 // ---- scalar C ----
 
-static void look_at_plain( const plain_cloth* cloth, double* mean, double* largest )
+static void observe_plain( const plain_cloth* cloth, double* mean, double* largest )
 {
     *mean = *largest = 0.0;
     for ( int i = 0; i < cloth->edge_count; ++i )
@@ -123,7 +123,7 @@ static wisp_status run_plain( const cloth_scene* scene, const wisp_vec3* points,
         double start = wisp_clock_seconds();
         plain_cloth_step( &cloth, CLOTH_STEP );
         out->ms[i] = 1e3 * ( wisp_clock_seconds() - start );
-        look_at_plain( &cloth, &out->residual[i], &out->largest[i] );
+        observe_plain( &cloth, &out->residual[i], &out->largest[i] );
     }
     plain_cloth_destroy( &cloth );
     return WISP_OK;

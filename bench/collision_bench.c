@@ -1,5 +1,5 @@
 // Case `collision`: what a mesh body costs when it is searched by a tree of Embree's and by voxels, and that both
-// find what brute force finds. A single voxel around the whole mesh is brute force: it looks at every triangle.
+// find what brute force finds. A single voxel around the whole mesh is brute force: it tests every triangle.
 #include "bench_options.h"
 
 #include "bench_world.h"

@@ -8,11 +8,13 @@
 static void add_notes( const compare_scene* scene, const compare_reference* reference, const compare_stats* stats,
                        const compare_plan* plan, results* out )
 {
-    double doubt = 0.0, slack = 0.0;
-    for ( int k = 1; k < reference->look_count - 1; ++k )
+    double uncertainty = 0.0, slack = 0.0;
+    for ( int k = 1; k < reference->observation_count - 1; ++k )
     {
-        doubt += reference->looks[k].doubt * reference->looks[k].doubt / ( reference->look_count - 2 );
-        slack = reference->looks[k].look.slack > slack ? reference->looks[k].look.slack : slack;
+        uncertainty += reference->observations[k].uncertainty * reference->observations[k].uncertainty /
+                       ( reference->observation_count - 2 );
+        slack = reference->observations[k].observation.slack > slack ? reference->observations[k].observation.slack
+                                                                     : slack;
     }
     results_add_note( out,
                       "Comparison `%s`: the reference is %s in double precision, %g steps per second, solved by "
@@ -22,7 +24,8 @@ static void add_notes( const compare_scene* scene, const compare_reference* refe
     results_add_note( out,
                       "Comparison: with half as many steps the reference differs by %.3g mm in the window and %.3g "
                       "mm at rest. Up to %.0f of %d edges are slack in the window.",
-                      1e3 * sqrt( doubt ), 1e3 * reference->looks[reference->look_count - 1].doubt, slack,
+                      1e3 * sqrt( uncertainty ),
+                      1e3 * reference->observations[reference->observation_count - 1].uncertainty, slack,
                       scene->edge_count );
     for ( int i = 0; i < plan->variant_count; ++i )
     {

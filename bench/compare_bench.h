@@ -13,11 +13,12 @@ wisp_status compare_bench_run( const compare_plan* plan, results* out, wisp_erro
 /// Results of a variant in one scenario.
 typedef struct compare_stats
 {
-    stats_summary ms[COMPARE_WORKERS_MAX]; ///< per frame, of the steps after `timed_look`; NaN if it was halted
+    stats_summary
+        ms[COMPARE_WORKERS_MAX]; ///< per frame, of the steps after `timed_observation`; NaN if it was halted
     double path;  ///< m, root mean square distance of all vertices to the reference in the window; NaN if halted
     double worst; ///< m, the same at the worst sample
     bool has_rest;
-    compare_look rest;
+    compare_observation rest;
     double rest_distance; ///< m, root mean square distance to the reference at rest
     uint64_t hash;        ///< after the window
     int halted_at;        ///< step; 0: never

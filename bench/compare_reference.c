@@ -10,18 +10,18 @@ enum
 {
     VERSION = 1,
     HEAD = REFERENCE_MAGIC_SIZE + 4 * 4 + 8 + 8 * ( COMPARE_INFO + 4 ),
-    LOOK_NUMBERS = 6,
+    OBSERVATION_NUMBERS = 6,
     TAIL = 8,
 };
 
-static size_t look_size( int vertices )
+static size_t observation_size( int vertices )
 {
-    return LOOK_NUMBERS * 8 + (size_t)vertices * 12;
+    return OBSERVATION_NUMBERS * 8 + (size_t)vertices * 12;
 }
 
-static size_t file_size( int vertices, int looks )
+static size_t file_size( int vertices, int observations )
 {
-    return HEAD + (size_t)looks * look_size( vertices ) + TAIL;
+    return HEAD + (size_t)observations * observation_size( vertices ) + TAIL;
 }
 
 void compare_reference_info( const compare_physics* physics, double info[COMPARE_INFO] )
@@ -63,22 +63,23 @@ static wisp_status check_frame( const unsigned char* bytes, size_t size, const c
     }
     const unsigned char* at = bytes + REFERENCE_MAGIC_SIZE;
     const uint32_t version = (uint32_t)reference_take( &at, 4 ), scenario = (uint32_t)reference_take( &at, 4 );
-    const uint32_t vertices = (uint32_t)reference_take( &at, 4 ), looks = (uint32_t)reference_take( &at, 4 );
+    const uint32_t vertices = (uint32_t)reference_take( &at, 4 ), observations = (uint32_t)reference_take( &at, 4 );
     if ( version != VERSION || scenario >= COMPARE_SCENARIO_COUNT )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 8: version %u and scenario %u are not known", name,
                           version, scenario );
     }
-    if ( vertices < 3 || vertices > COMPARE_VERTICES_MAX || looks < 2 || looks > COMPARE_LOOKS_MAX )
+    if ( vertices < 3 || vertices > COMPARE_VERTICES_MAX || observations < 2 ||
+         observations > COMPARE_OBSERVATIONS_MAX )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: byte 16: %u vertices and %u samples are out of range", name,
-                          vertices, looks );
+                          vertices, observations );
     }
-    const size_t requested = file_size( (int)vertices, (int)looks );
+    const size_t requested = file_size( (int)vertices, (int)observations );
     if ( size != requested )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: %u samples of %u vertices take %zu bytes, there are %zu", name,
-                          looks, vertices, requested, size );
+                          observations, vertices, requested, size );
     }
     at = bytes + size - TAIL;
     if ( reference_take( &at, TAIL ) != reference_checksum( bytes, size - TAIL ) )
@@ -94,7 +95,7 @@ static void take_head( const unsigned char** at, compare_reference* out )
     *at += REFERENCE_MAGIC_SIZE + 4;
     out->scenario = (int)reference_take( at, 4 );
     out->vertex_count = (int)reference_take( at, 4 );
-    out->look_count = (int)reference_take( at, 4 );
+    out->observation_count = (int)reference_take( at, 4 );
     out->mesh_hash = reference_take( at, 8 );
     for ( int i = 0; i < COMPARE_INFO; ++i )
     {
@@ -107,13 +108,17 @@ static void take_head( const unsigned char** at, compare_reference* out )
 }
 
 // @return whether all of it is finite, and later than the previous sample
-static bool take_look( const unsigned char** at, int number, compare_reference* out )
+static bool take_observation( const unsigned char** at, int number, compare_reference* out )
 {
-    compare_reference_look* to = &out->looks[number];
-    double* numbers[LOOK_NUMBERS] = { &to->time,        &to->look.hem,   &to->look.strain,
-                                      &to->look.energy, &to->look.slack, &to->doubt };
+    compare_reference_observation* to = &out->observations[number];
+    double* numbers[OBSERVATION_NUMBERS] = { &to->time,
+                                             &to->observation.hem,
+                                             &to->observation.strain,
+                                             &to->observation.energy,
+                                             &to->observation.slack,
+                                             &to->uncertainty };
     bool good = true;
-    for ( int i = 0; i < LOOK_NUMBERS; ++i )
+    for ( int i = 0; i < OBSERVATION_NUMBERS; ++i )
     {
         *numbers[i] = reference_take_double( at );
         good = good && isfinite( *numbers[i] );
@@ -138,14 +143,14 @@ wisp_status compare_reference_parse( const void* bytes, size_t size, const char*
     }
     const unsigned char* at = bytes;
     take_head( &at, out );
-    out->points = calloc( (size_t)out->look_count * (size_t)out->vertex_count, 3 * sizeof( float ) );
+    out->points = calloc( (size_t)out->observation_count * (size_t)out->vertex_count, 3 * sizeof( float ) );
     if ( !out->points )
     {
         return wisp_fail( error, WISP_NO_MEMORY, "%s: no memory for the reference", name );
     }
-    for ( int k = 0; k < out->look_count && status == WISP_OK; ++k )
+    for ( int k = 0; k < out->observation_count && status == WISP_OK; ++k )
     {
-        if ( !take_look( &at, k, out ) )
+        if ( !take_observation( &at, k, out ) )
         {
             status = wisp_fail( error, WISP_BAD_INPUT, "%s: sample %d has a number that is out of range", name, k );
         }
@@ -163,7 +168,7 @@ wisp_status compare_reference_read( const char* path, compare_reference* out, wi
     size_t size = 0;
     *out = ( compare_reference ){ .points = NULL };
     // One byte more than the largest reference, to detect a longer file.
-    const size_t room = file_size( COMPARE_VERTICES_MAX, COMPARE_LOOKS_MAX ) + 1;
+    const size_t room = file_size( COMPARE_VERTICES_MAX, COMPARE_OBSERVATIONS_MAX ) + 1;
     wisp_status status = reference_read_bytes( path, room, &bytes, &size, error );
     if ( status == WISP_OK )
     {
@@ -184,7 +189,7 @@ wisp_status compare_reference_check( const compare_reference* reference, const c
                           "%s: it is of another mesh, of %d vertices; `./dev reference` writes it again", name,
                           reference->vertex_count );
     }
-    if ( reference->look_count != scene->physics.look_count + 1 ||
+    if ( reference->observation_count != scene->physics.observation_count + 1 ||
          memcmp( reference->info, info, sizeof( info ) ) != 0 )
     {
         return wisp_fail( error, WISP_BAD_INPUT,
@@ -204,7 +209,7 @@ static void put_all( const compare_reference* reference, unsigned char* bytes, s
     reference_put( &at, 4, VERSION );
     reference_put( &at, 4, (uint64_t)reference->scenario );
     reference_put( &at, 4, (uint64_t)reference->vertex_count );
-    reference_put( &at, 4, (uint64_t)reference->look_count );
+    reference_put( &at, 4, (uint64_t)reference->observation_count );
     reference_put( &at, 8, reference->mesh_hash );
     for ( int i = 0; i < COMPARE_INFO; ++i )
     {
@@ -215,12 +220,16 @@ static void put_all( const compare_reference* reference, unsigned char* bytes, s
     {
         reference_put_double( &at, how[i] );
     }
-    for ( int k = 0; k < reference->look_count; ++k )
+    for ( int k = 0; k < reference->observation_count; ++k )
     {
-        const compare_reference_look* look = &reference->looks[k];
-        const double numbers[LOOK_NUMBERS] = { look->time,        look->look.hem,   look->look.strain,
-                                               look->look.energy, look->look.slack, look->doubt };
-        for ( int i = 0; i < LOOK_NUMBERS; ++i )
+        const compare_reference_observation* observation = &reference->observations[k];
+        const double numbers[OBSERVATION_NUMBERS] = { observation->time,
+                                                      observation->observation.hem,
+                                                      observation->observation.strain,
+                                                      observation->observation.energy,
+                                                      observation->observation.slack,
+                                                      observation->uncertainty };
+        for ( int i = 0; i < OBSERVATION_NUMBERS; ++i )
         {
             reference_put_double( &at, numbers[i] );
         }
@@ -235,7 +244,7 @@ static void put_all( const compare_reference* reference, unsigned char* bytes, s
 
 wisp_status compare_reference_write( const compare_reference* reference, const char* path, wisp_error* error )
 {
-    const size_t size = file_size( reference->vertex_count, reference->look_count );
+    const size_t size = file_size( reference->vertex_count, reference->observation_count );
     unsigned char* bytes = malloc( size );
     if ( !bytes )
     {

@@ -3,11 +3,11 @@
 ///
 ///     bytes                    what, all of it little-endian
 ///     8                        "WISPTRUT"
-///     u32 [4]                  version, scenario, vertices, looks
+///     u32 [4]                  version, scenario, vertices, observations
 ///     u64                      hash of the mesh
 ///     f64 [COMPARE_INFO]      what the cloth is made of, see compare_reference_info()
 ///     f64 [4]                  steps a second in the window and on to rest, order of the integrator, worst residual
-///     looks of f64 [6]         time, hem, strain, energy, slack, doubt
+///     observations of f64 [6]         time, hem, strain, energy, slack, uncertainty
 ///         and f32 [vertices][3]
 ///     u64                      FNV-1a of all bytes before
 #pragma once
@@ -15,27 +15,27 @@
 #include "compare_scene.h"
 
 #define COMPARE_INFO 12
-#define COMPARE_LOOKS_MAX 64
+#define COMPARE_OBSERVATIONS_MAX 64
 #define COMPARE_VERTICES_MAX 65536
 
-typedef struct compare_reference_look
+typedef struct compare_reference_observation
 {
-    double time;       ///< s
-    compare_look look; ///< of the run in double
-    double doubt;      ///< m, root mean square distance to the run with twice the step
-} compare_reference_look;
+    double time;                     ///< s
+    compare_observation observation; ///< of the run in double
+    double uncertainty;              ///< m, root mean square distance to the run with twice the step
+} compare_reference_observation;
 
 typedef struct compare_reference
 {
     int scenario, vertex_count;
-    int look_count; ///< those of the window, and one at rest
+    int observation_count; ///< those of the window, and one at rest
     uint64_t mesh_hash;
     double info[COMPARE_INFO];
     double rate, rest_rate; ///< steps per second until the last sample of the window, and after it
     double order;           ///< 1 Euler, 2 BDF2
     double residual;        ///< largest of Newton's method, relative to the impulse of the cloth's weight in a step
-    compare_reference_look looks[COMPARE_LOOKS_MAX];
-    float* points; ///< [look_count][vertex_count][3]
+    compare_reference_observation observations[COMPARE_OBSERVATIONS_MAX];
+    float* points; ///< [observation_count][vertex_count][3]
 } compare_reference;
 
 /// The numbers on which a reference and a scene must agree.

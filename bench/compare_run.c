@@ -138,7 +138,7 @@ typedef struct contest
     double* samples[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
     int sample_count[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
     int sample_room[COMPARE_VARIANTS_MAX][COMPARE_WORKERS_MAX];
-    double* points;     // [vertex_count][3] of a look
+    double* points;     // [vertex_count][3] of an observation
     double* velocities; // likewise
     compare_stats* stats;
     results* out;
@@ -200,7 +200,7 @@ static wisp_status take_turn( contest* c, int variant, int worker, bool is_timed
 {
     surface_implementation* implementation = implementation_of( c, variant, worker );
     const double seconds = (double)implementation->generator.seconds;
-    const int steps = (int)lround( (double)COMPARE_LOOK_SECONDS / seconds );
+    const int steps = (int)lround( (double)COMPARE_OBSERVATION_SECONDS / seconds );
     wisp_status status = WISP_OK;
     for ( int k = 0; k < steps && status == WISP_OK; ++k )
     {
@@ -230,9 +230,9 @@ static wisp_status see( contest* c, surface_implementation* implementation, wisp
     return status;
 }
 
-static double square_distance( const contest* c, int look )
+static double square_distance( const contest* c, int observation )
 {
-    const float* reference = c->reference->points + (size_t)look * 3 * (size_t)c->reference->vertex_count;
+    const float* reference = c->reference->points + (size_t)observation * 3 * (size_t)c->reference->vertex_count;
     double sum = 0.0;
     for ( int i = 0; i < 3 * c->reference->vertex_count; ++i )
     {
@@ -242,18 +242,18 @@ static double square_distance( const contest* c, int look )
     return sum / c->reference->vertex_count;
 }
 
-static wisp_status look_at_path( contest* c, int variant, int look, wisp_error* error )
+static wisp_status observe_path( contest* c, int variant, int observation, wisp_error* error )
 {
     compare_stats* stats = &c->stats[variant];
     wisp_status status = see( c, implementation_of( c, variant, 0 ), error );
-    const double square = square_distance( c, look );
-    stats->path += square / ( c->scene->physics.look_count - 1 );
+    const double square = square_distance( c, observation );
+    stats->path += square / ( c->scene->physics.observation_count - 1 );
     // not fmax, which would ignore a NaN
     stats->worst = sqrt( square ) <= stats->worst ? stats->worst : sqrt( square );
     return status;
 }
 
-static wisp_status look_at_rest( contest* c, int variant, wisp_error* error )
+static wisp_status observe_rest( contest* c, int variant, wisp_error* error )
 {
     surface_implementation* implementation = implementation_of( c, variant, 0 );
     compare_stats* stats = &c->stats[variant];
@@ -272,21 +272,21 @@ static wisp_status look_at_rest( contest* c, int variant, wisp_error* error )
     }
     free( velocities );
     stats->has_rest = implementation->halted_at == 0;
-    stats->rest = compare_look_at( c->scene, c->points, c->velocities );
-    stats->rest_distance = sqrt( square_distance( c, c->reference->look_count - 1 ) );
+    stats->rest = compare_observe( c->scene, c->points, c->velocities );
+    stats->rest_distance = sqrt( square_distance( c, c->reference->observation_count - 1 ) );
     return status;
 }
 
 static wisp_status go_to_rest( contest* c, int variant, wisp_error* error )
 {
     const compare_physics* physics = &c->scene->physics;
-    const int looks = (int)lround( (double)( physics->rest_seconds / COMPARE_LOOK_SECONDS ) );
+    const int observations = (int)lround( (double)( physics->rest_seconds / COMPARE_OBSERVATION_SECONDS ) );
     wisp_status status = WISP_OK;
-    for ( int k = physics->look_count - 1; k < looks && status == WISP_OK; ++k )
+    for ( int k = physics->observation_count - 1; k < observations && status == WISP_OK; ++k )
     {
         status = take_turn( c, variant, 0, false, error );
     }
-    return status == WISP_OK ? look_at_rest( c, variant, error ) : status;
+    return status == WISP_OK ? observe_rest( c, variant, error ) : status;
 }
 
 // ---- rounds ----
@@ -316,15 +316,15 @@ static wisp_status run_window( contest* c, bool is_first, wisp_error* error )
 {
     const compare_physics* physics = &c->scene->physics;
     wisp_status status = WISP_OK;
-    for ( int look = 1; look < physics->look_count; ++look )
+    for ( int observation = 1; observation < physics->observation_count; ++observation )
     {
         for ( int i = 0; i < c->plan->variant_count && status == WISP_OK; ++i )
         {
             for ( int w = 0; w < workers_of( c, i ) && status == WISP_OK; ++w )
             {
-                status = take_turn( c, i, w, look > physics->timed_look, error );
+                status = take_turn( c, i, w, observation > physics->timed_observation, error );
             }
-            status = status == WISP_OK && is_first ? look_at_path( c, i, look, error ) : status;
+            status = status == WISP_OK && is_first ? observe_path( c, i, observation, error ) : status;
         }
     }
     for ( int i = 0; i < c->plan->variant_count; ++i )

@@ -13,13 +13,13 @@ compare_physics compare_physics_of( compare_scenario scenario )
                             .widening = 1.0f,
                             .bend = 1e-6f,
                             .damping = 2.0f,
-                            .look_count = 7,
-                            .timed_look = 2,
+                            .observation_count = 7,
+                            .timed_observation = 2,
                             .rest_seconds = 5.0f },
         [COMPARE_TAUT] = { .name = "taut",
                            .widening = 1.03f,
                            .damping = 2.0f,
-                           .look_count = 8,
+                           .observation_count = 8,
                            .rest_seconds = 5.0f },
     };
     return all[scenario];
@@ -164,22 +164,22 @@ static double height_of( const compare_scene* scene, const double* points )
     return sum / count;
 }
 
-compare_look compare_look_at( const compare_scene* scene, const double* points, const double* velocities )
+compare_observation compare_observe( const compare_scene* scene, const double* points, const double* velocities )
 {
-    compare_look look = { .hem = height_of( scene, points ) };
+    compare_observation observation = { .hem = height_of( scene, points ) };
     for ( int e = 0; e < scene->edge_count; ++e )
     {
         const double *p = points + 3 * scene->edges[2 * e], *q = points + 3 * scene->edges[2 * e + 1];
         const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
         const double over = sqrt( x * x + y * y + z * z ) - scene->lengths[e];
-        look.strain += fabs( over ) / scene->lengths[e] / scene->edge_count;
-        look.slack += over < 0.0 ? 1.0 : 0.0;
-        look.energy += over > 0.0 ? 0.5 * (double)COMPARE_STRETCH_STIFFNESS * over * over : 0.0;
+        observation.strain += fabs( over ) / scene->lengths[e] / scene->edge_count;
+        observation.slack += over < 0.0 ? 1.0 : 0.0;
+        observation.energy += over > 0.0 ? 0.5 * (double)COMPARE_STRETCH_STIFFNESS * over * over : 0.0;
     }
     for ( int i = 0; i < scene->base.mesh.vertex_count; ++i )
     {
         const double *v = velocities + 3 * i, square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-        look.energy += scene->masses[i] * ( 0.5 * square + (double)TRIANGLE_GRAVITY * points[3 * i + 1] );
+        observation.energy += scene->masses[i] * ( 0.5 * square + (double)TRIANGLE_GRAVITY * points[3 * i + 1] );
     }
-    return look;
+    return observation;
 }

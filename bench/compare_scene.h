@@ -7,9 +7,9 @@
 #include "oracle/triangle_oracle.h"
 
 #define COMPARE_SEED 1
-#define COMPARE_STRETCH_STIFFNESS 200.0f ///< N/m, of every edge
-#define COMPARE_LOOK_SECONDS 0.05f       ///< between samples: whole steps of 1/60, 1/100, 1/200, 1/400 and 1/800 s
-#define COMPARE_FRAME ( 1.0f / 60.0f )   ///< s
+#define COMPARE_STRETCH_STIFFNESS 200.0f  ///< N/m, of every edge
+#define COMPARE_OBSERVATION_SECONDS 0.05f ///< between samples: whole steps of 1/60, 1/100, 1/200, 1/400 and 1/800 s
+#define COMPARE_FRAME ( 1.0f / 60.0f )    ///< s
 
 typedef enum compare_scenario
 {
@@ -20,16 +20,16 @@ typedef enum compare_scenario
 
 typedef struct compare_physics
 {
-    const char* name;   ///< of rows and of the reference's file
-    bool has_ball;      ///< otherwise the border is pinned
-    float drop;         ///< m, how much lower than in the triangle scene the cloth starts
-    float widening;     ///< of the flat cloth before the start
-    float bend;         ///< N m^2, of every diagonal
-    float damping;      ///< 1/s, of all velocity
-    float damping_link; ///< N s/m, k_d of every link, which only the reference and implicit cloth have
-    int look_count;     ///< of the window: at 0, and then every COMPARE_LOOK_SECONDS
-    int timed_look;     ///< times are taken after this sample: before it hardly anything happens
-    float rest_seconds; ///< time of the last sample
+    const char* name;      ///< of rows and of the reference's file
+    bool has_ball;         ///< otherwise the border is pinned
+    float drop;            ///< m, how much lower than in the triangle scene the cloth starts
+    float widening;        ///< of the flat cloth before the start
+    float bend;            ///< N m^2, of every diagonal
+    float damping;         ///< 1/s, of all velocity
+    float damping_link;    ///< N s/m, k_d of every link, which only the reference and implicit cloth have
+    int observation_count; ///< of the window: at 0, and then every COMPARE_OBSERVATION_SECONDS
+    int timed_observation; ///< times are taken after this sample: before it hardly anything happens
+    float rest_seconds;    ///< time of the last sample
 } compare_physics;
 
 compare_physics compare_physics_of( compare_scenario scenario );
@@ -56,13 +56,13 @@ wisp_status compare_scene_make( compare_scenario scenario, int vertices, compare
 void compare_scene_free( compare_scene* scene );
 
 /// Measures of a shape, equal for every solver.
-typedef struct compare_look
+typedef struct compare_observation
 {
     double hem;    ///< m, mean height of the border; of COMPARE_TAUT, whose border is held: of all vertices
     double strain; ///< mean |l / l0 - 1| of the edges
     double energy; ///< J: kinetic, of gravity (0 at the height 0), and of edges that are longer than at rest
     double slack;  ///< edges that are shorter than at rest
-} compare_look;
+} compare_observation;
 
 /// @param points, velocities [vertex_count][3]
-compare_look compare_look_at( const compare_scene* scene, const double* points, const double* velocities );
+compare_observation compare_observe( const compare_scene* scene, const double* points, const double* velocities );

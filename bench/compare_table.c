@@ -7,7 +7,7 @@
 
 // ---- all variants ----
 
-static void put_rest( const compare_scene* scene, const compare_look* rest, double distance, cells* row )
+static void put_rest( const compare_scene* scene, const compare_observation* rest, double distance, cells* row )
 {
     const double none = scene->physics.has_ball ? 0.0 : (double)TRIANGLE_HEIGHT;
     cells_put_number( row, rest ? 1e3 * ( rest->hem - none ) : NAN, 2 );
@@ -35,8 +35,9 @@ static int begin_table( const compare_plan* plan, const compare_scene* scene, re
     char title[160];
     snprintf( title, sizeof( title ),
               "Comparison `%s`: ms per frame, distance to the reference from %.2f to %.2f s, and values at %g s",
-              scene->physics.name, (double)COMPARE_LOOK_SECONDS,
-              (double)COMPARE_LOOK_SECONDS * ( scene->physics.look_count - 1 ), (double)scene->physics.rest_seconds );
+              scene->physics.name, (double)COMPARE_OBSERVATION_SECONDS,
+              (double)COMPARE_OBSERVATION_SECONDS * ( scene->physics.observation_count - 1 ),
+              (double)scene->physics.rest_seconds );
     return cells_begin_table( &row, title, out );
 }
 
@@ -45,10 +46,11 @@ static void add_reference_line( const compare_plan* plan, const compare_scene* s
 {
     cells row = { .count = 0 };
     double square = 0.0, worst = 0.0;
-    for ( int k = 1; k < scene->physics.look_count; ++k )
+    for ( int k = 1; k < scene->physics.observation_count; ++k )
     {
-        square += reference->looks[k].doubt * reference->looks[k].doubt / ( scene->physics.look_count - 1 );
-        worst = fmax( worst, reference->looks[k].doubt );
+        square += reference->observations[k].uncertainty * reference->observations[k].uncertainty /
+                  ( scene->physics.observation_count - 1 );
+        worst = fmax( worst, reference->observations[k].uncertainty );
     }
     cells_put( &row, "Newton in double 1/%g (uncertainty)", reference->rate );
     for ( int w = 0; w < 2 * plan->worker_count; ++w )
@@ -57,8 +59,8 @@ static void add_reference_line( const compare_plan* plan, const compare_scene* s
     }
     cells_put_number( &row, 1e3 * sqrt( square ), 3 );
     cells_put_number( &row, 1e3 * worst, 3 );
-    const compare_reference_look* rest = &reference->looks[reference->look_count - 1];
-    put_rest( scene, &rest->look, rest->doubt, &row );
+    const compare_reference_observation* rest = &reference->observations[reference->observation_count - 1];
+    put_rest( scene, &rest->observation, rest->uncertainty, &row );
     cells_put( &row, "-" );
     cells_end_row( &row, table, out );
 }
@@ -104,7 +106,7 @@ static void put_finite( results_values* values, const char* name, double value )
 static void put_errors( const compare_stats* f, results_values* error )
 {
     put_finite( error, "path_rms_m", f->path );
-    put_finite( error, "worst_look_rms_m", f->worst );
+    put_finite( error, "worst_observation_rms_m", f->worst );
     if ( f->has_rest )
     {
         put_finite( error, "rest_rms_m", f->rest_distance );

@@ -15,20 +15,20 @@ static const contact_way ways[] = {
 
 enum
 {
-    LOOK_EVERY = 10, // steps: a look takes as long as some steps
+    OBSERVE_EVERY = 10, // steps: an observation takes as long as some steps
 };
 
 /// What a balloon scene shows besides the tally.
-typedef struct press_look
+typedef struct press_observation
 {
     contact_overlap last;
-    double most;  // m, of all looks
+    double most;  // m, of all observations
     double force; // N, of contact on the first balloon against x in the last step
-} press_look;
+} press_observation;
 
-static wisp_status look( contact_run* run, int number, void* context, wisp_error* error )
+static wisp_status observe( contact_run* run, int number, void* context, wisp_error* error )
 {
-    press_look* l = (press_look*)context + number;
+    press_observation* l = (press_observation*)context + number;
     wisp_status status = contact_find_overlap( &run->seen, &l->last, error );
     l->most = fmax( l->most, l->last.overlap );
     double impulse[3] = { 0.0, 0.0, 0.0 };
@@ -66,8 +66,8 @@ static int begin_table( const contact_comparison* comparison, const char* what, 
     return contact_comparison_begin_table( comparison, &header, names, WISP_COUNT( names ), title, out );
 }
 
-static void add_line( const contact_comparison* comparison, const contact_run* run, const press_look* l, bool is_pair,
-                      int table, results* out )
+static void add_line( const contact_comparison* comparison, const contact_run* run, const press_observation* l,
+                      bool is_pair, int table, results* out )
 {
     const contact_tally* t = &run->tally;
     const double percent = 100.0 / (double)PRESS_RADIUS;
@@ -93,7 +93,8 @@ static void add_line( const contact_comparison* comparison, const contact_run* r
     cells_end_row( &row, table, out );
 }
 
-static void check( const contact_comparison* comparison, const contact_run* run, const press_look* l, results* out )
+static void check( const contact_comparison* comparison, const contact_run* run, const press_observation* l,
+                   results* out )
 {
     static const double MAX_OVERLAP = 0.01; // of the radius
     contact_comparison_check( comparison, run, out );
@@ -115,9 +116,9 @@ static wisp_status run_scene( const contact_comparison* comparison, const char* 
                               wisp_error* error )
 {
     contact_run runs[WISP_COUNT( ways )] = { { .hash = 0 } };
-    press_look looks[WISP_COUNT( ways )] = { { .most = 0.0 } };
+    press_observation observations[WISP_COUNT( ways )] = { { .most = 0.0 } };
     contact_comparison mine = *comparison;
-    mine.context = looks;
+    mine.context = observations;
     const wisp_status status = contact_comparison_run( &mine, runs, error );
     if ( status != WISP_OK )
     {
@@ -126,9 +127,9 @@ static wisp_status run_scene( const contact_comparison* comparison, const char* 
     const int table = begin_table( comparison, what, out );
     for ( int i = 0; i < comparison->way_count; ++i )
     {
-        add_line( comparison, runs + i, looks + i, is_pair, table, out );
+        add_line( comparison, runs + i, observations + i, is_pair, table, out );
         contact_comparison_add_rows( comparison, runs + i, out );
-        check( comparison, runs + i, looks + i, out );
+        check( comparison, runs + i, observations + i, out );
     }
     return WISP_OK;
 }
@@ -149,8 +150,8 @@ wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error
         .steps = plan->balloon_steps,
         .seconds = plan->balloon_seconds,
         .teams = &plan->teams,
-        .look = look,
-        .look_every = LOOK_EVERY,
+        .observe = observe,
+        .observe_every = OBSERVE_EVERY,
         .options = plan->options,
         .name = "contact.pair",
         .begin = 0.7,
@@ -169,7 +170,7 @@ wisp_status contact_balloons( const contact_plan* plan, results* out, wisp_error
             out,
             "Contact, balloons: overlap, in %% of the radius: how far a vertex is below the thickness or inside "
             "another balloon, in the last step and at most, by signed distances every %d steps.",
-            LOOK_EVERY );
+            OBSERVE_EVERY );
         results_add_note( out, "Contact, balloons: wall: distance from the axis of the vertices of the first balloon "
                                "that touch the other; uneven: root mean square of their distances from a plane." );
         results_add_note( out, "Contact, balloons: force: on the first balloon of the pair, pressed by plates; "

@@ -98,19 +98,19 @@ static wisp_status time_turn( contact_run* run, int team, int first, int last, w
     return status;
 }
 
-static wisp_status look_turn( const contact_comparison* comparison, contact_run* run, int number, int first, int last,
-                              wisp_error* error )
+static wisp_status observe_turn( const contact_comparison* comparison, contact_run* run, int number, int first,
+                                 int last, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int s = first; s < last && status == WISP_OK; ++s )
     {
         status = contact_step( &run->seen, error );
         status = status == WISP_OK ? count_stats( run, error ) : status;
-        const bool is_due =
-            comparison->look != NULL && ( ( s + 1 ) % comparison->look_every == 0 || s + 1 == comparison->steps );
+        const bool is_due = comparison->observe != NULL &&
+                            ( ( s + 1 ) % comparison->observe_every == 0 || s + 1 == comparison->steps );
         if ( status == WISP_OK && is_due )
         {
-            status = comparison->look( run, number, comparison->context, error );
+            status = comparison->observe( run, number, comparison->context, error );
         }
     }
     return status;
@@ -126,7 +126,7 @@ static wisp_status take_turn( const contact_comparison* comparison, contact_run*
     {
         status = time_turn( run, i, first, last, error );
     }
-    status = status == WISP_OK ? look_turn( comparison, run, number, first, last, error ) : status;
+    status = status == WISP_OK ? observe_turn( comparison, run, number, first, last, error ) : status;
     run->steps = last;
     run->seconds += wisp_clock_seconds() - begin;
     return status;

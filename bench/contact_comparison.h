@@ -41,8 +41,8 @@ typedef struct contact_run
     contact_tally tally;
 } contact_run;
 
-/// Looks at the world with figures after a step.
-typedef wisp_status contact_look_fn( contact_run* run, int number, void* context, wisp_error* error );
+/// Measures the world after a step.
+typedef wisp_status contact_observation_fn( contact_run* run, int number, void* context, wisp_error* error );
 
 typedef struct contact_comparison
 {
@@ -52,9 +52,9 @@ typedef struct contact_comparison
     int way_count, steps;
     double seconds; ///< a way that takes longer ends with that turn
     const contact_teams* teams;
-    contact_look_fn* look; ///< may be null
-    void* context;         ///< for look
-    int look_every;        ///< steps
+    contact_observation_fn* observe; ///< may be null
+    void* context;                   ///< for `observe`
+    int observe_every;               ///< steps
     const bench_options* options;
     const char* name;   ///< for progress and rows
     double begin, span; ///< share of the case that is done before, and that the race is

@@ -53,7 +53,7 @@ static wisp_status ask( overlap_work* work, int query, contact_overlap* out, wis
 }
 
 // The wall of the first surface to another one.
-static wisp_status look_at_wall( overlap_work* work, contact_overlap* out, wisp_error* error )
+static wisp_status observe_wall( overlap_work* work, contact_overlap* out, wisp_error* error )
 {
     static const float NEXT_TO = 1.5f; // thicknesses
     const wisp_vec3* points;
@@ -92,7 +92,7 @@ static wisp_status find( overlap_work* work, contact_overlap* out, wisp_error* e
         wisp_collision_mesh_release( work->tree );
         work->tree = NULL;
     }
-    return status == WISP_OK ? look_at_wall( work, out, error ) : status;
+    return status == WISP_OK ? observe_wall( work, out, error ) : status;
 }
 
 wisp_status contact_find_overlap( contact_world* world, contact_overlap* out, wisp_error* error )

@@ -274,7 +274,7 @@ wisp_vec3 contact_plate_at( int mover, float steps )
     return ( wisp_vec3 ){ mover == 0 ? -from_middle : from_middle, 0.0f, 0.0f };
 }
 
-// Half spaces that look along x and against it.
+// Half spaces whose normals point along x and against it.
 static wisp_status add_plates( contact_world* out )
 {
     const float h = sqrtf( 0.5f );

@@ -19,7 +19,7 @@ figures_fn figures_hang_refined;  ///< extension: stiffness of the sheet makes a
 /// Largest allowed depth of a vertex in the ball, m.
 #define DRAPE_DEPTH 1e-3
 
-// ---- looking at it ----
+// ---- observations ----
 
 /// The border of a mesh with one: its vertices one after another.
 typedef struct drape_border
@@ -32,7 +32,7 @@ typedef struct drape_border
 wisp_status drape_border_find( const wisp_mesh* mesh, drape_border* out, wisp_error* error );
 void drape_border_free( drape_border* border );
 
-typedef struct drape_look
+typedef struct drape_observation
 {
     double kinetic;           ///< J
     double gap, gap_between;  ///< m, least distance from the ball's surface: of vertices, of the middles of edges
@@ -40,13 +40,13 @@ typedef struct drape_look
     double hem_mean, min_hem; ///< m, height of the border
     int folds;                ///< round the border: where it stands out farthest from the ball's axis
     bool is_finite;
-} drape_look;
+} drape_observation;
 
 /// What a step needs: kinetic energy and gap.
-wisp_status drape_glance( surface_implementation* implementation, drape_look* out, wisp_error* error );
+wisp_status drape_glance( surface_implementation* implementation, drape_observation* out, wisp_error* error );
 /// All of it.
-wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border,
-                           surface_implementation* implementation, drape_look* out, wisp_error* error );
+wisp_status drape_observe( const triangle_scene* scene, const drape_border* border,
+                           surface_implementation* implementation, drape_observation* out, wisp_error* error );
 
 // ---- a run ----
 
@@ -72,11 +72,11 @@ typedef struct drape_plan
 
 typedef struct drape_result
 {
-    drape_look shots[DRAPE_SHOTS_MAX];
+    drape_observation shots[DRAPE_SHOTS_MAX];
     int frames[DRAPE_SHOTS_MAX];
     int contacts[DRAPE_SHOTS_MAX]; ///< vertices that the ball holds
     int shot_count;                ///< that were taken
-    drape_look end;                ///< after DRAPE_REST_SECONDS, or at the last step if that is earlier
+    drape_observation end;         ///< after DRAPE_REST_SECONDS, or at the last step if that is earlier
     double max_kinetic;            ///< J
     double min_gap;                ///< m
     double iterations;             ///< a step, mean

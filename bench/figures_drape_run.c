@@ -10,7 +10,7 @@ static wisp_status take_shot( const figures_case* page, const drape_plan* plan,
     out->frames[out->shot_count] = shot->frame;
     out->contacts[out->shot_count] = seen->sticking + seen->sliding + seen->landing;
     wisp_status status =
-        drape_look_at( plan->scene, plan->border, implementation, &out->shots[out->shot_count], error );
+        drape_observe( plan->scene, plan->border, implementation, &out->shots[out->shot_count], error );
     ++out->shot_count;
     if ( status == WISP_OK && shot->album != NULL )
     {
@@ -28,11 +28,11 @@ static wisp_status drop( const figures_case* page, const drape_plan* plan, surfa
     for ( int step = 1; step <= plan->steps && status == WISP_OK; ++step )
     {
         wisp_implicit_cloth_stats seen;
-        drape_look look;
+        drape_observation observation;
         const double begin = wisp_clock_seconds();
         status = surface_implementation_step( implementation, error );
         out->ms += 1e3 * ( wisp_clock_seconds() - begin ) / plan->steps;
-        status = status == WISP_OK ? drape_glance( implementation, &look, error ) : status;
+        status = status == WISP_OK ? drape_glance( implementation, &observation, error ) : status;
         if ( status == WISP_OK &&
              wisp_read_implicit_cloth_stats( implementation->world, implementation->entity, &seen ) != WISP_OK )
         {
@@ -42,13 +42,13 @@ static wisp_status drop( const figures_case* page, const drape_plan* plan, surfa
         {
             return status;
         }
-        out->max_kinetic = fmax( out->max_kinetic, look.kinetic );
-        out->min_gap = fmin( out->min_gap, look.gap );
+        out->max_kinetic = fmax( out->max_kinetic, observation.kinetic );
+        out->min_gap = fmin( out->min_gap, observation.gap );
         out->iterations += (double)seen.iterations / plan->steps;
-        out->is_finite = out->is_finite && look.is_finite && implementation->halted_at == 0;
+        out->is_finite = out->is_finite && observation.is_finite && implementation->halted_at == 0;
         if ( step == rest )
         {
-            status = drape_look_at( plan->scene, plan->border, implementation, &out->end, error );
+            status = drape_observe( plan->scene, plan->border, implementation, &out->end, error );
         }
         while ( status == WISP_OK && out->shot_count < plan->shot_count &&
                 plan->shots[out->shot_count].frame == step )

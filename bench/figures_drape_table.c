@@ -12,14 +12,14 @@ static int begin_table( figures_case* page, const char* title, const char* const
     return cells_begin_table( &header, title, page->out );
 }
 
-static void put_shape( cells* row, const drape_look* look )
+static void put_shape( cells* row, const drape_observation* observation )
 {
-    cells_put_number( row, 1e3 * look->gap, 3 );
-    cells_put_number( row, 1e3 * look->gap_between, 3 );
-    cells_put_number( row, 100.0 * look->strain, 2 );
-    cells_put_number( row, look->hem_mean, 4 );
-    cells_put_number( row, look->min_hem, 4 );
-    cells_put( row, "%d", look->folds );
+    cells_put_number( row, 1e3 * observation->gap, 3 );
+    cells_put_number( row, 1e3 * observation->gap_between, 3 );
+    cells_put_number( row, 100.0 * observation->strain, 2 );
+    cells_put_number( row, observation->hem_mean, 4 );
+    cells_put_number( row, observation->min_hem, 4 );
+    cells_put( row, "%d", observation->folds );
 }
 
 void drape_add_terms( figures_case* page )
@@ -47,13 +47,13 @@ void drape_add_sequence( figures_case* page, const char* title, int shot_count, 
     int table = begin_table( page, title, names, WISP_COUNT( names ) );
     for ( int i = 0; i < shot_count; ++i )
     {
-        const drape_look* look = &run->shots[i];
+        const drape_observation* observation = &run->shots[i];
         cells row = { .count = 0 };
         cells_put( &row, "%d", run->frames[i] );
-        cells_put( &row, "%.2e", look->kinetic );
-        cells_put( &row, "%.1e", look->kinetic / run->max_kinetic );
+        cells_put( &row, "%.2e", observation->kinetic );
+        cells_put( &row, "%.1e", observation->kinetic / run->max_kinetic );
         cells_put( &row, "%d", run->contacts[i] );
-        put_shape( &row, look );
+        put_shape( &row, observation );
         cells_end_row( &row, table, page->out );
     }
 }

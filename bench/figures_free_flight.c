@@ -29,10 +29,10 @@ typedef struct flight
     float damping; // N s/m
     float seconds; // a step
     wisp_implicit_integrator integrator;
-    double first, most, last; // J, before, at most after a step, at the end
-    double rise;              // J, the most that it ever was above an earlier value
-    double looks[SECONDS];    // J, after each second
-    double iterations;        // a step, mean
+    double first, most, last;     // J, before, at most after a step, at the end
+    double rise;                  // J, the most that it ever was above an earlier value
+    double observations[SECONDS]; // J, after each second
+    double iterations;            // a step, mean
     bool is_finite;
 } flight;
 
@@ -146,7 +146,7 @@ static wisp_status advance( surface_implementation* implementation, const double
         f->iterations += (double)seen.iterations / steps;
         if ( step * SECONDS % steps == 0 )
         {
-            f->looks[step * SECONDS / steps - 1] = f->last;
+            f->observations[step * SECONDS / steps - 1] = f->last;
         }
     }
     return WISP_OK;
@@ -256,7 +256,7 @@ static void add_line( figures_case* page, int table, const flight* f )
     cells_put_number( &row, f->first, 3 );
     for ( int i = 1; i <= SECONDS; i += 3 )
     {
-        cells_put( &row, "%.2e", f->looks[i - 1] );
+        cells_put( &row, "%.2e", f->observations[i - 1] );
     }
     cells_put_number( &row, 100.0 * f->rise / f->first, 4 );
     cells_put_number( &row, f->iterations, 1 );
@@ -289,7 +289,7 @@ static void add_row( figures_case* page, int vertices, const flight* flights )
 // What the check above lets pass: it is measured against the first energy, of which little is left after a second.
 static void add_rises( figures_case* page, const flight* f )
 {
-    const double after = f->looks[0], growth = f->last / after - 1.0;
+    const double after = f->observations[0], growth = f->last / after - 1.0;
     if ( growth > GROWTH_ALLOWED )
     {
         results_add_note( page->out,

@@ -11,7 +11,7 @@
 #define IMPLEMENTATIONS_MAX ( STRANDS_SETTINGS_MAX * STRANDS_WORKERS_MAX )
 #define VARIANTS_MAX ( STRANDS_PLAIN_COUNT + IMPLEMENTATIONS_MAX )
 #define SAMPLES_MAX 200
-#define LOOK_STEPS 5
+#define OBSERVATION_STEPS 5
 #define PLAIN_SUBSTEPS 10
 
 // ---- the reference ----
@@ -161,25 +161,25 @@ static void leave( comparison* r )
 
 // ---- the scenario: errors, stretch and hashes ----
 
-static void look( const strands_shape* shape, const wisp_vec3* points, double looks, strands_line* line )
+static void observe( const strands_shape* shape, const wisp_vec3* points, double observations, strands_line* line )
 {
     strands_stretch stretch = strands_measure_stretch( shape, points );
-    line->stretch_max += stretch.max / looks;
-    line->stretch_mean += stretch.mean / looks;
+    line->stretch_max += stretch.max / observations;
+    line->stretch_mean += stretch.mean / observations;
 }
 
 static wisp_status follow( const strands_setting* setting, const reference* t, int steps,
                            strands_implementation* implementation, strands_line* line, wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    for ( int step = LOOK_STEPS; step <= steps && status == WISP_OK; step += LOOK_STEPS )
+    for ( int step = OBSERVATION_STEPS; step <= steps && status == WISP_OK; step += OBSERVATION_STEPS )
     {
         const wisp_vec3* points = NULL;
-        status = strands_implementation_steps( implementation, LOOK_STEPS, error );
+        status = strands_implementation_steps( implementation, OBSERVATION_STEPS, error );
         status = status == WISP_OK ? strands_implementation_points( implementation, &points, error ) : status;
         if ( status == WISP_OK && line )
         {
-            look( implementation->generator.shape, points, steps / LOOK_STEPS, line );
+            observe( implementation->generator.shape, points, steps / OBSERVATION_STEPS, line );
             if ( step == STRANDS_REFERENCE_STEPS )
             {
                 line->error =
@@ -228,9 +228,9 @@ static wisp_status judge_plain( const strands_plan* plan, const reference* t, st
         for ( int step = 1; step <= plan->scenario_steps && status == WISP_OK; ++step )
         {
             plain_strands_step( &plain, STRANDS_STEP );
-            if ( step % LOOK_STEPS == 0 )
+            if ( step % OBSERVATION_STEPS == 0 )
             {
-                look( &shape, plain.position, plan->scenario_steps / LOOK_STEPS, &lines[i] );
+                observe( &shape, plain.position, plan->scenario_steps / OBSERVATION_STEPS, &lines[i] );
             }
             if ( step == STRANDS_REFERENCE_STEPS )
             {

@@ -9,7 +9,7 @@
 typedef struct strands_line
 {
     stats_summary ms[STRANDS_WORKERS_MAX];
-    double stretch_max, stretch_mean; ///< averages over the looks
+    double stretch_max, stretch_mean; ///< averages over the observations
     double error;                     ///< share of a strand's length, root mean square over vertices
     uint64_t hash;                    ///< ours only
     uint64_t laid;                    ///< strands laid out from the root so far

@@ -13,7 +13,7 @@ static const int ratios[] = { 1, 4, 16 };
 #define ROWS_MAX ( 1 + WISP_COUNT( ratios ) )
 #define IMPLEMENTATIONS_MAX ( ROWS_MAX * STRANDS_WORKERS_MAX )
 #define SAMPLES_MAX 60
-#define LOOK_STEPS 5
+#define OBSERVATION_STEPS 5
 #define CLAIM_FRAME_MS 5.0
 #define MILLION 1000000
 
@@ -38,8 +38,8 @@ typedef struct guides_run
     guides_row rows[ROWS_MAX];
     int row_count;
     hair_head heads[IMPLEMENTATIONS_MAX]; // [row][worker]
-    wisp_vec3* path;                      // [look][vertex] of the full simulation
-    int look_count;
+    wisp_vec3* path;                      // [observation][vertex] of the full simulation
+    int observation_count;
 } guides_run;
 
 static hair_head_generator make_generator( const guides_run* run, const guides_row* row, int workers, bool sways )
@@ -64,11 +64,11 @@ static wisp_status shake( guides_run* run, hair_head* head, bool keeps, double* 
     int count = strands_shape_size( &run->hair );
     double squares = 0.0;
     wisp_status status = WISP_OK;
-    for ( int look = 0; look < run->look_count && status == WISP_OK; ++look )
+    for ( int observation = 0; observation < run->observation_count && status == WISP_OK; ++observation )
     {
         const wisp_vec3* points = NULL;
-        wisp_vec3* there = run->path + (size_t)look * (size_t)count;
-        for ( int s = 0; s < LOOK_STEPS && status == WISP_OK; ++s )
+        wisp_vec3* there = run->path + (size_t)observation * (size_t)count;
+        for ( int s = 0; s < OBSERVATION_STEPS && status == WISP_OK; ++s )
         {
             status = hair_head_step( head, error );
         }
@@ -83,7 +83,7 @@ static wisp_status shake( guides_run* run, hair_head* head, bool keeps, double* 
             squares += distance * distance;
         }
     }
-    *rms = sqrt( squares / run->look_count );
+    *rms = sqrt( squares / run->observation_count );
     return status;
 }
 
@@ -270,8 +270,8 @@ static wisp_status enter( const strands_plan* plan, int min_ratio, int steps, gu
             run, &run->rows[i / run->worker_count], plan->workers[run->first_worker + i % run->worker_count], true );
         status = hair_head_create( &generator, &run->heads[i], error );
     }
-    run->look_count = steps / LOOK_STEPS;
-    size_t count = (size_t)run->look_count * (size_t)strands_shape_size( &run->hair );
+    run->observation_count = steps / OBSERVATION_STEPS;
+    size_t count = (size_t)run->observation_count * (size_t)strands_shape_size( &run->hair );
     run->path = status == WISP_OK ? malloc( count * sizeof( wisp_vec3 ) ) : NULL;
     return status == WISP_OK && !run->path ? wisp_fail( error, WISP_NO_MEMORY, "no memory for a path" ) : status;
 }
@@ -307,8 +307,8 @@ wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* 
         run->first_worker = is_large ? plan->large_first_worker : 0;
         run->worker_count = plan->worker_count - run->first_worker;
         run->has_still = !is_large;
-        status = enter( plan, is_large ? plan->head_ratios_min : 0, is_large ? LOOK_STEPS * 2 : plan->head_steps, run,
-                        error );
+        status = enter( plan, is_large ? plan->head_ratios_min : 0,
+                        is_large ? OBSERVATION_STEPS * 2 : plan->head_steps, run, error );
         status = status == WISP_OK ? judge( plan, run, out, error ) : status;
         status = status == WISP_OK ? measure( plan, run, error ) : status;
         for ( int i = 0; i < run->row_count && status == WISP_OK; ++i )
@@ -328,6 +328,6 @@ wisp_status strands_guides( const strands_plan* plan, results* out, wisp_error* 
                       "Guides: RMS is the root mean square distance of all vertices to full simulation, over samples "
                       "every %d steps. `without sway` has no weights: the rest is the error of the guides. Times "
                       "include guides and vertices in the user's order.",
-                      LOOK_STEPS );
+                      OBSERVATION_STEPS );
     return status;
 }

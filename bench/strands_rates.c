@@ -135,7 +135,7 @@ wisp_status strands_independence( const strands_plan* plan, results* out, wisp_e
 // ---- stretch and energy ----
 
 #define ENERGY_STEPS 60
-#define ENERGY_LOOK 5
+#define ENERGY_OBSERVATION 5
 
 static const struct
 {
@@ -158,8 +158,8 @@ typedef struct energy_stats
     stats_summary ms;
 } energy_stats;
 
-static wisp_status look( strands_implementation* implementation, energy_stats* f, double* start, double* released,
-                         wisp_error* error )
+static wisp_status observe( strands_implementation* implementation, energy_stats* f, double* start, double* released,
+                            wisp_error* error )
 {
     const wisp_vec3* points = NULL;
     wisp_motion_stats motion_stats = { 0 };
@@ -172,8 +172,8 @@ static wisp_status look( strands_implementation* implementation, energy_stats* f
     if ( status == WISP_OK )
     {
         strands_stretch stretch = strands_measure_stretch( implementation->generator.shape, points );
-        f->stretch.max += stretch.max * ENERGY_LOOK / ENERGY_STEPS;
-        f->stretch.mean += stretch.mean * ENERGY_LOOK / ENERGY_STEPS;
+        f->stretch.max += stretch.max * ENERGY_OBSERVATION / ENERGY_STEPS;
+        f->stretch.mean += stretch.mean * ENERGY_OBSERVATION / ENERGY_STEPS;
 
         // The strands start at rest at height 0, so all energy is 0 at the start.
         double energy = motion_stats.kinetic_energy + motion_stats.potential_energy;
@@ -213,9 +213,9 @@ static wisp_status run_energy( const strands_shape* shape, int solver, int subst
                                  ( (double)STRANDS_SPACING * ( STRANDS_VERTICES - 1 ) )
                            : 0.0;
         }
-        if ( status == WISP_OK && s % ENERGY_LOOK == 0 )
+        if ( status == WISP_OK && s % ENERGY_OBSERVATION == 0 )
         {
-            status = look( &implementation, f, &highest, &released, error );
+            status = observe( &implementation, f, &highest, &released, error );
         }
     }
     f->rise = released > 0.0 ? highest / released : 0.0;

@@ -1,4 +1,4 @@
-/// Strands in a world of their own: shapes, settings, and what the case `strands` steps, times and looks at.
+/// Strands in a world of their own: shapes, settings, and what the case `strands` steps, times and measures.
 #pragma once
 
 #include "bench_world.h"

@@ -144,7 +144,7 @@ static double edge_length( const float* a, const float* b )
     return sqrt( x * x + y * y + z * z );
 }
 
-static void look_at_edges( const wisp_fabric* fabric, const float* position, surface_look* look )
+static void observe_edges( const wisp_fabric* fabric, const float* position, surface_observation* observation )
 {
     double sum = 0.0;
     for ( int e = 0; e < fabric->edge_count; ++e )
@@ -154,20 +154,20 @@ static void look_at_edges( const wisp_fabric* fabric, const float* position, sur
         double stretch = fabs( edge_length( position + 4 * a, position + 4 * b ) / rest - 1.0 );
 
         // Not fmax: that would step over a NaN.
-        look->stretch_max = stretch <= look->stretch_max ? look->stretch_max : stretch;
+        observation->stretch_max = stretch <= observation->stretch_max ? observation->stretch_max : stretch;
         sum += stretch;
     }
-    look->stretch_mean = fabric->edge_count > 0 ? sum / fabric->edge_count : 0.0;
+    observation->stretch_mean = fabric->edge_count > 0 ? sum / fabric->edge_count : 0.0;
 }
 
-surface_look surface_implementation_look( surface_implementation* implementation )
+surface_observation surface_implementation_observe( surface_implementation* implementation )
 {
     const wisp_fabric* fabric = implementation->fabric;
     const wisp_vec3 g = implementation->generator.gravity;
     const float* x = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_POSITION, 0 );
     const float* v = wisp_world_column( implementation->world, implementation->entity, WISP_PARTICLE_VELOCITY, 0 );
-    surface_look look = { .is_finite = true };
-    look_at_edges( fabric, x, &look );
+    surface_observation observation = { .is_finite = true };
+    observe_edges( fabric, x, &observation );
     for ( int i = 0; i < fabric->vertex_count; ++i )
     {
         const float *p = x + 4 * (size_t)i, *u = v + 4 * (size_t)i;
@@ -175,15 +175,15 @@ surface_look surface_implementation_look( surface_implementation* implementation
         {
             double mass = 1.0 / (double)p[3];
             const wisp_vec3 rest = fabric->rest[i];
-            look.kinetic +=
+            observation.kinetic +=
                 0.5 * mass *
                 ( (double)u[0] * (double)u[0] + (double)u[1] * (double)u[1] + (double)u[2] * (double)u[2] );
-            look.potential -= mass * ( (double)g.x * ( (double)p[0] - (double)rest.x ) +
-                                       (double)g.y * ( (double)p[1] - (double)rest.y ) +
-                                       (double)g.z * ( (double)p[2] - (double)rest.z ) );
+            observation.potential -= mass * ( (double)g.x * ( (double)p[0] - (double)rest.x ) +
+                                              (double)g.y * ( (double)p[1] - (double)rest.y ) +
+                                              (double)g.z * ( (double)p[2] - (double)rest.z ) );
         }
     }
-    look.is_finite = isfinite( look.stretch_max ) && isfinite( look.stretch_mean ) && isfinite( look.kinetic ) &&
-                     isfinite( look.potential );
-    return look;
+    observation.is_finite = isfinite( observation.stretch_max ) && isfinite( observation.stretch_mean ) &&
+                            isfinite( observation.kinetic ) && isfinite( observation.potential );
+    return observation;
 }

@@ -1,4 +1,4 @@
-/// A surface in a world of its own: what the cases of cloth and balloons step, time and look at.
+/// A surface in a world of its own: what the cases of cloth and balloons step, time and measure.
 #pragma once
 
 #include "bench_world.h"
@@ -63,12 +63,12 @@ void surface_implementation_velocities( surface_implementation* implementation, 
 /// Median milliseconds a step of all passes whose names begin so.
 double surface_implementation_pass_ms( surface_implementation* implementation, const char* beginning );
 
-typedef struct surface_look
+typedef struct surface_observation
 {
     double stretch_max, stretch_mean; ///< |l/l0 - 1| of the edges
     double kinetic, potential;        ///< J; potential is 0 at the rest shape
     bool is_finite;
-} surface_look;
+} surface_observation;
 
-/// Look at the present state, in double.
-surface_look surface_implementation_look( surface_implementation* implementation );
+/// Measure the present state, in double.
+surface_observation surface_implementation_observe( surface_implementation* implementation );

@@ -5,15 +5,15 @@
 #include <math.h>
 #include <stdlib.h>
 
-int scenario_path_looks( const scenario_plan* plan )
+int scenario_path_observations( const scenario_plan* plan )
 {
     return plan->warm_steps / plan->turn_steps;
 }
 
-wisp_status path_record_create( int vertex_count, int look_count, path_record* out, wisp_error* error )
+wisp_status path_record_create( int vertex_count, int observation_count, path_record* out, wisp_error* error )
 {
-    *out = ( path_record ){ .vertex_count = vertex_count, .look_count = look_count };
-    out->points = calloc( (size_t)vertex_count * (size_t)look_count, 3 * sizeof( double ) );
+    *out = ( path_record ){ .vertex_count = vertex_count, .observation_count = observation_count };
+    out->points = calloc( (size_t)vertex_count * (size_t)observation_count, 3 * sizeof( double ) );
     return out->points ? WISP_OK
                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for the path of %d vertices", vertex_count );
 }
@@ -24,16 +24,16 @@ void path_record_destroy( path_record* record )
     *record = ( path_record ){ 0 };
 }
 
-// ---- looking ----
+// ---- observations ----
 
-typedef struct look_sums
+typedef struct observation_sums
 {
     double stretch_max, stretch_mean, kinetic;
-    int count;     // of the looks behind these
-    double square; // m^2, sum over the looks at the path
+    int count;     // of the observations behind these
+    double square; // m^2, sum over the observations of the path
     int path_count;
     double energy_lost;
-} look_sums;
+} observation_sums;
 
 static double square_distance( const path_record* reference, int number, const wisp_vec3* points )
 {
@@ -58,17 +58,17 @@ static void keep_path( path_record* record, int number, const wisp_vec3* points 
     }
 }
 
-static void look( surface_implementation* implementation, look_sums* sums )
+static void observe( surface_implementation* implementation, observation_sums* sums )
 {
-    surface_look seen = surface_implementation_look( implementation );
+    surface_observation seen = surface_implementation_observe( implementation );
     sums->stretch_max += seen.stretch_max;
     sums->stretch_mean += seen.stretch_mean;
     sums->kinetic += seen.kinetic;
     ++sums->count;
 }
 
-static wisp_status look_at_path( surface_implementation* implementation, const path_record* reference,
-                                 path_record* record, look_sums* sums, wisp_error* error )
+static wisp_status observe_path( surface_implementation* implementation, const path_record* reference,
+                                 path_record* record, observation_sums* sums, wisp_error* error )
 {
     const wisp_vec3* points;
     wisp_status status = surface_implementation_points( implementation, &points, error );
@@ -99,18 +99,20 @@ static wisp_status warm_one( surface_implementation* implementation, int steps, 
 
 // The first implementation is sampled during its steps; the others do the same steps.
 static wisp_status warm( surface_implementation* implementations, int count, const scenario_plan* plan,
-                         const path_record* reference, path_record* record, look_sums* sums, wisp_error* error )
+                         const path_record* reference, path_record* record, observation_sums* sums,
+                         wisp_error* error )
 {
     wisp_status status = WISP_OK;
-    int looks = scenario_path_looks( plan );
-    for ( int i = 0; i < looks && status == WISP_OK; ++i )
+    int observations = scenario_path_observations( plan );
+    for ( int i = 0; i < observations && status == WISP_OK; ++i )
     {
         status = warm_one( &implementations[0], plan->turn_steps, error );
-        status = status == WISP_OK ? look_at_path( &implementations[0], reference, record, sums, error ) : status;
+        status = status == WISP_OK ? observe_path( &implementations[0], reference, record, sums, error ) : status;
     }
-    status = status == WISP_OK ? warm_one( &implementations[0], plan->warm_steps - looks * plan->turn_steps, error )
-                               : status;
-    surface_look seen = surface_implementation_look( &implementations[0] );
+    status = status == WISP_OK
+                 ? warm_one( &implementations[0], plan->warm_steps - observations * plan->turn_steps, error )
+                 : status;
+    surface_observation seen = surface_implementation_observe( &implementations[0] );
     sums->energy_lost = seen.potential < 0.0 ? 1.0 + seen.kinetic / seen.potential : NAN;
     for ( int e = 1; e < count && status == WISP_OK; ++e )
     {
@@ -142,7 +144,7 @@ static wisp_status take_turn( surface_implementation* implementation, int steps,
 }
 
 static void conclude( surface_implementation* implementations, int count, double* samples, const int* sample_count,
-                      int room, const look_sums* sums, scenario_stats* out )
+                      int room, const observation_sums* sums, scenario_stats* out )
 {
     bool is_halted = out->halted_at > 0;
     for ( int e = 0; e < count; ++e )
@@ -162,7 +164,7 @@ static wisp_status take_turns( surface_implementation* implementations, int coun
                                scenario_stats* out, wisp_error* error )
 {
     int sample_count[SCENARIO_IMPLEMENTATIONS_MAX] = { 0 };
-    look_sums sums = { 0 };
+    observation_sums sums = { 0 };
     wisp_status status = warm( implementations, count, plan, reference, record, &sums, error );
     for ( int turn = 0;
           turn < plan->measured_steps / plan->turn_steps && status == WISP_OK && implementations[0].halted_at == 0;
@@ -175,7 +177,7 @@ static wisp_status take_turns( surface_implementation* implementations, int coun
         }
         if ( status == WISP_OK && implementations[0].halted_at == 0 )
         {
-            look( &implementations[0], &sums );
+            observe( &implementations[0], &sums );
         }
     }
     for ( int e = 0; e < count && status == WISP_OK; ++e )

@@ -12,21 +12,21 @@ typedef struct scenario_plan
     int turn_steps; ///< steps per turn; the first step of a turn refills the caches and is not counted
 } scenario_plan;
 
-/// Where all vertices were at the looks of the warm-up: what falls has not folded yet, and folds are chaotic. No two
+/// Where all vertices were at the observations of the warm-up: what falls has not folded yet, and folds are chaotic. No two
 /// solvers agree on them, so a path through them measures nothing.
 typedef struct path_record
 {
-    int vertex_count, look_count;
-    double* points; ///< [look_count][vertex_count][3], the user's order; null: there is none
+    int vertex_count, observation_count;
+    double* points; ///< [observation_count][vertex_count][3], the user's order; null: there is none
 } path_record;
 
-/// Looks at the path: after every `turn_steps` of the warm-up.
-int scenario_path_looks( const scenario_plan* plan );
+/// Observations of the path: after every `turn_steps` of the warm-up.
+int scenario_path_observations( const scenario_plan* plan );
 /// @return WISP_NO_MEMORY
-wisp_status path_record_create( int vertex_count, int look_count, path_record* out, wisp_error* error );
+wisp_status path_record_create( int vertex_count, int observation_count, path_record* out, wisp_error* error );
 void path_record_destroy( path_record* record );
 
-/// What a scenario showed. Averages are over looks at the end of each turn of the measured steps.
+/// What a scenario showed. Averages are over observations at the end of each turn of the measured steps.
 typedef struct scenario_stats
 {
     stats_summary ms[SCENARIO_IMPLEMENTATIONS_MAX]; ///< NaN if the surface was halted
@@ -41,7 +41,7 @@ typedef struct scenario_stats
 
 /// Run a scenario with implementations that differ only in workers.
 /// @param reference the path to compare with, or null
-/// @param record [scenario_path_looks()] receives the first implementation's path, or null
+/// @param record [scenario_path_observations()] receives the first implementation's path, or null
 wisp_status scenario_run( surface_implementation* implementations, int count, const scenario_plan* plan,
                           const path_record* reference, path_record* record, scenario_stats* out, wisp_error* error );
 

@@ -85,8 +85,7 @@ static void sample_body( const scene_world* world, const torture_trace* trace, i
         sample_motion( world, body, sample );
     }
     wisp_collision_stats stats;
-    if ( collides( world->scene, body ) &&
-         wisp_read_collision_stats( world->world, entity_of( world, body ), &stats ) == WISP_OK )
+    if ( collides( world->scene, body ) && scene_world_collision_stats( world, body, &stats, NULL ) == WISP_OK )
     {
         sample->penetration = stats.vertex >= 0 ? (double)stats.penetration : 0.0;
         sample->thickness = (double)stats.thickness;

@@ -37,7 +37,7 @@ wisp_status accuracy_keep_ms( accuracy_run* run, double ms );
 typedef struct accuracy_scene
 {
     char reference[200]; ///< reference of the error: "closed form: ...", "16 times the substeps: ..."
-    double doubt;        ///< uncertainty of the reference, in the unit of `error`; smaller errors are unresolved
+    double uncertainty;  ///< uncertainty of the reference, in the unit of `error`; smaller errors are unresolved
     const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
     char error_name[48]; ///< "distance to the reference"
     char error_unit[16]; ///< "mm", "%": of `error` as printed
@@ -49,8 +49,8 @@ typedef struct accuracy_scene
     int setting_count;
     void* context; ///< context of run()
     /// Run a setting from its start to its end and keep the time of every step.
-    /// @param is_looked_at error and measures are requested; otherwise only times, hash and halted_at
-    wisp_status ( *run )( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+    /// @param is_observed error and measures are requested; otherwise only times, hash and halted_at
+    wisp_status ( *run )( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                           wisp_error* error );
     void ( *destroy )( void* context ); ///< null: nothing to do
 } accuracy_scene;

@@ -55,7 +55,7 @@ const char* accuracy_reference_folder( void )
 void accuracy_describe_reference( const accuracy_reference* reference, double unit, accuracy_scene* out )
 {
     snprintf( out->reference, sizeof( out->reference ), "%s", reference->reference );
-    out->doubt = unit * reference->doubt;
+    out->uncertainty = unit * reference->uncertainty;
 }
 
 // ---- the recipe ----
@@ -163,7 +163,8 @@ static wisp_status take_generator( json_t* root, const char* name, accuracy_refe
     }
     status = status == WISP_OK ? take_texts( root, name, out, error ) : status;
     status = status == WISP_OK ? take_number( root, "substeps", 1.0, 1e9, name, &substeps, error ) : status;
-    status = status == WISP_OK ? take_number( root, "doubt_m", 0.0, 1e3, name, &out->doubt, error ) : status;
+    status =
+        status == WISP_OK ? take_number( root, "uncertainty_m", 0.0, 1e3, name, &out->uncertainty, error ) : status;
     status = status == WISP_OK
                  ? take_number( root, "numbers", 1.0, ACCURACY_REFERENCE_NUMBERS_MAX, name, &numbers, error )
                  : status;

@@ -1,6 +1,6 @@
 /// The reference of a scene without a closed form: a converged run, made by bench/reference and stored in
 /// data/reference as two files. NAME.json is the recipe: the run, its precision and resolution, its criterion of
-/// convergence, the remaining uncertainty, facts of the scene and the hash of the numbers. NAME.truth has the
+/// convergence, the remaining uncertainty, facts of the scene and the hash of the numbers. NAME.reference has the
 /// numbers:
 ///
 ///     bytes                content, little-endian
@@ -32,7 +32,7 @@ typedef struct accuracy_reference
     char precision[16];  ///< "double", or "float" if nothing else can run the scene
     int substeps;        ///< of the finest run; `solver` gives the unit
     char converged[400]; ///< criterion of convergence, and the observed values
-    double doubt;        ///< m, estimated distance to the limit of infinitely many substeps
+    double uncertainty;  ///< m, estimated distance to the limit of infinitely many substeps
     char layout[200];    ///< of the numbers
     accuracy_fact info[ACCURACY_INFO_MAX];
     int fact_count;

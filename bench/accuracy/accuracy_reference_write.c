@@ -52,7 +52,7 @@ static json_t* generator_of( const accuracy_reference* reference, uint64_t hash 
     json_object_set_new( root, "precision", json_string( reference->precision ) );
     json_object_set_new( root, "substeps", json_integer( reference->substeps ) );
     json_object_set_new( root, "converged", json_string( reference->converged ) );
-    json_object_set_new( root, "doubt_m", json_real( reference->doubt ) );
+    json_object_set_new( root, "uncertainty_m", json_real( reference->uncertainty ) );
     for ( int i = 0; i < reference->fact_count; ++i )
     {
         json_object_set_new( info, reference->info[i].name, json_real( reference->info[i].value ) );

@@ -83,19 +83,19 @@ static void forget_times( accuracy_run* run )
     run->ms_count = run->ms_capacity = 0;
 }
 
-static void show_progress( const contest* c, int setting, bool is_looked_at )
+static void show_progress( const contest* c, int setting, bool is_observed )
 {
     const accuracy_scene* scene = c->report->scene;
     char what[160];
     snprintf( what, sizeof( what ), "%s: %s", c->report->entry->name, scene->settings[setting].name );
-    const double looked = is_looked_at ? 0.0 : 1.0 / 3.0;
-    const double part = looked + ( is_looked_at ? 1.0 : 2.0 ) / 3.0 * setting / scene->setting_count;
+    const double observed = is_observed ? 0.0 : 1.0 / 3.0;
+    const double part = observed + ( is_observed ? 1.0 : 2.0 ) / 3.0 * setting / scene->setting_count;
     const double time = ( wisp_clock_seconds() - c->begin ) / fmax( c->end - c->begin, 1e-9 );
     const double done = fmin( fmax( part, time ), 1.0 );
     bench_progress( c->options, c->fraction[0] + c->fraction[1] * done, what );
 }
 
-static wisp_status look( contest* c, int setting, wisp_error* error )
+static wisp_status observe( contest* c, int setting, wisp_error* error )
 {
     const accuracy_scene* scene = c->report->scene;
     accuracy_run* seen = &c->stats[setting].seen;
@@ -183,7 +183,7 @@ static wisp_status run_all( contest* c, wisp_error* error )
     wisp_status status = WISP_OK;
     for ( int i = 0; i < settings && status == WISP_OK; ++i )
     {
-        status = look( c, i, error );
+        status = observe( c, i, error );
     }
     const double left = fmax( c->end - wisp_clock_seconds(), 0.0 );
     const double fraction = left / ( settings * c->report->worker_count );

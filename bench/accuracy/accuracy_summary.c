@@ -171,7 +171,7 @@ static accuracy_order order_of( const accuracy_report* report, const char* serie
         {
             parameter[count] = report->scene->settings[i].parameter;
             // errors below the reference's uncertainty are not resolved, so they are left out
-            error[count++] = report->error[i] > report->scene->doubt ? report->error[i] : NAN;
+            error[count++] = report->error[i] > report->scene->uncertainty ? report->error[i] : NAN;
         }
     }
     return accuracy_observed_order( parameter, error, count );
@@ -252,12 +252,12 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
                           "on it. Each setting counts with its faster number of workers.",
                           report->entry->name, front_count( report ), scene->setting_count );
     }
-    if ( scene->doubt > 0.0 )
+    if ( scene->uncertainty > 0.0 )
     {
         results_add_note( out,
                           "Accuracy `%s`: The reference is uncertain by %.3g %s; smaller errors are not resolved. "
                           "Observed orders leave them out.",
-                          report->entry->name, scene->doubt, scene->error_unit );
+                          report->entry->name, scene->uncertainty, scene->error_unit );
     }
     if ( report->left_out > 0 )
     {

@@ -35,10 +35,10 @@ wisp_status accuracy_read_motion_stats( surface_implementation* implementation, 
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-wisp_status accuracy_request_motion_stats( surface_implementation* implementation, bool is_looked_at,
+wisp_status accuracy_request_motion_stats( surface_implementation* implementation, bool is_observed,
                                            wisp_error* error )
 {
     wisp_status status =
-        is_looked_at ? wisp_request( implementation->world, implementation->entity, WISP_MOTION_STATS ) : WISP_OK;
+        is_observed ? wisp_request( implementation->world, implementation->entity, WISP_MOTION_STATS ) : WISP_OK;
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }

@@ -20,6 +20,6 @@ wisp_status accuracy_step_surface( surface_implementation* implementation, int s
 /// Read the statistics of the last step, which must have been requested before it.
 wisp_status accuracy_read_motion_stats( surface_implementation* implementation, wisp_motion_stats* out,
                                         wisp_error* error );
-/// Request WISP_MOTION_STATS if the run is sampled. @param is_looked_at false: does nothing
-wisp_status accuracy_request_motion_stats( surface_implementation* implementation, bool is_looked_at,
+/// Request WISP_MOTION_STATS if the run is sampled. @param is_observed false: does nothing
+wisp_status accuracy_request_motion_stats( surface_implementation* implementation, bool is_observed,
                                            wisp_error* error );

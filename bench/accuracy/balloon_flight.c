@@ -83,14 +83,14 @@ static void add_forms( accuracy_scene* scene )
 
 // ---- runs ----
 
-static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const flight_scene* scene = context;
     flight_path path = { .speed = NAN };
     wisp_status status =
-        flight_fly( &scene->body, scene->settings[index], workers, out, is_looked_at ? &path : NULL, error );
-    if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
+        flight_fly( &scene->body, scene->settings[index], workers, out, is_observed ? &path : NULL, error );
+    if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
         flight_judge( &path, &scene->reference, out );
     }

@@ -152,8 +152,8 @@ static void close_momentum( const wisp_motion_stats* seen, const wisp_balloon_st
     path->impulse = fmax( path->impulse, length( seen->momentum ) );
 }
 
-static wisp_status look( surface_implementation* implementation, int step, double before[3], double sum[3],
-                         flight_path* path, wisp_error* error )
+static wisp_status observe( surface_implementation* implementation, int step, double before[3], double sum[3],
+                            flight_path* path, wisp_error* error )
 {
     wisp_motion_stats seen = { 0 };
     wisp_balloon_stats forces = { 0 };
@@ -190,7 +190,7 @@ wisp_status flight_fly( const flight_body* body, balloon_setting setting, int wo
         status = accuracy_step_surface( &implementation, 1, out, error );
         if ( status == WISP_OK && path )
         {
-            status = look( &implementation, step, before, sum, path, error );
+            status = observe( &implementation, step, before, sum, path, error );
         }
     }
     status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;

@@ -183,8 +183,8 @@ static void add_forms( accuracy_scene* scene )
 
 // ---- a run ----
 
-static wisp_status look( surface_implementation* implementation, const balloon_setting* setting,
-                         const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
+static wisp_status observe( surface_implementation* implementation, const balloon_setting* setting,
+                            const inflated_sphere* sphere, accuracy_run* out, wisp_error* error )
 {
     balloon_readings read = { { 0 }, 0, 0 };
     wisp_status status = balloon_read_all( implementation, setting, &read, error );
@@ -206,7 +206,7 @@ static wisp_status look( surface_implementation* implementation, const balloon_s
     return WISP_OK;
 }
 
-static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     inflate_scene* scene = context;
@@ -229,9 +229,9 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
                                    : bench_world_fail( implementation.world, status, error );
         status = status == WISP_OK ? accuracy_end_surface( &implementation, out, error ) : status;
     }
-    if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
+    if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
-        status = look( &implementation, &setting, sphere, out, error );
+        status = observe( &implementation, &setting, sphere, out, error );
     }
     surface_implementation_destroy( &implementation );
     return status;

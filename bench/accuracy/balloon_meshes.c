@@ -18,15 +18,15 @@ typedef struct mesh_scene
     flight_path reference[FLIGHT_PACES];
 } mesh_scene;
 
-static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const mesh_scene* scene = context;
     const int pace = index / LEVELS, level = index % LEVELS;
     flight_path path = { .speed = NAN };
     wisp_status status = flight_fly( &scene->bodies[level], flight_setting( flight_paces[pace], 1 ), workers, out,
-                                     is_looked_at ? &path : NULL, error );
-    if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
+                                     is_observed ? &path : NULL, error );
+    if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
         flight_judge( &path, &scene->reference[pace], out );
     }

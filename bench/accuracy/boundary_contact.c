@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #define PRESS_STEPS 80 // the plates have come to rest after PAIR_CLOSING
-#define PRESS_LOOK 10
+#define PRESS_OBSERVATION 10
 #define FEW_LEVEL 1 // of the icosphere
 #define MANY_LEVEL 2
 #define FULL_SECONDS 15.0
@@ -33,7 +33,7 @@ enum
 
 // The maximum over all samples, except contacts and overlap, which are those of the last one: a pair that is pressed
 // hard may have slipped aside by then.
-static wisp_status look( const presses* all, contact_world* world, accuracy_run* out, wisp_error* error )
+static wisp_status observe( const presses* all, contact_world* world, accuracy_run* out, wisp_error* error )
 {
     contact_overlap overlap = { 0 };
     wisp_contact_stats stats = { 0 };
@@ -54,18 +54,18 @@ static wisp_status look( const presses* all, contact_world* world, accuracy_run*
 
 // ---- a run ----
 
-static wisp_status run_press( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_press( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
     const presses* all = context;
-    const contact_setting chosen = { .way = all->ways[setting], .workers = workers, .requests_stats = is_looked_at };
+    const contact_setting chosen = { .way = all->ways[setting], .workers = workers, .requests_stats = is_observed };
     contact_world world = { 0 };
     wisp_status status = contact_enter_pair( &all->scene, &chosen, &world, error );
     for ( int s = 1; s <= PRESS_STEPS && status == WISP_OK; ++s )
     {
-        const bool is_due = is_looked_at && s % PRESS_LOOK == 0;
+        const bool is_due = is_observed && s % PRESS_OBSERVATION == 0;
         status = accuracy_time_step( contact_step, &world, out, error );
-        status = status == WISP_OK && is_due ? look( all, &world, out, error ) : status;
+        status = status == WISP_OK && is_due ? observe( all, &world, out, error ) : status;
     }
     status = status == WISP_OK ? contact_hash( &world, &out->hash, error ) : status;
     out->halted_at = world.halted_at;

@@ -35,7 +35,7 @@ wisp_status closed_enter( const closed_run* run, surface_generator generator, co
     if ( status == WISP_OK )
     {
         status = wisp_set_cloth( body->implementation.world, body->implementation.entity, cloth );
-        status = status == WISP_OK ? accuracy_request_motion_stats( &body->implementation, run->is_looked_at, error )
+        status = status == WISP_OK ? accuracy_request_motion_stats( &body->implementation, run->is_observed, error )
                                    : bench_world_fail( body->implementation.world, status, error );
     }
     return status;
@@ -47,7 +47,7 @@ wisp_status closed_advance( closed_run* run, closed_body* body, int steps, wisp_
     wisp_motion_stats seen = { 0 };
     wisp_status status = accuracy_step_surface( &body->implementation, steps, run->out, error );
     status = status == WISP_OK ? accuracy_end_surface( &body->implementation, run->out, error ) : status;
-    if ( status == WISP_OK && run->is_looked_at )
+    if ( status == WISP_OK && run->is_observed )
     {
         status = accuracy_read_motion_stats( &body->implementation, &seen, error );
         run->strain = seen.strain_max;

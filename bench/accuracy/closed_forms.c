@@ -68,7 +68,7 @@ typedef struct closed_setting
 
 // ---- a run ----
 
-static wisp_status run( void* context, int index, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int index, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const closed_setting* what = (const closed_setting*)context + index;
@@ -76,12 +76,12 @@ static wisp_status run( void* context, int index, int workers, bool is_looked_at
                        .second = what->form->second,
                        .parameter = what->value,
                        .workers = workers,
-                       .is_looked_at = is_looked_at,
+                       .is_observed = is_observed,
                        .out = out,
                        .momentum_error = NAN,
                        .strain = NAN };
     wisp_status status = what->form->run( &run, error );
-    if ( status == WISP_OK && is_looked_at && out->halted_at == 0 )
+    if ( status == WISP_OK && is_observed && out->halted_at == 0 )
     {
         // an error below a float's resolution counts as zero
         const double wrong =

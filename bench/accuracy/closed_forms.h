@@ -14,7 +14,7 @@ typedef struct closed_run
     double first, second; ///< parameters of the form: an angle, a time ...
     int parameter;        ///< substeps of a frame, or the fineness of a mesh
     int workers;
-    bool is_looked_at;
+    bool is_observed;
     accuracy_run* out;
     double measured, reference; ///< SI
     double scale;               ///< the error is relative to this; 0: to the reference

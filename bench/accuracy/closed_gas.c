@@ -60,15 +60,15 @@ static wisp_status fly_sphere( closed_run* run, balloon_setting setting, int ste
     setting.seconds = ACCURACY_FRAME;
     surface_implementation* implementation = &sphere->implementation;
     wisp_status status = balloon_implementation_create( sphere->fabric, &setting, implementation, error );
-    if ( status == WISP_OK && !run->is_looked_at )
+    if ( status == WISP_OK && !run->is_observed )
     {
         status = wisp_request_balloon_stats( implementation->world, implementation->entity, false );
         status = status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
     }
     status = status == WISP_OK ? accuracy_step_surface( implementation, steps, run->out, error ) : status;
     status = status == WISP_OK ? accuracy_end_surface( implementation, run->out, error ) : status;
-    return status == WISP_OK && run->is_looked_at ? balloon_implementation_read( implementation, seen, error )
-                                                  : status;
+    return status == WISP_OK && run->is_observed ? balloon_implementation_read( implementation, seen, error )
+                                                 : status;
 }
 
 static void leave( sphere_run* sphere )

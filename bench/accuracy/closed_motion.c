@@ -54,7 +54,7 @@ wisp_status closed_fall( closed_run* run, wisp_error* error )
     status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? throw_body( &body, thrown, ( wisp_vec3 ){ 0, 0, 0 }, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( t ), &seen, error ) : status;
-    if ( status == WISP_OK && run->is_looked_at )
+    if ( status == WISP_OK && run->is_observed )
     {
         const double speed = (double)thrown.y - CLOSED_GRAVITY * t;
         const double lost[3] = { seen.momentum[0] - seen.mass * (double)thrown.x,
@@ -80,7 +80,7 @@ wisp_status closed_spin( closed_run* run, wisp_error* error )
     status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? throw_body( &body, thrown, turned, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
-    if ( status == WISP_OK && run->is_looked_at )
+    if ( status == WISP_OK && run->is_observed )
     {
         const wisp_fabric* f = body.fabric;
         for ( int i = 0; i < f->vertex_count; ++i )
@@ -108,7 +108,7 @@ wisp_status closed_plate( closed_run* run, wisp_error* error )
     wisp_status status = closed_make_plane( SIDE, SIDE, SPACING, &body, error );
     status = status == WISP_OK ? closed_enter( run, closed_generator( run ), &cloth, &body, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( run->first ), &seen, error ) : status;
-    if ( status == WISP_OK && run->is_looked_at )
+    if ( status == WISP_OK && run->is_observed )
     {
         const double terminal =
             sqrt( 2.0 * DENSITY * CLOSED_GRAVITY / ( (double)cloth.air_density * (double)cloth.drag_coefficient ) );
@@ -157,7 +157,7 @@ wisp_status closed_slide( closed_run* run, wisp_error* error )
     status = status == WISP_OK ? closed_enter( run, generator, &cloth, &body, error ) : status;
     status = status == WISP_OK ? lay_down( &body, mu, error ) : status;
     status = status == WISP_OK ? closed_advance( run, &body, frames_of( SLIDE_SECONDS ), &seen, error ) : status;
-    if ( status == WISP_OK && run->is_looked_at )
+    if ( status == WISP_OK && run->is_observed )
     {
         // a cloth that sticks has no distance to be relative to: use that of the same incline without friction
         run->measured = seen.centre[0];

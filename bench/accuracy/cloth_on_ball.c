@@ -18,31 +18,31 @@ typedef struct ball_scene
 } ball_scene;
 
 /// Buffers of a sample.
-typedef struct ball_look
+typedef struct ball_observation
 {
     double *points, *velocities; // [vertex_count][3]
     wisp_vec3* read;             // [vertex_count]
     double sum;                  // m^2, of the mean square distances
-} ball_look;
+} ball_observation;
 
 // ---- a sample ----
 
-static void free_look( ball_look* look )
+static void free_observation( ball_observation* observation )
 {
-    free( look->points );
-    free( look->velocities );
-    free( look->read );
+    free( observation->points );
+    free( observation->velocities );
+    free( observation->read );
 }
 
-static wisp_status make_look( const ball_scene* own, ball_look* out, wisp_error* error )
+static wisp_status make_observation( const ball_scene* own, ball_observation* out, wisp_error* error )
 {
     const size_t n = (size_t)own->reference.vertex_count;
-    *out = ( ball_look ){ .points = calloc( n, 3 * sizeof( double ) ),
-                          .velocities = calloc( n, 3 * sizeof( double ) ),
-                          .read = calloc( n, sizeof( wisp_vec3 ) ) };
+    *out = ( ball_observation ){ .points = calloc( n, 3 * sizeof( double ) ),
+                                 .velocities = calloc( n, 3 * sizeof( double ) ),
+                                 .read = calloc( n, sizeof( wisp_vec3 ) ) };
     return out->points && out->velocities && out->read
                ? WISP_OK
-               : wisp_fail( error, WISP_NO_MEMORY, "no memory to look at %zu vertices", n );
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory to observe %zu vertices", n );
 }
 
 static void widen( const wisp_vec3* from, int count, double* to )
@@ -55,8 +55,8 @@ static void widen( const wisp_vec3* from, int count, double* to )
     }
 }
 
-static wisp_status look_at_path( const ball_scene* own, int number, surface_implementation* implementation,
-                                 ball_look* look, wisp_error* error )
+static wisp_status observe_path( const ball_scene* own, int number, surface_implementation* implementation,
+                                 ball_observation* observation, wisp_error* error )
 {
     const wisp_vec3* points;
     const int count = own->reference.vertex_count;
@@ -65,24 +65,25 @@ static wisp_status look_at_path( const ball_scene* own, int number, surface_impl
     {
         return status;
     }
-    widen( points, count, look->points );
+    widen( points, count, observation->points );
     const float* reference = own->reference.points + (size_t)number * 3 * (size_t)count;
     for ( int i = 0; i < 3 * count; ++i )
     {
-        const double off = look->points[i] - (double)reference[i];
-        look->sum += off * off / count;
+        const double off = observation->points[i] - (double)reference[i];
+        observation->sum += off * off / count;
     }
     return WISP_OK;
 }
 
-static void measure( const ball_scene* own, surface_implementation* implementation, ball_look* look,
+static void measure( const ball_scene* own, surface_implementation* implementation, ball_observation* observation,
                      accuracy_run* out )
 {
-    surface_implementation_velocities( implementation, look->read );
-    widen( look->read, own->reference.vertex_count, look->velocities );
-    const compare_look seen = compare_look_at( &own->scene, look->points, look->velocities );
-    const compare_look* reference = &own->reference.looks[own->scene.physics.look_count - 1].look;
-    out->error = 1e3 * sqrt( look->sum / ( own->scene.physics.look_count - 1 ) );
+    surface_implementation_velocities( implementation, observation->read );
+    widen( observation->read, own->reference.vertex_count, observation->velocities );
+    const compare_observation seen = compare_observe( &own->scene, observation->points, observation->velocities );
+    const compare_observation* reference =
+        &own->reference.observations[own->scene.physics.observation_count - 1].observation;
+    out->error = 1e3 * sqrt( observation->sum / ( own->scene.physics.observation_count - 1 ) );
     out->measures[0] = 1e3 * ( seen.hem - reference->hem );
     out->measures[1] = 1e2 * seen.strain;
     out->measures[2] = 1e3 * ( seen.energy - reference->energy );
@@ -95,7 +96,7 @@ static wisp_status go_on( surface_implementation* implementation, bool is_timed,
                           wisp_error* error )
 {
     const double seconds = (double)implementation->generator.seconds;
-    const int steps = (int)lround( (double)COMPARE_LOOK_SECONDS / seconds );
+    const int steps = (int)lround( (double)COMPARE_OBSERVATION_SECONDS / seconds );
     wisp_status status = WISP_OK;
     for ( int k = 0; k < steps && status == WISP_OK; ++k )
     {
@@ -105,27 +106,27 @@ static wisp_status go_on( surface_implementation* implementation, bool is_timed,
     return status;
 }
 
-static wisp_status fall( const ball_scene* own, surface_implementation* implementation, bool is_looked_at,
+static wisp_status fall( const ball_scene* own, surface_implementation* implementation, bool is_observed,
                          accuracy_run* out, wisp_error* error )
 {
     const compare_physics* physics = &own->scene.physics;
-    ball_look look = { .sum = 0.0 };
-    wisp_status status = is_looked_at ? make_look( own, &look, error ) : WISP_OK;
-    for ( int number = 1; number < physics->look_count && status == WISP_OK; ++number )
+    ball_observation observation = { .sum = 0.0 };
+    wisp_status status = is_observed ? make_observation( own, &observation, error ) : WISP_OK;
+    for ( int number = 1; number < physics->observation_count && status == WISP_OK; ++number )
     {
-        status = go_on( implementation, number > physics->timed_look, out, error );
-        status =
-            status == WISP_OK && is_looked_at ? look_at_path( own, number, implementation, &look, error ) : status;
+        status = go_on( implementation, number > physics->timed_observation, out, error );
+        status = status == WISP_OK && is_observed ? observe_path( own, number, implementation, &observation, error )
+                                                  : status;
     }
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
-        measure( own, implementation, &look, out );
+        measure( own, implementation, &observation, out );
     }
-    free_look( &look );
+    free_observation( &observation );
     return status == WISP_OK ? accuracy_end_surface( implementation, out, error ) : status;
 }
 
-static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const ball_scene* own = context;
@@ -134,7 +135,7 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
                                         &implementation, error );
     if ( status == WISP_OK )
     {
-        status = fall( own, &implementation, is_looked_at, out, error );
+        status = fall( own, &implementation, is_observed, out, error );
         surface_implementation_destroy( &implementation );
     }
     return status;
@@ -210,17 +211,18 @@ static wisp_status fill( ball_scene* own, wisp_error* error )
 static void describe( const ball_scene* own, accuracy_scene* out )
 {
     double square = 0.0;
-    const int looks = own->scene.physics.look_count;
-    for ( int k = 1; k < looks; ++k )
+    const int observations = own->scene.physics.observation_count;
+    for ( int k = 1; k < observations; ++k )
     {
-        square += own->reference.looks[k].doubt * own->reference.looks[k].doubt / ( looks - 1 );
+        square += own->reference.observations[k].uncertainty * own->reference.observations[k].uncertainty /
+                  ( observations - 1 );
     }
-    out->doubt = 1e3 * sqrt( square );
+    out->uncertainty = 1e3 * sqrt( square );
     snprintf(
         out->reference, sizeof( out->reference ),
         "%s in double precision, %g steps per second, each by Newton's method, at %d samples from %.2f to %.2f s",
-        own->reference.order > 1.5 ? "BDF2" : "implicit Euler", own->reference.rate, looks - 1,
-        (double)COMPARE_LOOK_SECONDS, (double)COMPARE_LOOK_SECONDS * ( looks - 1 ) );
+        own->reference.order > 1.5 ? "BDF2" : "implicit Euler", own->reference.rate, observations - 1,
+        (double)COMPARE_OBSERVATION_SECONDS, (double)COMPARE_OBSERVATION_SECONDS * ( observations - 1 ) );
 }
 
 wisp_status accuracy_cloth_on_ball( const bench_options* options, double seconds, accuracy_scene* out,

@@ -107,8 +107,8 @@ accuracy_reference flag_reference( const flag_body* body )
     accuracy_reference_put( &reference, "lift", (double)def.lift_coefficient );
     accuracy_reference_put( &reference, "gravity, m/s2", (double)FLAG_GRAVITY );
     accuracy_reference_put( &reference, "steps a second", 1.0 / (double)ACCURACY_FRAME );
-    accuracy_reference_put( &reference, "steps between looks", FLAG_LOOK_STEPS );
-    accuracy_reference_put( &reference, "looks", FLAG_LOOKS );
+    accuracy_reference_put( &reference, "steps between observations", FLAG_OBSERVATION_STEPS );
+    accuracy_reference_put( &reference, "observations", FLAG_OBSERVATIONS );
     accuracy_reference_put_start( &reference, body->mesh.points, body->mesh.vertex_count );
     return reference;
 }
@@ -151,11 +151,11 @@ static wisp_status enter( const flag_scene* own, const flag_way* way, int worker
 
 // ---- a run ----
 
-static wisp_status look_at_path( const flag_scene* own, surface_implementation* implementation, int look,
+static wisp_status observe_path( const flag_scene* own, surface_implementation* implementation, int observation,
                                  flag_stats* stats, wisp_error* error )
 {
     const wisp_vec3* points;
-    const double* reference = own->reference.numbers + (size_t)( 3 * look * FLAG_VERTICES );
+    const double* reference = own->reference.numbers + (size_t)( 3 * observation * FLAG_VERTICES );
     const wisp_status status = surface_implementation_points( implementation, &points, error );
     for ( int i = 0; i < FLAG_VERTICES && status == WISP_OK; ++i, reference += 3 )
     {
@@ -166,16 +166,16 @@ static wisp_status look_at_path( const flag_scene* own, surface_implementation* 
     return status;
 }
 
-static wisp_status look( const flag_scene* own, surface_implementation* implementation, int step, flag_stats* stats,
-                         wisp_error* error )
+static wisp_status observe( const flag_scene* own, surface_implementation* implementation, int step,
+                            flag_stats* stats, wisp_error* error )
 {
     if ( step <= FLAG_EARLY_STEPS )
     {
-        return step % FLAG_LOOK_STEPS == 0
-                   ? look_at_path( own, implementation, step / FLAG_LOOK_STEPS - 1, stats, error )
+        return step % FLAG_OBSERVATION_STEPS == 0
+                   ? observe_path( own, implementation, step / FLAG_OBSERVATION_STEPS - 1, stats, error )
                    : WISP_OK;
     }
-    const surface_look seen = surface_implementation_look( implementation );
+    const surface_observation seen = surface_implementation_observe( implementation );
     stats->kinetic += seen.kinetic / ( FLAG_STEPS - FLAG_EARLY_STEPS );
     stats->stretch_mean += seen.stretch_mean / ( FLAG_STEPS - FLAG_EARLY_STEPS );
     stats->stretch_max += seen.stretch_max / ( FLAG_STEPS - FLAG_EARLY_STEPS );
@@ -184,13 +184,13 @@ static wisp_status look( const flag_scene* own, surface_implementation* implemen
 
 static void measure( const flag_scene* own, const flag_stats* stats, accuracy_run* out )
 {
-    out->error = 1e3 * sqrt( stats->squares / ( FLAG_LOOKS * FLAG_VERTICES ) );
+    out->error = 1e3 * sqrt( stats->squares / ( FLAG_OBSERVATIONS * FLAG_VERTICES ) );
     out->measures[0] = 1e2 * ( stats->kinetic / own->reference.numbers[FLAG_PATH] - 1.0 );
     out->measures[1] = 1e2 * stats->stretch_max;
     out->measures[2] = 1e2 * stats->stretch_mean;
 }
 
-static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const flag_scene* own = context;
@@ -204,9 +204,9 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
     for ( int step = 1; step <= FLAG_STEPS && status == WISP_OK; ++step )
     {
         status = accuracy_time_surface( &implementation, 1.0, out, error );
-        status = status == WISP_OK && is_looked_at ? look( own, &implementation, step, &stats, error ) : status;
+        status = status == WISP_OK && is_observed ? observe( own, &implementation, step, &stats, error ) : status;
     }
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
         measure( own, &stats, out );
     }

@@ -16,10 +16,10 @@ enum
     FLAG_ROWS = 21,
     FLAG_VERTICES = FLAG_COLUMNS * FLAG_ROWS,
     FLAG_EARLY_STEPS = 12, // 0.2 s: flapping is chaotic, so the path is compared only before it
-    FLAG_LOOK_STEPS = 2,
-    FLAG_LOOKS = FLAG_EARLY_STEPS / FLAG_LOOK_STEPS,
+    FLAG_OBSERVATION_STEPS = 2,
+    FLAG_OBSERVATIONS = FLAG_EARLY_STEPS / FLAG_OBSERVATION_STEPS,
     FLAG_STEPS = 60, // averages are over the steps after the early ones
-    FLAG_PATH = 3 * FLAG_LOOKS * FLAG_VERTICES,
+    FLAG_PATH = 3 * FLAG_OBSERVATIONS * FLAG_VERTICES,
 };
 
 /// A flag at its start.
@@ -36,6 +36,6 @@ void flag_free( flag_body* body );
 /// Its material, with dihedral bending, without tethers and levels.
 wisp_cloth_def flag_cloth( void );
 
-/// Scene, facts and size of the reference: [looks][vertices][3] m, and J, the mean kinetic energy after the compared
+/// Scene, facts and size of the reference: [observations][vertices][3] m, and J, the mean kinetic energy after the compared
 /// path.
 accuracy_reference flag_reference( const flag_body* body );

@@ -61,8 +61,8 @@ enum
     MEASURES,
 };
 
-static wisp_status look( clumps* all, const clump_way* way, paper_world* world, const wisp_vec3* points,
-                         accuracy_run* out, wisp_error* error )
+static wisp_status measure_clumps( clumps* all, const clump_way* way, paper_world* world, const wisp_vec3* points,
+                                   accuracy_run* out, wisp_error* error )
 {
     const int count = all->scene.groom.vertex_count;
     wisp_frozen_hair_stats report = { 0 };
@@ -83,7 +83,7 @@ static wisp_status look( clumps* all, const clump_way* way, paper_world* world, 
 }
 
 // The same command repeatedly: between the first and the last nothing changes except the time.
-static wisp_status run_clumps( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_clumps( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
     clumps* all = context;
@@ -97,7 +97,7 @@ static wisp_status run_clumps( void* context, int setting, int workers, bool is_
         status = accuracy_time_step( paper_world_step, &world, out, error );
     }
     status = status == WISP_OK ? paper_world_replay( &world, 0, &points, &out->hash, error ) : status;
-    status = status == WISP_OK && is_looked_at ? look( all, way, &world, points, out, error ) : status;
+    status = status == WISP_OK && is_observed ? measure_clumps( all, way, &world, points, out, error ) : status;
     out->halted_at = 0; // it has no time, so nothing accumulates
     paper_world_destroy( &world );
     return status;
@@ -121,7 +121,7 @@ wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps )
     return def;
 }
 
-wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene )
+wisp_frozen_hair_def frozen_clumps_default( const paper_scene* scene )
 {
     wisp_frozen_hair_def def = scene->def;
     def.clump_radius = LIMIT_RADIUS;
@@ -130,15 +130,15 @@ wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene )
 
 accuracy_reference frozen_clumps_reference( const paper_scene* scene )
 {
-    const wisp_frozen_hair_def look = frozen_clumps_look( scene ), flow = frozen_clumps_flow( scene, 1 );
+    const wisp_frozen_hair_def by_default = frozen_clumps_default( scene ), flow = frozen_clumps_flow( scene, 1 );
     accuracy_reference reference = { .scene = "frozen_clumps", .number_count = 2 * 3 * scene->groom.vertex_count };
     accuracy_reference_put( &reference, "vertices", scene->groom.vertex_count );
-    accuracy_reference_put( &reference, "cursor x, m", (double)look.cursor.x );
-    accuracy_reference_put( &reference, "cursor y, m", (double)look.cursor.y );
-    accuracy_reference_put( &reference, "reach, m", (double)look.reach );
-    accuracy_reference_put( &reference, "radius of the look, m", (double)look.clump_radius );
-    accuracy_reference_put( &reference, "step of the look", (double)look.clump_step_length );
-    accuracy_reference_put( &reference, "steps of the look", look.clump_iterations );
+    accuracy_reference_put( &reference, "cursor x, m", (double)by_default.cursor.x );
+    accuracy_reference_put( &reference, "cursor y, m", (double)by_default.cursor.y );
+    accuracy_reference_put( &reference, "reach, m", (double)by_default.reach );
+    accuracy_reference_put( &reference, "radius of the default, m", (double)by_default.clump_radius );
+    accuracy_reference_put( &reference, "step of the default", (double)by_default.clump_step_length );
+    accuracy_reference_put( &reference, "steps of the default", by_default.clump_iterations );
     accuracy_reference_put( &reference, "radius of the flow, m", (double)flow.clump_radius );
     accuracy_reference_put( &reference, "all steps of the flow, m", (double)flow.clump_step_length );
     accuracy_reference_put_start( &reference, scene->groom.points, scene->groom.vertex_count );
@@ -168,12 +168,12 @@ static void put_limits( accuracy_scene* scene )
     char name[64];
     for ( int limit = 1; limit <= 64; limit *= 2 )
     {
-        wisp_frozen_hair_def def = frozen_clumps_look( hair );
+        wisp_frozen_hair_def def = frozen_clumps_default( hair );
         def.max_neighbours = limit;
         snprintf( name, sizeof( name ), "at most %d neighbours", limit );
         accuracy_join_series( put_way( scene, name, def, false ), "neighbours", "1 / neighbours", 1.0 / limit, NAN );
     }
-    put_way( scene, "all neighbours", frozen_clumps_look( hair ), false );
+    put_way( scene, "all neighbours", frozen_clumps_default( hair ), false );
 }
 
 static void put_flow( accuracy_scene* scene )
@@ -191,18 +191,18 @@ static void put_flow( accuracy_scene* scene )
 static void put_choices( accuracy_scene* scene )
 {
     const paper_scene* hair = &( (const clumps*)scene->context )->scene;
-    wisp_frozen_hair_def def = frozen_clumps_look( hair );
+    wisp_frozen_hair_def def = frozen_clumps_default( hair );
     def.clump_radius = 0.5f * LIMIT_RADIUS;
     put_way( scene, "half the radius", def, false );
     def.clump_radius = 1.5f * LIMIT_RADIUS;
     put_way( scene, "1.5 times the radius", def, false );
-    def = frozen_clumps_look( hair );
+    def = frozen_clumps_default( hair );
     def.clump_iterations = 2;
     put_way( scene, "half the iterations", def, false );
-    def = frozen_clumps_look( hair );
+    def = frozen_clumps_default( hair );
     def.clump_iterations = 8;
     put_way( scene, "twice the iterations", def, false );
-    def = frozen_clumps_look( hair );
+    def = frozen_clumps_default( hair );
     def.clump = false;
     put_way( scene, "no clumps", def, false );
 }

@@ -7,7 +7,7 @@
 
 wisp_status frozen_clumps_make( paper_scene* out, wisp_error* error );
 /// The default settings, with all neighbours.
-wisp_frozen_hair_def frozen_clumps_look( const paper_scene* scene );
+wisp_frozen_hair_def frozen_clumps_default( const paper_scene* scene );
 /// Many short steps of clumping, with the same total length as any other number.
 wisp_frozen_hair_def frozen_clumps_flow( const paper_scene* scene, int steps );
 /// Scene, facts and size of the reference: [vertices][3] m of the default result, then the same of the flow.

@@ -60,8 +60,8 @@ wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error )
 accuracy_reference hanging_cloth_reference( const cloth_scene* finest )
 {
     accuracy_reference reference = { .scene = "hanging_cloth",
-                                     .number_count =
-                                         3 * HANGING_CLOTH_LOOKS * HANGING_CLOTH_PLACES * HANGING_CLOTH_PLACES };
+                                     .number_count = 3 * HANGING_CLOTH_OBSERVATIONS * HANGING_CLOTH_PLACES *
+                                                     HANGING_CLOTH_PLACES };
     accuracy_reference_put( &reference, "vertices", finest->mesh.vertex_count );
     accuracy_reference_put( &reference, "width, m", WIDTH );
     accuracy_reference_put( &reference, "area density, kg/m2", (double)HANGING_CLOTH_DENSITY );
@@ -69,8 +69,8 @@ accuracy_reference hanging_cloth_reference( const cloth_scene* finest )
     accuracy_reference_put( &reference, "bending, m/N", hanging_cloth_bend_compliance( FINEST ) );
     accuracy_reference_put( &reference, "gravity, m/s2", (double)CLOTH_GRAVITY );
     accuracy_reference_put( &reference, "steps a second", 1.0 / (double)CLOTH_STEP );
-    accuracy_reference_put( &reference, "steps between looks", HANGING_CLOTH_LOOK_STEPS );
-    accuracy_reference_put( &reference, "looks", HANGING_CLOTH_LOOKS );
+    accuracy_reference_put( &reference, "steps between observations", HANGING_CLOTH_OBSERVATION_STEPS );
+    accuracy_reference_put( &reference, "observations", HANGING_CLOTH_OBSERVATIONS );
     accuracy_reference_put_start( &reference, finest->mesh.points, finest->mesh.vertex_count );
     return reference;
 }
@@ -119,11 +119,11 @@ static wisp_status enter( const hang_scene* own, const hang_way* way, int worker
 }
 
 // Mean square distance at the reference positions that the mesh contains, m^2.
-static double square_distance( const hang_scene* own, int mesh, int look, const wisp_vec3* points )
+static double square_distance( const hang_scene* own, int mesh, int observation, const wisp_vec3* points )
 {
     const int side = HANGING_CLOTH_PLACES, n = hanging_cloth_sizes[mesh], places = n < side ? n : side;
     const int stride = ( n - 1 ) / ( places - 1 ), reference_stride = ( side - 1 ) / ( places - 1 );
-    const double* reference = own->reference.numbers + (size_t)( 3 * look * side * side );
+    const double* reference = own->reference.numbers + (size_t)( 3 * observation * side * side );
     double sum = 0.0;
     for ( int i = 0; i < places * places; ++i )
     {
@@ -136,25 +136,25 @@ static double square_distance( const hang_scene* own, int mesh, int look, const 
     return sum / ( places * places );
 }
 
-static wisp_status look_at_path( const hang_scene* own, int mesh, int look, surface_implementation* implementation,
-                                 double* sum, wisp_error* error )
+static wisp_status observe_path( const hang_scene* own, int mesh, int observation,
+                                 surface_implementation* implementation, double* sum, wisp_error* error )
 {
     const wisp_vec3* points;
     const wisp_status status = surface_implementation_points( implementation, &points, error );
-    *sum += status == WISP_OK ? square_distance( own, mesh, look, points ) : 0.0;
+    *sum += status == WISP_OK ? square_distance( own, mesh, observation, points ) : 0.0;
     return status;
 }
 
 static void measure( surface_implementation* implementation, double sum, accuracy_run* out )
 {
-    const surface_look seen = surface_implementation_look( implementation );
-    out->error = 1e3 * sqrt( sum / HANGING_CLOTH_LOOKS );
+    const surface_observation seen = surface_implementation_observe( implementation );
+    out->error = 1e3 * sqrt( sum / HANGING_CLOTH_OBSERVATIONS );
     out->measures[0] = 1e2 * seen.stretch_max;
     out->measures[1] = 1e2 * seen.stretch_mean;
     out->measures[2] = seen.potential < 0.0 ? 1e2 * ( 1.0 + seen.kinetic / seen.potential ) : NAN;
 }
 
-static wisp_status run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                         wisp_error* error )
 {
     const hang_scene* own = context;
@@ -169,13 +169,13 @@ static wisp_status run( void* context, int setting, int workers, bool is_looked_
     for ( int step = 1; step <= HANGING_CLOTH_STEPS && status == WISP_OK; ++step )
     {
         status = accuracy_time_surface( &implementation, 1.0, out, error );
-        if ( status == WISP_OK && is_looked_at && step % HANGING_CLOTH_LOOK_STEPS == 0 )
+        if ( status == WISP_OK && is_observed && step % HANGING_CLOTH_OBSERVATION_STEPS == 0 )
         {
-            status =
-                look_at_path( own, way->mesh, step / HANGING_CLOTH_LOOK_STEPS - 1, &implementation, &sum, error );
+            status = observe_path( own, way->mesh, step / HANGING_CLOTH_OBSERVATION_STEPS - 1, &implementation, &sum,
+                                   error );
         }
     }
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
         measure( &implementation, sum, out );
     }

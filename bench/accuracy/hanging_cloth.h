@@ -12,8 +12,8 @@ enum
 {
     HANGING_CLOTH_MESHES = 4,
     HANGING_CLOTH_STEPS = 24, // 0.4 s: later the cloth folds, and folds are chaotic
-    HANGING_CLOTH_LOOK_STEPS = 4,
-    HANGING_CLOTH_LOOKS = HANGING_CLOTH_STEPS / HANGING_CLOTH_LOOK_STEPS,
+    HANGING_CLOTH_OBSERVATION_STEPS = 4,
+    HANGING_CLOTH_OBSERVATIONS = HANGING_CLOTH_STEPS / HANGING_CLOTH_OBSERVATION_STEPS,
     HANGING_CLOTH_PLACES = 33, // per side, compared: every second vertex of the finest mesh
 };
 
@@ -24,5 +24,5 @@ double hanging_cloth_spacing( int mesh );
 double hanging_cloth_bend_compliance( int mesh );
 wisp_status hanging_cloth_make( int mesh, cloth_scene* out, wisp_error* error );
 
-/// Scene, facts and size of the reference, [looks][places][places][3] m. @param finest the last mesh
+/// Scene, facts and size of the reference, [observations][places][places][3] m. @param finest the last mesh
 accuracy_reference hanging_cloth_reference( const cloth_scene* finest );

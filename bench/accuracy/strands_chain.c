@@ -230,7 +230,8 @@ static void judge( const chain_way* way, const swing* seen, accuracy_run* out )
     out->measures[AMPLITUDE_LOST] = 100.0 * amplitude_lost( seen->aside[0] );
 }
 
-static wisp_status look( strands_implementation* implementation, swing* seen, accuracy_run* out, wisp_error* error )
+static wisp_status observe( strands_implementation* implementation, swing* seen, accuracy_run* out,
+                            wisp_error* error )
 {
     const wisp_vec3* points = NULL;
     const wisp_status status = strands_implementation_points( implementation, &points, error );
@@ -243,7 +244,7 @@ static wisp_status look( strands_implementation* implementation, swing* seen, ac
     return status;
 }
 
-static wisp_status run_chains( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_chains( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                                wisp_error* error )
 {
     const chains* all = context;
@@ -254,7 +255,7 @@ static wisp_status run_chains( void* context, int setting, int workers, bool is_
     wisp_status status = make_chains( all, way, &shape, error );
     const strands_generator generator = make_generator( way, &shape, workers );
     status = status == WISP_OK ? strands_implementation_create( &generator, &implementation, error ) : status;
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
         out->measures[STRETCH_MAX] = 0.0;
         keep_tips( &shape, shape.points, 0, &seen );
@@ -262,11 +263,11 @@ static wisp_status run_chains( void* context, int setting, int workers, bool is_
     for ( int s = 1; s <= SWING_STEPS && status == WISP_OK; ++s )
     {
         status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
-        status = status == WISP_OK && is_looked_at ? look( &implementation, &seen, out, error ) : status;
+        status = status == WISP_OK && is_observed ? observe( &implementation, &seen, out, error ) : status;
     }
     status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
     out->halted_at = implementation.halted_at;
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
         judge( way, &seen, out );
     }

@@ -90,7 +90,7 @@ static wisp_status make_reference( int count, int vertices, strands_shape* out, 
 }
 
 static strands_generator make_generator( const rod_way* way, const strands_shape* shape, int workers,
-                                         bool is_looked_at )
+                                         bool is_observed )
 {
     strands_generator generator = strands_default_generator( shape );
     const double weight = (double)generator.dynamics.line_density * STRANDS_GRAVITY;
@@ -100,7 +100,7 @@ static strands_generator make_generator( const rod_way* way, const strands_shape
     generator.dynamics.damping = ROD_DAMPING;
     generator.substeps = way->substeps;
     generator.workers = workers;
-    generator.has_motion_stats = is_looked_at;
+    generator.has_motion_stats = is_observed;
     return generator;
 }
 
@@ -154,7 +154,7 @@ static wisp_status judge( strands_implementation* implementation, const strands_
     return status;
 }
 
-static wisp_status run_rods( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_rods( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
     const rods* all = context;
@@ -162,17 +162,17 @@ static wisp_status run_rods( void* context, int setting, int workers, bool is_lo
     strands_shape shape = { 0 }, reference = { 0 };
     strands_implementation implementation = { 0 };
     wisp_status status = make_rods( all->count, vertices, &shape, error );
-    status = status == WISP_OK && is_looked_at ? make_reference( all->count, vertices, &reference, error ) : status;
-    const strands_generator generator = make_generator( &all->ways[setting], &shape, workers, is_looked_at );
+    status = status == WISP_OK && is_observed ? make_reference( all->count, vertices, &reference, error ) : status;
+    const strands_generator generator = make_generator( &all->ways[setting], &shape, workers, is_observed );
     status = status == WISP_OK ? strands_implementation_create( &generator, &implementation, error ) : status;
-    out->measures[JITTER] = is_looked_at ? 0.0 : NAN;
+    out->measures[JITTER] = is_observed ? 0.0 : NAN;
     for ( int s = 1; s <= REST_STEPS && status == WISP_OK; ++s )
     {
-        const bool is_due = is_looked_at && s > REST_STEPS - JITTER_STEPS;
+        const bool is_due = is_observed && s > REST_STEPS - JITTER_STEPS;
         status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
         status = status == WISP_OK && is_due ? keep_jitter( &implementation, out, error ) : status;
     }
-    status = status == WISP_OK && is_looked_at ? judge( &implementation, &reference, out, error ) : status;
+    status = status == WISP_OK && is_observed ? judge( &implementation, &reference, out, error ) : status;
     status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
     out->halted_at = implementation.halted_at;
     strands_implementation_destroy( &implementation );

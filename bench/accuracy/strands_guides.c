@@ -71,7 +71,7 @@ accuracy_reference strands_guides_reference( const strands_shape* hair )
 {
     const wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
     accuracy_reference reference = { .scene = "strands_guides",
-                                     .number_count = 3 * SHAKE_LOOKS * SHAKE_SEEN * SHAKE_SEEN_VERTICES };
+                                     .number_count = 3 * SHAKE_OBSERVATIONS * SHAKE_SEEN * SHAKE_SEEN_VERTICES };
     const wisp_transform turned = hair_head_pose( 0.5 );
     accuracy_reference_put( &reference, "strands", hair->strand_count );
     accuracy_reference_put( &reference, "vertices a strand", hair->vertices );
@@ -81,8 +81,8 @@ accuracy_reference strands_guides_reference( const strands_shape* hair )
     accuracy_reference_put( &reference, "damping, 1/s", (double)def.damping );
     accuracy_reference_put( &reference, "gravity, m/s2", -(double)def.gravity.y );
     accuracy_reference_put( &reference, "steps a second", 1.0 / (double)STRANDS_STEP );
-    accuracy_reference_put( &reference, "steps between looks", SHAKE_LOOK );
-    accuracy_reference_put( &reference, "looks", SHAKE_LOOKS );
+    accuracy_reference_put( &reference, "steps between observations", SHAKE_OBSERVATION );
+    accuracy_reference_put( &reference, "observations", SHAKE_OBSERVATIONS );
     accuracy_reference_put( &reference, "head after 0.5 s, m", (double)turned.translation.x );
     accuracy_reference_put( &reference, "head after 0.5 s, half sine", (double)turned.rotation.y );
     accuracy_reference_put_start( &reference, hair->points, strands_shape_size( hair ) );
@@ -106,10 +106,11 @@ typedef struct shake_tally
     double stretch;
 } shake_tally;
 
-static wisp_status look( const shakes* all, hair_head* head, shake_tally* tally, wisp_error* error )
+static wisp_status observe( const shakes* all, hair_head* head, shake_tally* tally, wisp_error* error )
 {
     const int count = SHAKE_SEEN * SHAKE_SEEN_VERTICES;
-    const double* reference = all->reference.numbers + (size_t)( 3 * ( head->steps / SHAKE_LOOK - 1 ) * count );
+    const double* reference =
+        all->reference.numbers + (size_t)( 3 * ( head->steps / SHAKE_OBSERVATION - 1 ) * count );
     const wisp_vec3* points = NULL;
     const wisp_status status = hair_head_points( head, &points, error );
     for ( int i = 0; i < count && status == WISP_OK; ++i, reference += 3 )
@@ -117,14 +118,15 @@ static wisp_status look( const shakes* all, hair_head* head, shake_tally* tally,
         const wisp_vec3 p = points[shake_seen_vertex( i )];
         const double x = (double)p.x - reference[0], y = (double)p.y - reference[1], z = (double)p.z - reference[2];
         const double squared = x * x + y * y + z * z;
-        tally->squares += squared / ( (double)count * SHAKE_LOOKS );
+        tally->squares += squared / ( (double)count * SHAKE_OBSERVATIONS );
         tally->farthest = fmax( tally->farthest, sqrt( squared ) );
     }
-    tally->stretch += status == WISP_OK ? strands_measure_stretch( &all->hair, points ).mean / SHAKE_LOOKS : 0.0;
+    tally->stretch +=
+        status == WISP_OK ? strands_measure_stretch( &all->hair, points ).mean / SHAKE_OBSERVATIONS : 0.0;
     return status;
 }
 
-static wisp_status run_shake( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_shake( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                               wisp_error* error )
 {
     const shakes* all = context;
@@ -134,9 +136,9 @@ static wisp_status run_shake( void* context, int setting, int workers, bool is_l
     wisp_status status = hair_head_create( &generator, &head, error );
     for ( int s = 1; s <= SHAKE_STEPS && status == WISP_OK; ++s )
     {
-        const bool is_due = is_looked_at && s % SHAKE_LOOK == 0;
+        const bool is_due = is_observed && s % SHAKE_OBSERVATION == 0;
         status = accuracy_time_step( hair_head_step, &head, out, error );
-        status = status == WISP_OK && is_due ? look( all, &head, &tally, error ) : status;
+        status = status == WISP_OK && is_due ? observe( all, &head, &tally, error ) : status;
         if ( status == WISP_OK && out->halted_at == 0 && wisp_is_halted( head.world, head.moving ) )
         {
             out->halted_at = s;
@@ -144,7 +146,7 @@ static wisp_status run_shake( void* context, int setting, int workers, bool is_l
     }
     status = status == WISP_OK ? hair_head_hash( &head, &out->hash, error ) : status;
     hair_head_destroy( &head );
-    if ( status == WISP_OK && is_looked_at )
+    if ( status == WISP_OK && is_observed )
     {
         out->error = 1e3 * sqrt( tally.squares );
         out->measures[FARTHEST] = 1e3 * tally.farthest;

@@ -61,14 +61,14 @@ static wisp_status make_curls( int strand_count, int vertices, strands_shape* ou
     return status;
 }
 
-static strands_generator make_generator( const rests* all, const rest_way* way, int workers, bool is_looked_at )
+static strands_generator make_generator( const rests* all, const rest_way* way, int workers, bool is_observed )
 {
     strands_generator generator = strands_default_generator( &all->hair[way->hair] );
     generator.dynamics.rest = way->rest;
     generator.dynamics.damping = REST_DAMPING;
     generator.substeps = way->substeps;
     generator.workers = workers;
-    generator.has_motion_stats = is_looked_at;
+    generator.has_motion_stats = is_observed;
     return generator;
 }
 
@@ -114,21 +114,21 @@ static wisp_status judge( strands_implementation* implementation, accuracy_run* 
     return WISP_OK;
 }
 
-static wisp_status run_rest( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_rest( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
     const rests* all = context;
-    const strands_generator generator = make_generator( all, &all->ways[setting], workers, is_looked_at );
+    const strands_generator generator = make_generator( all, &all->ways[setting], workers, is_observed );
     strands_implementation implementation = { 0 };
     wisp_status status = strands_implementation_create( &generator, &implementation, error );
-    out->measures[JITTER] = is_looked_at ? 0.0 : NAN;
+    out->measures[JITTER] = is_observed ? 0.0 : NAN;
     for ( int s = 1; s <= REST_STEPS && status == WISP_OK; ++s )
     {
-        const bool is_due = is_looked_at && s > REST_STEPS - JITTER_STEPS;
+        const bool is_due = is_observed && s > REST_STEPS - JITTER_STEPS;
         status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
         status = status == WISP_OK && is_due ? keep_jitter( &implementation, out, error ) : status;
     }
-    status = status == WISP_OK && is_looked_at ? judge( &implementation, out, error ) : status;
+    status = status == WISP_OK && is_observed ? judge( &implementation, out, error ) : status;
     status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
     out->halted_at = implementation.halted_at;
     strands_implementation_destroy( &implementation );

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #define FALL_STEPS 60
-#define FALL_LOOK 5
+#define FALL_OBSERVATION 5
 // Below this time in seconds fewer strands fall; strands do not touch, so the statistics stay the same.
 #define FULL_SECONDS 15.0
 #define MANY_STRANDS 1024
@@ -65,7 +65,7 @@ typedef struct fall
     fall_way ways[WAYS_MAX];
 } fall;
 
-static strands_generator make_generator( const fall* f, const fall_way* way, int workers, bool is_looked_at )
+static strands_generator make_generator( const fall* f, const fall_way* way, int workers, bool is_observed )
 {
     strands_generator generator = strands_default_generator( &f->shape );
     generator.dynamics = strands_setting_dynamics( &way->solve );
@@ -74,7 +74,7 @@ static strands_generator make_generator( const fall* f, const fall_way* way, int
     generator.substeps = way->solve.substeps;
     generator.iterations = way->sweeps;
     generator.workers = workers;
-    generator.has_motion_stats = is_looked_at;
+    generator.has_motion_stats = is_observed;
     return generator;
 }
 
@@ -136,7 +136,7 @@ enum
 };
 
 // Released energy is the work of gravity so far; the strands start at rest at height 0, so their energy was 0.
-static wisp_status look_at_energy( const strands_implementation* implementation, accuracy_run* out,
+static wisp_status observe_energy( const strands_implementation* implementation, accuracy_run* out,
                                    wisp_error* error )
 {
     wisp_motion_stats motion_stats = { 0 };
@@ -146,7 +146,8 @@ static wisp_status look_at_energy( const strands_implementation* implementation,
     return status == WISP_OK ? WISP_OK : bench_world_fail( implementation->world, status, error );
 }
 
-static wisp_status look( const fall* f, strands_implementation* implementation, accuracy_run* out, wisp_error* error )
+static wisp_status observe( const fall* f, strands_implementation* implementation, accuracy_run* out,
+                            wisp_error* error )
 {
     const wisp_vec3* points = NULL;
     wisp_status status = strands_implementation_points( implementation, &points, error );
@@ -156,27 +157,27 @@ static wisp_status look( const fall* f, strands_implementation* implementation, 
     }
     const strands_stretch stretch = strands_measure_stretch( &f->shape, points );
     out->measures[STRETCH_MAX] = fmax( out->measures[STRETCH_MAX], 100.0 * stretch.max );
-    out->measures[STRETCH_MEAN] += 100.0 * stretch.mean * FALL_LOOK / FALL_STEPS;
+    out->measures[STRETCH_MEAN] += 100.0 * stretch.mean * FALL_OBSERVATION / FALL_STEPS;
     if ( implementation->steps == STRANDS_REFERENCE_STEPS )
     {
         out->error = 1e3 * strands_rms_distance( points, f->reference, strands_shape_size( &f->shape ) );
     }
-    return look_at_energy( implementation, out, error );
+    return observe_energy( implementation, out, error );
 }
 
-static wisp_status run_fall( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_fall( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
     fall* f = context;
-    const strands_generator generator = make_generator( f, &f->ways[setting], workers, is_looked_at );
+    const strands_generator generator = make_generator( f, &f->ways[setting], workers, is_observed );
     strands_implementation implementation = { 0 };
     out->measures[STRETCH_MAX] = out->measures[STRETCH_MEAN] = 0.0;
     wisp_status status = strands_implementation_create( &generator, &implementation, error );
     for ( int s = 1; s <= FALL_STEPS && status == WISP_OK; ++s )
     {
         status = accuracy_time_step( strands_implementation_step, &implementation, out, error );
-        const bool is_due = is_looked_at && s % FALL_LOOK == 0;
-        status = status == WISP_OK && is_due ? look( f, &implementation, out, error ) : status;
+        const bool is_due = is_observed && s % FALL_OBSERVATION == 0;
+        status = status == WISP_OK && is_due ? observe( f, &implementation, out, error ) : status;
     }
     status = status == WISP_OK ? strands_implementation_hash( &implementation, &out->hash, error ) : status;
     out->halted_at = implementation.halted_at;

@@ -52,9 +52,9 @@ static void describe( const converge_plan* plan, bool is_first_order, accuracy_r
 static void conclude( const converge_plan* plan, double* const runs[RUNS], accuracy_reference* reference )
 {
     static const char* const kinds[] = {
-        "the finest run, whose moves do not halve: its doubt is the larger one",
-        "the finest run, and its doubt is the last move",
-        "extrapolated, and its doubt is what the extrapolations from both differ by"
+        "the finest run, whose moves do not halve: its uncertainty is the larger one",
+        "the finest run, and its uncertainty is the last move",
+        "extrapolated, and its uncertainty is what the extrapolations from both differ by"
     };
     const converge_moves m = measure( plan, runs );
     const bool is_first_order = m.differ < m.last, falls = 2.0 * m.last <= m.before;
@@ -65,12 +65,13 @@ static void conclude( const converge_plan* plan, double* const runs[RUNS], accur
     }
     describe( plan, is_first_order, reference );
     reference->substeps = plan->substeps;
-    reference->doubt = is_first_order ? m.differ : falls ? m.last : fmax( m.last, m.before );
-    snprintf( reference->converged, sizeof( reference->converged ),
-              "where the doubt is at most %.3g mm, root mean square over all compared points; from %d to %d substeps "
-              "they moved %.3g mm, to %d %.3g mm; this is %s",
-              1e3 * plan->tolerance, plan->substeps / 4, plan->substeps / 2, 1e3 * m.before, plan->substeps,
-              1e3 * m.last, kinds[is_first_order ? 2 : falls] );
+    reference->uncertainty = is_first_order ? m.differ : falls ? m.last : fmax( m.last, m.before );
+    snprintf(
+        reference->converged, sizeof( reference->converged ),
+        "where the uncertainty is at most %.3g mm, root mean square over all compared points; from %d to %d substeps "
+        "they moved %.3g mm, to %d %.3g mm; this is %s",
+        1e3 * plan->tolerance, plan->substeps / 4, plan->substeps / 2, 1e3 * m.before, plan->substeps, 1e3 * m.last,
+        kinds[is_first_order ? 2 : falls] );
 }
 
 wisp_status converge( const converge_plan* plan, accuracy_reference* reference, wisp_error* error )
@@ -95,11 +96,11 @@ wisp_status converge( const converge_plan* plan, accuracy_reference* reference, 
     {
         conclude( plan, runs, reference );
         fprintf( stderr, "%s: converged %s\n", reference->scene, reference->converged );
-        if ( !( reference->doubt <= plan->tolerance ) )
+        if ( !( reference->uncertainty <= plan->tolerance ) )
         {
             status =
                 wisp_fail( error, WISP_CONFLICT, "it did not converge: its uncertainty is %.3g mm, more than %.3g",
-                           1e3 * reference->doubt, 1e3 * plan->tolerance );
+                           1e3 * reference->uncertainty, 1e3 * plan->tolerance );
         }
     }
     for ( int k = 0; k < RUNS; ++k )

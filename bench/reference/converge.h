@@ -4,7 +4,7 @@
 /// two such extrapolations. Otherwise the finest run is the reference. Its uncertainty is its change by the last
 /// doubling, which exceeds the remaining error as long as changes halve. Where they do not, because only long
 /// substeps damp some motion, it is the larger of both changes.
-/// not, what only long substeps damp goes on for ever, and the doubt is the larger of both moves.
+/// not, what only long substeps damp goes on for ever, and the uncertainty is the larger of both moves.
 #pragma once
 
 #include "accuracy/accuracy_reference.h"

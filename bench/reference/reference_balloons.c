@@ -23,7 +23,7 @@ static double3 widen( wisp_vec3 p )
     return double3_make( (double)p.x, (double)p.y, (double)p.z );
 }
 
-static void look( const balloon_oracle* oracle, int step, flight_path* out )
+static void observe( const balloon_oracle* oracle, int step, flight_path* out )
 {
     double3 momentum = { 0.0, 0.0, 0.0 }, centre = momentum;
     for ( int i = 0; i < oracle->vertex_count; ++i )
@@ -86,7 +86,7 @@ static wisp_status fly( void* context, int substeps, double* numbers, wisp_error
     for ( int step = 1; step <= FLIGHT_STEPS; ++step )
     {
         balloon_oracle_step( &oracle );
-        look( &oracle, step, &path );
+        observe( &oracle, step, &path );
     }
     flight_put_path( &path, numbers );
     balloon_oracle_destroy( &oracle );
@@ -171,7 +171,7 @@ static wisp_status fly_paces( flight_body* body, accuracy_reference* out, wisp_e
     {
         double distance = NAN;
         status = fly_engine( body, pace, out->numbers + pace * FLIGHT_NUMBERS, &distance, error );
-        out->doubt = fmax( out->doubt, distance );
+        out->uncertainty = fmax( out->uncertainty, distance );
         out->substeps = flight_paces[pace];
     }
     return status;
@@ -191,11 +191,12 @@ wisp_status reference_of_balloon_meshes( accuracy_reference* out, wisp_error* er
                   "the engine, xpbd, one iteration, %d and %d substeps of 1/60 s, filled with %d", flight_paces[0],
                   flight_paces[1], FLIGHT_MESHES_FILL );
         snprintf( out->precision, sizeof( out->precision ), "float" );
-        snprintf( out->converged, sizeof( out->converged ),
-                  "in nothing but its mesh: short substeps do not damp so fine a skin, and every doubling of them "
-                  "moves its "
-                  "path again. The doubt is how far the oracle is at the same substeps, in double precision and with "
-                  "its links in another order" );
+        snprintf(
+            out->converged, sizeof( out->converged ),
+            "in nothing but its mesh: short substeps do not damp so fine a skin, and every doubling of them "
+            "moves its "
+            "path again. The uncertainty is how far the oracle is at the same substeps, in double precision and with "
+            "its links in another order" );
         snprintf( out->layout, sizeof( out->layout ),
                   "float64 [with %d and %d substeps]: [%d steps][x, y, z] of the centre, m; speed, m/s, spin, rad/s, "
                   "and volume, m3, in the end",

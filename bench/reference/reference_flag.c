@@ -123,12 +123,13 @@ static void blow_on( flag_run* run, const int32_t* corner )
     const double3 n = double3_scale( copysign( 1.0, facing ) / size, twice );
     const double pressure = 0.25 * (double)def->air_density * size * pressing;
     const double3 lift = double3_sub( double3_scale( speed, n ), double3_scale( pressing / speed, u ) );
-    const double3 force = double3_scale( pressure / 3.0, double3_add( double3_scale( (double)def->drag, u ),
-                                                                      double3_scale( (double)def->lift, lift ) ) );
+    const double3 force =
+        double3_scale( pressure / 3.0, double3_add( double3_scale( (double)def->drag_coefficient, u ),
+                                                    double3_scale( (double)def->lift_coefficient, lift ) ) );
     for ( int k = 0; k < 3; ++k )
     {
         run->pull[corner[k]] = double3_add( run->pull[corner[k]], force );
-        run->rate[corner[k]] += pressure * (double)( def->drag + def->lift ) / 3.0;
+        run->rate[corner[k]] += pressure * (double)( def->drag_coefficient + def->lift_coefficient ) / 3.0;
     }
 }
 
@@ -178,7 +179,7 @@ static void project( flag_run* run, double h )
 // A flag pinned at one side does not move as a whole, so all of its velocity is damped.
 static void advance( flag_run* run, double h )
 {
-    const double keep = 1.0 / ( 1.0 + (double)run->def.damping * h );
+    const double keep = 1.0 / ( 1.0 + (double)run->def.internal_damping * h );
     blow( run, h );
     for ( int i = 0; i < run->count; ++i )
     {
@@ -198,9 +199,9 @@ static void advance( flag_run* run, double h )
 
 // ---- a run ----
 
-static void keep_path( const flag_run* run, int look, double* numbers )
+static void keep_path( const flag_run* run, int observation, double* numbers )
 {
-    numbers += 3 * look * FLAG_VERTICES;
+    numbers += 3 * observation * FLAG_VERTICES;
     for ( int i = 0; i < FLAG_VERTICES; ++i )
     {
         const double3 p = run->x[run->fabric->vertex_slot[i]];
@@ -241,9 +242,9 @@ static wisp_status run_flag( void* context, int substeps, double* numbers, wisp_
             {
                 numbers[FLAG_PATH] += kinetic_energy( &run ) / ( FLAG_STEPS - FLAG_EARLY_STEPS );
             }
-            else if ( step % FLAG_LOOK_STEPS == 0 )
+            else if ( step % FLAG_OBSERVATION_STEPS == 0 )
             {
-                keep_path( &run, step / FLAG_LOOK_STEPS - 1, numbers );
+                keep_path( &run, step / FLAG_OBSERVATION_STEPS - 1, numbers );
             }
         }
     }
@@ -267,16 +268,17 @@ wisp_status reference_of_flag( accuracy_reference* out, wisp_error* error )
                                      .converging = FLAG_PATH,
                                      .tolerance = TOLERANCE };
         snprintf( out->reference, sizeof( out->reference ),
-                  "the same flag by xpbd of one pass in double precision, at %d looks within 0.2 s", FLAG_LOOKS );
+                  "the same flag by xpbd of one pass in double precision, at %d observations within 0.2 s",
+                  FLAG_OBSERVATIONS );
         snprintf( out->solver, sizeof( out->solver ),
                   "xpbd, one pass a substep, bending by angle (tests/oracle/constraint_oracle.h); substeps are of "
                   "1/60 s" );
         snprintf( out->precision, sizeof( out->precision ), "double" );
-        snprintf(
-            out->layout, sizeof( out->layout ),
-            "float64 [%d looks][%d vertices][x, y, z], m; then the mean kinetic energy from 0.2 to 1 s, J, with "
-            "%d substeps",
-            FLAG_LOOKS, FLAG_VERTICES, SUBSTEPS / 4 );
+        snprintf( out->layout, sizeof( out->layout ),
+                  "float64 [%d observations][%d vertices][x, y, z], m; then the mean kinetic energy from 0.2 to 1 s, "
+                  "J, with "
+                  "%d substeps",
+                  FLAG_OBSERVATIONS, FLAG_VERTICES, SUBSTEPS / 4 );
         status = converge( &plan, out, error );
     }
     flag_free( &body );

@@ -22,11 +22,11 @@ static wisp_status flow( void* context, int steps, double* numbers, wisp_error* 
     return paper_oracle_run( &scene, 0, numbers, error );
 }
 
-static wisp_status add_look( const paper_scene* hair, accuracy_reference* out, wisp_error* error )
+static wisp_status add_default( const paper_scene* hair, accuracy_reference* out, wisp_error* error )
 {
     const int half = out->number_count / 2;
     paper_scene scene = *hair;
-    scene.def = frozen_clumps_look( hair );
+    scene.def = frozen_clumps_default( hair );
     for ( int i = 0; i < half; ++i )
     {
         out->numbers[half + i] = out->numbers[i];
@@ -58,10 +58,10 @@ wisp_status reference_of_frozen_clumps( accuracy_reference* out, wisp_error* err
               "clumping" );
     snprintf( out->precision, sizeof( out->precision ), "double" );
     snprintf( out->layout, sizeof( out->layout ),
-              "float64 [%d vertices][x, y, z], m, of the default look, which is exact; then the same of the flow",
+              "float64 [%d vertices][x, y, z], m, of the default clumps, which is exact; then the same of the flow",
               hair.groom.vertex_count );
     status = converge( &plan, out, error );
-    status = status == WISP_OK ? add_look( &hair, out, error ) : status;
+    status = status == WISP_OK ? add_default( &hair, out, error ) : status;
     paper_scene_free( &hair );
     return status;
 }

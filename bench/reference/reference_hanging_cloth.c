@@ -23,10 +23,10 @@ typedef struct hanging_run
 static void keep( const hanging_run* own, const path_record* record, double* numbers )
 {
     const int side = HANGING_CLOTH_PLACES, n = own->scene.n, stride = ( n - 1 ) / ( side - 1 );
-    for ( int i = 0; i < HANGING_CLOTH_LOOKS * side * side; ++i )
+    for ( int i = 0; i < HANGING_CLOTH_OBSERVATIONS * side * side; ++i )
     {
-        const int look = i / ( side * side ), row = i / side % side, column = i % side;
-        const double* p = record->points + 3 * ( look * n * n + stride * ( row * n + column ) );
+        const int observation = i / ( side * side ), row = i / side % side, column = i % side;
+        const double* p = record->points + 3 * ( observation * n * n + stride * ( row * n + column ) );
         for ( int k = 0; k < 3; ++k )
         {
             *numbers++ = p[k];
@@ -36,12 +36,13 @@ static void keep( const hanging_run* own, const path_record* record, double* num
 
 static wisp_status run( void* context, int substeps, double* numbers, wisp_error* error )
 {
-    static const scenario_plan fall = { .warm_steps = HANGING_CLOTH_STEPS, .turn_steps = HANGING_CLOTH_LOOK_STEPS };
+    static const scenario_plan fall = { .warm_steps = HANGING_CLOTH_STEPS,
+                                        .turn_steps = HANGING_CLOTH_OBSERVATION_STEPS };
     const hanging_run* own = context;
     path_record record = { 0 };
     cloth_reference cloth;
     wisp_status status =
-        path_record_create( own->scene.mesh.vertex_count, scenario_path_looks( &fall ), &record, error );
+        path_record_create( own->scene.mesh.vertex_count, scenario_path_observations( &fall ), &record, error );
     status = status == WISP_OK ? cloth_reference_create( &own->scene, own->fabric, &cloth, error ) : status;
     if ( status == WISP_OK )
     {
@@ -73,17 +74,17 @@ wisp_status reference_of_hanging_cloth( accuracy_reference* out, wisp_error* err
                                      .dimension = 3,
                                      .converging = out->number_count,
                                      .tolerance = TOLERANCE };
-        snprintf(
-            out->reference, sizeof( out->reference ),
-            "the same sheet of %d x %d vertices by xpbd of one pass in double precision, at %d looks within 0.4 s",
-            own.scene.n, own.scene.n, HANGING_CLOTH_LOOKS );
+        snprintf( out->reference, sizeof( out->reference ),
+                  "the same sheet of %d x %d vertices by xpbd of one pass in double precision, at %d observations "
+                  "within 0.4 s",
+                  own.scene.n, own.scene.n, HANGING_CLOTH_OBSERVATIONS );
         snprintf(
             out->solver, sizeof( out->solver ),
             "xpbd, one pass a substep, links one after another (bench/cloth_reference.c); substeps are of 1/60 s" );
         snprintf( out->precision, sizeof( out->precision ), "double" );
         snprintf( out->layout, sizeof( out->layout ),
-                  "float64 [%d looks][%d rows][%d columns][x, y, z], m: every second vertex of a side",
-                  HANGING_CLOTH_LOOKS, HANGING_CLOTH_PLACES, HANGING_CLOTH_PLACES );
+                  "float64 [%d observations][%d rows][%d columns][x, y, z], m: every second vertex of a side",
+                  HANGING_CLOTH_OBSERVATIONS, HANGING_CLOTH_PLACES, HANGING_CLOTH_PLACES );
         status = converge( &plan, out, error );
     }
     wisp_fabric_release( own.fabric );

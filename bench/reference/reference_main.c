@@ -74,16 +74,16 @@ static bool parse( int count, char** words, reference_arguments* out )
     return out->folder != NULL;
 }
 
-static void print_looks( const compare_scene* scene, const compare_reference* reference )
+static void print_observations( const compare_scene* scene, const compare_reference* reference )
 {
     printf( "%s: mesh of %d vertices, seed %d, hash %016llx\n", scene->physics.name, reference->vertex_count,
             COMPARE_SEED, (unsigned long long)reference->mesh_hash );
     printf( "  time s   height m   strain %%    energy J   slack   uncertainty mm\n" );
-    for ( int k = 0; k < reference->look_count; ++k )
+    for ( int k = 0; k < reference->observation_count; ++k )
     {
-        const compare_reference_look* l = &reference->looks[k];
-        printf( "%8.2f %10.5f %10.4f %11.6f %7.0f %10.5f\n", l->time, l->look.hem, 100.0 * l->look.strain,
-                l->look.energy, l->look.slack, 1e3 * l->doubt );
+        const compare_reference_observation* l = &reference->observations[k];
+        printf( "%8.2f %10.5f %10.4f %11.6f %7.0f %10.5f\n", l->time, l->observation.hem,
+                100.0 * l->observation.strain, l->observation.energy, l->observation.slack, 1e3 * l->uncertainty );
     }
     fflush( stdout );
 }
@@ -110,12 +110,13 @@ static wisp_status make( const reference_arguments* arguments, compare_scenario 
     if ( status == WISP_OK )
     {
         fine.scenario = (int)scenario;
-        for ( int k = 0; k < fine.look_count; ++k )
+        for ( int k = 0; k < fine.observation_count; ++k )
         {
             const size_t at = 3 * (size_t)k * (size_t)fine.vertex_count;
-            fine.looks[k].doubt = reference_distance( coarse_points + at, fine_points + at, fine.vertex_count );
+            fine.observations[k].uncertainty =
+                reference_distance( coarse_points + at, fine_points + at, fine.vertex_count );
         }
-        print_looks( &scene, &fine );
+        print_observations( &scene, &fine );
     }
     if ( status == WISP_OK && arguments->has_rest )
     {

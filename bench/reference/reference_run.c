@@ -99,14 +99,14 @@ static wisp_status balance( newton* n, wisp_error* error )
 
 // ---- the run ----
 
-static void look( const compare_scene* scene, const triangle_oracle* cloth, double time, int number,
-                  compare_reference* out, double* points )
+static void observe( const compare_scene* scene, const triangle_oracle* cloth, double time, int number,
+                     compare_reference* out, double* points )
 {
     const size_t floats = 3 * (size_t)cloth->count;
     double* to = points + (size_t)number * floats;
     memcpy( to, cloth->x, floats * sizeof( double ) );
-    out->looks[number].time = time;
-    out->looks[number].look = compare_look_at( scene, to, (const double*)cloth->v );
+    out->observations[number].time = time;
+    out->observations[number].observation = compare_observe( scene, to, (const double*)cloth->v );
     for ( size_t i = 0; i < floats; ++i )
     {
         out->points[(size_t)number * floats + i] = (float)to[i];
@@ -134,22 +134,22 @@ static wisp_status run( newton* n, const compare_scene* scene, const reference_p
                         double* points, wisp_error* error )
 {
     const compare_physics* physics = &scene->physics;
-    const double between = 0.05; // COMPARE_LOOK_SECONDS without the rounding of a float
+    const double between = 0.05; // COMPARE_OBSERVATION_SECONDS without the rounding of a float
     wisp_status status = physics->has_ball ? WISP_OK : balance( n, error );
-    look( scene, n->cloth, 0.0, 0, out, points );
-    for ( int k = 1; k < physics->look_count && status == WISP_OK; ++k )
+    observe( scene, n->cloth, 0.0, 0, out, points );
+    for ( int k = 1; k < physics->observation_count && status == WISP_OK; ++k )
     {
         status = go_on( n, scene, between, plan->rate, error );
-        look( scene, n->cloth, k * between, k, out, points );
+        observe( scene, n->cloth, k * between, k, out, points );
     }
-    const double now = ( physics->look_count - 1 ) * between;
+    const double now = ( physics->observation_count - 1 ) * between;
     if ( status == WISP_OK && plan->has_rest )
     {
         // much longer steps would keep short-lived motion for too long
         n->cloth->h_before = 0.0;
         status = go_on( n, scene, (double)physics->rest_seconds - now, plan->rest_rate, error );
     }
-    look( scene, n->cloth, (double)physics->rest_seconds, physics->look_count, out, points );
+    observe( scene, n->cloth, (double)physics->rest_seconds, physics->observation_count, out, points );
     fprintf( stderr, "%s, %g steps per second: %ld steps, %.2f systems per step, residual %.1e, %ld unconverged\n",
              physics->name, plan->rate, n->steps, (double)n->solves / (double)n->steps, n->worst, n->unconverged );
     return status;
@@ -158,9 +158,9 @@ static wisp_status run( newton* n, const compare_scene* scene, const reference_p
 wisp_status reference_run( const compare_scene* scene, const reference_plan* plan, compare_reference* out,
                            double** points, wisp_error* error )
 {
-    const int vertices = scene->base.mesh.vertex_count, looks = scene->physics.look_count + 1;
+    const int vertices = scene->base.mesh.vertex_count, observations = scene->physics.observation_count + 1;
     *out = ( compare_reference ){ .vertex_count = vertices,
-                                  .look_count = looks,
+                                  .observation_count = observations,
                                   .mesh_hash = scene->hash,
                                   .rate = plan->rate,
                                   .rest_rate = plan->rest_rate,
@@ -168,10 +168,11 @@ wisp_status reference_run( const compare_scene* scene, const reference_plan* pla
     compare_reference_info( &scene->physics, out->info );
     triangle_oracle cloth = { .count = 0 };
     newton n = { .cloth = NULL };
-    out->points = calloc( (size_t)vertices * (size_t)looks, 3 * sizeof( float ) );
-    *points = calloc( (size_t)vertices * (size_t)looks, 3 * sizeof( double ) );
-    wisp_status status = out->points && *points ? make_cloth( scene, plan, &cloth, error )
-                                                : wisp_fail( error, WISP_NO_MEMORY, "no memory for the looks" );
+    out->points = calloc( (size_t)vertices * (size_t)observations, 3 * sizeof( float ) );
+    *points = calloc( (size_t)vertices * (size_t)observations, 3 * sizeof( double ) );
+    wisp_status status = out->points && *points
+                             ? make_cloth( scene, plan, &cloth, error )
+                             : wisp_fail( error, WISP_NO_MEMORY, "no memory for the observations" );
     if ( status == WISP_OK )
     {
         status = newton_create( &cloth, &n, error );

@@ -11,7 +11,7 @@ typedef struct reference_plan
     bool has_rest;    ///< otherwise the last sample is left at 0
 } reference_plan;
 
-/// @param points [look_count][vertex_count][3] in double; the last sample is the one at rest. The caller frees it
+/// @param points [observation_count][vertex_count][3] in double; the last sample is the one at rest. The caller frees it
 /// @return WISP_CONFLICT a step did not converge
 wisp_status reference_run( const compare_scene* scene, const reference_plan* plan, compare_reference* out,
                            double** points, wisp_error* error );

@@ -146,14 +146,15 @@ static void shake( balanced_strand* own, int number, int substeps, double* numbe
             go_on( own, pose_between( from, to, (double)s / substeps ), (double)STRANDS_STEP / substeps );
         }
         from = to;
-        for ( int i = 0; i < SHAKE_SEEN_VERTICES && step % SHAKE_LOOK == 0; ++i )
+        for ( int i = 0; i < SHAKE_SEEN_VERTICES && step % SHAKE_OBSERVATION == 0; ++i )
         {
             const int place = number * SHAKE_SEEN_VERTICES + i;
             const double3 p = own->strand.position[shake_seen_vertex( place ) % SHAKE_VERTICES];
-            double* look = numbers + 3 * ( ( step / SHAKE_LOOK - 1 ) * SHAKE_SEEN * SHAKE_SEEN_VERTICES + place );
-            look[0] = p.x;
-            look[1] = p.y;
-            look[2] = p.z;
+            double* observation =
+                numbers + 3 * ( ( step / SHAKE_OBSERVATION - 1 ) * SHAKE_SEEN * SHAKE_SEEN_VERTICES + place );
+            observation[0] = p.x;
+            observation[1] = p.y;
+            observation[2] = p.z;
         }
     }
 }
@@ -187,16 +188,17 @@ wisp_status reference_of_strands_guides( accuracy_reference* out, wisp_error* er
                                      .converging = out->number_count,
                                      .tolerance = GUIDES_TOLERANCE };
         snprintf( out->reference, sizeof( out->reference ),
-                  "all strands simulated in double precision, every second vertex of %d of %d strands at %d looks at "
+                  "all strands simulated in double precision, every second vertex of %d of %d strands at %d "
+                  "observations at "
                   "a shaken head",
-                  SHAKE_SEEN, hair.strand_count, SHAKE_LOOKS );
+                  SHAKE_SEEN, hair.strand_count, SHAKE_OBSERVATIONS );
         snprintf( out->solver, sizeof( out->solver ),
                   "balanced rods, lengths by Newton's method, directly (tests/oracle/strand_oracle.h); substeps are "
                   "of 1/60 s" );
         snprintf( out->precision, sizeof( out->precision ), "double" );
         snprintf( out->layout, sizeof( out->layout ),
-                  "float64 [%d looks][%d strands, every fifth][%d vertices, every second][x, y, z], m", SHAKE_LOOKS,
-                  SHAKE_SEEN, SHAKE_SEEN_VERTICES );
+                  "float64 [%d observations][%d strands, every fifth][%d vertices, every second][x, y, z], m",
+                  SHAKE_OBSERVATIONS, SHAKE_SEEN, SHAKE_SEEN_VERTICES );
         status = converge( &plan, out, error );
     }
     strands_shape_free( &hair );

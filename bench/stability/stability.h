@@ -12,7 +12,7 @@
 // ---- samples and limits ----
 
 /// Values of one frame.
-typedef struct stability_look
+typedef struct stability_observation
 {
     bool is_finite;      ///< all coordinates and velocities
     bool is_halted;      ///< the engine has restored and halted it
@@ -21,7 +21,7 @@ typedef struct stability_look
     double energy;       ///< J, kinetic, potential and of violated constraints; NaN: not known
     double speed;        ///< m/s: largest displacement of a vertex since the last sample, over its time
     double breach;       ///< violation of a forbidden region: a depth over the allowed one, or intersections; 0: none
-} stability_look;
+} stability_observation;
 
 /// Limits of a cell. INFINITY: no limit.
 typedef struct stability_limits
@@ -60,7 +60,7 @@ extern const char* const stability_limit_names[STABILITY_LIMIT_COUNT];
 typedef struct stability_score
 {
     int frames; ///< samples after the one before the first step
-    stability_look last;
+    stability_observation last;
     double strain_max;
     double energy_start; ///< J, after the last push
     double energy_rise;  ///< J above it, at most; NaN: not known
@@ -73,7 +73,7 @@ typedef struct stability_score
 
 /// @param frame_count of the whole run, to identify the last ones
 void stability_watch( stability_score* score, const stability_limits* limits, int frame_count,
-                      const stability_look* look );
+                      const stability_observation* observation );
 
 typedef struct stability_verdict
 {
@@ -94,7 +94,7 @@ typedef struct stability_trial
     void* context;
     wisp_status ( *step )( void* context, int frame, wisp_error* error ); ///< frames count from 1
     /// @param frame 0: before the first step
-    wisp_status ( *look )( void* context, int frame, stability_look* out, wisp_error* error );
+    wisp_status ( *observe )( void* context, int frame, stability_observation* out, wisp_error* error );
     uint64_t ( *hash )( void* context ); ///< hash of the final state
     wisp_world* world;                   ///< to read its counters; may be null
     void ( *close )( void* context );

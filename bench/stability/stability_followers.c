@@ -38,11 +38,11 @@ static wisp_status step( void* context, int frame, wisp_error* error )
 }
 
 // The sample of the guides, and of the ghosts whether they are finite and their speed.
-static wisp_status look( void* context, int frame, stability_look* out, wisp_error* error )
+static wisp_status observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
     follower* f = context;
     wisp_view view = { 0 };
-    wisp_status status = stability_strands_look( f->guides, frame, out, error );
+    wisp_status status = stability_strands_observe( f->guides, frame, out, error );
     if ( status != WISP_OK || frame == 0 )
     {
         return status;
@@ -163,7 +163,7 @@ static wisp_status enter( const following* kind, int workers, follower* f, stabi
     *trial = stability_strands_trial( f->guides, &axes );
     trial->context = f;
     trial->step = step;
-    trial->look = look;
+    trial->observe = observe;
     trial->hash = hash;
     trial->close = close_follower;
     return WISP_OK;

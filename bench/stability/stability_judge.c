@@ -13,9 +13,9 @@ static double worse( double before, double now )
     return now <= before || isnan( before ) ? before : now;
 }
 
-static bool is_sound( const stability_look* look )
+static bool is_sound( const stability_observation* observation )
 {
-    return look->is_finite && isfinite( look->strain ) && isfinite( look->speed );
+    return observation->is_finite && isfinite( observation->strain ) && isfinite( observation->speed );
 }
 
 static void watch_energy( stability_score* score, const stability_limits* limits, double energy )
@@ -29,34 +29,34 @@ static void watch_energy( stability_score* score, const stability_limits* limits
 }
 
 void stability_watch( stability_score* score, const stability_limits* limits, int frame_count,
-                      const stability_look* look )
+                      const stability_observation* observation )
 {
     const bool is_first = score->frames == 0 && score->last.is_finite == false;
     score->frames += is_first ? 0 : 1;
-    score->last = *look;
-    score->last.strain_limit = fmin( look->strain_limit, limits->strain );
-    if ( is_sound( look ) == false && score->not_finite == 0 )
+    score->last = *observation;
+    score->last.strain_limit = fmin( observation->strain_limit, limits->strain );
+    if ( is_sound( observation ) == false && score->not_finite == 0 )
     {
         score->not_finite = score->frames > 0 ? score->frames : 1;
     }
-    if ( look->is_halted && score->halted == 0 )
+    if ( observation->is_halted && score->halted == 0 )
     {
         score->halted = score->frames;
     }
-    watch_energy( score, limits, look->energy );
-    score->strain_max = worse( score->strain_max, look->strain );
-    score->speed_max = worse( score->speed_max, look->speed );
+    watch_energy( score, limits, observation->energy );
+    score->strain_max = worse( score->strain_max, observation->strain );
+    score->speed_max = worse( score->speed_max, observation->speed );
     if ( score->frames > limits->driven_frames )
     {
-        score->breach_max = worse( score->breach_max, look->breach );
+        score->breach_max = worse( score->breach_max, observation->breach );
     }
-    if ( score->frames > 0 && !( look->strain <= score->last.strain_limit ) )
+    if ( score->frames > 0 && !( observation->strain <= score->last.strain_limit ) )
     {
         score->beyond = score->frames;
     }
     if ( score->frames > frame_count - limits->still_frames )
     {
-        score->jitter = worse( score->jitter, look->speed );
+        score->jitter = worse( score->jitter, observation->speed );
     }
 }
 
@@ -67,7 +67,7 @@ static stability_verdict broken( stability_limit limit, double measured, double 
 
 stability_verdict stability_judge( const stability_score* score, const stability_limits* limits )
 {
-    const stability_look* last = &score->last;
+    const stability_observation* last = &score->last;
     const int late = score->beyond > limits->driven_frames ? score->beyond - limits->driven_frames : 0;
     if ( score->not_finite > 0 )
     {

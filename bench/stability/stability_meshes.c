@@ -143,9 +143,9 @@ static wisp_status enter( int ailment, int workers, stability_surface* s, wisp_e
 }
 
 // Strain of an edge without length is NaN and has no limit: such cloth must stay finite and come to rest.
-static wisp_status look( void* context, int frame, stability_look* out, wisp_error* error )
+static wisp_status observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
-    const wisp_status status = stability_surface_look( context, frame, out, error );
+    const wisp_status status = stability_surface_observe( context, frame, out, error );
     out->strain = 0.0;
     out->energy = 0.0;
     return status;
@@ -176,7 +176,7 @@ static wisp_status run( int ailment, int workers, stability_outcome* out, wisp_e
         return status != WISP_OK ? status : entered;
     }
     stability_trial trial = stability_surface_trial( s, &usual );
-    trial.look = look;
+    trial.observe = observe;
     status = stability_run( &trial, out, error );
     stability_claim( out, named > 0 && must_refuse == false, "the doctor names %d", named );
     return status;
@@ -185,9 +185,9 @@ static wisp_status run( int ailment, int workers, stability_outcome* out, wisp_e
 // ---- strands ----
 
 // Neither strain nor energy is defined without lengths and masses.
-static wisp_status look_at_strands( void* context, int frame, stability_look* out, wisp_error* error )
+static wisp_status observe_strands( void* context, int frame, stability_observation* out, wisp_error* error )
 {
-    const wisp_status status = stability_strands_look( context, frame, out, error );
+    const wisp_status status = stability_strands_observe( context, frame, out, error );
     out->is_finite = isfinite( out->speed );
     out->strain = 0.0;
     out->energy = 0.0;
@@ -216,7 +216,7 @@ static wisp_status run_strands( int way, int workers, stability_outcome* out, wi
     stability_trial trial = stability_strands_trial( s, &usual );
     trial.limits.energy = INFINITY;
     trial.limits.jitter = stability_usual_limits( s->size, 1.0, s->seconds, s->substep ).jitter;
-    trial.look = look_at_strands;
+    trial.observe = observe_strands;
     return stability_run( &trial, out, error );
 }
 

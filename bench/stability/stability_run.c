@@ -9,15 +9,15 @@ static wisp_status watch_frames( stability_trial* trial, stability_outcome* out,
     wisp_status status = WISP_OK;
     for ( int frame = 0; frame <= trial->frame_count && status == WISP_OK; ++frame )
     {
-        stability_look look = { 0 };
+        stability_observation observation = { 0 };
         status = frame > 0 ? trial->step( trial->context, frame, error ) : WISP_OK;
         if ( status == WISP_OK )
         {
-            status = trial->look( trial->context, frame, &look, error );
+            status = trial->observe( trial->context, frame, &observation, error );
         }
         if ( status == WISP_OK )
         {
-            stability_watch( &out->score, &trial->limits, trial->frame_count, &look );
+            stability_watch( &out->score, &trial->limits, trial->frame_count, &observation );
         }
     }
     return status;

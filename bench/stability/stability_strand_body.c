@@ -277,12 +277,12 @@ static double largest_of( wisp_vec3 p )
 
 // A strand with the direct solve must have its lengths within the tolerance of a reset; a sweep of links leaves the
 // load that a substep adds to the whole strand: its weight and the centripetal force.
-static void look_at_segments( const stability_strands* s, const state* now, stability_look* look )
+static void observe_segments( const stability_strands* s, const state* now, stability_observation* observation )
 {
-    const double v = look->speed, g = (double)STABILITY_GRAVITY;
+    const double v = observation->speed, g = (double)STABILITY_GRAVITY;
     const double load = mass_of( s ) / STABILITY_STRANDS * ( g + 2.0 * v * v / s->size );
     const bool is_links = s->def.stretch == WISP_STRAND_STRETCH_LINKS;
-    look->strain_limit = is_links ? 1e-4 : s->def.stretch == WISP_STRAND_STRETCH_FOLLOW ? 1e-3 : 1e-2;
+    observation->strain_limit = is_links ? 1e-4 : s->def.stretch == WISP_STRAND_STRETCH_FOLLOW ? 1e-3 : 1e-2;
     for ( int i = 0; i + 1 < STABILITY_POINTS; ++i )
     {
         if ( i % STABILITY_VERTICES + 1 == STABILITY_VERTICES )
@@ -294,8 +294,9 @@ static void look_at_segments( const stability_strands* s, const state* now, stab
         const double sweep = ( weight_of( s, i ) + weight_of( s, i + 1 ) ) * s->substep * s->substep;
         const double rounding = 4.0 * (double)FLT_EPSILON * largest_of( now->x[i] ) / rest;
         const double allowed = is_links ? ( s->compliance + sweep ) * load / rest : 0.0;
-        look->strain_limit = fmax( look->strain_limit, allowed + rounding );
-        look->strain = strain <= look->strain || isnan( look->strain ) ? look->strain : strain;
+        observation->strain_limit = fmax( observation->strain_limit, allowed + rounding );
+        observation->strain =
+            strain <= observation->strain || isnan( observation->strain ) ? observation->strain : strain;
     }
 }
 
@@ -312,16 +313,16 @@ static double energy_of_motion( const stability_strands* s, const state* now )
     return sum;
 }
 
-wisp_status stability_strands_look( void* context, int frame, stability_look* out, wisp_error* error )
+wisp_status stability_strands_observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
     stability_strands* s = context;
     (void)error;
     state now;
     read_state( s, &now );
-    *out = ( stability_look ){ .is_finite = true, .is_halted = wisp_is_halted( s->world, s->entity ) };
+    *out = ( stability_observation ){ .is_finite = true, .is_halted = wisp_is_halted( s->world, s->entity ) };
     out->speed = frame > 0 ? stability_farthest( now.x, s->seen, STABILITY_POINTS ) / s->seconds : 0.0;
     memcpy( s->seen, now.x, sizeof( s->seen ) );
-    look_at_segments( s, &now, out );
+    observe_segments( s, &now, out );
     out->energy = energy_of_motion( s, &now ) + stored_energy( s, &now, frame );
     out->is_finite = isfinite( out->energy ) && isfinite( out->strain );
     return WISP_OK;
@@ -341,16 +342,16 @@ stability_trial stability_strands_trial( stability_strands* s, const stability_a
         .frame_count = stability_frames( stability_duration( (double)axes->scale ), s->seconds ),
         .context = s,
         .step = stability_strands_step,
-        .look = stability_strands_look,
+        .observe = stability_strands_observe,
         .hash = stability_strands_hash,
         .world = s->world,
         .close = stability_strands_close,
     };
     state now;
-    stability_look look = { 0 };
+    stability_observation observation = { 0 };
     read_state( s, &now );
-    look_at_segments( s, &now, &look );
+    observe_segments( s, &now, &observation );
     trial.limits.energy = stability_strands_energy_limit( s );
-    trial.limits.jitter = look.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
+    trial.limits.jitter = observation.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
     return trial;
 }

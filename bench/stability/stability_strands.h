@@ -32,7 +32,7 @@ typedef struct stability_strands
 wisp_status stability_strands_enter( stability_strands* s, const wisp_module* const* modules, int module_count,
                                      const stability_axes* axes, int workers, wisp_error* error );
 double stability_strands_energy_limit( stability_strands* s );
-wisp_status stability_strands_look( void* context, int frame, stability_look* out, wisp_error* error );
+wisp_status stability_strands_observe( void* context, int frame, stability_observation* out, wisp_error* error );
 wisp_status stability_strands_step( void* context, int frame, wisp_error* error );
 uint64_t stability_strands_hash( void* context );
 void stability_strands_close( void* context );

@@ -132,9 +132,11 @@ static double substep_of( const stability_surface* s )
 }
 
 // @param softness 1/k, m/N, in series with the compliance of a substep
-static double link_energy( const float* a, const float* b, double rest, double softness, double h, bool only_pulls )
+// @param min_length m, below which a link stores no more: a bend link gives way to its hinge in a sharp fold
+static double link_energy( const float* a, const float* b, double rest, double min_length, double softness, double h,
+                           bool only_pulls )
 {
-    const double error = length_of( a, b ) - rest;
+    const double error = fmax( length_of( a, b ), min_length ) - rest;
     const double whole = softness + ( (double)a[3] + (double)b[3] ) * h * h;
     return whole > 0.0 && ( error > 0.0 || only_pulls == false ) ? 0.5 * error * error / whole : 0.0;
 }
@@ -146,6 +148,7 @@ static double energy_of_links( stability_surface* s, const float* x )
     const wisp_schedule* order = &s->fabric->link_order;
     const float* compliance = wisp_world_column( world, e, WISP_LINK_COMPLIANCE, 0 );
     const float* fraction = wisp_world_column( world, e, WISP_LINK_STIFFNESS, 0 );
+    const bool folds = wisp_world_has( world, e, WISP_LINK_FOLDS );
     const double h = substep_of( s );
     double sum = 0.0;
     for ( int i = 0; i < order->slot_count && ( compliance != NULL || fraction != NULL ); ++i )
@@ -155,7 +158,9 @@ static double energy_of_links( stability_surface* s, const float* x )
         // a fraction k of the error per substep corresponds to the compliance that leaves 1 - k of it
         const double soft =
             compliance != NULL ? (double)compliance[i] : weight * ( 1.0 / fmax( (double)fraction[i], 1e-6 ) - 1.0 );
-        sum += order->constraint[i] >= 0 ? link_energy( a, b, (double)s->fabric->link_rest[i], soft, h, false ) : 0.0;
+        const double rest = (double)s->fabric->link_rest[i];
+        const double min_length = folds && order->constraint[i] >= s->fabric->edge_count ? 0.5 * rest : 0.0;
+        sum += order->constraint[i] >= 0 ? link_energy( a, b, rest, min_length, soft, h, false ) : 0.0;
     }
     return sum;
 }
@@ -171,16 +176,16 @@ static double energy_of_far_links( stability_surface* s, const float* x )
     for ( int i = 0; i < ( tethers ? f->tether_count * f->slot_count : 0 ); ++i )
     {
         sum += link_energy( x + f->tether_x4[i], x + 4 * (size_t)( i % f->slot_count ), (double)f->tether_rest[i],
-                            0.0, h, true );
+                            0.0, 0.0, h, true );
     }
     for ( int k = 0; k < ( levels ? f->level_count : 0 ); ++k )
     {
         const wisp_fabric_level* level = f->levels + k;
         for ( int i = 0; i < level->schedule.slot_count; ++i )
         {
-            sum += level->schedule.constraint[i] >= 0
-                       ? link_energy( x + level->a_x4[i], x + level->b_x4[i], (double)level->rest[i], 0.0, h, true )
-                       : 0.0;
+            sum += level->schedule.constraint[i] >= 0 ? link_energy( x + level->a_x4[i], x + level->b_x4[i],
+                                                                     (double)level->rest[i], 0.0, 0.0, h, true )
+                                                      : 0.0;
         }
     }
     return sum;
@@ -220,13 +225,13 @@ static double cable_strain( stability_surface* s, double rest )
                     : 0.0;
 }
 
-static void look_at_links( stability_surface* s, const float* x, double speed, stability_look* look )
+static void observe_links( stability_surface* s, const float* x, double speed, stability_observation* observation )
 {
     const wisp_fabric* f = s->fabric;
     const double h = substep_of( s );
     const double load = stability_surface_weight( s ) / fmax( s->implementation.generator.pin_count, 1.0 ) *
                         ( 1.0 + 2.0 * speed * speed / ( (double)STABILITY_GRAVITY * s->size ) );
-    look->strain_limit = 1e-4;
+    observation->strain_limit = 1e-4;
     for ( int i = 0; i < f->edge_count; ++i )
     {
         const int a = f->edges[2 * i], b = f->edges[2 * i + 1];
@@ -237,9 +242,10 @@ static void look_at_links( stability_surface* s, const float* x, double speed, s
         const double worst = s->slack && strain < 0.0 ? 0.0 : fabs( strain );
         // what a linear solve leaves of a substep's fall, by its tolerance, which is of the norm over all vertices
         const double left = s->is_solved ? 1e-4 * sqrt( f->vertex_count ) * (double)STABILITY_GRAVITY * h * h : 0.0;
-        look->strain_limit = fmax( look->strain_limit, s->taut + ( soft * load + left ) / rest );
-        look->strain_limit = fmax( look->strain_limit, cable_strain( s, rest ) );
-        look->strain = worst <= look->strain || isnan( look->strain ) ? look->strain : worst;
+        observation->strain_limit = fmax( observation->strain_limit, s->taut + ( soft * load + left ) / rest );
+        observation->strain_limit = fmax( observation->strain_limit, cable_strain( s, rest ) );
+        observation->strain =
+            worst <= observation->strain || isnan( observation->strain ) ? observation->strain : worst;
     }
 }
 
@@ -265,7 +271,7 @@ static bool all_finite( const float* x, const float* v, int count )
     return finite;
 }
 
-wisp_status stability_surface_look( void* context, int frame, stability_look* out, wisp_error* error )
+wisp_status stability_surface_observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
     stability_surface* s = context;
     const wisp_vec3* points = s->start;
@@ -277,12 +283,12 @@ wisp_status stability_surface_look( void* context, int frame, stability_look* ou
     const float* x = positions( s );
     const float* v =
         wisp_world_column( s->implementation.world, s->implementation.entity, WISP_PARTICLE_VELOCITY, 0 );
-    *out = ( stability_look ){ .is_finite = all_finite( x, v, 4 * s->fabric->vertex_count ) };
+    *out = ( stability_observation ){ .is_finite = all_finite( x, v, 4 * s->fabric->vertex_count ) };
     out->is_halted = wisp_is_halted( s->implementation.world, s->implementation.entity );
     out->speed =
         stability_farthest( points, s->seen, s->fabric->vertex_count ) / (double)s->implementation.generator.seconds;
     memcpy( s->seen, points, (size_t)s->fabric->vertex_count * sizeof( wisp_vec3 ) );
-    look_at_links( s, x, out->speed, out );
+    observe_links( s, x, out->speed, out );
     out->energy = kinetic_energy( s, x, v ) + stored_energy( s, frame, x );
     out->breach = frame > 0 && s->breach != NULL ? s->breach( s ) : 0.0;
     return WISP_OK;
@@ -305,14 +311,14 @@ stability_trial stability_surface_trial( stability_surface* s, const stability_a
         .frame_count = stability_frames( stability_duration( (double)axes->scale ), step ),
         .context = s,
         .step = stability_surface_step,
-        .look = stability_surface_look,
+        .observe = stability_surface_observe,
         .hash = stability_surface_hash,
         .world = s->implementation.world,
         .close = stability_surface_close,
     };
     trial.limits.energy = stability_surface_energy_limit( s );
-    stability_look look = { 0 };
-    look_at_links( s, positions( s ), 0.0, &look );
-    trial.limits.jitter = look.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
+    stability_observation observation = { 0 };
+    observe_links( s, positions( s ), 0.0, &observation );
+    trial.limits.jitter = observation.strain_limit < STABILITY_SOFT ? trial.limits.jitter : INFINITY;
     return trial;
 }

@@ -9,7 +9,7 @@ typedef struct stability_surface
     surface_implementation implementation;
     wisp_mesh mesh;
     wisp_fabric* fabric;
-    wisp_vec3 *start, *seen; ///< [vertex_count] in the user's order: at first, and in the last look
+    wisp_vec3 *start, *seen; ///< [vertex_count] in the user's order: at first, and in the lastn observation
     double size;             ///< m
     double compliance;       ///< m/N of a link, where the constraints do not hold it themselves
     bool is_solved;          ///< by linear solves, which leave nothing to the next substep
@@ -44,7 +44,7 @@ double stability_surface_weight( stability_surface* surface );
 double stability_surface_energy_limit( stability_surface* surface );
 
 wisp_status stability_surface_step( void* context, int frame, wisp_error* error );
-wisp_status stability_surface_look( void* context, int frame, stability_look* out, wisp_error* error );
+wisp_status stability_surface_observe( void* context, int frame, stability_observation* out, wisp_error* error );
 uint64_t stability_surface_hash( void* context );
 /// Limits and functions of a trial of this surface.
 stability_trial stability_surface_trial( stability_surface* surface, const stability_axes* axes );

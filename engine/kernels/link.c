@@ -71,21 +71,48 @@ LANE_INLINE void move_pairs( const wisp_link_args* args, int link, pairs* p, lan
     lane8_store_quads( args->position, args->b_x4 + link, p->b );
 }
 
-// Projects with s = k (length - rest) / (length (wa + wb)).
-void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
+// Leaves bend links of sharp folds out and sets their bits. A link between vertices that lie on each other has no direction, and
+// it does not know on which side of each other two triangles lie, so it can hold a fold as well as open it.
+LANE_INLINE lane8 leave_folded( const wisp_link_args* args, int link, const pairs* p, lane8 step )
 {
-    const wisp_link_args mine = *args;
+    const lane8m is_short = lane8_lt( lane8_add( p->length, p->length ), lane8_loadu( args->rest + link ) );
+    if ( lane8m_any( is_short ) ) // hardly ever
+    {
+        const lane8m bends =
+            lane8i_lt( lane8i_set1( args->edge_count - 1 ), lane8i_loadu( args->constraint + link ) );
+        const lane8m folded = lane8m_and( bends, is_short );
+        args->folded[link / 8] = (uint8_t)lane8m_bits( folded );
+        step = lane8_select( folded, lane8_zero(), step );
+    }
+    return step;
+}
+
+// Projects with s = k (length - rest) / (length (wa + wb)).
+LANE_INLINE void project_stiff( const wisp_link_args mine, int begin, int end, bool folds )
+{
     for ( int link = begin; link < end; link += 8 )
     {
         pairs p = load_pairs( &mine, link );
         lane8 error = lane8_sub( p.length, lane8_loadu( mine.rest + link ) );
         lane8 step = step_of( &p, lane8_loadu( mine.stiffness + link ), error, p.weight );
-        move_pairs( &mine, link, &p, step );
+        move_pairs( &mine, link, &p, folds ? leave_folded( &mine, link, &p, step ) : step );
+    }
+}
+
+void KERNEL( link_pbd )( const wisp_link_args* args, int begin, int end )
+{
+    if ( args->folded != NULL )
+    {
+        project_stiff( *args, begin, end, true );
+    }
+    else
+    {
+        project_stiff( *args, begin, end, false );
     }
 }
 
 // Projects with C = length - rest, a = compliance / dt^2 and change of lambda = -(C + a lambda) / (wa + wb + a).
-LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int end, bool keeps_lambda )
+LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int end, bool keeps_lambda, bool folds )
 {
     const lane8 inverse_dt2 = lane8_set1( mine.inverse_dt2 );
     for ( int link = begin; link < end; link += 8 )
@@ -96,6 +123,7 @@ LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int en
         lane8 lambda = keeps_lambda ? lane8_loadu( mine.lambda + link ) : lane8_zero();
         error = keeps_lambda ? lane8_mul_add( alpha, lambda, error ) : error;
         lane8 step = step_of( &p, lane8_set1( 1.0f ), error, lane8_add( p.weight, alpha ) );
+        step = folds ? leave_folded( &mine, link, &p, step ) : step;
         if ( keeps_lambda )
         {
             // a pair of pinned particles has no step, whatever its compliance
@@ -108,13 +136,17 @@ LANE_INLINE void project_compliant( const wisp_link_args mine, int begin, int en
 
 void KERNEL( link_xpbd )( const wisp_link_args* args, int begin, int end )
 {
-    if ( args->lambda != NULL )
+    if ( args->folded != NULL )
     {
-        project_compliant( *args, begin, end, true );
+        project_compliant( *args, begin, end, args->lambda != NULL, true );
+    }
+    else if ( args->lambda != NULL )
+    {
+        project_compliant( *args, begin, end, true, false );
     }
     else
     {
-        project_compliant( *args, begin, end, false );
+        project_compliant( *args, begin, end, false, false );
     }
 }
 

@@ -24,7 +24,7 @@ static void run_links( const void* context, int begin, int end )
     call->kernel( &call->args, begin, end );
 }
 
-static void project_links( wisp_frame* frame, const wisp_span* span, link_call* call )
+static void run_all_links( wisp_frame* frame, const wisp_span* span, link_call* call )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     call->args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
@@ -33,6 +33,20 @@ static void project_links( wisp_frame* frame, const wisp_span* span, link_call* 
     call->args.rest = fabric->link_rest;
     call->first = span->iteration == 0;
     wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->link_order, run_links, call );
+}
+
+// Links, then the hinges of bend links that were too short to be projected.
+static void project_links( wisp_frame* frame, const wisp_span* span, link_call* call )
+{
+    if ( passes_begin_folds( frame, span, &call->args ) == false )
+    {
+        return;
+    }
+    run_all_links( frame, span, call );
+    if ( call->args.folded != NULL )
+    {
+        passes_open_folds( frame, span, (const uint64_t*)(const void*)call->args.folded );
+    }
 }
 
 static float inverse_dt2( const wisp_frame* frame )
@@ -67,7 +81,7 @@ static void links_limit( wisp_frame* frame, const wisp_span* span, void* user )
     link_call call = { .kernel = wisp_frame_kernels( frame )->link_limit };
     call.args.minimum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 0 );
     call.args.maximum = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_LIMIT, 1 );
-    project_links( frame, span, &call );
+    run_all_links( frame, span, &call );
 }
 
 typedef struct hinge_call

@@ -3,3 +3,10 @@
 
 #include "wisp/module/module.h"
 
+/// Let a kernel of links find folded bend links, if the entity has link.folds: while there are some, and from time to time.
+/// @return false if there is no memory for their bits, which is reported
+bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_args* args );
+
+/// Project the hinges of folded bend links. Their order is that of the links, so bits do not depend on workers.
+/// @param folded bits that a kernel of links has stored, from passes_begin_folds()
+void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t* folded );

@@ -233,7 +233,7 @@ static bool make_memory( wisp_samples* samples, const wisp_samples_args* args, c
     open_bounds( &m->triangles );
     samples->count = samples->edge_count = 0;
     samples->begin = m->begin;
-    m->anew = true;
+    m->needs_resampling = true;
     return true;
 }
 
@@ -263,7 +263,8 @@ static bool prepare( wisp_samples* samples, const wisp_samples_args* args, const
         }
     }
     samples_memory* m = memory_of( samples );
-    m->anew = m->anew || is_sampled_alike( m, args ) == false || ( args->normal != NULL ) != m->has_normals;
+    m->needs_resampling =
+        m->needs_resampling || is_sampled_alike( m, args ) == false || ( args->normal != NULL ) != m->has_normals;
     m->has_normals = args->normal != NULL;
     m->policy = args->policy;
     m->rounding = args->rounding;
@@ -391,7 +392,7 @@ static bool fill_all( wisp_samples* samples, samples_update* u, const totals* su
     m->begin = m->next;
     m->next = before;
     m->turn = turn;
-    m->anew = false;
+    m->needs_resampling = false;
     m->shown = u->to;
     pad_points( u );
     pad_weights( u );
@@ -516,7 +517,8 @@ wisp_status wisp_samples_update( wisp_samples* samples, const wisp_parallel* par
     };
     const totals sum = count_all( &u, parallel );
     const bool refused = sum.beyond > 0.0 || sum.points > (int64_t)args->limit;
-    if ( refused == false && ( sum.changed > 0 || m->anew ) && fill_all( samples, &u, &sum, parallel ) == false )
+    if ( refused == false && ( sum.changed > 0 || m->needs_resampling ) &&
+         fill_all( samples, &u, &sum, parallel ) == false )
     {
         return WISP_NO_MEMORY;
     }

@@ -135,7 +135,7 @@ static void count_edge( const samples_update* u, int e, samples_tally* tally )
     }
     m->next[e] = (int32_t)points;
     m->edges.next_extent[e] = kept;
-    m->changed[e] = m->anew || m->next[e] != m->begin[e + 1] - m->begin[e];
+    m->changed[e] = m->needs_resampling || m->next[e] != m->begin[e + 1] - m->begin[e];
     tally->changed += m->changed[e];
     if ( m->changed[e] == 0 )
     {
@@ -256,7 +256,7 @@ static void count_triangle( const samples_update* u, int t, samples_tally* tally
     }
     m->next[element] = points < (double)INT32_MAX ? (int32_t)points : INT32_MAX;
     g->next_axis[t] = now.axis;
-    m->changed[element] = m->anew || same == false;
+    m->changed[element] = m->needs_resampling || same == false;
     tally->changed += m->changed[element];
     if ( m->changed[element] == 0 )
     {
@@ -275,7 +275,7 @@ static bool is_remembered( const void* state, const void* memory, int begin, int
 static bool edges_are_remembered( const samples_update* u, int begin, int end )
 {
     const samples_group* g = &u->memory->edges;
-    return u->memory->anew == false &&
+    return u->memory->needs_resampling == false &&
            is_remembered( u->args->edge_points, g->points, begin, end, sizeof( int32_t ) ) &&
            is_remembered( u->args->edge_length, g->extent, begin, end, sizeof( float ) );
 }
@@ -283,7 +283,7 @@ static bool edges_are_remembered( const samples_update* u, int begin, int end )
 static bool triangles_are_remembered( const samples_update* u, int begin, int end )
 {
     const samples_group* g = &u->memory->triangles;
-    return u->memory->anew == false &&
+    return u->memory->needs_resampling == false &&
            is_remembered( u->args->triangle_points, g->points, begin, end, sizeof( int32_t ) ) &&
            is_remembered( u->args->triangle_axis, g->axis, begin, end, sizeof( int32_t ) ) &&
            is_remembered( u->args->triangle_extent, g->extent, begin, end, 2 * sizeof( float ) );

@@ -49,8 +49,8 @@ typedef struct samples_memory
     wisp_rounding rounding;
     float hysteresis;
     bool scanline, has_normals;
-    bool anew; // sampling parameters have changed, so nothing is reused
-    int turn;  // index of the current layer
+    bool needs_resampling; // sampling parameters have changed, so nothing is reused
+    int turn;              // index of the current layer
     int capacity[2];
     samples_points shown;
     int32_t* begin;   // [elements + 1]

@@ -107,14 +107,14 @@ static wisp_status search( tune_search* s, wisp_error* error )
     wisp_status status = tune_bisect( s, error );
     s->reserve = reserve;
     s->seconds = s->args->max_seconds;
-    status = status == WISP_OK ? tune_look_around( s, error ) : status;
+    status = status == WISP_OK ? tune_search_around( s, error ) : status;
     // A repeated measurement may have made another one the best, which has neighbours of its own.
     s->reserve = 0;
     for ( int last = -1; status == WISP_OK && s->best != last; )
     {
         last = s->best;
         status = tune_measure_again( s, error );
-        status = status == WISP_OK && s->best != last ? tune_look_around( s, error ) : status;
+        status = status == WISP_OK && s->best != last ? tune_search_around( s, error ) : status;
     }
     return status;
 }

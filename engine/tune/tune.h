@@ -53,7 +53,7 @@ int tune_setting_number( const tune_search* s, const int* configuration );
 /// Run settings until the order of values has ruled out the others.
 wisp_status tune_bisect( tune_search* s, wisp_error* error );
 /// Run neighbours of the best, even if ruled out, until none of them is better.
-wisp_status tune_look_around( tune_search* s, wisp_error* error );
+wisp_status tune_search_around( tune_search* s, wisp_error* error );
 /// Measure in turns all configurations whose rank may be due to noise.
 wisp_status tune_measure_again( tune_search* s, wisp_error* error );
 /// Sorts the times. @param count >= 1

@@ -83,7 +83,7 @@ static wisp_status run_all_trades( tune_search* s, const int* centre, wisp_error
 }
 
 // With many parameters there are many trades, so they come after no single parameter improves the best.
-wisp_status tune_look_around( tune_search* s, wisp_error* error )
+wisp_status tune_search_around( tune_search* s, wisp_error* error )
 {
     wisp_status status = WISP_OK;
     for ( int centre = -1; status == WISP_OK && centre != s->best; )

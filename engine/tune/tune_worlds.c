@@ -47,9 +47,9 @@ typedef struct worlds_run
 {
     const wisp_tune_worlds_def* def;
     const wisp_tune_def* args;
-    wisp_vec3* reference;   // [look][total]
+    wisp_vec3* reference;   // [observation][total]
     size_t reference_bytes; // 0: the reference has not run yet
-    int total;              // points of a look
+    int total;              // points of an observation
     double* times;          // [step_count] ms
 } worlds_run;
 
@@ -58,7 +58,7 @@ typedef struct world_sums
 {
     double squares; // m^2
     double largest; // m
-    int looks;
+    int observations;
     bool is_halted;
 } world_sums;
 
@@ -136,8 +136,8 @@ static void compare( wisp_vec3 is, wisp_vec3 reference, world_sums* sums )
 }
 
 // Record the reference, or compare with it.
-static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_reference, world_sums* sums,
-                         wisp_error* error )
+static wisp_status observe( worlds_run* r, const wisp_tune_world* w, bool is_reference, world_sums* sums,
+                            wisp_error* error )
 {
     wisp_status status = is_reference && r->reference_bytes == 0 ? make_room( r, w, error ) : WISP_OK;
     int total = 0;
@@ -147,7 +147,7 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_refere
         status = wisp_fail( error, WISP_CONFLICT, "got a world of %d points and one of %d, which cannot be compared",
                             r->total, total );
     }
-    wisp_vec3* reference = r->reference + (size_t)sums->looks * (size_t)r->total;
+    wisp_vec3* reference = r->reference + (size_t)sums->observations * (size_t)r->total;
     for ( int i = 0; i < w->point_count && status == WISP_OK; ++i )
     {
         wisp_view view;
@@ -162,15 +162,15 @@ static wisp_status look( worlds_run* r, const wisp_tune_world* w, bool is_refere
             compare( *point, *reference, sums );
         }
     }
-    ++sums->looks;
+    ++sums->observations;
     return status;
 }
 
 // Samples are spread evenly, and the last step is one of them.
-static bool is_look( const wisp_tune_worlds_def* def, int step )
+static bool is_observation( const wisp_tune_worlds_def* def, int step )
 {
-    const int64_t looks = def->sample_count, steps = def->step_count;
-    return ( step + 1 ) * looks / steps > step * looks / steps;
+    const int64_t observations = def->sample_count, steps = def->step_count;
+    return ( step + 1 ) * observations / steps > step * observations / steps;
 }
 
 static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_reference, wisp_tune_sample* out,
@@ -185,14 +185,14 @@ static wisp_status run_steps( worlds_run* r, wisp_tune_world* w, bool is_referen
         status = step_world( r, w, step, error );
         r->times[step] = 1e3 * ( wisp_clock_seconds() - start );
         sums.is_halted |= wisp_world_counter( w->world, WISP_COUNT_HALTED ) > 0;
-        if ( status == WISP_OK && !sums.is_halted && is_look( r->def, step ) )
+        if ( status == WISP_OK && !sums.is_halted && is_observation( r->def, step ) )
         {
-            status = look( r, w, is_reference, &sums, error );
+            status = observe( r, w, is_reference, &sums, error );
         }
     }
     if ( status == WISP_OK )
     {
-        const double count = (double)sums.looks * (double)r->total;
+        const double count = (double)sums.observations * (double)r->total;
         *out = ( wisp_tune_sample ){ .ms = tune_median( r->times, step ),
                                      .error = sums.is_halted ? 0.0 : sqrt( sums.squares / count ),
                                      .largest = sums.is_halted ? 0.0 : sums.largest,

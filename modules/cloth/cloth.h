@@ -16,8 +16,9 @@ WISP_API extern const wisp_module wisp_cloth_module;
 /// How cloth bends.
 typedef enum wisp_cloth_bending
 {
-    WISP_CLOTH_BENDING_LINKS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. The
-                              ///< fabric must have bend links
+    WISP_CLOTH_BENDING_LINKS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. Where
+                              ///< it is shorter than half its rest length the fold is bent by its angle. The fabric must
+                              ///< have bend links
     WISP_CLOTH_BENDING_DIHEDRAL, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
     WISP_CLOTH_BENDING_ISOMETRIC, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
                                   ///< where the cloth hardly stretches; the fabric must have hinges
@@ -46,6 +47,7 @@ typedef struct wisp_cloth_def
     float bend_compliance;      ///< xpbd, bend links only, m/N, default 0.1
     /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the cloth when rolled up, exact for equilateral
     /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
+    /// With bend links: that of folds of more than about 120 degrees.
     float bend_rigidity;
 
     float

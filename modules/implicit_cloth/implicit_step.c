@@ -400,7 +400,7 @@ static void scatter_slices( void* context, int begin, int end, int worker )
 }
 
 // Error of free rows against the nonlinear step: |b| / m of one more right side.
-static void doubt_slices( void* context, int begin, int end, int worker )
+static void residual_slices( void* context, int begin, int end, int worker )
 {
     (void)worker;
     step* s = context;
@@ -421,7 +421,7 @@ static void doubt_slices( void* context, int begin, int end, int worker )
 static float newton_residual( step* s )
 {
     assemble( s, true );
-    for_slices( s, doubt_slices );
+    for_slices( s, residual_slices );
     float worst = 0.0f;
     for ( int block = 0; block < s->system.block_count; ++block )
     {

@@ -388,6 +388,34 @@ static void stretched_cloth_is_reported_and_statistics_are_printed( void** state
     assert_non_null( strstr( result.out, "kinetic J" ) );
 }
 
+static void penetration_is_printed_and_a_vertex_below_a_surface_is_told( void** state )
+{
+    (void)state;
+    static const char cloth[] = "wisp: 1\nsteps: 20\n"
+                                "surfaces:\n"
+                                "  - name: sheet\n"
+                                "    generate: { shape: plane, columns: 9, rows: 9, spacing: 0.05 }\n"
+                                "    transform: { translate: [0, %s, 0] }\n"
+                                "    cloth: {}\n"
+                                "    collision: { thickness: 0.01, max_push_out_speed: 0.1 }\n"
+                                "    compute: [points, collision_stats]\n"
+                                "colliders:\n"
+                                "  - { name: ground, shape: plane }\n";
+    char text[600];
+    snprintf( text, sizeof( text ), cloth, "0.02" );
+    write_text( "above.yaml", text );
+    run_ok( "run above.yaml" );
+    assert_non_null( strstr( result.out, "deepest mm" ) );
+    assert_null( strstr( result.out, "below the surface" ) );
+    snprintf( text, sizeof( text ), cloth, "-0.05" );
+    write_text( "below.yaml", text );
+    run_ok( "run below.yaml" );
+    assert_non_null( strstr( result.out, "sheet: vertex " ) );
+    assert_non_null( strstr( result.out, "mm below the surface of a collider in step 1\n" ) );
+    run_ok( "run below.yaml --format json" );
+    assert_non_null( strstr( result.out, "\"collision_penetration\": 0.0" ) );
+}
+
 static void a_scene_without_requests_has_a_plan_without_passes( void** state )
 {
     (void)state;
@@ -534,6 +562,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( info_prints_the_keys_of_a_block ),
         cmocka_unit_test( a_run_writes_the_files_of_its_scene_with_width_and_colour ),
         cmocka_unit_test( stretched_cloth_is_reported_and_statistics_are_printed ),
+        cmocka_unit_test( penetration_is_printed_and_a_vertex_below_a_surface_is_told ),
         cmocka_unit_test( a_scene_without_requests_has_a_plan_without_passes ),
         cmocka_unit_test( info_tells_scenes_results_and_grooms_apart ),
         cmocka_unit_test( info_refuses_what_it_does_not_know_or_cannot_trust ),

@@ -52,7 +52,7 @@ static void run_well( const char* command )
 
 // ---- reports ----
 
-static void a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew( void** state )
+static void a_run_tells_how_many_points_there_are_and_how_much_was_resampled( void** state )
 {
     (void)state;
     run_well( "run ball.yaml" );
@@ -248,7 +248,7 @@ static void points_of_what_has_none_are_refused( void** state )
 int main( int argc, char** argv )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_sampled_anew ),
+        cmocka_unit_test( a_run_tells_how_many_points_there_are_and_how_much_was_resampled ),
         cmocka_unit_test( a_run_tells_of_contact_where_stats_are_requested ),
         cmocka_unit_test( machines_get_a_row_a_step ),
         cmocka_unit_test( a_scene_is_described_with_its_layers_and_contacts ),

@@ -34,11 +34,11 @@ static inline int setting_of( const accuracy_scene* scene, const char* name )
 }
 
 /// The run without its times, of which there must be one per step.
-static inline accuracy_run run_setting( const accuracy_scene* scene, int setting, int workers, bool is_looked_at )
+static inline accuracy_run run_setting( const accuracy_scene* scene, int setting, int workers, bool is_observed )
 {
     wisp_error error = { 0 };
     accuracy_run run = { .error = NAN };
-    if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
+    if ( scene->run( scene->context, setting, workers, is_observed, &run, &error ) != WISP_OK )
     {
         fail_msg( "%s: %s", scene->settings[setting].name, error.message );
     }
@@ -48,7 +48,7 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, int setting
     return run;
 }
 
-static inline accuracy_run look_at( const accuracy_scene* scene, const char* name )
+static inline accuracy_run observe( const accuracy_scene* scene, const char* name )
 {
     return run_setting( scene, setting_of( scene, name ), 1, true );
 }
@@ -57,12 +57,12 @@ static inline accuracy_run look_at( const accuracy_scene* scene, const char* nam
 static inline void expect_one_hash( const accuracy_scene* scene, const char* name )
 {
     const int setting = setting_of( scene, name );
-    const uint64_t looked_at = run_setting( scene, setting, 1, true ).hash;
+    const uint64_t observed = run_setting( scene, setting, 1, true ).hash;
     const uint64_t alone = run_setting( scene, setting, 1, false ).hash;
     const uint64_t shared = run_setting( scene, setting, 2, false ).hash;
-    assert_true( looked_at != 0 );
-    assert_true( looked_at == alone );
-    assert_true( looked_at == shared );
+    assert_true( observed != 0 );
+    assert_true( observed == alone );
+    assert_true( observed == shared );
 }
 
 /// Tables and files are read by these names.

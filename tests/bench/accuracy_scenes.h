@@ -18,8 +18,7 @@ static inline void close_scene( accuracy_scene* scene )
     free( scene->settings );
 }
 
-static inline accuracy_run run_setting( const accuracy_scene* scene, const char* name, int workers,
-                                        bool is_looked_at )
+static inline accuracy_run run_setting( const accuracy_scene* scene, const char* name, int workers, bool is_observed )
 {
     accuracy_run run = { .error = NAN };
     wisp_error error = { 0 };
@@ -36,7 +35,7 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, const char*
     {
         fail_msg( "there is no setting '%s'", name );
     }
-    if ( scene->run( scene->context, setting, workers, is_looked_at, &run, &error ) != WISP_OK )
+    if ( scene->run( scene->context, setting, workers, is_observed, &run, &error ) != WISP_OK )
     {
         fail_msg( "%s: %s", name, error.message );
     }
@@ -74,10 +73,10 @@ static inline double order_between( const accuracy_scene* scene, const char* coa
 /// Workers and sampling change nothing.
 static inline void assert_same_hash( const accuracy_scene* scene, const char* name )
 {
-    const uint64_t looked = run_setting( scene, name, 1, true ).hash;
-    assert_true( looked != 0 );
-    assert_true( run_setting( scene, name, 1, false ).hash == looked );
-    assert_true( run_setting( scene, name, 2, false ).hash == looked );
+    const uint64_t observed = run_setting( scene, name, 1, true ).hash;
+    assert_true( observed != 0 );
+    assert_true( run_setting( scene, name, 1, false ).hash == observed );
+    assert_true( run_setting( scene, name, 2, false ).hash == observed );
 }
 
 /// Names are distinct, series have parameters above 0, and settings of a series have different ones.

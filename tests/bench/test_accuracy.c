@@ -132,8 +132,8 @@ enum
 /// Requests to the scene, and its failures.
 typedef struct fake_log
 {
-    int looked[FAKE_SETTINGS], timed[FAKE_SETTINGS][2]; // by 1 worker, by others
-    int looks_after_times;
+    int observed[FAKE_SETTINGS], timed[FAKE_SETTINGS][2]; // by 1 worker, by others
+    int observed_after_times;
     int destroyed;
     int differs;   // setting whose hash depends on workers; -1: none
     int fails_at;  // setting that fails; -1: none
@@ -153,7 +153,7 @@ static void spend( double seconds )
 }
 
 // The time of a step is 1 ms, half with two workers, times the rank of the setting: 0 is expensive and accurate.
-static wisp_status fake_run( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status fake_run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                              wisp_error* error )
 {
     assert_ptr_equal( context, &fake );
@@ -162,11 +162,11 @@ static wisp_status fake_run( void* context, int setting, int workers, bool is_lo
     {
         return wisp_fail( error, WISP_CONFLICT, "setting %d has no world", setting );
     }
-    if ( is_looked_at )
+    if ( is_observed )
     {
         assert_int_equal( workers, 1 );
-        ++fake.looked[setting];
-        fake.looks_after_times += fake.timed[0][0];
+        ++fake.observed[setting];
+        fake.observed_after_times += fake.timed[0][0];
         out->error = 1.0 + setting;
         out->measures[0] = 10.0 * setting;
     }
@@ -180,7 +180,7 @@ static wisp_status fake_run( void* context, int setting, int workers, bool is_lo
     for ( int i = 0; i < FAKE_STEPS; ++i )
     {
         // the first step compiles the plan, the sampled run is slow
-        const double ms = ( i == 0 || is_looked_at ? 100.0 : 8.0 / ( 1 << setting ) ) / workers;
+        const double ms = ( i == 0 || is_observed ? 100.0 : 8.0 / ( 1 << setting ) ) / workers;
         assert_int_equal( accuracy_keep_ms( out, setting == 0 ? fake.slower * ms : ms ), WISP_OK );
     }
     return WISP_OK;
@@ -237,15 +237,15 @@ static results run_fake( double seconds, int workers )
     return all;
 }
 
-static void each_setting_is_looked_at_once_and_timed_at_least_once( void** state )
+static void each_setting_is_observed_once_and_timed_at_least_once( void** state )
 {
     (void)state;
     results all = run_fake( 1e-9, 2 );
     assert_false( all.failed );
-    assert_int_equal( fake.looks_after_times, 0 );
+    assert_int_equal( fake.observed_after_times, 0 );
     for ( int i = 0; i < FAKE_SETTINGS; ++i )
     {
-        assert_int_equal( fake.looked[i], 1 );
+        assert_int_equal( fake.observed[i], 1 );
         assert_int_equal( fake.timed[i][0], 1 );
         assert_int_equal( fake.timed[i][1], 1 );
     }
@@ -507,7 +507,7 @@ static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_
     for ( int i = 0, line = 1; i < FAKE_SETTINGS; ++i )
     {
         const int expected = i == 1 ? 0 : 1;
-        assert_int_equal( fake.looked[i], expected );
+        assert_int_equal( fake.observed[i], expected );
         assert_int_equal( fake.timed[i][0], expected );
         assert_int_equal( fake.timed[i][1], expected );
         if ( expected > 0 && i != FAKE_HALTS )
@@ -539,11 +539,11 @@ typedef struct few_settings
     int number[WISP_COUNT( few_names )];
 } few_settings;
 
-static wisp_status run_few( void* context, int setting, int workers, bool is_looked_at, accuracy_run* out,
+static wisp_status run_few( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
                             wisp_error* error )
 {
     const few_settings* few = context;
-    return few->all.run( few->all.context, few->number[setting], workers, is_looked_at, out, error );
+    return few->all.run( few->all.context, few->number[setting], workers, is_observed, out, error );
 }
 
 static void destroy_few( void* context )
@@ -634,7 +634,7 @@ int main( void )
         cmocka_unit_test( a_quick_run_has_the_coarsest_and_the_middle_of_each_series_and_all_of_no_series ),
         cmocka_unit_test_setup( a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are,
                                 forget_fake ),
-        cmocka_unit_test_setup( each_setting_is_looked_at_once_and_timed_at_least_once, forget_fake ),
+        cmocka_unit_test_setup( each_setting_is_observed_once_and_timed_at_least_once, forget_fake ),
         cmocka_unit_test_setup( with_one_worker_nothing_runs_twice, forget_fake ),
         cmocka_unit_test_setup( who_takes_more_than_its_share_sits_out, forget_fake ),
         cmocka_unit_test_setup( the_table_has_times_errors_measures_and_the_front, forget_fake ),

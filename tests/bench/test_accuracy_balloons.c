@@ -55,7 +55,7 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
         {
             char name[64];
             snprintf( name, sizeof( name ), "xpbd, %s, %d x 1", readings[r], 100 << i );
-            error[i] = look_at( &inflate, name ).error;
+            error[i] = observe( &inflate, name ).error;
         }
         print_message( "           %s: %.3f, %.3f, %.3f %%\n", readings[r], error[0], error[1], error[2] );
         // half a substep is a quarter of the error, except for higher orders at the coarse end
@@ -69,8 +69,8 @@ static void pressure_comes_to_the_closed_form_at_second_order( void** state )
 static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state )
 {
     (void)state;
-    const accuracy_run regular = look_at( &inflate, "xpbd, virial, 400 x 1" );
-    const accuracy_run finer = look_at( &inflate, "xpbd, virial, 100 x 1, 642 vertices" );
+    const accuracy_run regular = observe( &inflate, "xpbd, virial, 400 x 1" );
+    const accuracy_run finer = observe( &inflate, "xpbd, virial, 100 x 1, 642 vertices" );
     assert_true( fabs( regular.measures[OWN_VOLUME] ) < 0.01 );
     assert_true( fabs( regular.measures[SCALE] ) < 0.01 );
     assert_true( finer.error > 5.0 * regular.error );
@@ -81,7 +81,7 @@ static void an_icosahedron_is_as_even_as_the_closed_form_requests( void** state 
 static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 {
     (void)state;
-    const accuracy_run run = look_at( &inflate, "xpbd, gas law, 400 x 1" );
+    const accuracy_run run = observe( &inflate, "xpbd, gas law, 400 x 1" );
     const double linear = run.measures[MULTIPLIER], more = run.measures[GAS_LAW] / linear - 1.0;
     assert_true( fabs( more - linear / 101325.0 ) < 2e-3 );
     assert_true( more > 0.02 );
@@ -92,8 +92,8 @@ static void the_gas_law_reads_what_the_constraint_does_not_hold( void** state )
 static void the_forms_of_the_source_do_not_converge_with_substeps( void** state )
 {
     (void)state;
-    const accuracy_run few = look_at( &inflate, "pbd skin, xpbd volume, virial, 10 x 10" );
-    const accuracy_run many = look_at( &inflate, "pbd skin, xpbd volume, virial, 50 x 10" );
+    const accuracy_run few = observe( &inflate, "pbd skin, xpbd volume, virial, 10 x 10" );
+    const accuracy_run many = observe( &inflate, "pbd skin, xpbd volume, virial, 50 x 10" );
     assert_true( many.error > 2.0 * few.error );
 }
 
@@ -108,7 +108,7 @@ static void a_flight_comes_nearer_to_double_precision_with_substeps( void** stat
     {
         char name[64];
         snprintf( name, sizeof( name ), "kick, max drag, %d x 1", substeps[i] );
-        const double error = look_at( &flight, name ).error;
+        const double error = observe( &flight, name ).error;
         print_message( "           %s: %.2f mm\n", name, error );
         assert_true( error < 0.7 * last );
         last = error;
@@ -117,8 +117,8 @@ static void a_flight_comes_nearer_to_double_precision_with_substeps( void** stat
     assert_true( last < 4.0 );
 
     // another drag is another flight, and no setting of the solver compensates for it
-    assert_true( look_at( &flight, "kick, abs drag, 10 x 1" ).error >
-                 2.0 * look_at( &flight, "kick, max drag, 10 x 1" ).error );
+    assert_true( observe( &flight, "kick, abs drag, 10 x 1" ).error >
+                 2.0 * observe( &flight, "kick, max drag, 10 x 1" ).error );
 }
 
 static void momentum_is_what_the_forces_have_given( void** state )
@@ -128,8 +128,8 @@ static void momentum_is_what_the_forces_have_given( void** state )
     {
         NOT_CLOSED = 4,
     };
-    const double coarse = look_at( &flight, "kick, max drag, 10 x 1" ).measures[NOT_CLOSED];
-    const double fine = look_at( &flight, "kick, max drag, 80 x 1" ).measures[NOT_CLOSED];
+    const double coarse = observe( &flight, "kick, max drag, 10 x 1" ).measures[NOT_CLOSED];
+    const double fine = observe( &flight, "kick, max drag, 80 x 1" ).measures[NOT_CLOSED];
     // in per cent of the momentum; forces are those of one substep of a step
     assert_true( coarse < 2.0 );
     assert_true( fine < 0.5 * coarse );
@@ -143,9 +143,9 @@ static void the_volume_of_a_mesh_comes_at_second_order_to_that_of_a_fine_one( vo
     {
         VOLUME = 3,
     };
-    const accuracy_run coarse = look_at( &meshes, "42 vertices, 10 x 1" );
-    const accuracy_run middle = look_at( &meshes, "162 vertices, 10 x 1" );
-    const accuracy_run fine = look_at( &meshes, "642 vertices, 10 x 1" );
+    const accuracy_run coarse = observe( &meshes, "42 vertices, 10 x 1" );
+    const accuracy_run middle = observe( &meshes, "162 vertices, 10 x 1" );
+    const accuracy_run fine = observe( &meshes, "642 vertices, 10 x 1" );
     // against a mesh whose own error is a quarter of that of the last one: 63 / 15 and 15 / 3
     assert_true( fabs( coarse.measures[VOLUME] / middle.measures[VOLUME] - 4.2 ) < 0.5 );
     assert_true( fabs( middle.measures[VOLUME] / fine.measures[VOLUME] - 5.0 ) < 0.5 );

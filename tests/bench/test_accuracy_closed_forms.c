@@ -39,15 +39,15 @@ static void every_closed_form_has_settings_of_its_own( void** state )
 static void references_are_what_the_references_print( void** state )
 {
     (void)state;
-    assert_true( fabs( look_at( &scene, "terminal velocity of a plate, m/s, substeps 1" ).measures[REFERENCE] -
+    assert_true( fabs( observe( &scene, "terminal velocity of a plate, m/s, substeps 1" ).measures[REFERENCE] -
                        1.37000 ) < 6e-6 );
-    assert_true( fabs( look_at( &scene, "lift of 0.14 m of helium, N, level 0" ).measures[REFERENCE] - 0.11799 ) <
+    assert_true( fabs( observe( &scene, "lift of 0.14 m of helium, N, level 0" ).measures[REFERENCE] - 0.11799 ) <
                  6e-6 );
     // 32 links hang a little lower than a rope
-    assert_true( fabs( look_at( &scene, "sag of a catenary, m, substeps 5" ).measures[REFERENCE] - 0.26543751 ) <
+    assert_true( fabs( observe( &scene, "sag of a catenary, m, substeps 5" ).measures[REFERENCE] - 0.26543751 ) <
                  3e-4 );
     // 16 masses of 1 g, and 136 weights in all on links of 100 N/m
-    const double longer = look_at( &scene, "elastic bar under its weight, m, substeps 5" ).measures[REFERENCE];
+    const double longer = observe( &scene, "elastic bar under its weight, m, substeps 5" ).measures[REFERENCE];
     assert_true( fabs( longer - 136.0 * 0.001 * 9.81 / 100.0 ) < 1e-12 );
 }
 
@@ -105,8 +105,8 @@ static void errors_fall_at_the_promised_order( void** state )
 static void a_bar_that_has_converged_is_as_long_as_its_springs_say( void** state )
 {
     (void)state;
-    const accuracy_run once = look_at( &scene, "elastic bar by iterations, m, iterations 1" );
-    const accuracy_run often = look_at( &scene, "elastic bar by iterations, m, iterations 64" );
+    const accuracy_run once = observe( &scene, "elastic bar by iterations, m, iterations 1" );
+    const accuracy_run often = observe( &scene, "elastic bar by iterations, m, iterations 64" );
     assert_true( once.error > 10.0 );
     assert_true( often.error < 1e-3 );
 }
@@ -114,16 +114,16 @@ static void a_bar_that_has_converged_is_as_long_as_its_springs_say( void** state
 static void what_friction_holds_does_not_creep( void** state )
 {
     (void)state;
-    assert_true( look_at( &scene, "sticking, 11 deg, mu 0.2, m, substeps 20" ).error == 0.0 );
-    assert_true( look_at( &scene, "sticking, 26 deg, mu 0.5, m, substeps 20" ).error == 0.0 );
+    assert_true( observe( &scene, "sticking, 11 deg, mu 0.2, m, substeps 20" ).error == 0.0 );
+    assert_true( observe( &scene, "sticking, 26 deg, mu 0.5, m, substeps 20" ).error == 0.0 );
     // at the next angle nothing holds it, so friction held it here
-    assert_true( look_at( &scene, "sliding, 20 deg, mu 0.2, m, substeps 20" ).measures[MEASURED] > 0.1 );
+    assert_true( observe( &scene, "sliding, 20 deg, mu 0.2, m, substeps 20" ).measures[MEASURED] > 0.1 );
 }
 
 static void free_fall_strains_nothing_and_keeps_momentum( void** state )
 {
     (void)state;
-    const accuracy_run fall = look_at( &scene, "fall of a cloth in 0.5 s, m, substeps 20" );
+    const accuracy_run fall = observe( &scene, "fall of a cloth in 0.5 s, m, substeps 20" );
     // roundings of coordinates of 1 m over edges of 2 cm, in per cent
     assert_true( fall.measures[STRAIN] < 1e-3 );
     assert_true( fall.measures[MOMENTUM] < 1e-2 );
@@ -133,8 +133,8 @@ static void free_fall_strains_nothing_and_keeps_momentum( void** state )
 static void a_fine_sphere_is_within_two_per_cent_of_a_smooth_one( void** state )
 {
     (void)state;
-    assert_true( look_at( &scene, "sphere stretched by 5 %, 2 sigma / R, Pa, level 4" ).error < 1.5 );
-    assert_true( look_at( &scene, "elastica, G = 1, drop / L, cells 6" ).error < 0.5 );
+    assert_true( observe( &scene, "sphere stretched by 5 %, 2 sigma / R, Pa, level 4" ).error < 1.5 );
+    assert_true( observe( &scene, "elastica, G = 1, drop / L, cells 6" ).error < 0.5 );
 }
 
 static void a_closed_form_has_one_hash_whoever_computes_it( void** state )

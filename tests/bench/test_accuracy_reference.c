@@ -31,12 +31,12 @@ static accuracy_reference small_reference( double* numbers )
                                      .precision = "double",
                                      .substeps = 640,
                                      .converged = "always",
-                                     .doubt = 1.5e-4,
+                                     .uncertainty = 1.5e-4,
                                      .layout = "float64 [7]",
                                      .numbers = numbers,
                                      .number_count = NUMBERS };
     accuracy_reference_put( &reference, "width, m", 1.6 );
-    accuracy_reference_put( &reference, "looks", 6.0 );
+    accuracy_reference_put( &reference, "observations", 6.0 );
     for ( int i = 0; i < NUMBERS; ++i )
     {
         numbers[i] = 0.1 * i - 0.3;
@@ -129,9 +129,9 @@ static void a_reference_comes_back_as_it_was_written( void** state )
     assert_string_equal( back.converged, reference.converged );
     assert_string_equal( back.layout, reference.layout );
     assert_int_equal( back.substeps, 640 );
-    assert_true( back.doubt == reference.doubt );
+    assert_true( back.uncertainty == reference.uncertainty );
     assert_int_equal( back.fact_count, 2 );
-    assert_string_equal( back.info[1].name, "looks" );
+    assert_string_equal( back.info[1].name, "observations" );
     assert_true( back.info[1].value == 6.0 );
     assert_memory_equal( back.numbers, numbers, sizeof( numbers ) );
     accuracy_reference_free( &back );
@@ -373,7 +373,7 @@ static void a_generator_that_says_what_none_can_is_refused_by_the_word( void** s
         { "640", "\"640\"", "`substeps` must be a number" },
         { "\"numbers\": 7", "\"numbers\": 1048577", "`numbers` must be a number from 1" },
         { "\"numbers\": 7", "\"numbers\": -7", "`numbers` must be a number from 1" },
-        { "\"doubt_m\": ", "\"doubt_m\": -", "`doubt_m` must be" },
+        { "\"uncertainty_m\": ", "\"uncertainty_m\": -", "`uncertainty_m` must be" },
         { "\"width, m\": ", "\"width, m\": null, \"x\": ", "fact 1 is no number" },
         { "\"width, m\"", "\"a fact whose name is much longer than any fact has\"", "fact 1 is no number" },
         { "\"facts\": {", "\"facts\": [], \"others\": {", "`facts` must be an object" },
@@ -421,12 +421,12 @@ static void every_stored_reference_is_whole_and_small( void** state )
         const size_t size = read_file( path, text, sizeof( text ) );
         assert_ok( accuracy_reference_parse_generator( text, size, path, &generator, &hash, &error ), error );
         assert_ok( accuracy_reference_read( accuracy_reference_folder(), &generator, &whole, &error ), error );
-        print_message( "           %s: %d numbers, doubt %.3g mm, %s\n", names[i], whole.number_count,
-                       1e3 * whole.doubt, whole.reference );
+        print_message( "           %s: %d numbers, uncertainty %.3g mm, %s\n", names[i], whole.number_count,
+                       1e3 * whole.uncertainty, whole.reference );
         assert_string_equal( whole.scene, names[i] );
         // a fine skin oscillates in short substeps, so this one alone is computed by the engine, and states it
         assert_string_equal( whole.precision, strcmp( names[i], "balloon_meshes" ) == 0 ? "float" : "double" );
-        assert_true( whole.fact_count > 3 && whole.doubt > 0.0 );
+        assert_true( whole.fact_count > 3 && whole.uncertainty > 0.0 );
         // they are in the tree
         assert_true( 8 * whole.number_count < 300000 );
         accuracy_reference_free( &whole );

@@ -71,7 +71,7 @@ static void a_pulse_changes_more_than_standing_still_and_less_than_everything( v
     const int changed = column_of( table, "in case B, %" );
     assert_string_equal( cell( table, 1, 0 ), "still" );
     assert_string_equal( cell( table, 1, changed ), "0.00" );
-    assert_string_equal( cell( table, 2, 0 ), "all anew" );
+    assert_string_equal( cell( table, 2, 0 ), "all resampled" );
     assert_string_equal( cell( table, 2, changed ), "100.00" );
     double fraction = 0.0;
     assert_int_equal( sscanf( cell( table, 9, changed ), "%lf", &fraction ), 1 ); // 10 %, no hysteresis
@@ -93,7 +93,7 @@ static void rows_for_machines_are_there_for_every_worker_count( void** state )
 {
     const results* all = *state;
     assert_int_equal( count_rows( all, "boundary", "even, in place" ), 2 * 2 );
-    assert_int_equal( count_rows( all, "boundary", "exact, anew" ), 2 * 2 );
+    assert_int_equal( count_rows( all, "boundary", "exact, resampled" ), 2 * 2 );
     assert_int_equal( count_rows( all, "boundary", "inflate 1-2-1" ), 1 );
     assert_int_equal( count_rows( all, "boundary", "normals" ), 2 );
     assert_int_equal( count_rows( all, "boundary", "hang" ), 15 );
@@ -169,7 +169,7 @@ static void points_that_are_not_on_the_surface_or_not_as_many_are_seen( void** s
     close_layer( &l );
 }
 
-static void anew_is_all_elements_and_the_same_points( void** state )
+static void resampling_is_of_all_elements_and_gives_the_same_points( void** state )
 {
     (void)state;
     wisp_error error = { 0 };
@@ -178,13 +178,13 @@ static void anew_is_all_elements_and_the_same_points( void** state )
     wisp_boundary_stats stats;
     assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
     const uint64_t hash = layer_hash( &view );
-    for ( int is_anew = 0; is_anew < 2; ++is_anew )
+    for ( int is_resampled = 0; is_resampled < 2; ++is_resampled )
     {
-        l.implementation.is_anew = is_anew == 1;
+        l.implementation.is_resampled = is_resampled == 1;
         assert_int_equal( layer_step( &l.implementation, &error ), WISP_OK );
         assert_int_equal( layer_read( &l.implementation.surface, &view, &error ), WISP_OK );
         assert_int_equal( layer_read_stats( &l.implementation.surface, &stats, &error ), WISP_OK );
-        assert_int_equal( stats.changed_elements, is_anew == 1 ? stats.elements : 0 );
+        assert_int_equal( stats.changed_elements, is_resampled == 1 ? stats.elements : 0 );
         assert_true( layer_hash( &view ) == hash );
     }
     close_layer( &l );
@@ -265,7 +265,7 @@ int main( void )
         cmocka_unit_test( long_steps_and_strong_gravity_have_a_line_each_and_a_layer_changes_nothing ),
         cmocka_unit_test( rows_for_machines_are_there_for_every_worker_count ),
         cmocka_unit_test( points_that_are_not_on_the_surface_or_not_as_many_are_seen ),
-        cmocka_unit_test( anew_is_all_elements_and_the_same_points ),
+        cmocka_unit_test( resampling_is_of_all_elements_and_gives_the_same_points ),
         cmocka_unit_test( the_cover_of_a_triangle_without_points_is_its_own ),
         cmocka_unit_test( pictures_are_written_where_there_is_a_folder ),
         cmocka_unit_test( the_sizes_of_the_case_are_those_of_the_contract ),

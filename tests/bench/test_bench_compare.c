@@ -11,7 +11,7 @@ static const bench_options quick = { .quick = true, .workers = 2 };
 enum
 {
     VERTICES = 5,
-    LOOKS = 3,
+    OBSERVATIONS = 3,
 };
 
 static const char file_name[] = "test_bench_compare.reference";
@@ -26,7 +26,7 @@ static compare_reference small_reference( float* points )
 {
     compare_reference reference = { .scenario = COMPARE_TAUT,
                                     .vertex_count = VERTICES,
-                                    .look_count = LOOKS,
+                                    .observation_count = OBSERVATIONS,
                                     .mesh_hash = 0x0123456789abcdefull,
                                     .rate = 8000.0,
                                     .rest_rate = 400.0,
@@ -35,14 +35,15 @@ static compare_reference small_reference( float* points )
                                     .points = points };
     const compare_physics physics = compare_physics_of( COMPARE_TAUT );
     compare_reference_info( &physics, reference.info );
-    for ( int i = 0; i < LOOKS * VERTICES * 3; ++i )
+    for ( int i = 0; i < OBSERVATIONS * VERTICES * 3; ++i )
     {
         points[i] = 0.1f * (float)i - 1.0f;
     }
-    for ( int k = 0; k < LOOKS; ++k )
+    for ( int k = 0; k < OBSERVATIONS; ++k )
     {
-        reference.looks[k] =
-            ( compare_reference_look ){ .time = 0.05 * k, .look = { 1.0, 0.1 * k, -2.0, k }, .doubt = 1e-6 };
+        reference.observations[k] = ( compare_reference_observation ){ .time = 0.05 * k,
+                                                                       .observation = { 1.0, 0.1 * k, -2.0, k },
+                                                                       .uncertainty = 1e-6 };
     }
     return reference;
 }
@@ -74,7 +75,7 @@ static void expect_refused( const unsigned char* bytes, size_t size, const char*
 static void a_reference_comes_back_as_it_was_written( void** state )
 {
     (void)state;
-    float points[LOOKS * VERTICES * 3];
+    float points[OBSERVATIONS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     wisp_error error = { 0 };
     compare_reference back;
@@ -83,12 +84,12 @@ static void a_reference_comes_back_as_it_was_written( void** state )
     remove( file_name );
     assert_int_equal( back.scenario, reference.scenario );
     assert_int_equal( back.vertex_count, VERTICES );
-    assert_int_equal( back.look_count, LOOKS );
+    assert_int_equal( back.observation_count, OBSERVATIONS );
     assert_true( back.mesh_hash == reference.mesh_hash && back.rate == reference.rate &&
                  back.rest_rate == reference.rest_rate );
     assert_true( back.order == reference.order && back.residual == reference.residual );
     assert_memory_equal( back.info, reference.info, sizeof( reference.info ) );
-    assert_memory_equal( back.looks, reference.looks, sizeof( reference.looks ) );
+    assert_memory_equal( back.observations, reference.observations, sizeof( reference.observations ) );
     assert_memory_equal( back.points, points, sizeof( points ) );
     compare_reference_free( &back );
 }
@@ -96,10 +97,10 @@ static void a_reference_comes_back_as_it_was_written( void** state )
 static void a_reference_that_is_cut_off_anywhere_is_refused( void** state )
 {
     (void)state;
-    float points[LOOKS * VERTICES * 3];
+    float points[OBSERVATIONS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     file_bytes file = written( &reference );
-    assert_int_equal( file.size, 160 + LOOKS * ( 48 + 12 * VERTICES ) + 8 );
+    assert_int_equal( file.size, 160 + OBSERVATIONS * ( 48 + 12 * VERTICES ) + 8 );
     for ( size_t size = 0; size < file.size; ++size )
     {
         expect_refused( file.bytes, size, size < 168 ? "too few for a reference" : "bytes, there are" );
@@ -110,7 +111,7 @@ static void a_reference_that_is_cut_off_anywhere_is_refused( void** state )
 static void a_reference_with_a_wrong_byte_is_refused_wherever_it_is( void** state )
 {
     (void)state;
-    float points[LOOKS * VERTICES * 3];
+    float points[OBSERVATIONS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     file_bytes file = written( &reference );
     for ( size_t at = 0; at < file.size; ++at )
@@ -145,7 +146,7 @@ static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( v
         { 16, { 6, 0, 0, 0 }, "3 samples of 6 vertices take" },
         { 20, { 4, 0, 0, 0 }, "4 samples of 5 vertices take" },
     };
-    float points[LOOKS * VERTICES * 3];
+    float points[OBSERVATIONS * VERTICES * 3];
     const compare_reference reference = small_reference( points );
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
     {
@@ -156,16 +157,16 @@ static void counts_that_are_out_of_range_or_not_those_of_the_file_are_refused( v
     }
 }
 
-static void numbers_that_no_cloth_has_are_refused_by_look( void** state )
+static void numbers_that_no_cloth_has_are_refused_by_observation( void** state )
 {
     (void)state;
     for ( int kind = 0; kind < 5; ++kind )
     {
-        float points[LOOKS * VERTICES * 3];
+        float points[OBSERVATIONS * VERTICES * 3];
         compare_reference reference = small_reference( points );
         points[VERTICES * 3 + 2] = kind == 0 ? NAN : kind == 1 ? INFINITY : kind == 2 ? -2e6f : 0.0f;
-        reference.looks[1].look.energy = kind == 3 ? (double)NAN : 0.0;
-        reference.looks[1].time = kind == 4 ? 0.0 : 0.05;
+        reference.observations[1].observation.energy = kind == 3 ? (double)NAN : 0.0;
+        reference.observations[1].time = kind == 4 ? 0.0 : 0.05;
         file_bytes file = written( &reference );
         expect_refused( file.bytes, file.size, "sample 1 has a number that is out of range" );
         free( file.bytes );
@@ -179,7 +180,7 @@ static void a_reference_of_another_cloth_is_refused( void** state )
     wisp_error error = { 0 };
     assert_ok( compare_scene_make( COMPARE_TAUT, 64, &scene, &error ), error );
     compare_reference reference = { .vertex_count = 64,
-                                    .look_count = scene.physics.look_count + 1,
+                                    .observation_count = scene.physics.observation_count + 1,
                                     .mesh_hash = scene.hash };
     compare_reference_info( &scene.physics, reference.info );
     assert_ok( compare_reference_check( &reference, &scene, "t", &error ), error );
@@ -270,7 +271,7 @@ static void the_tables_are_whole( void** state )
         assert_int_equal( row->workers, plan.workers[r % 2] );
         assert_true( row->has_hash && row->ms_median > 0.0 && row->steps > 0 );
         const double path = value_of( &row->error, "path_rms_m" );
-        assert_true( path > 0.0 && path <= value_of( &row->error, "worst_look_rms_m" ) );
+        assert_true( path > 0.0 && path <= value_of( &row->error, "worst_observation_rms_m" ) );
     }
     assert_true( value_of( &all.rows[2].error, "rest_strain" ) > 0.0 );
     results_free( &all );
@@ -311,7 +312,7 @@ int main( void )
         cmocka_unit_test( a_reference_that_is_cut_off_anywhere_is_refused ),
         cmocka_unit_test( a_reference_with_a_wrong_byte_is_refused_wherever_it_is ),
         cmocka_unit_test( counts_that_are_out_of_range_or_not_those_of_the_file_are_refused ),
-        cmocka_unit_test( numbers_that_no_cloth_has_are_refused_by_look ),
+        cmocka_unit_test( numbers_that_no_cloth_has_are_refused_by_observation ),
         cmocka_unit_test( a_reference_of_another_cloth_is_refused ),
         cmocka_unit_test( a_reference_that_is_not_there_is_a_message ),
         cmocka_unit_test( the_tables_are_whole ),

@@ -34,12 +34,13 @@ static wisp_status fake_step( void* context, int frame, wisp_error* error )
     return WISP_OK;
 }
 
-static wisp_status fake_look( void* context, int frame, stability_look* out, wisp_error* error )
+static wisp_status fake_observe( void* context, int frame, stability_observation* out, wisp_error* error )
 {
     (void)error;
     const flaw kind = *(const flaw*)context;
-    *out =
-        ( stability_look ){ .is_finite = true, .strain_limit = 0.1, .strain = 0.05, .energy = 2.0, .speed = 0.001 };
+    *out = ( stability_observation ){
+        .is_finite = true, .strain_limit = 0.1, .strain = 0.05, .energy = 2.0, .speed = 0.001
+    };
     const bool is_long = ( kind == RECOVERS && frame < 30 ) || ( kind == LATE && frame < 80 ) || kind == STAYS_LONG;
     out->strain = is_long ? 0.5 : out->strain;
     out->is_finite = !( kind == NOT_A_NUMBER && frame == 40 );
@@ -75,7 +76,7 @@ static stability_outcome run_fake( flaw kind, bool may_halt )
         .frame_count = FRAMES,
         .context = &kind,
         .step = fake_step,
-        .look = fake_look,
+        .observe = fake_observe,
         .hash = fake_hash,
         .close = fake_close,
     };

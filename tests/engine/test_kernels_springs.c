@@ -432,7 +432,7 @@ static double3 times_inverse( const springs* s, int row, double3 v )
 }
 
 // |1 - P A| of a row, over the largest entry of A times that of P: the factor of a condition number.
-static double doubt_of( const springs* s, const plain_rows* p, int row )
+static double error_bound_of( const springs* s, const plain_rows* p, int row )
 {
     double worst = 0.0;
     for ( int column = 0; column < 3; ++column )
@@ -483,7 +483,8 @@ static void the_preconditioner_is_the_inverse_for_any_mass( void** state )
         {
             const double condition = condition_of( s, p, row );
             assert_true( condition >= 8.9 );
-            assert_near( doubt_of( s, p, row ), 0.0, 4.0 * EPSILON * condition * condition, "inverse of row", row );
+            assert_near( error_bound_of( s, p, row ), 0.0, 4.0 * EPSILON * condition * condition, "inverse of row",
+                         row );
         }
         free( p );
     }

@@ -200,16 +200,16 @@ static void refreshing_in_place_equals_sampling_from_scratch( void** state )
         {
             deform( rest, &m, step );
             layer_update( kept );
-            layer* anew = layer_open( &m, 0.05f, 1 );
-            copy_settings( &anew->args, &kept->args );
-            layer_update( anew );
-            assert_same_points( &kept->samples, &anew->samples, m.edge_count + m.triangle_count );
-            assert_memory_equal( kept->args.triangle_axis, anew->args.triangle_axis,
+            layer* resampled = layer_open( &m, 0.05f, 1 );
+            copy_settings( &resampled->args, &kept->args );
+            layer_update( resampled );
+            assert_same_points( &kept->samples, &resampled->samples, m.edge_count + m.triangle_count );
+            assert_memory_equal( kept->args.triangle_axis, resampled->args.triangle_axis,
                                  (size_t)m.triangle_count * sizeof( int32_t ) );
             const int changed = kept->samples.changed_elements;
             in_place += changed == 0;
             some += changed > 0 && changed < m.edge_count + m.triangle_count;
-            layer_close( anew );
+            layer_close( resampled );
         }
         layer_close( kept );
     }
@@ -251,7 +251,7 @@ static void workers_do_not_change_a_bit( void** state )
     samples_mesh_free( &m );
 }
 
-static void only_what_changes_is_sampled_anew( void** state )
+static void only_what_changes_is_resampled( void** state )
 {
     (void)state;
     samples_mesh m = samples_sphere( 30, 30, 2.5 );
@@ -632,7 +632,7 @@ int main( void )
         cmocka_unit_test( gaps_along_edges_are_those_of_the_policy ),
         cmocka_unit_test( refreshing_in_place_equals_sampling_from_scratch ),
         cmocka_unit_test( workers_do_not_change_a_bit ),
-        cmocka_unit_test( only_what_changes_is_sampled_anew ),
+        cmocka_unit_test( only_what_changes_is_resampled ),
         cmocka_unit_test( an_element_with_its_own_spacing_has_its_own_count ),
         cmocka_unit_test( hysteresis_keeps_counts_until_lengths_are_well_beyond ),
         cmocka_unit_test( a_state_put_back_brings_its_points_back ),

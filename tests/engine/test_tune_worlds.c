@@ -6,7 +6,7 @@
 
 #define SIDE 9
 #define STEPS 64
-#define LOOKS 4
+#define OBSERVATIONS 4
 #define TOO_MUCH 1e6f // m/s^2: a cloth without pins is beyond 1e6 m/s after 61 steps, where worlds halt it
 #define STEP_SECONDS ( 1.0f / 60.0f )
 
@@ -92,7 +92,7 @@ static wisp_tune_worlds_def worlds_def( cloth_host* host )
     def.user = host;
     def.dt = STEP_SECONDS;
     def.step_count = STEPS;
-    def.sample_count = LOOKS;
+    def.sample_count = OBSERVATIONS;
     def.reference_factor = 4;
     return def;
 }
@@ -128,7 +128,7 @@ static void measure_errors( const int* configuration, double* rms, double* large
         wisp_view x, y;
         assert_int_equal( wisp_world_view( rough, a, WISP_SURFACE_POINTS, &x ), WISP_OK );
         assert_int_equal( wisp_world_view( reference, b, WISP_SURFACE_POINTS, &y ), WISP_OK );
-        for ( int v = 0; v < x.count && step % ( STEPS / LOOKS ) == 0; ++v )
+        for ( int v = 0; v < x.count && step % ( STEPS / OBSERVATIONS ) == 0; ++v )
         {
             const wisp_vec3 p = ( (const wisp_vec3*)x.data )[v], q = ( (const wisp_vec3*)y.data )[v];
             const double away[3] = { (double)p.x - (double)q.x, (double)p.y - (double)q.y,

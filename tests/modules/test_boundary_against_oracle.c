@@ -137,12 +137,12 @@ static int elements_with_other_points( const duel* d )
 }
 
 // Counts without points may change unnoticed, so the oracle, which compares counts, may report case B more often.
-static void assert_anew( const duel* d )
+static void assert_resampled( const duel* d )
 {
     const int least = elements_with_other_points( d );
     if ( d->samples.changed_elements < least || d->samples.changed_elements > d->oracle.changed_elements )
     {
-        fail_msg( "%d elements are sampled anew: %d have other points, %d other counts", d->samples.changed_elements,
+        fail_msg( "%d elements are resampled: %d have other points, %d other counts", d->samples.changed_elements,
                   least, d->oracle.changed_elements );
     }
 }
@@ -324,7 +324,7 @@ static void points_follow_a_pulsation_as_those_of_the_oracle( void** state )
                 pulsate( x, &mesh, frame );
                 duel_update( d, x );
                 assert_agree( d );
-                assert_anew( d );
+                assert_resampled( d );
                 changed += frame > 0 ? d->samples.changed_elements : 0;
             }
             assert_true( changed > 0 && changed < 19 * d->oracle.element_count );
@@ -351,7 +351,7 @@ static void assert_same_bits( const wisp_samples* a, const wisp_samples* b )
     assert_same_rows( a->weights, b->weights, a->count );
 }
 
-static void what_followed_in_place_has_the_bits_of_what_is_sampled_anew( void** state )
+static void what_followed_in_place_has_the_bits_of_what_is_resampled( void** state )
 {
     (void)state;
     balloon_mesh mesh = reference_sphere();
@@ -374,10 +374,10 @@ static void what_followed_in_place_has_the_bits_of_what_is_sampled_anew( void** 
         {
             pulsate( x, &mesh, 3 * frame );
             duel_update( followed, x );
-            duel* anew = duel_open( &mesh, &other );
-            duel_update( anew, x );
-            assert_same_bits( &followed->samples, &anew->samples );
-            duel_close( anew );
+            duel* resampled = duel_open( &mesh, &other );
+            duel_update( resampled, x );
+            assert_same_bits( &followed->samples, &resampled->samples );
+            duel_close( resampled );
         }
         duel_close( followed );
     }
@@ -402,7 +402,7 @@ static void a_line_more_without_points_moves_the_lines_below_it( void** state )
             duel_update( d, x );
             assert_int_equal( inner_points( &d->oracle ), 1 );
             assert_agree( d );
-            assert_anew( d );
+            assert_resampled( d );
         }
         duel_close( d );
     }
@@ -465,7 +465,7 @@ static void a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_b
         mesh.positions[300] = place;
         duel_update( d, mesh.positions );
         assert_agree( d );
-        assert_anew( d );
+        assert_resampled( d );
         duel_close( d );
     }
     balloon_mesh_destroy( &mesh );
@@ -541,7 +541,7 @@ int main( void )
         cmocka_unit_test( every_point_of_every_mesh_is_where_the_oracle_has_it ),
         cmocka_unit_test( table_b5_holds_for_the_engine ),
         cmocka_unit_test( points_follow_a_pulsation_as_those_of_the_oracle ),
-        cmocka_unit_test( what_followed_in_place_has_the_bits_of_what_is_sampled_anew ),
+        cmocka_unit_test( what_followed_in_place_has_the_bits_of_what_is_resampled ),
         cmocka_unit_test( a_line_more_without_points_moves_the_lines_below_it ),
         cmocka_unit_test( each_element_may_have_its_own_spacing ),
         cmocka_unit_test( a_corner_that_is_not_finite_takes_its_elements_away_and_gives_them_back ),

@@ -48,7 +48,7 @@ static void wobble( double3* x, const double3* rest, int count, double phase )
     }
 }
 
-static void what_followed_in_place_is_what_is_sampled_anew( void** state )
+static void what_followed_in_place_is_what_is_resampled( void** state )
 {
     (void)state;
     balloon_mesh mesh = reference_sphere();
@@ -64,20 +64,20 @@ static void what_followed_in_place_is_what_is_sampled_anew( void** state )
         {
             wobble( x, mesh.positions, mesh.vertex_count, 0.1 * frame );
             must_update( &followed, x );
-            boundary_oracle_layer anew;
-            assert_int_equal( boundary_oracle_create( &mesh, &options, &anew, NULL ), WISP_OK );
-            must_update( &anew, x );
-            assert_int_equal( anew.changed_elements, anew.element_count );
+            boundary_oracle_layer resampled;
+            assert_int_equal( boundary_oracle_create( &mesh, &options, &resampled, NULL ), WISP_OK );
+            must_update( &resampled, x );
+            assert_int_equal( resampled.changed_elements, resampled.element_count );
             assert_true( followed.changed_elements < followed.element_count / 2 );
-            assert_same_points( &followed, &anew );
-            boundary_oracle_destroy( &anew );
+            assert_same_points( &followed, &resampled );
+            boundary_oracle_destroy( &resampled );
         }
         boundary_oracle_destroy( &followed );
     }
     balloon_mesh_destroy( &mesh );
 }
 
-static void only_elements_whose_counts_changed_are_sampled_anew( void** state )
+static void only_elements_whose_counts_changed_are_resampled( void** state )
 {
     (void)state;
     balloon_mesh mesh = reference_sphere();
@@ -468,8 +468,8 @@ static void a_sample_run_swells_and_shrinks_with_its_points_on_the_surface( void
 int main( void )
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test( what_followed_in_place_is_what_is_sampled_anew ),
-        cmocka_unit_test( only_elements_whose_counts_changed_are_sampled_anew ),
+        cmocka_unit_test( what_followed_in_place_is_what_is_resampled ),
+        cmocka_unit_test( only_elements_whose_counts_changed_are_resampled ),
         cmocka_unit_test( more_pulsation_puts_more_elements_into_case_b ),
         cmocka_unit_test( hysteresis_stills_a_count_that_flickers ),
         cmocka_unit_test( hysteresis_lowers_the_share_of_case_b_in_a_small_pulsation ),

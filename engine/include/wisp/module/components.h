@@ -36,6 +36,7 @@
     X( LINK_STIFFNESS, "link.stiffness", WISP_TABLE_LINK )                                                           \
     X( LINK_COMPLIANCE, "link.compliance", WISP_TABLE_LINK )                                                         \
     X( LINK_LIMIT, "link.limit", WISP_TABLE_ENTITY )                                                                 \
+    X( LINK_FOLDS, "link.folds", WISP_TABLE_ENTITY )                                                                 \
     X( HINGE_REST, "hinge.rest", WISP_TABLE_HINGE )                                                                  \
     X( HINGE_COTANGENT, "hinge.cotangent", WISP_TABLE_HINGE )                                                        \
     X( HINGE_STIFFNESS, "hinge.stiffness", WISP_TABLE_HINGE )                                                        \
@@ -109,6 +110,11 @@
 #define WISP_LINK_LIMIT_COLUMNS( X )                                                                                 \
     X( float, minimum, 1 ) /* times the rest length */                                                               \
     X( float, maximum, 1 )
+/// Bend links that are too short give way to their hinges.
+#define WISP_LINK_FOLDS_COLUMNS( X )                                                                                 \
+    X( float, rigidity, 1 ) /* N m, of those hinges */                                                               \
+    X( int32_t, count, 1 )  /* of groups of links with such hinges, in the last search */                            \
+    X( int32_t, wait, 1 )   /* passes until the next search */
 #define WISP_HINGE_REST_COLUMNS( X ) X( float, angle, 1 ) /* rad, between the normals */
 #define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
     X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \

@@ -15,6 +15,10 @@ typedef struct wisp_link_args
     const float* rest;          ///< [link] m, rest length
     const float* stiffness;     ///< [link] pbd: fraction of the error removed, in [0, 1]
     const float* compliance;    ///< [link] xpbd: m/N
+    const int32_t* constraint;  ///< [link] numbers of the constraints, with folded
+    int edge_count;             ///< constraints from this number on are bend links, with folded
+    uint8_t* folded; ///< [link / 8] 0; receives the bits of bend links shorter than half their rest length, which are
+                     ///< not projected. Null: all links are projected
     float* lambda;     ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
     float inverse_dt2; ///< xpbd: 1/s^2
     float minimum, maximum; ///< strain limit: minimum and maximum length, as factors of the rest length

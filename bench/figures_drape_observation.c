@@ -188,7 +188,7 @@ static int count_folds( const drape_border* border, const wisp_vec3* points )
     return folds;
 }
 
-// ---- a look ----
+// ---- an observation ----
 
 static double gap_of( double x, double y, double z )
 {
@@ -196,7 +196,7 @@ static double gap_of( double x, double y, double z )
     return sqrt( x * x + y * y + z * z ) - (double)TRIANGLE_BALL_RADIUS;
 }
 
-wisp_status drape_glance( surface_implementation* implementation, drape_look* out, wisp_error* error )
+wisp_status drape_glance( surface_implementation* implementation, drape_observation* out, wisp_error* error )
 {
     const wisp_vec3* points;
     wisp_status status = surface_implementation_points( implementation, &points, error );
@@ -204,8 +204,9 @@ wisp_status drape_glance( surface_implementation* implementation, drape_look* ou
     {
         return status;
     }
-    surface_look look = surface_implementation_look( implementation );
-    *out = ( drape_look ){ .kinetic = look.kinetic, .gap = INFINITY, .is_finite = look.is_finite };
+    surface_observation observation = surface_implementation_observe( implementation );
+    *out =
+        ( drape_observation ){ .kinetic = observation.kinetic, .gap = INFINITY, .is_finite = observation.is_finite };
     for ( int i = 0; i < implementation->fabric->vertex_count; ++i )
     {
         out->gap = fmin( out->gap, gap_of( (double)points[i].x, (double)points[i].y, (double)points[i].z ) );
@@ -213,8 +214,8 @@ wisp_status drape_glance( surface_implementation* implementation, drape_look* ou
     return WISP_OK;
 }
 
-static void look_at_edge( const triangle_scene* scene, const wisp_vec3* points, int32_t i, int32_t k,
-                          drape_look* out )
+static void observe_edge( const triangle_scene* scene, const wisp_vec3* points, int32_t i, int32_t k,
+                          drape_observation* out )
 {
     const wisp_vec3 a = points[i], b = points[k];
     double rest = distance( scene->mesh.points[i], scene->mesh.points[k] );
@@ -224,23 +225,23 @@ static void look_at_edge( const triangle_scene* scene, const wisp_vec3* points, 
                                         0.5 * ( (double)a.z + (double)b.z ) ) );
 }
 
-static void look_at_edges( const triangle_scene* scene, const wisp_vec3* points, drape_look* out )
+static void observe_edges( const triangle_scene* scene, const wisp_vec3* points, drape_observation* out )
 {
     const wisp_fabric* fabric = scene->fabric;
     out->gap_between = INFINITY;
     for ( int e = 0; e < scene->pairs.stretch_count; ++e )
     {
-        look_at_edge( scene, points, scene->pairs.stretch[2 * e], scene->pairs.stretch[2 * e + 1], out );
+        observe_edge( scene, points, scene->pairs.stretch[2 * e], scene->pairs.stretch[2 * e + 1], out );
     }
     for ( int e = 0; e < fabric->edge_count && scene->pairs.stretch_count == 0; ++e )
     {
-        look_at_edge( scene, points, fabric->slot_vertex[fabric->edges[2 * e]],
+        observe_edge( scene, points, fabric->slot_vertex[fabric->edges[2 * e]],
                       fabric->slot_vertex[fabric->edges[2 * e + 1]], out );
     }
 }
 
-wisp_status drape_look_at( const triangle_scene* scene, const drape_border* border,
-                           surface_implementation* implementation, drape_look* out, wisp_error* error )
+wisp_status drape_observe( const triangle_scene* scene, const drape_border* border,
+                           surface_implementation* implementation, drape_observation* out, wisp_error* error )
 {
     const wisp_vec3* points;
     wisp_status status = drape_glance( implementation, out, error );
@@ -249,7 +250,7 @@ wisp_status drape_look_at( const triangle_scene* scene, const drape_border* bord
     {
         return status;
     }
-    look_at_edges( scene, points, out );
+    observe_edges( scene, points, out );
     out->min_hem = INFINITY;
     for ( int i = 0; i < border->count; ++i )
     {
