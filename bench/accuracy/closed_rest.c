@@ -2,6 +2,7 @@
 #include "closed_forms.h"
 
 #include <math.h>
+#include <string.h>
 #include <stdlib.h>
 
 // Compliance of links that must not act, m/N.
@@ -147,11 +148,10 @@ enum
 
 double closed_strip_cell( int cells )
 {
-    return STRIP_LENGTH / ( cells + 0.75 );
+    return STRIP_LENGTH / cells;
 }
 
-// A row of equilateral triangles, whose first cell is pinned. The first hinge that can turn represents the clamp and
-// half a spacing of hinges on both sides of it, so the clamped edge is half a spacing behind it.
+// A row of square cells with diagonals in turn. The first cell is pinned and rigid, and the strip begins where it ends.
 static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
 {
     const int columns = cells + 2;
@@ -160,30 +160,27 @@ static wisp_status make_strip( int cells, closed_body* out, wisp_error* error )
     for ( int i = 0; i < columns && status == WISP_OK; ++i )
     {
         wisp_vec3* points = out->mesh.points;
-        points[i] = ( wisp_vec3 ){ (float)( a * ( i - 0.5 ) ), 0.0f, 0.0f };
-        points[columns + i] = ( wisp_vec3 ){ (float)( a * i ), 0.0f, (float)( a * sqrt( 0.75 ) ) };
+        points[i] = ( wisp_vec3 ){ (float)( a * ( i - 1 ) ), 0.0f, 0.0f };
+        points[columns + i] = ( wisp_vec3 ){ (float)( a * ( i - 1 ) ), 0.0f, (float)a };
     }
     for ( int i = 0; i + 1 < columns && status == WISP_OK; ++i )
     {
         const int p = i, q = i + 1, r = columns + i, s = r + 1;
-        const int32_t corners[] = { p, r, q, q, r, s };
-        for ( int k = 0; k < WISP_COUNT( corners ); ++k )
-        {
-            out->mesh.triangles[WISP_COUNT( corners ) * i + k] = corners[k];
-        }
+        const int32_t falling[] = { p, r, s, p, s, q }, rising[] = { p, r, q, q, r, s };
+        memcpy( out->mesh.triangles + WISP_COUNT( falling ) * i, i % 2 == 0 ? falling : rising, sizeof( falling ) );
     }
     return status;
 }
 
-// theta'' = -G ( 1 - s ) cos theta. A strip between free edges has 8/9 of the rigidity of a sheet bent to a cylinder.
+// theta'' = -G ( 1 - s ) cos theta.
 wisp_status closed_elastica( closed_run* run, wisp_error* error )
 {
     const double load = run->first, slowest = 3.516 * sqrt( CLOSED_GRAVITY / ( load * STRIP_LENGTH ) );
     const int columns = run->parameter + 2;
-    const int32_t pins[] = { 0, 1, columns };
+    const int32_t pins[] = { 0, 1, columns, columns + 1 };
     wisp_cloth_def cloth = wisp_default_cloth_def();
     cloth.bending = WISP_CLOTH_BENDING_DIHEDRAL;
-    cloth.bend_rigidity = (float)( 9.0 / 8.0 * STRIP_DENSITY * CLOSED_GRAVITY * pow( STRIP_LENGTH, 3.0 ) / load );
+    cloth.bend_rigidity = (float)( STRIP_DENSITY * CLOSED_GRAVITY * pow( STRIP_LENGTH, 3.0 ) / load );
     surface_generator generator = closed_generator( run );
     generator.substeps = STRIP_SUBSTEPS;
     generator.iterations = STRIP_ITERATIONS;

@@ -45,8 +45,8 @@ typedef struct wisp_cloth_def
     wisp_cloth_bending bending; ///< default bend links
     float bend_stiffness;       ///< pbd, in [0, 1], default 0.2
     float bend_compliance;      ///< xpbd, bend links only, m/N, default 0.1
-    /// xpbd, dihedral and isometric, N m (J): flexural rigidity of the cloth when rolled up, exact for equilateral
-    /// triangles, > 0, default 5e-6 (light cotton). A strip between free edges has 8/9 of it (Poisson's ratio is -1/3).
+    /// xpbd, dihedral and isometric, N m (J): flexural rigidity D, > 0, default 5e-6 (light cotton). A strip has D times its
+    /// width on any mesh and with any number of substeps (Poisson's ratio 0).
     /// With bend links: that of folds of more than about 120 degrees.
     float bend_rigidity;
 

@@ -134,7 +134,7 @@ static void a_fine_sphere_is_within_two_per_cent_of_a_smooth_one( void** state )
 {
     (void)state;
     assert_true( observe( &scene, "sphere stretched by 5 %, 2 sigma / R, Pa, level 4" ).error < 1.5 );
-    assert_true( observe( &scene, "elastica, G = 1, drop / L, cells 6" ).error < 0.5 );
+    assert_true( observe( &scene, "elastica, G = 1, drop / L, cells 24" ).error < 0.5 );
 }
 
 static void a_closed_form_has_one_hash_whoever_computes_it( void** state )

@@ -1,0 +1,267 @@
+// Hinges of a plate: their places in the rest shape, and how two triangles share the turn of their hinge.
+#include "plate_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    MONOMIALS = 3, // quadratic surfaces of unit curvature: x x / 2, y y / 2, x y / sqrt 2
+};
+
+// Shares below this are dropped. They are rounding errors on regular meshes, whose rows become half as long.
+static const double LEAST_SHARE = 1e-5;
+// Of the sum of squares that a fit is solved with: where hinges lie badly for a fit, the share stays near that by height.
+static const double REGULARISATION = 1e-4;
+// A triangle lower than this part of its edge has no direction, so its edges are open.
+static const double LEAST_HEIGHT = 1e-5;
+typedef struct vec2d
+{
+    double x, y;
+} vec2d;
+
+// ---- hinges ----
+
+// Place of an opposite corner relative to its edge. @return whether the triangle has a height
+static bool measure_side( const wisp_fabric* f, plate_hinge* h, int side )
+{
+    const int32_t opposite = h->corner[2 + side], t[3] = { h->corner[0], h->corner[1], opposite };
+    const plate_vector e = plate_edge( f, h->corner[0], h->corner[1] ), d = plate_edge( f, h->corner[0], opposite );
+    h->length = sqrt( plate_dot( e, e ) );
+    if ( !( h->length > 0.0 ) )
+    {
+        return false;
+    }
+    h->foot[side] = plate_dot( d, e ) / plate_dot( e, e );
+    h->height[side] = 2.0 * plate_area( f, t ) / h->length;
+    return h->height[side] > LEAST_HEIGHT * h->length;
+}
+
+// J is the jump of the gradients of the two triangles along the normal of the edge (Bergou et al. 2006, eq. 4).
+static void set_row( plate_hinge* h )
+{
+    for ( int side = 0; side < 2; ++side )
+    {
+        const double per_height = 1.0 / h->height[side];
+        h->row[0] += ( 1.0 - h->foot[side] ) * per_height;
+        h->row[1] += h->foot[side] * per_height;
+        h->row[2 + side] = -per_height;
+    }
+}
+
+// A triangle as seen along one of its edges.
+typedef struct half_edge
+{
+    int32_t from, to, triangle, corner;
+} half_edge;
+
+static int compare_half_edges( const void* first, const void* second )
+{
+    const half_edge *a = first, *b = second;
+    return a->from != b->from ? ( a->from < b->from ? -1 : 1 ) : ( a->to > b->to ) - ( a->to < b->to );
+}
+
+static const half_edge* find_half_edge( const half_edge* edges, size_t count, int32_t from, int32_t to )
+{
+    const half_edge key = { .from = from, .to = to };
+    return bsearch( &key, edges, count, sizeof( key ), compare_half_edges );
+}
+
+static half_edge* list_half_edges( const wisp_fabric* f, fabric_pool* scratch )
+{
+    const size_t count = 3 * (size_t)f->triangle_count;
+    half_edge* edges = fabric_pool_push( scratch, count, sizeof( *edges ) );
+    for ( size_t i = 0; i < count && edges != NULL; ++i )
+    {
+        const int32_t* t = f->triangles + i / 3 * 3;
+        edges[i] = ( half_edge ){ t[i % 3], t[( i + 1 ) % 3], (int32_t)( i / 3 ), (int32_t)( i % 3 ) };
+    }
+    if ( edges != NULL )
+    {
+        qsort( edges, count, sizeof( *edges ), compare_half_edges );
+    }
+    return edges;
+}
+
+static bool connect_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
+{
+    const half_edge* edges = list_half_edges( f, scratch );
+    if ( edges == NULL )
+    {
+        return false;
+    }
+    const size_t count = 3 * (size_t)f->triangle_count;
+    memset( plate->triangle_hinge, -1, (size_t)f->triangle_count * sizeof( plate->triangle_hinge[0] ) );
+    for ( int n = 0; n < f->hinge_count; ++n )
+    {
+        plate_hinge h = { .constraint = n };
+        memcpy( h.corner, f->hinges + PLATE_CORNERS * (size_t)n, sizeof( h.corner ) );
+        const half_edge* side[2] = { find_half_edge( edges, count, h.corner[0], h.corner[1] ),
+                                     find_half_edge( edges, count, h.corner[1], h.corner[0] ) };
+        // back to back, or without a height: the edge is open
+        const bool measured = side[0] != NULL && side[1] != NULL && h.corner[2] != h.corner[3] &&
+                              measure_side( f, &h, 0 ) && measure_side( f, &h, 1 );
+        if ( measured )
+        {
+            set_row( &h );
+            for ( int s = 0; s < 2; ++s )
+            {
+                h.triangle[s] = side[s]->triangle;
+                plate->triangle_hinge[side[s]->triangle][side[s]->corner] = plate->hinge_count;
+            }
+            plate->hinges[plate->hinge_count++] = h;
+        }
+    }
+    return true;
+}
+
+// Hinge across the edge between two corners of a triangle.
+static int32_t hinge_across( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, int32_t from )
+{
+    const int32_t* t = f->triangles + 3 * (size_t)triangle;
+    const int corner = t[0] == from ? 0 : ( t[1] == from ? 1 : 2 );
+    return plate->triangle_hinge[triangle][corner];
+}
+
+static void list_stencil( const wisp_plate* plate, const wisp_fabric* f, int32_t hinge )
+{
+    plate_hinge* h = plate->hinges + hinge;
+    h->stencil[0] = hinge;
+    h->stencil[1] = hinge_across( plate, f, h->triangle[0], h->corner[1] );
+    h->stencil[2] = hinge_across( plate, f, h->triangle[0], h->corner[2] );
+    h->stencil[3] = hinge_across( plate, f, h->triangle[1], h->corner[0] );
+    h->stencil[4] = hinge_across( plate, f, h->triangle[1], h->corner[3] );
+}
+
+// ---- how two triangles share a turn ----
+
+// The point that is `height` to the right of the way from a to b, at the share `foot` of it.
+static vec2d place_right( vec2d a, vec2d b, double foot, double height )
+{
+    const double x = b.x - a.x, y = b.y - a.y, per_length = 1.0 / sqrt( x * x + y * y );
+    return ( vec2d ){ a.x + foot * x + height * y * per_length, a.y + foot * y - height * x * per_length };
+}
+
+// J of a hinge for the three quadratic surfaces. @param at its corners in the plane
+static void add_monomials( const plate_hinge* h, const vec2d at[PLATE_CORNERS], double out[MONOMIALS] )
+{
+    for ( int k = 0; k < PLATE_CORNERS; ++k )
+    {
+        out[0] += h->row[k] * 0.5 * at[k].x * at[k].x;
+        out[1] += h->row[k] * 0.5 * at[k].y * at[k].y;
+        out[2] += h->row[k] * sqrt( 0.5 ) * at[k].x * at[k].y;
+    }
+}
+
+// J of a hinge next to this one, unfolded into its plane. @param from, to of the edge, so that the far triangle is to the right
+static void unfold( const plate_hinge* h, int32_t from_slot, vec2d from, vec2d to, vec2d near, double out[MONOMIALS] )
+{
+    const bool same = h->corner[0] == from_slot; // then `near` is the corner k, the far one l
+    vec2d at[PLATE_CORNERS];
+    at[0] = same ? from : to;
+    at[1] = same ? to : from;
+    const int far = same ? 1 : 0;
+    at[2 + far] = same ? place_right( from, to, h->foot[1], h->height[1] )
+                       : place_right( from, to, 1.0 - h->foot[0], h->height[0] );
+    at[2 + ( 1 - far )] = near;
+    add_monomials( h, at, out );
+}
+
+// Turn of side 0 and of the stencil for quadratic surfaces in the plane of a hinge, the middle of its edge at the origin.
+static void measure_quadratics( const wisp_plate* plate, const plate_hinge* h, double turn[MONOMIALS],
+                                double jump[PLATE_STENCIL][MONOMIALS] )
+{
+    const double half = 0.5 * h->length;
+    const vec2d i = { -half, 0.0 }, j = { half, 0.0 };
+    const vec2d k = { ( 2.0 * h->foot[0] - 1.0 ) * half, h->height[0] };
+    const vec2d l = { ( 2.0 * h->foot[1] - 1.0 ) * half, -h->height[1] };
+    const vec2d own[PLATE_CORNERS] = { i, j, k, l };
+    memset( jump, 0, PLATE_STENCIL * sizeof( jump[0] ) );
+    add_monomials( h, own, jump[0] );
+    const struct
+    {
+        int32_t slot;
+        vec2d from, to, near;
+    } next[PLATE_STENCIL - 1] = {
+        { h->corner[1], j, k, i }, { h->corner[2], k, i, j }, { h->corner[0], i, l, j }, { h->corner[3], l, j, i }
+    };
+    for ( int n = 0; n < PLATE_STENCIL - 1; ++n )
+    {
+        if ( h->stencil[n + 1] >= 0 )
+        {
+            unfold( plate->hinges + h->stencil[n + 1], next[n].slot, next[n].from, next[n].to, next[n].near,
+                    jump[n + 1] );
+        }
+    }
+    // the gradient at the middle of the edge is 0, that of the flat triangle leads from the edge to the corner
+    turn[0] = ( 0.5 * half * half - 0.5 * k.x * k.x ) / k.y;
+    turn[1] = -0.5 * k.y;
+    turn[2] = -sqrt( 0.5 ) * k.x;
+}
+
+// Solve a symmetric system in place. @return by pivots of a matrix that is positive definite
+static void solve_monomials( double a[MONOMIALS][MONOMIALS], double b[MONOMIALS] )
+{
+    for ( int p = 0; p < MONOMIALS; ++p )
+    {
+        for ( int r = p + 1; r < MONOMIALS; ++r )
+        {
+            const double factor = a[r][p] / a[p][p];
+            for ( int c = p; c < MONOMIALS; ++c )
+            {
+                a[r][c] -= factor * a[p][c];
+            }
+            b[r] -= factor * b[p];
+        }
+    }
+    for ( int p = MONOMIALS - 1; p >= 0; --p )
+    {
+        for ( int c = p + 1; c < MONOMIALS; ++c )
+        {
+            b[p] -= a[p][c] * b[c];
+        }
+        b[p] /= a[p][p];
+    }
+}
+
+// The shares nearest to one by height, which suits equal triangles, that are right for every quadratic surface.
+static void fit_shares( const wisp_plate* plate, plate_hinge* h )
+{
+    double turn[MONOMIALS], jump[PLATE_STENCIL][MONOMIALS], gram[MONOMIALS][MONOMIALS] = { { 0.0 } }, trace = 0.0;
+    measure_quadratics( plate, h, turn, jump );
+    h->fitted[0] = h->height[0] / ( h->height[0] + h->height[1] );
+    for ( int m = 0; m < MONOMIALS; ++m )
+    {
+        turn[m] -= h->fitted[0] * jump[0][m];
+        for ( int n = 0; n < MONOMIALS; ++n )
+        {
+            for ( int s = 0; s < PLATE_STENCIL; ++s )
+            {
+                gram[m][n] += jump[s][m] * jump[s][n];
+            }
+        }
+        trace += gram[m][m];
+    }
+    for ( int m = 0; m < MONOMIALS; ++m )
+    {
+        gram[m][m] += REGULARISATION * trace;
+    }
+    solve_monomials( gram, turn );
+    for ( int s = 0; s < PLATE_STENCIL; ++s )
+    {
+        const double more = jump[s][0] * turn[0] + jump[s][1] * turn[1] + jump[s][2] * turn[2];
+        h->fitted[s] += s == 0 || fabs( more ) >= LEAST_SHARE ? more : 0.0;
+    }
+}
+
+bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch )
+{
+    const bool done = connect_hinges( plate, f, scratch );
+    for ( int32_t h = 0; h < plate->hinge_count && done; ++h )
+    {
+        list_stencil( plate, f, h );
+        fit_shares( plate, plate->hinges + h );
+    }
+    return done;
+}

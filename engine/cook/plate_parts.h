@@ -1,0 +1,100 @@
+/// Parts of a plate while it is cooked: hinges with the shares of their turns, patches of triangles, rows of matrices.
+#pragma once
+
+#include "wisp/module/plate.h"
+
+#include "fabric_parts.h"
+
+#include <math.h>
+
+enum
+{
+    PLATE_STENCIL = 5, // hinges that share a turn: the hinge itself, two of each triangle
+    PLATE_PATCH = 12,  // vertices of a triangle, its neighbours and theirs; more than the hinges between them
+    PLATE_CORNERS = 4, // of a hinge
+};
+
+// A hinge between side 0, the triangle (i, j, k), and side 1, the triangle (j, i, l).
+typedef struct plate_hinge
+{
+    int32_t corner[PLATE_CORNERS]; // slots i, j, k, l
+    int32_t constraint;            // of the fabric
+    int32_t triangle[2];
+    int32_t stencil[PLATE_STENCIL]; // hinges: itself, across (j, k), (k, i), (i, l), (l, j); -1: none
+    double row[PLATE_CORNERS];      // J = sum of row x, 1/m
+    double length;                  // m
+    double foot[2], height[2];      // of an opposite corner over the edge: share of the edge from i; m
+    double fitted[PLATE_STENCIL];   // turn of side 0 from J of the stencil, without pins
+    double share[PLATE_STENCIL];    // the same next to pins
+} plate_hinge;
+
+// A matrix over vertices or over hinges by slices of eight rows. A slice has as many entries as its longest row.
+typedef struct plate_row_set
+{
+    bool of_hinges; // else of vertices
+    int item_count, slice_count;
+    int32_t* item_row;     // [item_count]
+    int32_t* begin;        // [slice_count + 1]
+    int32_t ( *other )[8]; // [entry] rows, times 4 of vertices; a lane's own row pads
+    float ( *weight )[8];  // [entry]
+} plate_row_set;
+
+struct wisp_plate
+{
+    plate_row_set vertices;      // Q, without its diagonal
+    plate_row_set turns;         // energy of turns, 1/2 D sum of K J J; empty unless requested
+    float *stiffness, *steepest; // [row of turns]
+    float* least_height;         // [slot] m
+    plate_hinge* hinges;         // [hinge_count]
+    int hinge_count;
+    int32_t ( *triangle_hinge )[3]; // [triangle_count] across the edge from corner k to the next; -1: open
+    uint8_t* pinned;                // [vertex_count]
+    float max_rate;
+    bool filled;
+    int lowered;     // triangles that are scaled down
+    float scaled_to; // 1/(kg m^2)
+    fabric_pool pool;
+};
+
+// What acts on the curvature of one triangle: its turns as linear combinations of those of hinges, and of the vertices around.
+typedef struct plate_patch
+{
+    int hinge_count, vertex_count;
+    int32_t hinge[PLATE_PATCH], vertex[PLATE_PATCH];
+    double of_hinge[3][PLATE_PATCH];
+    double of_vertex[3][PLATE_PATCH]; // 1/m
+} plate_patch;
+
+// Double precision, relative to a corner, so that nothing is lost far from the origin.
+typedef struct plate_vector
+{
+    double x, y, z;
+} plate_vector;
+
+static inline plate_vector plate_edge( const wisp_fabric* f, int32_t from, int32_t to )
+{
+    const wisp_vec3 a = f->rest[from], b = f->rest[to];
+    return ( plate_vector ){ (double)b.x - (double)a.x, (double)b.y - (double)a.y, (double)b.z - (double)a.z };
+}
+
+static inline double plate_dot( plate_vector a, plate_vector b )
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline double plate_area( const wisp_fabric* f, const int32_t* t )
+{
+    const plate_vector a = plate_edge( f, t[0], t[1] ), b = plate_edge( f, t[0], t[2] );
+    const plate_vector n = { a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x };
+    return 0.5 * sqrt( plate_dot( n, n ) );
+}
+
+/// List the hinges, how their triangles share a turn, and the hinge across each edge. @return false if out of memory
+bool plate_cook_hinges( wisp_plate* plate, const wisp_fabric* f, fabric_pool* scratch );
+
+/// Turns of a triangle's edges as linear combinations of those of hinges and of the vertices around.
+/// @param with_pins with the shares next to pins; without, a patch has the vertices and hinges that it can ever have
+plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins );
+
+/// List the entries of each row; their weights are 0. @return false if out of memory
+bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch );

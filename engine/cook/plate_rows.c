@@ -1,0 +1,199 @@
+// Which vertices and hinges of a plate act on each other: the entries of the rows of its matrices.
+#include "plate_parts.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+// ---- patches ----
+
+static int find_or_add( int32_t* list, int* count, int32_t item )
+{
+    for ( int i = 0; i < *count; ++i )
+    {
+        if ( list[i] == item )
+        {
+            return i;
+        }
+    }
+    list[*count] = item;
+    return ( *count )++;
+}
+
+static void add_jump( plate_patch* p, int edge, const wisp_plate* plate, int32_t hinge, double factor )
+{
+    const plate_hinge* h = plate->hinges + hinge;
+    p->of_hinge[edge][find_or_add( p->hinge, &p->hinge_count, hinge )] += factor;
+    for ( int k = 0; k < PLATE_CORNERS; ++k )
+    {
+        p->of_vertex[edge][find_or_add( p->vertex, &p->vertex_count, h->corner[k] )] += factor * h->row[k];
+    }
+}
+
+plate_patch plate_patch_of( const wisp_plate* plate, int32_t triangle, bool with_pins )
+{
+    plate_patch p = { .hinge_count = 0 };
+    for ( int edge = 0; edge < 3; ++edge )
+    {
+        const int32_t hinge = plate->triangle_hinge[triangle][edge];
+        if ( hinge < 0 )
+        {
+            continue;
+        }
+        const plate_hinge* h = plate->hinges + hinge;
+        const double* share = with_pins ? h->share : h->fitted;
+        for ( int s = 0; s < PLATE_STENCIL; ++s )
+        {
+            const double other = ( s == 0 ? 1.0 : 0.0 ) - share[s];
+            if ( h->stencil[s] >= 0 && ( s == 0 || h->fitted[s] != 0.0 ) )
+            {
+                add_jump( &p, edge, plate, h->stencil[s], h->triangle[0] == triangle ? share[s] : other );
+            }
+        }
+    }
+    return p;
+}
+
+// ---- rows ----
+
+// The patches that a vertex or a hinge is in, to merge into its row.
+typedef struct patch_lists
+{
+    int32_t* begin;    // [item_count + 2]
+    int32_t* triangle; // [begin[item_count]]
+    int32_t* mark;     // [item_count] last row that has the item
+    int32_t* found;    // [item_count]
+} patch_lists;
+
+static int members_of( const plate_patch* p, const plate_row_set* set, const int32_t** out )
+{
+    *out = set->of_hinges ? p->hinge : p->vertex;
+    return set->of_hinges ? p->hinge_count : p->vertex_count;
+}
+
+static bool list_patches( const wisp_plate* plate, const wisp_fabric* f, const plate_row_set* set,
+                          fabric_pool* scratch, patch_lists* out )
+{
+    const size_t count = (size_t)set->item_count;
+    out->begin = fabric_pool_push_zeroed( scratch, count + 2, sizeof( int32_t ) );
+    out->triangle = fabric_pool_push( scratch, PLATE_PATCH * (size_t)f->triangle_count, sizeof( int32_t ) );
+    out->mark = fabric_pool_push( scratch, count, sizeof( int32_t ) );
+    out->found = fabric_pool_push( scratch, count, sizeof( int32_t ) );
+    if ( out->begin == NULL || out->triangle == NULL || out->mark == NULL || out->found == NULL )
+    {
+        return false;
+    }
+    for ( int pass = 0; pass < 2; ++pass )
+    {
+        for ( int32_t t = 0; t < f->triangle_count; ++t )
+        {
+            const plate_patch p = plate_patch_of( plate, t, false );
+            const int32_t* members;
+            const int member_count = members_of( &p, set, &members );
+            for ( int i = 0; i < member_count; ++i )
+            {
+                // first the counts, two places ahead; then each place moves to its end, where the next one begins
+                int32_t* place = out->begin + members[i] + ( pass == 0 ? 2 : 1 );
+                if ( pass == 1 )
+                {
+                    out->triangle[*place] = t;
+                }
+                *place += 1;
+            }
+        }
+        for ( size_t i = 0; i < count && pass == 0; ++i )
+        {
+            out->begin[i + 2] += out->begin[i + 1];
+        }
+    }
+    return true;
+}
+
+static int compare_items( const void* first, const void* second )
+{
+    const int32_t a = *(const int32_t*)first, b = *(const int32_t*)second;
+    return ( a > b ) - ( a < b );
+}
+
+// Items of a row in ascending order; a vertex is not in its own row, whose diagonal follows from the others. @return their
+// number
+static int merge_row( const wisp_plate* plate, const plate_row_set* set, const patch_lists* lists, int32_t item )
+{
+    int count = 0;
+    lists->mark[item] = set->of_hinges ? -1 : item;
+    for ( int32_t at = lists->begin[item]; at < lists->begin[item + 1]; ++at )
+    {
+        const plate_patch p = plate_patch_of( plate, lists->triangle[at], false );
+        const int32_t* members;
+        const int member_count = members_of( &p, set, &members );
+        for ( int i = 0; i < member_count; ++i )
+        {
+            if ( lists->mark[members[i]] != item )
+            {
+                lists->mark[members[i]] = item;
+                lists->found[count++] = members[i];
+            }
+        }
+    }
+    qsort( lists->found, (size_t)count, sizeof( int32_t ), compare_items );
+    return count;
+}
+
+static void clear_marks( const plate_row_set* set, const patch_lists* lists )
+{
+    memset( lists->mark, -1, (size_t)set->item_count * sizeof( int32_t ) );
+}
+
+static void write_rows( const wisp_plate* plate, plate_row_set* set, const patch_lists* lists )
+{
+    const int times = set->of_hinges ? 1 : 4;
+    for ( int slice = 0; slice < set->slice_count; ++slice )
+    {
+        for ( int32_t n = set->begin[slice]; n < set->begin[slice + 1]; ++n )
+        {
+            for ( int lane = 0; lane < 8; ++lane )
+            {
+                set->other[n][lane] = times * ( 8 * slice + lane );
+            }
+        }
+    }
+    for ( int32_t item = 0; item < set->item_count; ++item )
+    {
+        const int32_t row = set->item_row[item];
+        const int length = merge_row( plate, set, lists, item );
+        for ( int n = 0; n < length; ++n )
+        {
+            set->other[set->begin[row / 8] + n][row % 8] = times * set->item_row[lists->found[n]];
+        }
+    }
+}
+
+bool plate_cook_rows( wisp_plate* plate, const wisp_fabric* f, plate_row_set* set, fabric_pool* scratch )
+{
+    patch_lists lists;
+    set->begin = fabric_pool_push_zeroed( &plate->pool, (size_t)set->slice_count + 1, sizeof( int32_t ) );
+    if ( set->begin == NULL || list_patches( plate, f, set, scratch, &lists ) == false )
+    {
+        return false;
+    }
+    clear_marks( set, &lists );
+    for ( int32_t item = 0; item < set->item_count; ++item )
+    {
+        const int length = merge_row( plate, set, &lists, item );
+        int32_t* longest = set->begin + set->item_row[item] / 8 + 1;
+        *longest = length > *longest ? length : *longest;
+    }
+    for ( int s = 0; s < set->slice_count; ++s )
+    {
+        set->begin[s + 1] += set->begin[s];
+    }
+    const size_t entries = (size_t)set->begin[set->slice_count];
+    set->other = fabric_pool_push( &plate->pool, entries, sizeof( set->other[0] ) );
+    set->weight = fabric_pool_push_zeroed( &plate->pool, entries, sizeof( set->weight[0] ) );
+    if ( set->other == NULL || set->weight == NULL )
+    {
+        return false;
+    }
+    clear_marks( set, &lists );
+    write_rows( plate, set, &lists );
+    return true;
+}

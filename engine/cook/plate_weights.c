@@ -1,0 +1,242 @@
+// Weights of the rows of a plate: the energy of each triangle, clamped next to pins and scaled down where it is too stiff.
+#include "plate_parts.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool is_rigid( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle )
+{
+    const int32_t* t = f->triangles + 3 * (size_t)triangle;
+    return plate->pinned[t[0]] != 0 && plate->pinned[t[1]] != 0 && plate->pinned[t[2]] != 0;
+}
+
+// A hinge at a rigid triangle turns on the other side alone. It does not measure the curvature beyond, so it is not part of
+// the fit of its neighbours.
+static void share_next_to_pins( const wisp_plate* plate, const wisp_fabric* f, plate_hinge* h )
+{
+    const bool rigid[2] = { is_rigid( plate, f, h->triangle[0] ), is_rigid( plate, f, h->triangle[1] ) };
+    memcpy( h->share, h->fitted, sizeof( h->share ) );
+    bool whole = true;
+    for ( int s = 1; s < PLATE_STENCIL; ++s )
+    {
+        if ( h->stencil[s] >= 0 )
+        {
+            const plate_hinge* next = plate->hinges + h->stencil[s];
+            whole = whole && is_rigid( plate, f, next->triangle[0] ) == false &&
+                    is_rigid( plate, f, next->triangle[1] ) == false;
+        }
+    }
+    if ( rigid[0] || rigid[1] || whole == false )
+    {
+        memset( h->share, 0, sizeof( h->share ) );
+        h->share[0] = h->height[0] / ( h->height[0] + h->height[1] );
+        h->share[0] = rigid[0] ? 0.0 : ( rigid[1] ? 1.0 : h->share[0] );
+    }
+}
+
+// Energy of turns, 1/2 sum of m d d: m = ( e . e )^2 / ( l l A ) for normals that are as oblique as the edges. Nothing turns
+// a triangle about an open edge, so its energy there is the least possible.
+static void turn_energy( const wisp_plate* plate, const wisp_fabric* f, int32_t triangle, double m[3][3] )
+{
+    const int32_t* t = f->triangles + 3 * (size_t)triangle;
+    const plate_vector e[3] = { plate_edge( f, t[0], t[1] ), plate_edge( f, t[1], t[2] ),
+                                plate_edge( f, t[2], t[0] ) };
+    const double area = plate_area( f, t );
+    for ( int p = 0; p < 3; ++p )
+    {
+        for ( int q = 0; q < 3; ++q )
+        {
+            const double cosine = plate_dot( e[p], e[q] );
+            const double bottom = sqrt( plate_dot( e[p], e[p] ) * plate_dot( e[q], e[q] ) ) * area;
+            m[p][q] = bottom > 0.0 ? cosine * cosine / bottom : 0.0;
+        }
+    }
+    for ( int open = 0; open < 3; ++open )
+    {
+        if ( plate->triangle_hinge[triangle][open] >= 0 )
+        {
+            continue;
+        }
+        double column[3] = { m[0][open], m[1][open], m[2][open] };
+        const double pivot = m[open][open];
+        for ( int p = 0; p < 3; ++p )
+        {
+            for ( int q = 0; q < 3 && pivot > 0.0; ++q )
+            {
+                m[p][q] -= column[p] * column[q] / pivot;
+            }
+        }
+    }
+}
+
+// Energy of one triangle by its items. @param factor turns of its edges from those items
+static void patch_matrix( double m[3][3], double factor[3][PLATE_PATCH], int count,
+                          double out[PLATE_PATCH][PLATE_PATCH] )
+{
+    for ( int a = 0; a < count; ++a )
+    {
+        double moment[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            moment[k] = m[k][0] * factor[0][a] + m[k][1] * factor[1][a] + m[k][2] * factor[2][a];
+        }
+        for ( int b = 0; b < count; ++b )
+        {
+            out[a][b] = moment[0] * factor[0][b] + moment[1] * factor[1][b] + moment[2] * factor[2][b];
+        }
+    }
+}
+
+// Largest row sum of W Q of one triangle.
+static double patch_rate( const plate_patch* p, const float* position, double q[PLATE_PATCH][PLATE_PATCH] )
+{
+    double largest = 0.0;
+    for ( int a = 0; a < p->vertex_count; ++a )
+    {
+        double sum = 0.0;
+        for ( int b = 0; b < p->vertex_count; ++b )
+        {
+            sum += fabs( q[a][b] );
+        }
+        largest = fmax( largest, sum * (double)position[4 * (size_t)p->vertex[a] + 3] );
+    }
+    return largest;
+}
+
+static void add_entry( plate_row_set* set, int32_t row, int32_t other, double value )
+{
+    const int32_t name = set->of_hinges ? other : 4 * other;
+    for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
+    {
+        if ( set->other[n][row % 8] == name )
+        {
+            set->weight[n][row % 8] += (float)value;
+            return;
+        }
+    }
+}
+
+// Rows sum to zero with their diagonal, so off it the weights of differences are the negative entries.
+static void add_vertices( wisp_plate* plate, const plate_patch* p, double q[PLATE_PATCH][PLATE_PATCH], double scale )
+{
+    const int32_t* row = plate->vertices.item_row;
+    for ( int a = 0; a < p->vertex_count; ++a )
+    {
+        for ( int b = 0; b < p->vertex_count; ++b )
+        {
+            if ( a != b )
+            {
+                add_entry( &plate->vertices, row[p->vertex[a]], row[p->vertex[b]], -scale * q[a][b] );
+            }
+        }
+    }
+}
+
+static void add_turns( wisp_plate* plate, const plate_patch* p, double k[PLATE_PATCH][PLATE_PATCH], double scale )
+{
+    const int32_t* row = plate->turns.item_row;
+    for ( int a = 0; a < p->hinge_count; ++a )
+    {
+        for ( int b = 0; b < p->hinge_count; ++b )
+        {
+            add_entry( &plate->turns, row[p->hinge[a]], row[p->hinge[b]], scale * k[a][b] );
+        }
+        plate->stiffness[row[p->hinge[a]]] += (float)( scale * k[a][a] );
+    }
+}
+
+// A row sum of magnitudes: of the weights, and of their sum, the diagonal.
+static void bound_rate( wisp_plate* plate, const wisp_fabric* f, const float* position )
+{
+    const plate_row_set* set = &plate->vertices;
+    double largest = 0.0;
+    for ( int32_t v = 0; v < f->vertex_count; ++v )
+    {
+        const int32_t row = set->item_row[v];
+        double diagonal = 0.0, magnitudes = 0.0;
+        for ( int32_t n = set->begin[row / 8]; n < set->begin[row / 8 + 1]; ++n )
+        {
+            const double weight = (double)set->weight[n][row % 8];
+            diagonal += weight;
+            magnitudes += fabs( weight );
+        }
+        largest = fmax( largest, ( diagonal + magnitudes ) * (double)position[4 * (size_t)v + 3] );
+    }
+    plate->max_rate = (float)largest;
+}
+
+static void clear( wisp_plate* plate )
+{
+    plate_row_set* sets[2] = { &plate->vertices, &plate->turns };
+    for ( int i = 0; i < 2; ++i )
+    {
+        if ( sets[i]->begin != NULL )
+        {
+            memset( sets[i]->weight, 0, (size_t)sets[i]->begin[sets[i]->slice_count] * sizeof( sets[i]->weight[0] ) );
+        }
+    }
+    if ( plate->stiffness != NULL )
+    {
+        memset( plate->stiffness, 0, 8 * (size_t)plate->turns.slice_count * sizeof( float ) );
+    }
+}
+
+static int fill( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+{
+    for ( int32_t v = 0; v < fabric->vertex_count; ++v )
+    {
+        plate->pinned[v] = position[4 * (size_t)v + 3] == 0.0f ? 1 : 0;
+    }
+    for ( int32_t h = 0; h < plate->hinge_count; ++h )
+    {
+        share_next_to_pins( plate, fabric, plate->hinges + h );
+    }
+    clear( plate );
+    int lowered = 0;
+    for ( int32_t t = 0; t < fabric->triangle_count; ++t )
+    {
+        if ( is_rigid( plate, fabric, t ) )
+        {
+            continue;
+        }
+        double m[3][3], q[PLATE_PATCH][PLATE_PATCH];
+        plate_patch p = plate_patch_of( plate, t, true );
+        turn_energy( plate, fabric, t, m );
+        patch_matrix( m, p.of_vertex, p.vertex_count, q );
+        const double rate = patch_rate( &p, position, q ), most = (double)max_rate;
+        const double scale = rate > most ? most / rate : 1.0;
+        lowered += rate > most ? 1 : 0;
+        add_vertices( plate, &p, q, scale );
+        if ( plate->turns.begin != NULL )
+        {
+            patch_matrix( m, p.of_hinge, p.hinge_count, q );
+            add_turns( plate, &p, q, scale );
+        }
+    }
+    bound_rate( plate, fabric, position );
+    return lowered;
+}
+
+static bool has_same_pins( const wisp_plate* plate, const wisp_fabric* fabric, const float* position )
+{
+    for ( int32_t v = 0; v < fabric->vertex_count; ++v )
+    {
+        if ( plate->pinned[v] != ( position[4 * (size_t)v + 3] == 0.0f ? 1 : 0 ) )
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+int wisp_plate_update( wisp_plate* plate, const wisp_fabric* fabric, const float* position, float max_rate )
+{
+    const bool rescaled = max_rate != plate->scaled_to && ( plate->lowered > 0 || max_rate < plate->scaled_to );
+    if ( plate->filled == false || rescaled || has_same_pins( plate, fabric, position ) == false )
+    {
+        plate->lowered = fill( plate, fabric, position, max_rate );
+        plate->scaled_to = max_rate;
+        plate->filled = true;
+    }
+    return plate->lowered;
+}
