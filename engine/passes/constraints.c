@@ -148,6 +148,7 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
         PROJECTION( "hinges.dihedral_xpbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_COMPLIANCE ),
         PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
         PROJECTION( "hinges.isometric_xpbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_COMPLIANCE ),
+        PROJECTION( "hinges.folds", passes_open_hinges, WISP_HINGE_FOLDS ),
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };
 #undef PROJECTION

@@ -1,5 +1,6 @@
-// Sharp folds of cloth whose bending is by links between opposite vertices. Where such a link is shorter than half its rest
-// length, its hinge is bent in its place: by the angle between its triangles, which has a direction even in a flat fold.
+// Sharp folds: hinges whose opposite vertices are nearer than half their distance at rest. Links between these vertices and
+// quadratic bending do not know on which side of each other the triangles lie, and smooth bending is slow to turn them. So
+// such hinges are projected by the angle between their triangles, which has a direction even in a flat fold.
 #include "passes_common.h"
 
 #include "wisp/module/components.h"
@@ -53,72 +54,151 @@ static void open_fold( wisp_hinge_args* args, const wisp_kernels* kernels, const
     kernels->hinge_dihedral( args, 0, 8 );
 }
 
-static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric, int group,
-                        uint8_t lanes, float rigidity )
+// @param hinge numbers of the hinges of a group
+static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
+                        const int32_t* constraint, int first_hinge, uint8_t lanes, float rigidity )
 {
     for ( int lane = 0; lane < 8; ++lane )
     {
         if ( ( lanes >> lane & 1 ) != 0 )
         {
-            const int link = fabric->link_order.constraint[group * 8 + lane];
-            open_fold( args, kernels, fabric, link - fabric->edge_count, rigidity );
+            open_fold( args, kernels, fabric, constraint[lane] - first_hinge, rigidity );
         }
     }
 }
 
-// ---- passes ----
+// ---- searches ----
 
-// Words of a byte for each group of eight links.
-static int word_count( const wisp_fabric* fabric )
+// A constraint order whose folds are looked for, and the component with their rigidity and count.
+typedef struct fold_order
 {
-    return ( fabric->link_order.slot_count / 8 + 7 ) / 8;
+    const wisp_schedule* schedule;
+    int first_hinge; // number of the first hinge among the constraints
+    wisp_component component;
+} fold_order;
+
+// Words of a byte for each group of eight constraints.
+static int word_count( const fold_order* order )
+{
+    return ( order->schedule->slot_count / 8 + 7 ) / 8;
 }
 
-bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_args* args )
+// Get bytes for a search, if one is due: while there are folds, and from time to time. @return false if out of memory
+static bool begin_search( wisp_frame* frame, const wisp_span* span, const fold_order* order, uint64_t** out )
 {
-    if ( wisp_frame_has( frame, span->entity, WISP_LINK_FOLDS ) == false )
-    {
-        return true;
-    }
-    const int32_t* count = wisp_frame_column( frame, span->entity, WISP_LINK_FOLDS, 1 );
-    int32_t* wait = wisp_frame_column( frame, span->entity, WISP_LINK_FOLDS, 2 );
+    *out = NULL;
+    const int32_t* count = wisp_frame_column( frame, span->entity, order->component, 1 );
+    int32_t* wait = wisp_frame_column( frame, span->entity, order->component, 2 );
     if ( *count == 0 && *wait > 0 )
     {
         *wait -= 1;
         return true;
     }
     *wait = PASSES_BETWEEN;
-    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
-    const size_t bytes = (size_t)word_count( fabric ) * sizeof( uint64_t );
-    args->constraint = fabric->link_order.constraint;
-    args->edge_count = fabric->edge_count;
-    args->folded = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
-    if ( args->folded == NULL )
+    const size_t bytes = (size_t)word_count( order ) * sizeof( uint64_t );
+    *out = wisp_parallel_scratch( wisp_frame_parallel( frame, span ), span->worker, bytes );
+    if ( *out == NULL )
     {
         wisp_frame_fail( frame, WISP_NO_MEMORY, "folds: out of memory for %zu bytes", bytes );
         return false;
     }
-    memset( args->folded, 0, bytes );
+    memset( *out, 0, bytes );
     return true;
 }
 
-void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t* folded )
+// Project what was found, in the order of the schedule, so that bits do not depend on workers.
+static void open_found( wisp_frame* frame, const wisp_span* span, const fold_order* order, const uint64_t* folded )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     const wisp_kernels* kernels = wisp_frame_kernels( frame );
-    const float rigidity = *(float*)wisp_frame_column( frame, span->entity, WISP_LINK_FOLDS, 0 );
-    int32_t* count = wisp_frame_column( frame, span->entity, WISP_LINK_FOLDS, 1 );
+    const float rigidity = *(float*)wisp_frame_column( frame, span->entity, order->component, 0 );
+    int32_t* count = wisp_frame_column( frame, span->entity, order->component, 1 );
     const float dt = wisp_frame_dt( frame );
     wisp_hinge_args args = { .position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
                              .inverse_dt2 = 1.0f / ( dt * dt ) };
     *count = 0;
-    for ( int word = 0; word < word_count( fabric ); ++word )
+    for ( int word = 0; word < word_count( order ); ++word )
     {
         for ( int group = 8 * word; folded[word] != 0 && group < 8 * word + 8; ++group )
         {
             const uint8_t lanes = ( (const uint8_t*)folded )[group];
-            open_group( &args, kernels, fabric, group, lanes, rigidity );
+            open_group( &args, kernels, fabric, order->schedule->constraint + 8 * group, order->first_hinge, lanes,
+                        rigidity );
             *count += lanes != 0;
         }
+    }
+}
+
+// ---- bend links ----
+
+static fold_order order_of_links( const wisp_fabric* fabric )
+{
+    return ( fold_order ){ &fabric->link_order, fabric->edge_count, WISP_LINK_FOLDS };
+}
+
+bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_args* args )
+{
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const fold_order order = order_of_links( fabric );
+    uint64_t* folded = NULL;
+    const bool has_memory = wisp_frame_has( frame, span->entity, WISP_LINK_FOLDS ) == false ||
+                            begin_search( frame, span, &order, &folded );
+    args->constraint = fabric->link_order.constraint;
+    args->edge_count = fabric->edge_count;
+    args->folded = (uint8_t*)folded;
+    return has_memory;
+}
+
+void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t* folded )
+{
+    const fold_order order = order_of_links( wisp_frame_fabric( frame, span->entity ) );
+    open_found( frame, span, &order, folded );
+}
+
+// ---- hinges ----
+
+typedef struct fold_search
+{
+    const wisp_fabric* fabric;
+    const float* position;
+    uint8_t* folded;
+} fold_search;
+
+static float square_between( const float* position, int a, int b )
+{
+    const float *p = position + 4 * (size_t)a, *q = position + 4 * (size_t)b;
+    return square( from( ( wisp_vec3 ){ p[0], p[1], p[2] }, ( wisp_vec3 ){ q[0], q[1], q[2] } ) );
+}
+
+static void search_groups( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const fold_search* search = context;
+    const wisp_fabric* f = search->fabric;
+    for ( int slot = 8 * begin; slot < 8 * end; ++slot )
+    {
+        const int hinge = f->hinge_order.constraint[slot];
+        const int32_t* corner = hinge >= 0 ? f->hinges + 4 * (size_t)hinge : NULL;
+        if ( corner != NULL && 4.0f * square_between( search->position, corner[2], corner[3] ) <
+                                   square( from( f->rest[corner[2]], f->rest[corner[3]] ) ) )
+        {
+            search->folded[slot / 8] |= (uint8_t)( 1 << slot % 8 );
+        }
+    }
+}
+
+void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user )
+{
+    (void)user;
+    const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
+    const fold_order order = { &fabric->hinge_order, 0, WISP_HINGE_FOLDS };
+    uint64_t* folded;
+    if ( begin_search( frame, span, &order, &folded ) && folded != NULL )
+    {
+        fold_search search = { fabric, wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 ),
+                               (uint8_t*)folded };
+        wisp_parallel_for( wisp_frame_parallel( frame, span ), fabric->hinge_order.slot_count / 8, 256, search_groups,
+                           &search );
+        open_found( frame, span, &order, folded );
     }
 }

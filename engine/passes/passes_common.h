@@ -10,3 +10,6 @@ bool passes_begin_folds( wisp_frame* frame, const wisp_span* span, wisp_link_arg
 /// Project the hinges of folded bend links. Their order is that of the links, so bits do not depend on workers.
 /// @param folded bits that a kernel of links has stored, from passes_begin_folds()
 void passes_open_folds( wisp_frame* frame, const wisp_span* span, const uint64_t* folded );
+
+/// Pass: find the folded hinges of an entity with hinge.folds, and project them.
+void passes_open_hinges( wisp_frame* frame, const wisp_span* span, void* user );

@@ -194,7 +194,7 @@ typedef struct requested_component
 
 enum
 {
-    COMPONENT_COUNT = 11,
+    COMPONENT_COUNT = 12,
 };
 
 // List the components of the definition for which the fabric has rows. A mesh too small for a coarse level has no level pass,
@@ -211,6 +211,7 @@ static void list_components( const wisp_fabric* f, const wisp_cloth_def* d, cons
         { WISP_LINK_STIFFNESS, pbd },
         { WISP_LINK_COMPLIANCE, pbd == false },
         { WISP_LINK_FOLDS, d->bending == WISP_CLOTH_BENDING_LINKS && f->link_count > f->edge_count },
+        { WISP_HINGE_FOLDS, dihedral || isometric },
         { WISP_HINGE_REST, dihedral },
         { state->bending, ( dihedral || isometric ) && pbd == false },
         { WISP_HINGE_COTANGENT, isometric && pbd },
@@ -266,6 +267,7 @@ static void fill( wisp_world* world, wisp_entity surface, const wisp_cloth_def* 
     set_float( world, surface, state->damping, d->internal_damping );
     set_float( world, surface, state->bending, d->bend_rigidity );
     set_float( world, surface, WISP_LINK_FOLDS, d->bend_rigidity );
+    set_float( world, surface, WISP_HINGE_FOLDS, d->bend_rigidity );
     set_float( world, surface, WISP_SURFACE_TETHERS, d->tether_slack );
     int32_t* passes = wisp_world_column( world, surface, WISP_SURFACE_LEVELS, 0 );
     if ( passes != NULL )

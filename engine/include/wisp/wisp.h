@@ -354,6 +354,7 @@ enum
     WISP_HINGE_COTANGENT,
     WISP_HINGE_STIFFNESS,
     WISP_HINGE_COMPLIANCE,
+    WISP_HINGE_FOLDS,
     WISP_SURFACE_TETHERS,
     WISP_SURFACE_LEVELS,
     WISP_SURFACE_POINTS,  ///< wisp_vec3, m: vertices of a mesh in the user's order

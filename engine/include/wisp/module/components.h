@@ -41,6 +41,7 @@
     X( HINGE_COTANGENT, "hinge.cotangent", WISP_TABLE_HINGE )                                                        \
     X( HINGE_STIFFNESS, "hinge.stiffness", WISP_TABLE_HINGE )                                                        \
     X( HINGE_COMPLIANCE, "hinge.compliance", WISP_TABLE_HINGE )                                                      \
+    X( HINGE_FOLDS, "hinge.folds", WISP_TABLE_ENTITY )                                                               \
     X( SURFACE_TETHERS, "surface.tethers", WISP_TABLE_ENTITY )                                                       \
     X( SURFACE_LEVELS, "surface.levels", WISP_TABLE_ENTITY )                                                         \
     X( SURFACE_POINTS, "surface.points", WISP_TABLE_POINT )                                                          \
@@ -115,6 +116,8 @@
     X( float, rigidity, 1 ) /* N m, of those hinges */                                                               \
     X( int32_t, count, 1 )  /* of groups of links with such hinges, in the last search */                            \
     X( int32_t, wait, 1 )   /* passes until the next search */
+/// Sharp folds of cloth without bend links are opened by their hinges too.
+#define WISP_HINGE_FOLDS_COLUMNS( X ) WISP_LINK_FOLDS_COLUMNS( X )
 #define WISP_HINGE_REST_COLUMNS( X ) X( float, angle, 1 ) /* rad, between the normals */
 #define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
     X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \
