@@ -72,6 +72,7 @@ static void begin_step( const contact_work* work )
 {
     work->memory->stats = ( wisp_contact_stats ){ .intersections = -1 };
     work->contact_mesh->broad_phase->searches = 0;
+    work->contact_mesh->limit->tests = 0;
     for ( int g = 0; g < work->participant_count; ++g )
     {
         memset( work->participants[g].impulse, 0, sizeof( work->participants[g].impulse ) );

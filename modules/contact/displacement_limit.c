@@ -24,7 +24,9 @@ enum
     MAX_ROUNDS = 64,     // then those of all points are
     POINT_GRAIN = 2048,
     ROW_GRAIN = 128,
-    JUST_DRIVEN = 2, // in this call, against 1: in one before
+    JUST_DRIVEN = 2,    // in this call, against 1: in one before
+    CHANGED_BEFORE = 1, // in the round before
+    CHANGED_NOW = 2,
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
@@ -36,8 +38,10 @@ typedef struct guard_loop
 {
     contact_contact_mesh* contact_mesh;
     bool* has_cuts; // [block of rows]
+    int first_new;  // rows from here on are tested in any case
     bool gives_up;
     _Atomic bool is_crossed;
+    _Atomic int tests;
 } guard_loop;
 
 // Return whether a point goes where it goes: pinned, or pushed ahead of pinned points.
@@ -120,16 +124,38 @@ static bool check_row( guard_loop* loop, contact_row* row )
     return there < least;
 }
 
+// Return whether a point of a row was changed in the round before. A row without one is as it was: nothing to cut.
+static bool is_changed( const contact_contact_mesh* s, const contact_row* row )
+{
+    uint8_t changed = 0;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        changed |= s->limit->changed[row->point[i]];
+    }
+    return ( changed & CHANGED_BEFORE ) != 0;
+}
+
 static void check_rows( void* context, int begin, int end, int worker )
 {
     (void)worker;
     guard_loop* loop = context;
     bool cuts = false;
+    int tests = 0;
     for ( int r = begin; r < end; ++r )
     {
-        cuts = check_row( loop, row_of( loop->contact_mesh, r ) ) || cuts;
+        contact_row* row = row_of( loop->contact_mesh, r );
+        if ( row->cut != 1.0f )
+        {
+            row->cut = 1.0f;
+        }
+        if ( r >= loop->first_new || is_changed( loop->contact_mesh, row ) )
+        {
+            cuts = check_row( loop, row ) || cuts;
+            tests += 1;
+        }
     }
     loop->has_cuts[begin / ROW_GRAIN] = cuts;
+    atomic_fetch_add( &loop->tests, tests );
 }
 
 // Push the side of a row without fixed points until the sides have their gap. @return whether they had not
@@ -152,6 +178,7 @@ static bool apply_push( contact_contact_mesh* s, const contact_row* row )
         }
         s->limit->fraction[point] = 1.0f;
         s->limit->is_driven[point] = JUST_DRIVEN;
+        s->limit->changed[point] |= CHANGED_NOW;
     }
     return true;
 }
@@ -166,6 +193,7 @@ static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
         // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
         s->limit->fraction[point] *= can ? row->cut : 1.0f;
         s->limit->fraction[point] = s->limit->fraction[point] < 1e-4f && can ? 0.0f : s->limit->fraction[point];
+        s->limit->changed[point] |= can ? CHANGED_NOW : 0;
         any = any || can;
     }
     return any;
@@ -205,9 +233,11 @@ static void limit_ways( const contact_work* work )
         for ( int i = 0; i < cluster->point_count; ++i )
         {
             const int point = s->clusters->points[cluster->first_point + i] / 4;
-            s->limit->fraction[point] = is_fixed( s, point ) == false
-                                            ? contact_smaller( s->limit->fraction[point], fraction )
-                                            : s->limit->fraction[point];
+            if ( is_fixed( s, point ) == false && fraction < s->limit->fraction[point] )
+            {
+                s->limit->fraction[point] = fraction;
+                s->limit->changed[point] |= CHANGED_BEFORE;
+            }
         }
     }
 }
@@ -229,12 +259,18 @@ static void cut_ways( void* context, int begin, int end, int worker )
     }
 }
 
+// Return whether this call cut or pushed a point.
+static bool is_cut( const contact_contact_mesh* s, int point )
+{
+    return s->limit->fraction[point] < 1.0f || s->limit->is_driven[point] == JUST_DRIVEN;
+}
+
 static int count_cut( const contact_contact_mesh* s )
 {
     int count = 0;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        count += s->limit->fraction[i] < 1.0f || s->limit->is_driven[i] == JUST_DRIVEN ? 1 : 0;
+        count += is_cut( s, i ) ? 1 : 0;
     }
     return count;
 }
@@ -252,12 +288,55 @@ bool contact_reserve_limit( const contact_work* work )
     contact_limit* limit = work->contact_mesh->limit;
     const size_t points = (size_t)work->contact_mesh->point_count;
     return contact_reserve( work, limit->buffers, points * sizeof( float ), (void**)&limit->fraction ) &&
-           contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven );
+           contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven ) &&
+           contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed );
 }
 
 void contact_begin_limit( const contact_work* work )
 {
-    memset( work->contact_mesh->limit->is_driven, 0, (size_t)work->contact_mesh->point_count );
+    contact_contact_mesh* s = work->contact_mesh;
+    memset( s->limit->is_driven, 0, (size_t)s->point_count );
+    memset( s->limit->changed, 0, (size_t)s->point_count );
+    s->limit->is_again = false;
+}
+
+// End a round: what changed now has changed before.
+static void age_changes( contact_contact_mesh* s )
+{
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->limit->changed[i] >>= 1;
+    }
+}
+
+// Mark the points that this call cut or pushed for the next one.
+static void keep_changes( contact_contact_mesh* s )
+{
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->limit->changed[i] = is_cut( s, i ) ? CHANGED_BEFORE : 0;
+    }
+    s->limit->is_again = true;
+}
+
+// Test and cut in rounds. Rows whose points are as they were in the test before pass again.
+static void run_rounds( const contact_work* work, guard_loop* loop, int count )
+{
+    contact_contact_mesh* s = loop->contact_mesh;
+    bool cuts = true;
+    loop->first_new = s->limit->is_again ? s->constraints->row_count : 0;
+    for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
+    {
+        loop->gives_up = round >= PARTIAL_ROUNDS;
+        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, loop );
+        cuts = apply_cuts( loop, count );
+        loop->first_new = count;
+        age_changes( s );
+    }
+    if ( cuts )
+    {
+        hold_all( s );
+    }
 }
 
 void contact_hold( const contact_work* work )
@@ -286,19 +365,12 @@ int contact_limit_displacements( const contact_work* work )
         s->limit->is_driven[i] = s->limit->is_driven[i] != 0 ? 1 : 0;
     }
     atomic_init( &loop.is_crossed, false );
+    atomic_init( &loop.tests, 0 );
     limit_ways( work );
-    bool cuts = true;
-    for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
-    {
-        loop.gives_up = round >= PARTIAL_ROUNDS;
-        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );
-        cuts = apply_cuts( &loop, count );
-    }
-    if ( cuts )
-    {
-        hold_all( s );
-    }
+    run_rounds( work, &loop, count );
+    keep_changes( s );
     const int cut = count_cut( s );
+    s->limit->tests += atomic_load( &loop.tests );
     work->memory->tangled = atomic_load( &loop.is_crossed ) ? 1 : work->memory->tangled;
     if ( cut > 0 )
     {

@@ -7,7 +7,10 @@ typedef struct contact_limit
 {
     float* fraction;    // [point] fraction of its displacement that is left
     uint8_t* is_driven; // [point] 1: pushed ahead of pinned points in this substep, and not cut
-    wisp_buffer buffers[2];
+    uint8_t* changed;   // [point] CONTACT_CHANGED bits: its displacement changed, so its constraints are tested again
+    bool is_again;      // a call before has tested the constraints of this substep
+    int64_t tests;      // of constraints, in this step
+    wisp_buffer buffers[3];
 } contact_limit;
 
 /// Make room for the points of the contact mesh.
