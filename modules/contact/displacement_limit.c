@@ -292,9 +292,33 @@ bool contact_reserve_limit( const contact_work* work )
            contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed );
 }
 
+// Shorten the displacement of a free point to what the lists reach. @return whether it was longer
+static bool stay_in_reach( const contact_contact_mesh* s, int point )
+{
+    const size_t at = (size_t)point * 4;
+    float way[3], squared = 0.0f;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        way[k] = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
+        squared += way[k] * way[k];
+    }
+    const bool is_far = squared > s->motion->reach * s->motion->reach && s->now[at + 3] > 0.0f;
+    const float fraction = is_far ? s->motion->reach / sqrtf( squared ) : 1.0f;
+    for ( size_t k = 0; k < 3 && is_far; ++k )
+    {
+        s->now[at + k] = s->intersection_free[at + k] + s->motion->common[k] + fraction * way[k];
+        s->shift[at + k] *= fraction;
+    }
+    return is_far;
+}
+
 void contact_begin_limit( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
+    for ( int i = 0; i < s->point_count && s->motion->reach < INFINITY; ++i )
+    {
+        work->memory->stats.displacement_limited += stay_in_reach( s, i ) ? 1 : 0;
+    }
     memset( s->limit->is_driven, 0, (size_t)s->point_count );
     memset( s->limit->changed, 0, (size_t)s->point_count );
     s->limit->is_again = false;

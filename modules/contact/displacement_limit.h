@@ -17,7 +17,7 @@ typedef struct contact_limit
 /// @return false without memory
 bool contact_reserve_limit( const contact_work* work );
 
-/// Begin a substep: no point is driven.
+/// Begin a substep: no point is driven, and none is out of reach.
 void contact_begin_limit( const contact_work* work );
 
 /// Cut displacements, and push what pinned points drive into, until no separating plane is passed.

@@ -278,7 +278,39 @@ static contact_reached measure_displacements( const contact_work* work, bool is_
 
 contact_reached contact_expect_ways( const contact_work* work )
 {
+    work->contact_mesh->motion->reach = INFINITY;
     return measure_displacements( work, true );
+}
+
+static void shorten_ways( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const way_loop* loop = context;
+    const contact_motion* m = loop->contact_mesh->motion;
+    for ( int i = begin; i < end; ++i )
+    {
+        float *ahead = m->ahead + (size_t)i * 4, way[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            way[k] = ahead[k] - m->common[k];
+        }
+        const float length = sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
+        const float most = SPARE * m->reach + SPARE_THICKNESS * loop->contact_mesh->min_thickness;
+        for ( int k = 0; k < 3 && length > m->reach && loop->contact_mesh->now[(size_t)i * 4 + 3] > 0.0f; ++k )
+        {
+            ahead[k] = m->common[k] + way[k] * ( m->reach / length );
+            ahead[3] = contact_smaller( ahead[3], most );
+        }
+    }
+}
+
+void contact_shorten_ways( const contact_work* work )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    way_loop loop = { .work = work, .contact_mesh = s };
+    atomic_init( &loop.reached, CONTACT_WITHIN );
+    wisp_parallel_for( work->parallel, s->point_count, GRAIN, shorten_ways, &loop );
+    wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
 }
 
 contact_reached contact_measure_ways( const contact_work* work )
