@@ -28,7 +28,7 @@ static const float FARTHEST = 1e6f; // m
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
 static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
 // Margin of a cluster, as a multiple of its deviation in one substep.
-static const float MARGIN_SUBSTEPS = 4.0f;
+static const float MARGIN_SUBSTEPS = 4.0f, PARTICLE_SUBSTEPS = 1.25f;
 
 typedef struct way_loop
 {
@@ -326,9 +326,10 @@ static float margin_for( const contact_work* work, const contact_way* way )
     static const float HALF = 0.5f; // of a pair
     const float margin = work->settings->margin * work->contact_mesh->min_thickness;
     const float length = contact_length_of_way( work->contact_mesh, way );
-    // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many
+    // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many, and their
+    // pairs grow with the square of the margin beyond the gap
     return contact_drift_substeps( work ) > 0 ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
-                                              : contact_larger( HALF * margin, MARGIN_SUBSTEPS * length );
+                                              : contact_larger( HALF * margin, PARTICLE_SUBSTEPS * length );
 }
 
 static void predict_clusters( void* context, int begin, int end, int worker )

@@ -52,18 +52,20 @@ static int keep_pairs( const void* context, int query, int32_t* items, int count
 {
     const contact_work* work = context;
     const contact_contact_mesh* s = work->contact_mesh;
+    const contact_participant* participant = work->participants + (int)s->samples->rest[query][3];
     const float margin = margin_of( s, query );
     int kept = 0;
     for ( int i = 0; i < count; ++i )
     {
         const int32_t item = items[i];
-        const float gap = contact_sample_gap_of( work, query, item );
+        const float gap = contact_gap_between( participant, work->participants + (int)s->samples->rest[item][3] );
         const float within = 1.001f * gap + margin + margin_of( s, item );
         items[kept] = item;
-        kept +=
-            gap > 0.0f && !( contact_distance( s->samples->position[query], s->samples->position[item] ) > within )
-                ? 1
-                : 0;
+        // most overlaps are neighbours in a surface that are too far apart, so that is tested first
+        kept += !( contact_distance( s->samples->position[query], s->samples->position[item] ) > within ) &&
+                        contact_sample_gap_of( work, query, item ) > 0.0f
+                    ? 1
+                    : 0;
     }
     return kept;
 }
