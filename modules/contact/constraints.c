@@ -261,7 +261,7 @@ wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 
 // ---- missed rows ----
 
-// Return the first row from `at` on that is not before a pair. The steps grow, since rows and pairs are both in order.
+// Return the first row from `at` on that is not before a pair. Rows and pairs are both in order, so the steps grow.
 static int skip_rows( const contact_pair* pair, const contact_row* rows, int at, int row_count )
 {
     int step = 1;

@@ -2,7 +2,7 @@
 // displacements since the intersection-free positions. Out: the fraction of its displacement that each point keeps.
 //
 // Distances to a plane are linear in time. So two convex primitives that end on their sides of the plane between them
-// have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is
+// have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.99 of its distance, if that is
 // less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
 // rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
 // Pinned points are not cut. Where they alone would pass a plane, the other side is pushed ahead of them, and is then
@@ -30,7 +30,10 @@ enum
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
-static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.98f;
+static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
+// Fraction of the way to that distance that a cut leaves, so that a pair comes to it in several substeps and rounds
+// are few.
+static const float WAY_TO_GO = 0.9f;
 static const float PUSH = -1.0f;    // in place of a cut
 static const float ALMOST = 0.999f; // of what is left of a margin
 
@@ -118,7 +121,7 @@ static bool check_row( guard_loop* loop, contact_row* row )
         {
             atomic_store( &loop->is_crossed, true );
         }
-        row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
+        row->cut = loop->gives_up || !( start > least ) ? 0.0f : WAY_TO_GO * ( start - least ) / ( start - there );
         row->cut = pushes ? PUSH : row->cut;
     }
     return there < least;
@@ -190,9 +193,7 @@ static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
     {
         const int point = row->point[i];
         const bool can = is_fixed( s, point ) == false && s->limit->fraction[point] > 0.0f;
-        // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
-        s->limit->fraction[point] *= can ? row->cut : 1.0f;
-        s->limit->fraction[point] = s->limit->fraction[point] < 1e-4f && can ? 0.0f : s->limit->fraction[point];
+        s->limit->cut[point] = can ? contact_smaller( s->limit->cut[point], row->cut ) : s->limit->cut[point];
         s->limit->changed[point] |= can ? CHANGED_NOW : 0;
         any = any || can;
     }
@@ -222,7 +223,7 @@ static void limit_ways( const contact_work* work )
     contact_contact_mesh* s = work->contact_mesh;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->fraction[i] = 1.0f;
+        s->limit->fraction[i] = s->limit->cut[i] = 1.0f;
     }
     for ( int p = 0; p < s->clusters->count && s->broad_phase->is_short; ++p )
     {
@@ -289,7 +290,8 @@ bool contact_reserve_limit( const contact_work* work )
     const size_t points = (size_t)work->contact_mesh->point_count;
     return contact_reserve( work, limit->buffers, points * sizeof( float ), (void**)&limit->fraction ) &&
            contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven ) &&
-           contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed );
+           contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed ) &&
+           contact_reserve( work, limit->buffers + 3, points * sizeof( float ), (void**)&limit->cut );
 }
 
 // Shorten the displacement of a free point to what the lists reach. @return whether it was longer
@@ -312,24 +314,40 @@ static bool stay_in_reach( const contact_contact_mesh* s, int point )
     return is_far;
 }
 
+int contact_stay_in_reach( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    int count = 0;
+    for ( int i = 0; i < s->point_count && s->motion->reach < INFINITY; ++i )
+    {
+        count += stay_in_reach( s, i ) ? 1 : 0;
+    }
+    return count;
+}
+
 void contact_begin_limit( const contact_work* work )
 {
     contact_contact_mesh* s = work->contact_mesh;
-    for ( int i = 0; i < s->point_count && s->motion->reach < INFINITY; ++i )
-    {
-        work->memory->stats.displacement_limited += stay_in_reach( s, i ) ? 1 : 0;
-    }
     memset( s->limit->is_driven, 0, (size_t)s->point_count );
     memset( s->limit->changed, 0, (size_t)s->point_count );
     s->limit->is_again = false;
 }
 
-// End a round: what changed now has changed before.
-static void age_changes( contact_contact_mesh* s )
+// End a round. A point is cut by the worst of its pairs: others are tested again. The product of all cuts would leave
+// nothing where pairs are many, and a cloth that collapsed would never move again.
+static void end_round( contact_contact_mesh* s )
 {
+    static const float NOTHING = 1e-4f;
+    contact_limit* limit = s->limit;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->changed[i] >>= 1;
+        if ( limit->cut[i] < 1.0f && is_fixed( s, i ) == false )
+        {
+            limit->fraction[i] *= limit->cut[i];
+            limit->fraction[i] = limit->fraction[i] < NOTHING ? 0.0f : limit->fraction[i];
+        }
+        limit->cut[i] = 1.0f;
+        limit->changed[i] >>= 1; // what changed now has changed before
     }
 }
 
@@ -355,7 +373,7 @@ static void run_rounds( const contact_work* work, guard_loop* loop, int count )
         wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, loop );
         cuts = apply_cuts( loop, count );
         loop->first_new = count;
-        age_changes( s );
+        end_round( s );
     }
     if ( cuts )
     {

@@ -10,15 +10,20 @@ typedef struct contact_limit
     uint8_t* changed;   // [point] CONTACT_CHANGED bits: its displacement changed, so its constraints are tested again
     bool is_again;      // a call before has tested the constraints of this substep
     int64_t tests;      // of constraints, in this step
-    wisp_buffer buffers[3];
+    float* cut;         // [point] smallest cut of its pairs in a round
+    wisp_buffer buffers[4];
 } contact_limit;
 
 /// Make room for the points of the contact mesh.
 /// @return false without memory
 bool contact_reserve_limit( const contact_work* work );
 
-/// Begin a substep: no point is driven, and none is out of reach.
+/// Begin a substep: no point is driven.
 void contact_begin_limit( const contact_work* work );
+
+/// Shorten the displacements of free points to what the lists reach.
+/// @return the number of points that went farther
+int contact_stay_in_reach( const contact_work* work );
 
 /// Cut displacements, and push what pinned points drive into, until no separating plane is passed.
 /// @return the number of points that were cut or pushed

@@ -22,7 +22,7 @@
 enum
 {
     PAIRS_PER_TASK = 16, // pairs of clusters
-    MAX_PER_POINT = 32,  // pairs of primitives before displacements are shortened; a stack of cloth has 10
+    MAX_PER_POINT = 64,  // pairs of primitives before displacements are shortened; a stack of cloth has 10
     MIN_MAX_PAIRS = 1024,
 };
 
@@ -279,20 +279,20 @@ static bool run_all( near_loop* loop )
 }
 
 // Pairs that may be found before displacements are shortened. They are not where nothing limits them.
-static int max_pairs_of( const contact_work* work, bool missed_only )
+static int max_pairs_of( const contact_work* work )
 {
     const contact_contact_mesh* s = work->contact_mesh;
     const int most = s->point_count < INT_MAX / MAX_PER_POINT ? s->point_count * MAX_PER_POINT : INT_MAX;
-    return missed_only || work->settings->displacement_limit == false ? INT_MAX
-           : most > MIN_MAX_PAIRS                                     ? most
-                                                                      : MIN_MAX_PAIRS;
+    return s->motion->reach < INFINITY || work->settings->displacement_limit == false ? INT_MAX
+           : most > MIN_MAX_PAIRS                                                     ? most
+                                                                                      : MIN_MAX_PAIRS;
 }
 
 wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
     near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
-    loop.max_pairs = max_pairs_of( work, missed_only );
+    loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
     place_active( &loop );
     bool enough = true;
