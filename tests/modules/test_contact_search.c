@@ -408,7 +408,7 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
 static void what_has_stopped_is_not_looked_for_far_around( void** state )
 {
     (void)state;
-    static const float SPEED = 2.6f, GAP = 0.02f; // m/s, m
+    static const float SPEED = 2.6f, GAP = 0.02f;             // m/s, m
     const float START = 0.12f + 8.0f * ( SPEED - 0.8f ) * DT; // m
     hosted h;
     open_contact( &h, 1, 1, 1 );
@@ -446,6 +446,41 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
     close_world( &h );
 }
 
+// Candidates grow with the square of the search margin, and the search repeats as soon as it is used up.
+static void fast_particles_have_few_candidates( void** state )
+{
+    (void)state;
+    enum
+    {
+        MAX_PER_PARTICLE = 50, // 27 are found; a margin of four substeps gives 217
+    };
+    hosted h;
+    open_contact( &h, 10, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.primitives = WISP_CONTACT_PARTICLES;
+    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+    test_mesh floor = level_sheet( 4, 0.2f, ( wisp_vec3 ){ 0, -1.0f, 0 } ),
+              turning = level_sheet( 6, 0.2f, ( wisp_vec3 ){ 0 } );
+    const wisp_entity pinned = add_pinned( h.world, &floor ),
+                      free = add_draping( h.world, &turning, NULL, 0, ( wisp_vec3 ){ 0 } );
+    const wisp_contact_def def = contact_of( 0.004f );
+    set_contact( h.world, pinned, &def );
+    set_contact( h.world, free, &def );
+    assert_status( h.world, wisp_set_velocity( h.world, free, ( wisp_vec3 ){ 4, 0, 0 }, ( wisp_vec3 ){ 0, 5, 0 } ),
+                   WISP_OK );
+    request_stats( h.world );
+    for ( int step = 0; step < 10; ++step )
+    {
+        run_steps( h.world, 1, FRAME );
+        const wisp_contact_stats stats = contact_stats( h.world );
+        if ( stats.candidates > (int64_t)MAX_PER_PARTICLE * stats.points )
+        {
+            fail_msg( "%d candidates of %d particles", (int)stats.candidates, stats.points );
+        }
+    }
+    close_world( &h );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -457,6 +492,7 @@ int main( void )
         cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
         cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
         cmocka_unit_test( what_has_stopped_is_not_looked_for_far_around ),
+        cmocka_unit_test( fast_particles_have_few_candidates ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }
