@@ -18,16 +18,15 @@ static size_t add_saturating( size_t a, size_t b )
     return a > SIZE_MAX - b ? SIZE_MAX : a + b;
 }
 
-static void release_overflow( base_arena* arena )
+// Release the overflow blocks that are newer than `kept`.
+static void release_overflow( base_arena* arena, const base_arena_overflow* kept )
 {
-    base_arena_overflow* link = arena->overflow;
-    while ( link != NULL )
+    while ( arena->overflow != kept )
     {
-        base_arena_overflow* next = link->next;
-        base_release( &arena->allocator, link, link->size );
-        link = next;
+        base_arena_overflow* next = arena->overflow->next;
+        base_release( &arena->allocator, arena->overflow, arena->overflow->size );
+        arena->overflow = next;
     }
-    arena->overflow = NULL;
 }
 
 static void* push_overflow( base_arena* arena, size_t size, size_t alignment )
@@ -102,11 +101,12 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment )
 
 base_arena_mark base_arena_get_mark( const base_arena* arena )
 {
-    return ( base_arena_mark ){ arena->used, arena->requested };
+    return ( base_arena_mark ){ arena->used, arena->requested, arena->overflow };
 }
 
 void base_arena_rewind( base_arena* arena, base_arena_mark mark )
 {
+    release_overflow( arena, mark.overflow );
     arena->used = mark.used;
     arena->requested = mark.requested;
 }
@@ -118,7 +118,7 @@ void base_arena_expect( base_arena* arena, size_t bytes )
 
 void base_arena_reset( base_arena* arena )
 {
-    release_overflow( arena );
+    release_overflow( arena, NULL );
 
     // A size that the host cannot give is forgotten: one absurd request must not keep the arena from growing later.
     if ( arena->high_water > arena->capacity && !replace_block( arena, arena->high_water ) )
@@ -131,7 +131,7 @@ void base_arena_reset( base_arena* arena )
 
 void base_arena_release( base_arena* arena )
 {
-    release_overflow( arena );
+    release_overflow( arena, NULL );
     base_release( &arena->allocator, arena->block, arena->capacity );
     *arena = ( base_arena ){ .allocator = arena->allocator };
 }

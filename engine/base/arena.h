@@ -17,7 +17,7 @@ typedef struct base_arena
     size_t used;                   ///< bytes of the block in use
     size_t requested;              ///< bytes that one block for all pushes since the last reset would need
     size_t high_water;             ///< the largest `requested` so far
-    base_arena_overflow* overflow; ///< blocks that live until the next reset
+    base_arena_overflow* overflow; ///< the newest of the blocks that hold what did not fit
 } base_arena;
 
 /// Make an empty arena. Allocates only when capacity is not 0, and continues without the block if memory is short.
@@ -25,7 +25,7 @@ typedef struct base_arena
 /// @param capacity bytes to begin with
 void base_arena_init( base_arena* arena, const wisp_allocator* allocator, size_t capacity );
 
-/// A piece of uninitialised memory that lives until the next reset.
+/// A piece of uninitialised memory that lives until the next reset, or a rewind to before it.
 /// @param alignment a power of two
 /// @return null when size is 0, or when the block is full and the host has no memory for an overflow block
 void* base_arena_push( base_arena* arena, size_t size, size_t alignment );
@@ -34,11 +34,13 @@ void* base_arena_push( base_arena* arena, size_t size, size_t alignment );
 typedef struct base_arena_mark
 {
     size_t used, requested;
+    base_arena_overflow* overflow;
 } base_arena_mark;
 
 base_arena_mark base_arena_get_mark( const base_arena* arena );
 
-/// Release all pushes since the mark; overflow blocks stay until the next reset.
+/// Release all pushes since the mark, and the overflow blocks that hold them: a thousand blocks of a cold arena need the
+/// memory of one.
 void base_arena_rewind( base_arena* arena, base_arena_mark mark );
 
 /// Reserve this many bytes from the next reset on, as if they had been pushed before it.

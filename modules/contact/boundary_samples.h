@@ -15,7 +15,7 @@ typedef struct contact_samples
     float ( *weights )[3];   // [sample] barycentric
     float ( *rest )[4];      // [sample] m, rest position; the fourth is the index of the participant
     float ( *position )[3];  // [sample] m, at the last search
-    float* deviation;        // [sample] m, the most that its clusters may deviate
+    float* deviation;        // [sample] m, the most that its clusters may deviate; in a search the margin
     wisp_aabb* boxes;        // [sample]
     wisp_samples sampler;
     wisp_aabb_pairs overlaps;

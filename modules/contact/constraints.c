@@ -18,7 +18,6 @@
 #include "primitive_pairs.h"
 #include "sample_pairs.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum
@@ -132,12 +131,6 @@ static int order_of( const contact_pair* c, int32_t a, int32_t b )
 {
     const int first = ( c->a > a ) - ( c->a < a );
     return first != 0 ? first : ( c->b > b ) - ( c->b < b );
-}
-
-static int compare_with_row( const void* pair, const void* row )
-{
-    const contact_row* r = row;
-    return order_of( pair, r->a, r->b );
 }
 
 static void count_digits( const contact_pair* from, int count, bool by_a, int shift, int32_t begin[DIGITS + 1] )
@@ -268,15 +261,36 @@ wisp_status contact_find_rows( const contact_work* work, wisp_error* error )
 
 // ---- missed rows ----
 
+// Return the first row from `at` on that is not before a pair. Rows and pairs are both in order, so the steps grow.
+static int skip_rows( const contact_pair* pair, const contact_row* rows, int at, int row_count )
+{
+    int step = 1;
+    while ( at + step < row_count && order_of( pair, rows[at + step].a, rows[at + step].b ) > 0 )
+    {
+        at += step;
+        step *= 2;
+    }
+    int end = at + step < row_count ? at + step : row_count;
+    while ( at < end )
+    {
+        const int middle = at + ( end - at ) / 2;
+        const bool is_before = order_of( pair, rows[middle].a, rows[middle].b ) > 0;
+        at = is_before ? middle + 1 : at;
+        end = is_before ? end : middle;
+    }
+    return at;
+}
+
 // Remove pairs that are rows already.
 static void keep_new( contact_near* near, const contact_row* rows, int row_count )
 {
-    int kept = 0;
+    int kept = 0, at = 0;
     for ( int i = 0; i < near->count; ++i )
     {
-        const bool is_row = row_count > 0 && bsearch( near->items + i, rows, (size_t)row_count, sizeof( *rows ),
-                                                      compare_with_row ) != NULL;
-        near->items[kept] = near->items[i];
+        const contact_pair* pair = near->items + i;
+        at = skip_rows( pair, rows, at, row_count );
+        const bool is_row = at < row_count && order_of( pair, rows[at].a, rows[at].b ) == 0;
+        near->items[kept] = *pair;
         kept += is_row ? 0 : 1;
     }
     near->count = kept;

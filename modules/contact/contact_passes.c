@@ -72,6 +72,7 @@ static void begin_step( const contact_work* work )
 {
     work->memory->stats = ( wisp_contact_stats ){ .intersections = -1 };
     work->contact_mesh->broad_phase->searches = 0;
+    work->contact_mesh->limit->tests = 0;
     for ( int g = 0; g < work->participant_count; ++g )
     {
         memset( work->participants[g].impulse, 0, sizeof( work->participants[g].impulse ) );
@@ -120,16 +121,19 @@ static void limit_displacements( const contact_work* work )
         MAX_ROUNDS = 8, // two were the most in any test
     };
     contact_begin_limit( work );
+    work->memory->stats.displacement_limited += contact_stay_in_reach( work );
     contact_reached reached = contact_measure_ways( work );
     for ( int round = 0; round < MAX_ROUNDS; ++round )
     {
+        const bool is_unbounded = work->contact_mesh->motion->reach == INFINITY;
         const bool is_searched = reached != CONTACT_BEYOND || run_stage( work, contact_search );
         if ( is_searched == false ||
              ( reached != CONTACT_WITHIN && run_stage( work, contact_find_missed_rows ) == false ) )
         {
             return;
         }
-        const int cut = contact_limit_displacements( work );
+        int cut = is_unbounded ? contact_stay_in_reach( work ) : 0; // there were too many missed pairs
+        cut += contact_limit_displacements( work );
         work->memory->stats.displacement_limited += cut;
         reached = cut > 0 ? contact_measure_ways( work ) : CONTACT_WITHIN;
         if ( reached == CONTACT_WITHIN )

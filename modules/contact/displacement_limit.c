@@ -2,7 +2,7 @@
 // displacements since the intersection-free positions. Out: the fraction of its displacement that each point keeps.
 //
 // Distances to a plane are linear in time. So two convex primitives that end on their sides of the plane between them
-// have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.98 of its distance, if that is
+// have not met. Where a pair ends nearer to its plane than a tenth of its gap (or 0.99 of its distance, if that is
 // less), the displacements of its points are cut. A cut may bring other pairs together, so tests and cuts go on in
 // rounds until no plane is passed. They end, because points without displacement pass nothing. A cut loses momentum.
 // Pinned points are not cut. Where they alone would pass a plane, the other side is pushed ahead of them, and is then
@@ -24,11 +24,16 @@ enum
     MAX_ROUNDS = 64,     // then those of all points are
     POINT_GRAIN = 2048,
     ROW_GRAIN = 128,
-    JUST_DRIVEN = 2, // in this call, against 1: in one before
+    JUST_DRIVEN = 2,    // in this call, against 1: in one before
+    CHANGED_BEFORE = 1, // in the round before
+    CHANGED_NOW = 2,
 };
 
 // The distance that a pair keeps: a fraction of its gap, or of its distance if it is nearer already.
-static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.98f;
+static const float MIN_OF_REQUESTED = 0.1f, MIN_OF_DISTANCE = 0.99f;
+// Fraction of the way to that distance that a cut leaves, so that a pair comes to it in several substeps and rounds
+// are few.
+static const float WAY_TO_GO = 0.9f;
 static const float PUSH = -1.0f;    // in place of a cut
 static const float ALMOST = 0.999f; // of what is left of a margin
 
@@ -36,8 +41,10 @@ typedef struct guard_loop
 {
     contact_contact_mesh* contact_mesh;
     bool* has_cuts; // [block of rows]
+    int first_new;  // rows from here on are tested in any case
     bool gives_up;
     _Atomic bool is_crossed;
+    _Atomic int tests;
 } guard_loop;
 
 // Return whether a point goes where it goes: pinned, or pushed ahead of pinned points.
@@ -114,10 +121,21 @@ static bool check_row( guard_loop* loop, contact_row* row )
         {
             atomic_store( &loop->is_crossed, true );
         }
-        row->cut = loop->gives_up || !( start > least ) ? 0.0f : ( start - least ) / ( start - there );
+        row->cut = loop->gives_up || !( start > least ) ? 0.0f : WAY_TO_GO * ( start - least ) / ( start - there );
         row->cut = pushes ? PUSH : row->cut;
     }
     return there < least;
+}
+
+// Return whether a point of a row was changed in the round before. A row without one is as it was: nothing to cut.
+static bool is_changed( const contact_contact_mesh* s, const contact_row* row )
+{
+    uint8_t changed = 0;
+    for ( int i = 0; i < row->count; ++i )
+    {
+        changed |= s->limit->changed[row->point[i]];
+    }
+    return ( changed & CHANGED_BEFORE ) != 0;
 }
 
 static void check_rows( void* context, int begin, int end, int worker )
@@ -125,11 +143,22 @@ static void check_rows( void* context, int begin, int end, int worker )
     (void)worker;
     guard_loop* loop = context;
     bool cuts = false;
+    int tests = 0;
     for ( int r = begin; r < end; ++r )
     {
-        cuts = check_row( loop, row_of( loop->contact_mesh, r ) ) || cuts;
+        contact_row* row = row_of( loop->contact_mesh, r );
+        if ( row->cut != 1.0f )
+        {
+            row->cut = 1.0f;
+        }
+        if ( r >= loop->first_new || is_changed( loop->contact_mesh, row ) )
+        {
+            cuts = check_row( loop, row ) || cuts;
+            tests += 1;
+        }
     }
     loop->has_cuts[begin / ROW_GRAIN] = cuts;
+    atomic_fetch_add( &loop->tests, tests );
 }
 
 // Push the side of a row without fixed points until the sides have their gap. @return whether they had not
@@ -152,6 +181,7 @@ static bool apply_push( contact_contact_mesh* s, const contact_row* row )
         }
         s->limit->fraction[point] = 1.0f;
         s->limit->is_driven[point] = JUST_DRIVEN;
+        s->limit->changed[point] |= CHANGED_NOW;
     }
     return true;
 }
@@ -163,9 +193,8 @@ static bool apply_cut( contact_contact_mesh* s, const contact_row* row )
     {
         const int point = row->point[i];
         const bool can = is_fixed( s, point ) == false && s->limit->fraction[point] > 0.0f;
-        // cuts of several pairs multiply, so that a point is cut by more than the worst, never by less
-        s->limit->fraction[point] *= can ? row->cut : 1.0f;
-        s->limit->fraction[point] = s->limit->fraction[point] < 1e-4f && can ? 0.0f : s->limit->fraction[point];
+        s->limit->cut[point] = can ? contact_smaller( s->limit->cut[point], row->cut ) : s->limit->cut[point];
+        s->limit->changed[point] |= can ? CHANGED_NOW : 0;
         any = any || can;
     }
     return any;
@@ -194,7 +223,7 @@ static void limit_ways( const contact_work* work )
     contact_contact_mesh* s = work->contact_mesh;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        s->limit->fraction[i] = 1.0f;
+        s->limit->fraction[i] = s->limit->cut[i] = 1.0f;
     }
     for ( int p = 0; p < s->clusters->count && s->broad_phase->is_short; ++p )
     {
@@ -205,9 +234,11 @@ static void limit_ways( const contact_work* work )
         for ( int i = 0; i < cluster->point_count; ++i )
         {
             const int point = s->clusters->points[cluster->first_point + i] / 4;
-            s->limit->fraction[point] = is_fixed( s, point ) == false
-                                            ? contact_smaller( s->limit->fraction[point], fraction )
-                                            : s->limit->fraction[point];
+            if ( is_fixed( s, point ) == false && fraction < s->limit->fraction[point] )
+            {
+                s->limit->fraction[point] = fraction;
+                s->limit->changed[point] |= CHANGED_BEFORE;
+            }
         }
     }
 }
@@ -229,12 +260,18 @@ static void cut_ways( void* context, int begin, int end, int worker )
     }
 }
 
+// Return whether this call cut or pushed a point.
+static bool is_cut( const contact_contact_mesh* s, int point )
+{
+    return s->limit->fraction[point] < 1.0f || s->limit->is_driven[point] == JUST_DRIVEN;
+}
+
 static int count_cut( const contact_contact_mesh* s )
 {
     int count = 0;
     for ( int i = 0; i < s->point_count; ++i )
     {
-        count += s->limit->fraction[i] < 1.0f || s->limit->is_driven[i] == JUST_DRIVEN ? 1 : 0;
+        count += is_cut( s, i ) ? 1 : 0;
     }
     return count;
 }
@@ -252,12 +289,96 @@ bool contact_reserve_limit( const contact_work* work )
     contact_limit* limit = work->contact_mesh->limit;
     const size_t points = (size_t)work->contact_mesh->point_count;
     return contact_reserve( work, limit->buffers, points * sizeof( float ), (void**)&limit->fraction ) &&
-           contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven );
+           contact_reserve( work, limit->buffers + 1, points, (void**)&limit->is_driven ) &&
+           contact_reserve( work, limit->buffers + 2, points, (void**)&limit->changed ) &&
+           contact_reserve( work, limit->buffers + 3, points * sizeof( float ), (void**)&limit->cut );
+}
+
+// Shorten the displacement of a free point to what the lists reach. @return whether it was longer
+static bool stay_in_reach( const contact_contact_mesh* s, int point )
+{
+    const size_t at = (size_t)point * 4;
+    float way[3], squared = 0.0f;
+    for ( size_t k = 0; k < 3; ++k )
+    {
+        way[k] = s->now[at + k] - s->intersection_free[at + k] - s->motion->common[k];
+        squared += way[k] * way[k];
+    }
+    const bool is_far = squared > s->motion->reach * s->motion->reach && s->now[at + 3] > 0.0f;
+    const float fraction = is_far ? s->motion->reach / sqrtf( squared ) : 1.0f;
+    for ( size_t k = 0; k < 3 && is_far; ++k )
+    {
+        s->now[at + k] = s->intersection_free[at + k] + s->motion->common[k] + fraction * way[k];
+        s->shift[at + k] *= fraction;
+    }
+    return is_far;
+}
+
+int contact_stay_in_reach( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    int count = 0;
+    for ( int i = 0; i < s->point_count && s->motion->reach < INFINITY; ++i )
+    {
+        count += stay_in_reach( s, i ) ? 1 : 0;
+    }
+    return count;
 }
 
 void contact_begin_limit( const contact_work* work )
 {
-    memset( work->contact_mesh->limit->is_driven, 0, (size_t)work->contact_mesh->point_count );
+    contact_contact_mesh* s = work->contact_mesh;
+    memset( s->limit->is_driven, 0, (size_t)s->point_count );
+    memset( s->limit->changed, 0, (size_t)s->point_count );
+    s->limit->is_again = false;
+}
+
+// End a round. A point is cut by the worst of its pairs: others are tested again. The product of all cuts would leave
+// nothing where pairs are many, and a cloth that collapsed would never move again.
+static void end_round( contact_contact_mesh* s )
+{
+    static const float NOTHING = 1e-4f;
+    contact_limit* limit = s->limit;
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        if ( limit->cut[i] < 1.0f && is_fixed( s, i ) == false )
+        {
+            limit->fraction[i] *= limit->cut[i];
+            limit->fraction[i] = limit->fraction[i] < NOTHING ? 0.0f : limit->fraction[i];
+        }
+        limit->cut[i] = 1.0f;
+        limit->changed[i] >>= 1; // what changed now has changed before
+    }
+}
+
+// Mark the points that this call cut or pushed for the next one.
+static void keep_changes( contact_contact_mesh* s )
+{
+    for ( int i = 0; i < s->point_count; ++i )
+    {
+        s->limit->changed[i] = is_cut( s, i ) ? CHANGED_BEFORE : 0;
+    }
+    s->limit->is_again = true;
+}
+
+// Test and cut in rounds. Rows whose points are as they were in the test before pass again.
+static void run_rounds( const contact_work* work, guard_loop* loop, int count )
+{
+    contact_contact_mesh* s = loop->contact_mesh;
+    bool cuts = true;
+    loop->first_new = s->limit->is_again ? s->constraints->row_count : 0;
+    for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
+    {
+        loop->gives_up = round >= PARTIAL_ROUNDS;
+        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, loop );
+        cuts = apply_cuts( loop, count );
+        loop->first_new = count;
+        end_round( s );
+    }
+    if ( cuts )
+    {
+        hold_all( s );
+    }
 }
 
 void contact_hold( const contact_work* work )
@@ -286,19 +407,12 @@ int contact_limit_displacements( const contact_work* work )
         s->limit->is_driven[i] = s->limit->is_driven[i] != 0 ? 1 : 0;
     }
     atomic_init( &loop.is_crossed, false );
+    atomic_init( &loop.tests, 0 );
     limit_ways( work );
-    bool cuts = true;
-    for ( int round = 0; round < MAX_ROUNDS && cuts; ++round )
-    {
-        loop.gives_up = round >= PARTIAL_ROUNDS;
-        wisp_parallel_for( work->parallel, count, ROW_GRAIN, check_rows, &loop );
-        cuts = apply_cuts( &loop, count );
-    }
-    if ( cuts )
-    {
-        hold_all( s );
-    }
+    run_rounds( work, &loop, count );
+    keep_changes( s );
     const int cut = count_cut( s );
+    s->limit->tests += atomic_load( &loop.tests );
     work->memory->tangled = atomic_load( &loop.is_crossed ) ? 1 : work->memory->tangled;
     if ( cut > 0 )
     {

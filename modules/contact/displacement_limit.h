@@ -7,7 +7,11 @@ typedef struct contact_limit
 {
     float* fraction;    // [point] fraction of its displacement that is left
     uint8_t* is_driven; // [point] 1: pushed ahead of pinned points in this substep, and not cut
-    wisp_buffer buffers[2];
+    uint8_t* changed;   // [point] CONTACT_CHANGED bits: its displacement changed, so its constraints are tested again
+    bool is_again;      // a call before has tested the constraints of this substep
+    int64_t tests;      // of constraints, in this step
+    float* cut;         // [point] smallest cut of its pairs in a round
+    wisp_buffer buffers[4];
 } contact_limit;
 
 /// Make room for the points of the contact mesh.
@@ -16,6 +20,10 @@ bool contact_reserve_limit( const contact_work* work );
 
 /// Begin a substep: no point is driven.
 void contact_begin_limit( const contact_work* work );
+
+/// Shorten the displacements of free points to what the lists reach.
+/// @return the number of points that went farther
+int contact_stay_in_reach( const contact_work* work );
 
 /// Cut displacements, and push what pinned points drive into, until no separating plane is passed.
 /// @return the number of points that were cut or pushed

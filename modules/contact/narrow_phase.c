@@ -5,6 +5,8 @@
 //   across the normal of either.
 // - Otherwise edges meet edges and points meet triangles, for eight pairs of clusters per kernel call. Planes across
 //   the line between the centres of two primitives, and across each, cull most pairs. The rest is measured exactly.
+// - With too many pairs, displacements are cut to the smallest thickness and the pairs are found again: a cloth that
+//   collapsed, with all of it within the displacements of a substep, would have every pair of primitives.
 // - The smallest distance or separation seen, less the gap, is the new bound (cached_bounds.c).
 #include "narrow_phase.h"
 
@@ -13,12 +15,15 @@
 #include "predicted_motion.h"
 #include "primitive_pairs.h"
 
+#include <limits.h>
 #include <stdatomic.h>
 #include <string.h>
 
 enum
 {
     PAIRS_PER_TASK = 16, // pairs of clusters
+    MAX_PER_POINT = 64,  // pairs of primitives before displacements are shortened; a stack of cloth has 10
+    MIN_MAX_PAIRS = 1024,
 };
 
 // All in gaps beyond the gap itself. Clusters that a plane separates by APART are not split into primitives.
@@ -31,7 +36,7 @@ typedef struct near_loop
     const contact_work* work;
     contact_contact_mesh* contact_mesh;
     bool missed_only;
-    int active_count;
+    int active_count, max_pairs;
     _Atomic int total[CONTACT_KIND_COUNT];
     _Atomic bool is_out_of_memory;
 } near_loop;
@@ -210,10 +215,19 @@ static float bound_of( const cluster_test* test )
     return contact_smaller( test->bound, least - 1.001f * test->gap );
 }
 
+static bool is_too_long( near_loop* loop )
+{
+    return atomic_load( loop->total + CONTACT_POINTS ) > loop->max_pairs - atomic_load( loop->total + CONTACT_EDGES );
+}
+
 static void run_task( void* context, int begin, int end, int worker )
 {
     near_loop* loop = context;
     contact_contact_mesh* s = loop->contact_mesh;
+    if ( is_too_long( loop ) )
+    {
+        return;
+    }
     narrow_task* task = wisp_parallel_scratch( loop->work->parallel, worker, sizeof( *task ) );
     if ( task == NULL )
     {
@@ -261,18 +275,36 @@ static bool run_all( near_loop* loop )
         near[kind].count = atomic_load( loop->total + kind );
         fits = fits && near[kind].count <= near[kind].most;
     }
-    return fits;
+    return fits && is_too_long( loop ) == false;
+}
+
+// Pairs that may be found before displacements are shortened. They are not where nothing limits them.
+static int max_pairs_of( const contact_work* work )
+{
+    const contact_contact_mesh* s = work->contact_mesh;
+    const int most = s->point_count < INT_MAX / MAX_PER_POINT ? s->point_count * MAX_PER_POINT : INT_MAX;
+    return s->motion->reach < INFINITY || work->settings->displacement_limit == false ? INT_MAX
+           : most > MIN_MAX_PAIRS                                                     ? most
+                                                                                      : MIN_MAX_PAIRS;
 }
 
 wisp_status contact_find_near( const contact_work* work, bool missed_only, wisp_error* error )
 {
     contact_contact_mesh* s = work->contact_mesh;
     near_loop loop = { .work = work, .contact_mesh = s, .missed_only = missed_only };
+    loop.max_pairs = max_pairs_of( work );
     loop.active_count = contact_find_active_clusters( work, missed_only );
     place_active( &loop );
     bool enough = true;
     while ( enough && run_all( &loop ) == false )
     {
+        if ( is_too_long( &loop ) )
+        {
+            loop.max_pairs = INT_MAX;
+            s->motion->reach = s->min_thickness;
+            contact_shorten_ways( work );
+            continue;
+        }
         for ( int kind = 0; kind < CONTACT_KIND_COUNT; ++kind )
         {
             const int count = s->primitives->near[kind].count;

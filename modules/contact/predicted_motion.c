@@ -28,7 +28,7 @@ static const float FARTHEST = 1e6f; // m
 // missed point has a small tolerance around where it went, so that a cut of a rounding error does not mark it again.
 static const float SPARE = 0.25f, SPARE_THICKNESS = 0.05f, SPARE_MISSED = 0.01f;
 // Margin of a cluster, as a multiple of its deviation in one substep.
-static const float MARGIN_SUBSTEPS = 4.0f;
+static const float MARGIN_SUBSTEPS = 4.0f, PARTICLE_SUBSTEPS = 1.25f;
 
 typedef struct way_loop
 {
@@ -278,7 +278,39 @@ static contact_reached measure_displacements( const contact_work* work, bool is_
 
 contact_reached contact_expect_ways( const contact_work* work )
 {
+    work->contact_mesh->motion->reach = INFINITY;
     return measure_displacements( work, true );
+}
+
+static void shorten_ways( void* context, int begin, int end, int worker )
+{
+    (void)worker;
+    const way_loop* loop = context;
+    const contact_motion* m = loop->contact_mesh->motion;
+    for ( int i = begin; i < end; ++i )
+    {
+        float *ahead = m->ahead + (size_t)i * 4, way[3];
+        for ( int k = 0; k < 3; ++k )
+        {
+            way[k] = ahead[k] - m->common[k];
+        }
+        const float length = sqrtf( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] );
+        const float most = SPARE * m->reach + SPARE_THICKNESS * loop->contact_mesh->min_thickness;
+        for ( int k = 0; k < 3 && length > m->reach && loop->contact_mesh->now[(size_t)i * 4 + 3] > 0.0f; ++k )
+        {
+            ahead[k] = m->common[k] + way[k] * ( m->reach / length );
+            ahead[3] = contact_smaller( ahead[3], most );
+        }
+    }
+}
+
+void contact_shorten_ways( const contact_work* work )
+{
+    contact_contact_mesh* s = work->contact_mesh;
+    way_loop loop = { .work = work, .contact_mesh = s };
+    atomic_init( &loop.reached, CONTACT_WITHIN );
+    wisp_parallel_for( work->parallel, s->point_count, GRAIN, shorten_ways, &loop );
+    wisp_parallel_for( work->parallel, s->clusters->count, CLUSTER_GRAIN, expect_cluster_ways, &loop );
 }
 
 contact_reached contact_measure_ways( const contact_work* work )
@@ -294,9 +326,10 @@ static float margin_for( const contact_work* work, const contact_way* way )
     static const float HALF = 0.5f; // of a pair
     const float margin = work->settings->margin * work->contact_mesh->min_thickness;
     const float length = contact_length_of_way( work->contact_mesh, way );
-    // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many
+    // clusters are few, so that wide margins cost less than frequent searches; boundary particles are many, and their
+    // pairs grow with the square of the margin beyond the gap
     return contact_drift_substeps( work ) > 0 ? length + contact_larger( margin, MARGIN_SUBSTEPS * way->spread )
-                                              : contact_larger( HALF * margin, MARGIN_SUBSTEPS * length );
+                                              : contact_larger( HALF * margin, PARTICLE_SUBSTEPS * length );
 }
 
 static void predict_clusters( void* context, int begin, int end, int worker )

@@ -27,6 +27,7 @@ typedef struct contact_motion
     contact_predicted_motion* predicted; // [cluster]
     uint8_t* cluster_is_missed;          // [cluster] one of its points is missed
     int substeps;                        // since the last search
+    float reach;                         // m, relative to the mean: no free point goes farther in this substep
     wisp_buffer buffers[6];
 } contact_motion;
 
@@ -47,6 +48,9 @@ contact_reached contact_expect_ways( const contact_work* work );
 
 /// Measure displacements at the end of a substep, and mark points outside their tolerance as missed.
 contact_reached contact_measure_ways( const contact_work* work );
+
+/// Shorten displacements, relative to the mean of all points, to `reach`.
+void contact_shorten_ways( const contact_work* work );
 
 /// Predict cluster motion from this substep; reset deviations.
 void contact_predict_motion( const contact_work* work );

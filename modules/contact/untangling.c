@@ -173,7 +173,8 @@ typedef struct point_step
     float way[3];
 } point_step;
 
-// Add the step of an intersection to its points, distributed so that momentum is kept.
+// Add the step of an intersection to its points, distributed so that momentum is kept. Its length is always the same:
+// inside a straight line of intersections, which has to move as a whole, the gradient is nearly zero.
 static void add_step( contact_contact_mesh* s, point_step* steps, const wisp_intersection* intersection,
                       vector direction )
 {
@@ -188,7 +189,7 @@ static void add_step( contact_contact_mesh* s, point_step* steps, const wisp_int
     {
         return;
     }
-    const double step = (double)( STEP * s->min_thickness ) * ( length < 1.0 ? length : 1.0 );
+    const double step = (double)( STEP * s->min_thickness );
     const vector by = scaled( direction, step / ( length * (double)weights ) );
     for ( int i = 0; i < 5; ++i )
     {

@@ -322,6 +322,32 @@ static void an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect( 
     base_arena_release( &arena );
 }
 
+// The first step of a world has a thousand blocks, one after the other, before its arena can grow.
+static void a_cold_arena_holds_only_what_is_pushed_since_its_mark( void** state )
+{
+    (void)state;
+    counting_host host = { 0 };
+    wisp_allocator allocator = allocator_of( &host );
+    base_arena arena;
+    base_arena_init( &arena, &allocator, 0 );
+    unsigned char* kept = base_arena_push( &arena, 10, 8 );
+    kept[9] = 42;
+    const base_arena_mark mark = base_arena_get_mark( &arena );
+    const size_t held = host.bytes_held;
+    for ( int block = 0; block < 1000; ++block )
+    {
+        assert_non_null( base_arena_push( &arena, 900, 64 ) );
+        assert_non_null( base_arena_push( &arena, 100, 64 ) );
+        base_arena_rewind( &arena, mark );
+        assert_int_equal( host.bytes_held, held );
+    }
+    assert_int_equal( kept[9], 42 );
+    base_arena_reset( &arena );
+    assert_true( arena.capacity >= 1010 && arena.capacity < 2000 );
+    base_arena_release( &arena );
+    assert_int_equal( host.bytes_held, 0 );
+}
+
 // ---- messages
 
 static void failing_fills_the_error_and_hands_the_status_back( void** state )
@@ -669,6 +695,7 @@ int main( void )
         cmocka_unit_test( an_arena_without_memory_says_null_and_recovers ),
         cmocka_unit_test( an_absurd_push_does_not_keep_an_arena_from_growing ),
         cmocka_unit_test( an_arena_rewinds_to_a_mark_and_makes_the_room_it_is_told_to_expect ),
+        cmocka_unit_test( a_cold_arena_holds_only_what_is_pushed_since_its_mark ),
         cmocka_unit_test( failing_fills_the_error_and_hands_the_status_back ),
         cmocka_unit_test( a_message_too_long_is_cut_at_the_end ),
         cmocka_unit_test( a_cut_never_splits_a_utf8_character ),

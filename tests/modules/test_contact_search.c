@@ -408,7 +408,8 @@ static void more_particles_stand_on_a_finer_spacing( void** state )
 static void what_has_stopped_is_not_looked_for_far_around( void** state )
 {
     (void)state;
-    static const float SPEED = 0.8f, GAP = 0.02f; // m/s, m
+    static const float SPEED = 2.6f, GAP = 0.02f;             // m/s, m
+    const float START = 0.12f + 8.0f * ( SPEED - 0.8f ) * DT; // m
     hosted h;
     open_contact( &h, 1, 1, 1 );
     wisp_contact_settings settings = wisp_default_contact_settings();
@@ -417,7 +418,7 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
     settings.margin = 0.05f;
     assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
     test_mesh floor = level_sheet( 4, 0.5f, ( wisp_vec3 ){ 0 } ),
-              falling = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.01f, 0.12f, 0.02f } );
+              falling = level_sheet( 4, 0.4f, ( wisp_vec3 ){ 0.01f, START, 0.02f } );
     const wisp_entity e[2] = { add_pinned( h.world, &floor ),
                                add_draping( h.world, &falling, NULL, 0, ( wisp_vec3 ){ 0 } ) };
     const wisp_contact_def def = contact_of( GAP );
@@ -438,10 +439,45 @@ static void what_has_stopped_is_not_looked_for_far_around( void** state )
         candidates[step < 8 ? 0 : 1] = (int64_t)contact_stats( h.world ).candidates;
         searches += step < 8 ? 0 : contact_stats( h.world ).searches;
     }
-    assert_near( mean_of( h.world, e[1], 1 ), 0.12 - 8.0 * (double)( SPEED * DT ), 1e-5 );
+    assert_near( mean_of( h.world, e[1], 1 ), (double)START - 8.0 * (double)( SPEED * DT ), 1e-5 );
     assert_true( candidates[0] > 1000 );
     assert_int_equal( candidates[1], 0 );
     assert_int_equal( searches, 1 );
+    close_world( &h );
+}
+
+// Candidates grow with the square of the search margin, and the search repeats as soon as it is used up.
+static void fast_particles_have_few_candidates( void** state )
+{
+    (void)state;
+    enum
+    {
+        MAX_PER_PARTICLE = 50, // 27 are found; a margin of four substeps gives 217
+    };
+    hosted h;
+    open_contact( &h, 10, 1, 1 );
+    wisp_contact_settings settings = wisp_default_contact_settings();
+    settings.primitives = WISP_CONTACT_PARTICLES;
+    assert_status( h.world, wisp_set_contact_settings( h.world, &settings ), WISP_OK );
+    test_mesh floor = level_sheet( 4, 0.2f, ( wisp_vec3 ){ 0, -1.0f, 0 } ),
+              turning = level_sheet( 6, 0.2f, ( wisp_vec3 ){ 0 } );
+    const wisp_entity pinned = add_pinned( h.world, &floor ),
+                      free = add_draping( h.world, &turning, NULL, 0, ( wisp_vec3 ){ 0 } );
+    const wisp_contact_def def = contact_of( 0.004f );
+    set_contact( h.world, pinned, &def );
+    set_contact( h.world, free, &def );
+    assert_status( h.world, wisp_set_velocity( h.world, free, ( wisp_vec3 ){ 4, 0, 0 }, ( wisp_vec3 ){ 0, 5, 0 } ),
+                   WISP_OK );
+    request_stats( h.world );
+    for ( int step = 0; step < 10; ++step )
+    {
+        run_steps( h.world, 1, FRAME );
+        const wisp_contact_stats stats = contact_stats( h.world );
+        if ( stats.candidates > (int64_t)MAX_PER_PARTICLE * stats.points )
+        {
+            fail_msg( "%d candidates of %d particles", (int)stats.candidates, stats.points );
+        }
+    }
     close_world( &h );
 }
 
@@ -456,6 +492,7 @@ int main( void )
         cmocka_unit_test( what_is_finer_than_the_spacing_passes ),
         cmocka_unit_test( more_particles_stand_on_a_finer_spacing ),
         cmocka_unit_test( what_has_stopped_is_not_looked_for_far_around ),
+        cmocka_unit_test( fast_particles_have_few_candidates ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -90,12 +90,11 @@ static void what_the_user_puts_through_is_drawn_apart( void** state )
     close_world( &t.h );
 }
 
-// Two pinned vertices move through a sheet that cannot move; nothing can stop them.
-static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return( void** state )
+// Pinned vertices drag a sheet a metre and a half through one that cannot move, and back; nothing can stop them.
+static int drag_through_and_back( int start, int* most )
 {
-    (void)state;
     tangle t;
-    open_tangle( &t, -0.1f, 0 );
+    open_tangle( &t, -0.1f, start );
     const int last = SIDE * SIDE - 1;
     const int32_t pins[2] = { last, last - SIDE + 1 };
     wisp_vec3 at[2];
@@ -108,7 +107,6 @@ static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return(
         const float* x = place_of( t.h.world, t.c[1], pins[k] );
         at[k] = ( wisp_vec3 ){ x[0], x[1], x[2] };
     }
-    int most = 0;
     for ( int s = 0; s < 120; ++s )
     {
         const float way = s < 45 ? (float)s / 45.0f : ( s < 90 ? (float)( 90 - s ) / 45.0f : 0.0f );
@@ -120,14 +118,28 @@ static void what_pins_drive_through_is_counted_and_drawn_apart_when_they_return(
         assert_status( t.h.world, wisp_move_pins( t.h.world, t.c[1], pins, targets, 2 ), WISP_OK );
         run_steps( t.h.world, 1, FRAME );
         const int intersections = contact_stats( t.h.world ).intersections;
-        most = intersections > most ? intersections : most;
+        *most = intersections > *most ? intersections : *most;
         assert_true( is_finite( t.h.world, t.c[0] ) && is_finite( t.h.world, t.c[1] ) );
     }
-    assert_true( most > 0 );
     run_steps( t.h.world, 120, FRAME );
-    // a sheet dragged a metre and a half through and back remains caught in a few places
-    assert_true( contact_stats( t.h.world ).intersections < most / 4 );
+    const int left = contact_stats( t.h.world ).intersections;
     close_world( &t.h );
+    return left;
+}
+
+static void what_pins_drive_through_is_drawn_apart_when_they_return( void** state )
+{
+    (void)state;
+    int caught = 0;
+    for ( int start = 0; start < STARTS; ++start )
+    {
+        int most = 0;
+        const int left = drag_through_and_back( start, &most );
+        assert_true( most > 100 && left < most / 10 );
+        caught += left > 0 ? 1 : 0;
+    }
+    // two seconds later; a fold that the sheet was dragged through itself may stay
+    assert_true( caught <= 1 );
 }
 
 // Separation adds no momentum: two free sheets that start intersecting, at rest, stay slow, and their centre stays.
@@ -175,7 +187,7 @@ int main( void )
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( what_starts_crossed_is_drawn_apart ),
         cmocka_unit_test( what_the_user_puts_through_is_drawn_apart ),
-        cmocka_unit_test( what_pins_drive_through_is_counted_and_drawn_apart_when_they_return ),
+        cmocka_unit_test( what_pins_drive_through_is_drawn_apart_when_they_return ),
         cmocka_unit_test( untangling_gives_neither_momentum_nor_speed ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
