@@ -145,7 +145,7 @@ static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e
 
 // A vertex fades where its fold 1 + t_{i-1} . t_i is below this fraction of that at rest, which is taken as 1 at
 // most and so much at least; no further than to the last of these fractions of where it begins.
-#define FADE_BEGIN 0.5f
+#define FADE_BEGIN 0.25f
 #define MIN_FOLD_AT_REST 0.2f
 #define MIN_FADE 0.1f
 

@@ -38,7 +38,7 @@
 //
 // Where a vertex folds back, k_i and twist have no direction: a small circle about that pose changes both by any
 // amount. So E_i and the energy of twist have w k_i and w GJ, w = f (2 - f). f falls from 1, where 1 + t_{i-1} .
-// t_i is half of what it is at rest (at 120 degrees for rest shapes that turn by less than 90), to 0 at 180
+// t_i is a quarter of what it is at rest (at 139 degrees for rest shapes that turn by less than 90), to 0 at 180
 // degrees. The derivative of w acts on the centre line too.
 #include "rod_frames.h"
 

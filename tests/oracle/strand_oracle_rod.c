@@ -215,11 +215,11 @@ static double curvature_denominator( double3 before, double3 behind )
     return fmax( 1.0 + double3_dot( before, behind ), 0.1 );
 }
 
-// w = f (2 - f): 1 up to a fold of half that at rest, and falling where the vertex folds further.
+// w = f (2 - f): 1 up to a fold of a quarter of that at rest, and falling where the vertex folds further.
 static void fade( const strand_oracle* strand, int i, vertex_state* v )
 {
     const double at_rest = 2.0 - 0.5 * double3_dot( strand->rest[i], strand->rest[i] );
-    const double begin = 0.5 * fmax( 0.2, fmin( 1.0, at_rest ) );
+    const double begin = 0.25 * fmax( 0.2, fmin( 1.0, at_rest ) );
     const double f = fmax( 0.1, fmin( 1.0, ( 1.0 + double3_dot( v->before, v->behind ) ) / begin ) );
     v->share = f * ( 2.0 - f );
     v->unfolding = 2.0 * ( 1.0 - f ) / begin;
