@@ -21,10 +21,10 @@ enum
     RATIO = 10 * WISP_LANES,    // r_i
     TURN = 11 * WISP_LANES,     // rotation of a segment about itself, rad
     BINORMAL = 12 * WISP_LANES, // kb_i, [3]
-    BEFORE = 3 * WISP_LANES,    // twice what twist and rest curvature of a vertex add to the gradient by the segment
-                                // before it, times its length, [3]; reuses z x k_i
-    BEHIND = 12 * WISP_LANES,   // by the segment behind it, [3]; reuses kb_i
-    SOLVED = 6 * WISP_LANES,    // y of the bending solve, [3]; reuses T_i, slope and load
+    TURNING =
+        12 * WISP_LANES,     // twice what twist and rest curvature add to the gradient by the segment from this row,
+                             // times its length, [3]; reuses kb_i
+    SOLVED = 6 * WISP_LANES, // y of the bending solve, [3]; reuses T_i, slope and load
 };
 
 LANE_INLINE lane16 lanes_of( const float* column, int row )
@@ -173,9 +173,15 @@ static fading fade_vertex( const wisp_strand_rod_args* args, int row, lane16 fol
                        lane16_mul( lane16_mul( two, inverse ), lane16_sub( one, f ) ) };
 }
 
-// Adds what a vertex gains by unfolding to its gradients: the energy changes with w too.
-static void unfold_vertex( const wisp_strand_rod_args* args, int row, frame16 before, frame16 behind, lane16 moment,
-                           float* at )
+// What a vertex adds to the gradients by its two segments.
+typedef struct turning
+{
+    lane16v before, behind;
+} turning;
+
+// Adds what a vertex gains by unfolding: the energy changes with w too.
+static turning unfold_vertex( const wisp_strand_rod_args* args, int row, frame16 before, frame16 behind,
+                              lane16 moment, const float* at, turning sum )
 {
     const lane16 one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
     const lane16v a = direction_of_frame( before ), b = direction_of_frame( behind );
@@ -189,10 +195,8 @@ static void unfold_vertex( const wisp_strand_rod_args* args, int row, frame16 be
     const lane16 twist =
         lane16_div( lane16_mul( half, lane16_mul( moment, moment ) ), lane16_mul( rigidity, fade.share ) );
     const lane16 pull = lane16_mul( lane16_add( relative, relative ), lane16_add( bend, twist ) );
-    lane16v_store( at + BEFORE, lane16v_mul_add( lane16v_load( at + BEFORE ), pull,
-                                                 lane16v_sub( b, lane16v_scale( a, cosine ) ) ) );
-    lane16v_store( at + BEHIND, lane16v_mul_add( lane16v_load( at + BEHIND ), pull,
-                                                 lane16v_sub( a, lane16v_scale( b, cosine ) ) ) );
+    return ( turning ){ lane16v_mul_add( sum.before, pull, lane16v_sub( b, lane16v_scale( a, cosine ) ) ),
+                        lane16v_mul_add( sum.behind, pull, lane16v_sub( a, lane16v_scale( b, cosine ) ) ) };
 }
 
 // ---- twist ----
@@ -350,9 +354,10 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
 {
     const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), four = lane16_set1( 4.0f );
     lane16 before = zero;
-    for ( int row = first; row + 1 < last; ++row )
+    lane16v behind = { zero, zero, zero };
+    float* at = args->scratch;
+    for ( int row = first; row + 1 < last; ++row, at += ROW )
     {
-        float* at = args->scratch + (size_t)( row - first ) * ROW;
         const lane16 turn = lane16_load( at + TURN ), middle = lane16_mul( half, lane16_add( before, turn ) );
         lane16v_store( at + REST_VECTOR,
                        lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
@@ -362,41 +367,38 @@ static void turn_vertices( const wisp_strand_rod_args* args, int group, int firs
             lane16_mul_add( lane16_mul( four, middle ), lane16_load( at + SLOPE ), lane16_load( at + LOAD ) );
         const lane16 lateral = lane16_mul( lane16_load( at + RATIO ), load );
         const lane16v binormal = lane16v_load( at + BINORMAL );
-        lane16v_store( at + BEFORE, lane16v_scale( binormal, lane16_sub( moment, lateral ) ) );
-        lane16v_store( at + BEHIND, lane16v_scale( binormal, lane16_add( moment, lateral ) ) );
+        turning own = { lane16v_scale( binormal, lane16_sub( moment, lateral ) ),
+                        lane16v_scale( binormal, lane16_add( moment, lateral ) ) };
         if ( folds )
         {
             const float* frame = args->frame + (size_t)row * QUATERNION;
-            unfold_vertex( args, row, row > first ? frame16_load( frame - QUATERNION ) : clamp_frame( args, group ),
-                           frame16_load( frame ), moment, at );
+            own = unfold_vertex( args, row,
+                                 row > first ? frame16_load( frame - QUATERNION ) : clamp_frame( args, group ),
+                                 frame16_load( frame ), moment, at, own );
         }
+        if ( row > first )
+        {
+            lane16v_store( at - ROW + TURNING, lane16v_add( behind, own.before ) );
+        }
+        behind = own.behind;
         before = turn;
     }
+    lane16v_store( at - ROW + TURNING, behind );
 }
 
 // ---- bending ----
 
-// Computes the moment M_i at a vertex, and twice what twist and rest curvature add to the gradients of its segments.
-typedef struct bending
-{
-    lane16v moment, before, behind;
-} bending;
-
-// Computes the bending of a vertex between directions a and b; `rate` is its change, times damping dt.
-LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
+// Computes the moment M_i of a vertex between directions a and b, times dt^2; `rate` is its change, times damping dt.
+LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
                                  lane16v b, lane16v rate )
 {
-    const lane16 zero = lane16_zero(), dt2 = lane16_set1( args->dt * args->dt );
     lane16v c = lane16v_sub( b, a );
-    bending out = { .before = { zero, zero, zero }, .behind = { zero, zero, zero } };
     if ( args->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
-        out.before = lane16v_scale( lane16v_load( scratch + BEFORE ), dt2 );
-        out.behind = lane16v_scale( lane16v_load( scratch + BEHIND ), dt2 );
     }
-    out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( args->stiffness, row ) );
-    return out;
+    return lane16v_scale( lane16v_mul_add( rate, lane16_set1( args->dt * args->dt ), c ),
+                          lanes_of( args->stiffness, row ) );
 }
 
 // Computes the change of a segment's direction since the start of the substep.
@@ -408,16 +410,16 @@ LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row )
     return lane16v_scale( lane16v_sub( next, v ), fraction );
 }
 
-// Computes G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (behind_s + before_{s+1}) / 2) / l_s by e_s. In the
-// same sweep, y is that after forward substitution with the two bands of L.
+// Computes G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + turning_s / 2) / l_s by e_s. In the same sweep, y
+// is that after forward substitution with the two bands of L.
 static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int first, int last )
 {
-    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
+    const lane16 zero = lane16_zero(), half_dt2 = lane16_set1( 0.5f * args->dt * args->dt );
     const lane16 damping = lane16_set1( args->damping * args->dt );
     const lane16v none = { zero, zero, zero };
     lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
     lane16v change = args->damping > 0.0f ? change_of( args, first ) : none;
-    bending own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
+    lane16v own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
@@ -426,7 +428,7 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
         lane16v gradient = none;
         if ( row + 1 < last )
         {
-            bending next = { none, none, none };
+            lane16v next = none;
             if ( row + 2 < last )
             {
                 const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
@@ -436,8 +438,11 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
                 t = u;
                 change = now;
             }
-            gradient = lane16v_mul_add( lane16v_sub( own.moment, next.moment ), half,
-                                        lane16v_add( own.behind, next.before ) );
+            gradient = lane16v_sub( own, next );
+            if ( args->frame != NULL )
+            {
+                gradient = lane16v_mul_add( gradient, half_dt2, lane16v_load( at + TURNING ) );
+            }
             gradient = lane16v_scale( gradient, lanes_of( args->inverse_length, row ) );
             own = next;
         }
