@@ -12,15 +12,19 @@ static const size_t QUATERNION = 4 * WISP_LANES;
 enum
 {
     ROW = 15 * WISP_LANES,
-    REST_VECTOR = 0,            // k_i in world space, [3]
-    TURNED = 3 * WISP_LANES,    // z x k_i, [3]
+    REST_VECTOR = 0,            // w_i k_i in world space, [3]
+    TURNED = 3 * WISP_LANES,    // z x w_i k_i, [3]
     MOMENT = 6 * WISP_LANES,    // T_i
     SLOPE = 7 * WISP_LANES,     // second derivative of the bending energy by a rotation of the middle frame
     LOAD = 8 * WISP_LANES,      // b_i
     COUPLING = 9 * WISP_LANES,  // of the twist
+    RATIO = 10 * WISP_LANES,    // r_i
     TURN = 11 * WISP_LANES,     // rotation of a segment about itself, rad
-    BINORMAL = 12 * WISP_LANES, // kb_i, then T_i kb_i, [3]
-    SOLVED = 6 * WISP_LANES,    // y of the bending solve, [3]; reuses T_i, slope and load
+    BINORMAL = 12 * WISP_LANES, // kb_i, [3]
+    TURNING =
+        12 * WISP_LANES,     // twice what twist and rest curvature add to the gradient by the segment from this row,
+                             // times its length, [3]; reuses kb_i
+    SOLVED = 6 * WISP_LANES, // y of the bending solve, [3]; reuses T_i, slope and load
 };
 
 LANE_INLINE lane16 lanes_of( const float* column, int row )
@@ -43,6 +47,12 @@ LANE_INLINE float* segment_of( const wisp_strand_rod_args* args, int row )
 LANE_INLINE lane16v direction_of( const wisp_strand_rod_args* args, int row, lane16v segment )
 {
     return lane16v_scale( segment, lane16_neg( lanes_of( args->inverse_length, row ) ) );
+}
+
+// Computes the direction of a segment from its frame, of any length.
+LANE_INLINE lane16v direction_of_frame( frame16 q )
+{
+    return lane16v_scale( frame16_z( q ), lane16_div( lane16_set1( 1.0f ), frame16_dot( q, q ) ) );
 }
 
 LANE_INLINE lane16 free_offset( const wisp_strand_rod_args* args, int row, lane16 offset )
@@ -131,8 +141,70 @@ static frame16 carry_frame( const wisp_strand_rod_args* args, int row, lane16v e
     return frame16_select( has_length, frame16_carry( q, e, lane16_sqrt( squared ) ), q );
 }
 
+// ---- vertices that fold back ----
+
+// A vertex fades where its fold 1 + t_{i-1} . t_i is below this fraction of that at rest, which is taken as 1 at
+// most and so much at least; no further than to the last of these fractions of where it begins.
+#define FADE_BEGIN 0.25f
+#define MIN_FOLD_AT_REST 0.2f
+#define MIN_FADE 0.1f
+
+// The share w_i of rest curvature and twist that a vertex keeps, and its derivative by the fold.
+typedef struct fading
+{
+    lane16 share, slope;
+} fading;
+
+LANE_INLINE lane16m is_folded( lane16 fold )
+{
+    return lane16_lt( fold, lane16_set1( FADE_BEGIN ) );
+}
+
+// Computes w = f (2 - f), where f falls from 1 to 0 as the vertex folds back.
+static fading fade_vertex( const wisp_strand_rod_args* args, int row, lane16 fold )
+{
+    const lane16 one = lane16_set1( 1.0f ), two = lane16_set1( 2.0f );
+    const lane16v rest = lane16v_load( args->rest + (size_t)row * STRIDE );
+    const lane16 at_rest = lane16_sub( two, lane16_mul( lane16_set1( 0.5f ), lane16v_dot( rest, rest ) ) );
+    const lane16 bound = lane16_max( lane16_set1( MIN_FOLD_AT_REST ), lane16_min( one, at_rest ) );
+    const lane16 inverse = lane16_div( lane16_set1( 1.0f / FADE_BEGIN ), bound );
+    const lane16 f = lane16_max( lane16_set1( MIN_FADE ), lane16_min( one, lane16_mul( fold, inverse ) ) );
+    return ( fading ){ lane16_mul( f, lane16_sub( two, f ) ),
+                       lane16_mul( lane16_mul( two, inverse ), lane16_sub( one, f ) ) };
+}
+
+// What a vertex adds to the gradients by its two segments.
+typedef struct turning
+{
+    lane16v before, behind;
+} turning;
+
+// Adds what a vertex gains by unfolding: the energy changes with w too.
+static turning unfold_vertex( const wisp_strand_rod_args* args, int row, frame16 before, frame16 behind,
+                              lane16 moment, const float* at, turning sum )
+{
+    const lane16 one = lane16_set1( 1.0f ), half = lane16_set1( 0.5f );
+    const lane16v a = direction_of_frame( before ), b = direction_of_frame( behind );
+    const lane16 cosine = lane16v_dot( a, b );
+    const fading fade = fade_vertex( args, row, lane16_add( one, cosine ) );
+    const lane16 relative = lane16_div( fade.slope, fade.share );
+    const lane16v k = lane16v_load( at + REST_VECTOR );
+    const lane16 bend =
+        lane16_mul( lanes_of( args->stiffness, row ), lane16v_dot( k, lane16v_sub( k, lane16v_sub( b, a ) ) ) );
+    const lane16 rigidity = lane16_max( lanes_of( args->twist_stiffness, row ), lane16_set1( 1e-30f ) );
+    const lane16 twist =
+        lane16_div( lane16_mul( half, lane16_mul( moment, moment ) ), lane16_mul( rigidity, fade.share ) );
+    const lane16 pull = lane16_mul( lane16_add( relative, relative ), lane16_add( bend, twist ) );
+    return ( turning ){ lane16v_mul_add( sum.before, pull, lane16v_sub( b, lane16v_scale( a, cosine ) ) ),
+                        lane16v_mul_add( sum.behind, pull, lane16v_sub( a, lane16v_scale( b, cosine ) ) ) };
+}
+
+// ---- twist ----
+
 // Measures vertex i between two frames: rest vector, twist moment, and the load and slope of bending on the twist.
-static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from, lane16v to,
+// Directions have length 1, whatever the lengths of segments.
+// @return whether the vertex of any lane folds back
+static bool measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a, frame16 b, lane16v from, lane16v to,
                             float* out )
 {
     const lane16v bend = lane16v_sub( to, from );
@@ -143,7 +215,16 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
     // |a + b|^2 = 2 + 2 a.b, and both are in one hemisphere, so it is at least 2
     const frame16 middle = frame16_add( a, b );
     const lane16 shrink = lane16_div( lane16_set1( 0.5f ), lane16_add( lane16_set1( 1.0f ), rw ) );
-    const lane16v rest = lane16v_scale( lane16v_load( args->rest + (size_t)row * STRIDE ), shrink );
+    const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
+    const bool folds = lane16m_any( is_folded( fold ) );
+    lane16v rest = lane16v_scale( lane16v_load( args->rest + (size_t)row * STRIDE ), shrink );
+    lane16 rigidity = lanes_of( args->twist_stiffness, row );
+    if ( folds )
+    {
+        const fading fade = fade_vertex( args, row, fold );
+        rest = lane16v_scale( rest, fade.share );
+        rigidity = lane16_mul( rigidity, fade.share );
+    }
     const lane16v k = frame16_turn( middle, rest );
     const lane16v turned = lane16v_scale( lane16v_cross( frame16_z( middle ), k ), shrink );
 
@@ -160,17 +241,18 @@ static void measure_vertex( const wisp_strand_rod_args* args, int row, frame16 a
     const lane16 twist = lane16_div( lane16_mul( sign, z ), whole );
 
     // the binormal diverges where a strand folds back, so it is clamped at 154 degrees
-    const lane16 fold = lane16_add( lane16_set1( 1.0f ), lane16v_dot( from, to ) );
     const lane16 fraction = lane16_div( two, lane16_max( fold, lane16_set1( 0.1f ) ) );
     lane16v_store( out + BINORMAL, lane16v_scale( lane16v_cross( from, to ), fraction ) );
 
     const lane16 stiffness = lanes_of( args->stiffness, row );
     lane16v_store( out + REST_VECTOR, k );
     lane16v_store( out + TURNED, turned );
-    lane16_store( out + MOMENT, lane16_mul( lanes_of( args->twist_stiffness, row ), twist ) );
+    lane16_store( out + MOMENT, lane16_mul( rigidity, twist ) );
+    lane16_store( out + RATIO, lane16_mul( rw, shrink ) );
     lane16_store( out + LOAD, lane16_neg( lane16_mul( stiffness, lane16v_dot( bend, turned ) ) ) );
     lane16_store( out + SLOPE, lane16_mul( lane16_set1( 0.25f ),
                                            lane16_mul( stiffness, lane16_max( zero, lane16v_dot( bend, k ) ) ) ) );
+    return folds;
 }
 
 // Transports frames before vertices are measured. Frames depend only on their own segment, so more of them run in
@@ -184,8 +266,10 @@ static void carry_frames( const wisp_strand_rod_args* args, lane16 back, int fir
     }
 }
 
-static void measure_frames( const wisp_strand_rod_args* args, int group, int first, int last )
+// @return whether any vertex folds back
+static bool measure_frames( const wisp_strand_rod_args* args, int group, int first, int last )
 {
+    bool folds = false;
     frame16 before = clamp_frame( args, group );
     const lane16 back = acceleration_offset( args, group );
     carry_frames( args, back, first, last );
@@ -193,12 +277,13 @@ static void measure_frames( const wisp_strand_rod_args* args, int group, int fir
     float* out = args->scratch;
     for ( int row = first; row + 1 < last; ++row, out += ROW )
     {
-        const lane16v t = direction_of( args, row, unaccelerated( args, row, back ) );
         const frame16 q = frame16_load( args->frame + (size_t)row * QUATERNION );
-        measure_vertex( args, row, before, q, t_before, t, out );
+        const lane16v t = frame16_z( q );
+        folds = measure_vertex( args, row, before, q, t_before, t, out ) || folds;
         before = q;
         t_before = t;
     }
+    return folds;
 }
 
 // Assembles one Newton step of T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0 over the rotations of the segments; the
@@ -234,17 +319,20 @@ static void balance_twist( const wisp_strand_rod_args* args, int first, int last
     }
 }
 
-// Substitutes back from the tip: segments rotate about themselves, and measured values rotate with them.
-static void turn_segments( const wisp_strand_rod_args* args, int first, int last )
+// Substitutes back from the tip, and segments rotate about themselves.
+// @return lanes whose strand comes to balance
+static lane16m turn_segments( const wisp_strand_rod_args* args, int first, int last )
 {
     const lane16 half = lane16_set1( 0.5f );
     const lane16 most = lane16_set1( 1.0f );
     lane16 behind = lane16_zero();
+    lane16m balanced = lane16_le( behind, most );
     for ( int row = last - 2; row >= first; --row )
     {
         float* at = args->scratch + (size_t)( row - first ) * ROW;
         lane16 turn = lane16_sub( lane16_load( at + TURN ), lane16_mul( lane16_load( at + COUPLING ), behind ) );
         behind = turn;
+        balanced = lane16m_and( balanced, lane16_le( lane16_abs( turn ), most ) );
         turn = lane16_max( lane16_neg( most ), lane16_min( most, turn ) ); // at most one radian per substep; NaN
                                                                            // becomes one
         lane16_store( at + TURN, turn );
@@ -255,42 +343,62 @@ static void turn_segments( const wisp_strand_rod_args* args, int first, int last
         frame16_store( frame, ( frame16 ){ lane16_mul_add( s, q.y, q.x ), lane16_sub( q.y, lane16_mul( s, q.x ) ),
                                            lane16_mul_add( s, q.w, q.z ), lane16_sub( q.w, lane16_mul( s, q.z ) ) } );
     }
-    lane16 before = lane16_zero();
-    for ( int row = first; row + 1 < last; ++row )
+    return balanced;
+}
+
+// Rotates what was measured with the segments, and computes what twist and rest curvature add to the gradients. Where
+// the turns were limited, twist is not in balance yet: its moment is what the limit left over, and would throw the
+// strand about, so it has none in this substep.
+static void turn_vertices( const wisp_strand_rod_args* args, int group, int first, int last, lane16m balanced,
+                           bool folds )
+{
+    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f ), four = lane16_set1( 4.0f );
+    lane16 before = zero;
+    lane16v behind = { zero, zero, zero };
+    float* at = args->scratch;
+    for ( int row = first; row + 1 < last; ++row, at += ROW )
     {
-        float* at = args->scratch + (size_t)( row - first ) * ROW;
         const lane16 turn = lane16_load( at + TURN ), middle = lane16_mul( half, lane16_add( before, turn ) );
         lane16v_store( at + REST_VECTOR,
                        lane16v_mul_add( lane16v_load( at + REST_VECTOR ), middle, lane16v_load( at + TURNED ) ) );
         const lane16 twisted = lane16_mul( lanes_of( args->twist_stiffness, row ), lane16_sub( turn, before ) );
-        const lane16 moment = lane16_add( lane16_load( at + MOMENT ), twisted );
-        lane16v_store( at + BINORMAL, lane16v_scale( lane16v_load( at + BINORMAL ), moment ) );
+        const lane16 moment = lane16_select( balanced, lane16_add( lane16_load( at + MOMENT ), twisted ), zero );
+        const lane16 load =
+            lane16_mul_add( lane16_mul( four, middle ), lane16_load( at + SLOPE ), lane16_load( at + LOAD ) );
+        const lane16 lateral = lane16_mul( lane16_load( at + RATIO ), load );
+        const lane16v binormal = lane16v_load( at + BINORMAL );
+        turning own = { lane16v_scale( binormal, lane16_sub( moment, lateral ) ),
+                        lane16v_scale( binormal, lane16_add( moment, lateral ) ) };
+        if ( folds )
+        {
+            const float* frame = args->frame + (size_t)row * QUATERNION;
+            own = unfold_vertex( args, row,
+                                 row > first ? frame16_load( frame - QUATERNION ) : clamp_frame( args, group ),
+                                 frame16_load( frame ), moment, at, own );
+        }
+        if ( row > first )
+        {
+            lane16v_store( at - ROW + TURNING, lane16v_add( behind, own.before ) );
+        }
+        behind = own.behind;
         before = turn;
     }
+    lane16v_store( at - ROW + TURNING, behind );
 }
 
 // ---- bending ----
 
-// Computes moments at a vertex: M_i of bending and T_i kb_i of twist.
-typedef struct bending
-{
-    lane16v moment, twist;
-} bending;
-
-// Computes the bending of a vertex between directions a and b; `rate` is its change, times damping dt.
-LANE_INLINE bending bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
+// Computes the moment M_i of a vertex between directions a and b, times dt^2; `rate` is its change, times damping dt.
+LANE_INLINE lane16v bend_vertex( const wisp_strand_rod_args* args, int row, const float* scratch, lane16v a,
                                  lane16v b, lane16v rate )
 {
-    const lane16 zero = lane16_zero(), dt2 = lane16_set1( args->dt * args->dt );
     lane16v c = lane16v_sub( b, a );
-    bending out = { .twist = { zero, zero, zero } };
     if ( args->frame != NULL )
     {
         c = lane16v_sub( c, lane16v_load( scratch + REST_VECTOR ) );
-        out.twist = lane16v_scale( lane16v_load( scratch + BINORMAL ), dt2 );
     }
-    out.moment = lane16v_scale( lane16v_mul_add( rate, dt2, c ), lanes_of( args->stiffness, row ) );
-    return out;
+    return lane16v_scale( lane16v_mul_add( rate, lane16_set1( args->dt * args->dt ), c ),
+                          lanes_of( args->stiffness, row ) );
 }
 
 // Computes the change of a segment's direction since the start of the substep.
@@ -302,16 +410,16 @@ LANE_INLINE lane16v change_of( const wisp_strand_rod_args* args, int row )
     return lane16v_scale( lane16v_sub( next, v ), fraction );
 }
 
-// Computes r_i = G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by
-// e_s. In the same sweep, y is r after forward substitution with the two bands of L.
+// Computes G_i - G_{i-1} with the gradient G_s = (M_s - M_{s+1} + turning_s / 2) / l_s by e_s. In the same sweep, y
+// is that after forward substitution with the two bands of L.
 static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int first, int last )
 {
-    const lane16 zero = lane16_zero(), half = lane16_set1( 0.5f );
+    const lane16 zero = lane16_zero(), half_dt2 = lane16_set1( 0.5f * args->dt * args->dt );
     const lane16 damping = lane16_set1( args->damping * args->dt );
     const lane16v none = { zero, zero, zero };
     lane16v t = direction_of( args, first, lane16v_load( segment_of( args, first ) ) );
     lane16v change = args->damping > 0.0f ? change_of( args, first ) : none;
-    bending own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
+    lane16v own = bend_vertex( args, first, args->scratch, frame16_z( clamp_frame( args, group ) ), t,
                                lane16v_scale( change, damping ) );
     lane16v before = none, y1 = none, y2 = none;
     for ( int row = first; row < last; ++row )
@@ -320,7 +428,7 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
         lane16v gradient = none;
         if ( row + 1 < last )
         {
-            bending next = { none, none };
+            lane16v next = none;
             if ( row + 2 < last )
             {
                 const lane16v u = direction_of( args, row + 1, lane16v_load( segment_of( args, row + 1 ) ) );
@@ -330,8 +438,11 @@ static void load_and_eliminate( const wisp_strand_rod_args* args, int group, int
                 t = u;
                 change = now;
             }
-            gradient =
-                lane16v_mul_add( lane16v_sub( own.moment, next.moment ), half, lane16v_add( own.twist, next.twist ) );
+            gradient = lane16v_sub( own, next );
+            if ( args->frame != NULL )
+            {
+                gradient = lane16v_mul_add( gradient, half_dt2, lane16v_load( at + TURNING ) );
+            }
             gradient = lane16v_scale( gradient, lanes_of( args->inverse_length, row ) );
             own = next;
         }
@@ -381,9 +492,9 @@ static void bend_group( const wisp_strand_rod_args* args, int group, int first, 
 {
     if ( args->frame != NULL )
     {
-        measure_frames( args, group, first, last );
+        const bool folds = measure_frames( args, group, first, last );
         balance_twist( args, first, last );
-        turn_segments( args, first, last );
+        turn_vertices( args, group, first, last, turn_segments( args, first, last ), folds );
     }
     pull( args, group, first, last );
     load_and_eliminate( args, group, first, last );

@@ -95,7 +95,7 @@ wisp_status passes_declare_state_check( wisp_registry* registry )
 {
     const wisp_pass pass = {
         .name = "particles.state_check",
-        .stage = WISP_STAGE_DERIVE,
+        .stage = WISP_STAGE_CHECK,
         .domain = WISP_DOMAIN_ENTITY,
         .required = { WISP_PARTICLE_LAST_VALID, WISP_PARTICLE_VELOCITY },
         .reads = { WISP_PARTICLE_POSITION, WISP_PARTICLE_VELOCITY, WISP_PARTICLE_LAST_VALID },

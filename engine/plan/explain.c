@@ -120,8 +120,8 @@ static void predict_fractions( wisp_plan_info* report, wisp_plan_pass* passes )
 
 static wisp_plan_pass* begin_pass( writer* w, wisp_plan_info* report, int number )
 {
-    static const char* const STAGES[WISP_STAGE_COUNT] = { "input",    "force",  "predict", "contact", "project",
-                                                          "velocity", "derive", "shape",   "observe" };
+    static const char* const STAGES[WISP_STAGE_COUNT] = { "input",    "force", "predict", "contact", "project",
+                                                          "velocity", "check", "derive",  "shape",   "observe" };
     static const char* const DOMAINS[] = { "entity", "strand group", "particle block" };
     const wisp_pass* pass = w->registry->passes + number;
     wisp_plan_pass* p = w->passes + report->pass_count++;

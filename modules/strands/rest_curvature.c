@@ -5,15 +5,15 @@
 // initialisation, as Hsu et al. 2023). With M_i = EI / L_i C_i the balance of forces behind segment s is a recursion
 // from the tip,
 //
-//   M_s = M_{s+1} + l_s (W_s - alpha_s t_s) - (T_s kb_s + T_{s+1} kb_{s+1}) / 2
+//   M_s = M_{s+1} + l_s (W_s - alpha_s t_s) - ((T_s + r_s b_s) kb_s + (T_{s+1} - r_{s+1} b_{s+1}) kb_{s+1}) / 2
 //
 // where W_s is g times the masses behind segment s, the tension alpha_s is chosen so that M_s has no part along the
-// middle tangent, and T_s follows from the balance of twist (rod_frames.c). Then k_s = t_s - t_{s-1} - L_s / EI M_s.
-// This is exact for these equations, so the shape stays, if the equilibrium is stable. A strand whose rest shape would turn
-// by more than a quarter against its load has another equilibrium, and would whip between the two for ever (a horizontal
-// hair of 0.25 m: 4 to 12 m/s after 10 s). So the rest shape turns by a quarter at most, and a strand that is too soft for
-// its shape sags calmly. Horizontal hair of 80 um holds up to 0.105 m; the length grows with the cube root of EI / (g times
-// the line density).
+// middle tangent, and T_s follows from the balance of twist (rod_frames.c). Then k_s = t_s - t_{s-1} - L_s / EI
+// M_s. This is exact for these equations, so the shape stays, if the equilibrium is stable. A strand whose rest
+// shape would turn by more than a quarter against its load has another equilibrium, and would whip between the two
+// for ever (a horizontal hair of 0.25 m: 4 to 12 m/s after 10 s). So the rest shape turns by a quarter at most, and
+// a strand that is too soft for its shape sags calmly. Horizontal hair of 80 um holds up to 0.105 m; the length
+// grows with the cube root of EI / (g times the line density).
 //
 // Where the stiffness was lowered (rod_factors.c), more curvature holds the shape, up to 30 % of the sharpest turn
 // next to the vertex. More makes another rod, which a small push throws about (60 %: 12 m/s at 8 substeps after a nod
@@ -119,7 +119,7 @@ typedef struct balance
     vec moment;     // M_s
     double twist;   // T_s
     double load;    // b_s
-    vec pull;       // T_s kb_s
+    vec pull;       // (T_s - r b_s) kb_s, on the segment before
     double tension; // alpha_s, of segment s
     double mass;    // kg, behind segment s - 1
 } balance;
@@ -143,11 +143,15 @@ static balance step( const strand_shape* shape, int s, wisp_vec3 gravity, balanc
     balance out = { .mass = mass };
     out.tension = along > 0.0 ? dot( free, z ) / along : 0.0;
     const vec foreign = sub( free, scale( t, l * out.tension ) );
-    out.twist = ( behind.twist - 0.5 * behind.load - 0.5 * dot( bend, cross( z, foreign ) ) ) /
-                ( 1.0 - 0.25 * dot( bend, cross( z, binormal ) ) );
-    out.moment = sub( foreign, scale( binormal, 0.5 * out.twist ) );
-    out.load = dot( bend, cross( z, out.moment ) );
-    out.pull = scale( binormal, out.twist );
+    // b_s = across - pull_load (T_s + r b_s) / 2
+    const double cosine = sqrt( 0.5 * ( 1.0 + dot( before, t ) ) ); // of half the angle
+    const double ratio = 0.5 * cosine / ( 1.0 + cosine );
+    const double pull_load = dot( bend, cross( z, binormal ) ), across = dot( bend, cross( z, foreign ) );
+    const double own = 1.0 / ( 1.0 + 0.5 * ratio * pull_load );
+    out.twist = ( behind.twist - 0.5 * behind.load - 0.5 * across * own ) / ( 1.0 - 0.25 * pull_load * own );
+    out.load = own * ( across - 0.5 * out.twist * pull_load );
+    out.moment = sub( foreign, scale( binormal, 0.5 * ( out.twist + ratio * out.load ) ) );
+    out.pull = scale( binormal, out.twist - ratio * out.load );
     return out;
 }
 
@@ -253,8 +257,9 @@ static double fraction_of_weight( const curve_args* args, const strand_shape* sh
     return fraction;
 }
 
-// Return the fraction of a balance under `gravity` that is stable. The rest shape turns against the load by M_i / (EI / L_i) at
-// each vertex, without what compensates for a lowered stiffness; a strand that turns farther in all has another equilibrium, and whips between the two.
+// Return the fraction of a balance under `gravity` that is stable. The rest shape turns against the load by M_i /
+// (EI / L_i) at each vertex, without what compensates for a lowered stiffness; a strand that turns farther in all
+// has another equilibrium, and whips between the two.
 static double stable_fraction( const curve_args* args, const strand_shape* shape, wisp_vec3 gravity )
 {
     const double rigidity = fmax( (double)args->settings->bend_rigidity, 1e-300 );

@@ -17,13 +17,29 @@
 //   T_s - T_{s+1} + (b_s + b_{s+1}) / 2 = 0,   b_i = -EI / L_i (t_i - t_{i-1}) . (z_i x k_i)
 //
 // with z_i the middle frame's z axis and T = b = 0 behind the last segment. It is solved by one tridiagonal Newton
-// step per substep, with EI / L_i max(0, (t_i - t_{i-1}) . k_i) / 4 for the second derivative of the bending in both
-// segments and between them. Twist acts on the centre line too: its gradient with respect to e_s is (T_s kb_s +
-// T_{s+1} kb_{s+1}) / (2 l_s), with kb_i = 2 t_{i-1} x t_i / (1 + t_{i-1} . t_i), on the right-hand side of the
-// bending solve.
+// step per substep, with EI / L_i max(0, (t_i - t_{i-1}) . k_i) / 4 for the second derivative of the bending in
+// both segments and between them. A segment turns by a radian at most. A strand that reaches that is not in
+// balance, and its T_i would be what the limit left over, so they are 0 in that substep.
 //
-// k_i turns with its frame as a whole. So about 8 % of the force of a curl that is bent out of its plane is missing;
-// forces in the plane, and all forces of straight rods, are complete (tests/oracle).
+// Twist and the turning of k_i with its frames act on the centre line: the gradient with respect to e_s is
+//
+//   G_s = (M_s - M_{s+1} + ((T_s + r_s b_s) kb_s + (T_{s+1} - r_{s+1} b_{s+1}) kb_{s+1}) / 2) / l_s
+//   kb_i = 2 t_{i-1} x t_i / (1 + t_{i-1} . t_i)
+//   r_i = tan(a_i / 4) / (2 tan(a_i / 2)) = c / (2 + 2 c),  c = cos(a_i / 2)
+//
+// with a_i the angle between t_{i-1} and t_i. A frame that is carried along with its segment turns about axes
+// across it; the middle frame turns by the mean of its two, and by tan(a / 4) of their difference about the third
+// axis. That gives r_i, exactly where vertices are not twisted (tests/oracle). All of it is the gradient of one
+// energy. Without r_i forces of rest curvature do work on a closed path, and hair that is soft or not clamped
+// whirls for ever.
+//
+// T_i, b_i and kb_i are angles, so they take unit directions, also of segments that are not at their length: links
+// and followers leave segments several times too long, and the product of two such lengths has no bound.
+//
+// Where a vertex folds back, k_i and twist have no direction: a small circle about that pose changes both by any
+// amount. So E_i and the energy of twist have w k_i and w GJ, w = f (2 - f). f falls from 1, where 1 + t_{i-1} .
+// t_i is a quarter of what it is at rest (at 139 degrees for rest shapes that turn by less than 90), to 0 at 180
+// degrees. The derivative of w acts on the centre line too.
 #include "rod_frames.h"
 
 #include "strand_rows.h"

@@ -276,7 +276,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
     const wisp_pass passes[] = {
         {
             .name = "strands.state_check",
-            .stage = WISP_STAGE_DERIVE,
+            .stage = WISP_STAGE_CHECK,
             .domain = WISP_DOMAIN_ENTITY,
             .required = { s->good, s->fault, s->in_bounds },
             .reads = { s->good, s->in_bounds, s->low, WISP_STRAND_POSITION, WISP_STRAND_VELOCITY },
@@ -285,7 +285,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
         },
         {
             .name = "strands.restore_tension",
-            .stage = WISP_STAGE_DERIVE,
+            .stage = WISP_STAGE_CHECK,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->tension, s->fault },
             .reads = { s->fault, s->tension },
@@ -295,7 +295,7 @@ static wisp_status declare_guard( wisp_registry* r, strands_state* s )
         },
         {
             .name = "strands.restore_frames",
-            .stage = WISP_STAGE_DERIVE,
+            .stage = WISP_STAGE_CHECK,
             .domain = WISP_DOMAIN_STRAND_GROUP,
             .required = { s->curve, s->clamp, s->fault },
             .reads = { s->fault, s->curve, s->clamp, WISP_STRAND_ROOT, WISP_STRAND_POSITION },

@@ -125,9 +125,9 @@ static void each_loop_runs_also_where_the_others_are_empty( void** state )
         wisp_stage stage;
         int runs;
     } lone[] = {
-        { WISP_STAGE_INPUT, 1 },   { WISP_STAGE_FORCE, 4 },    { WISP_STAGE_PREDICT, 4 },
-        { WISP_STAGE_CONTACT, 4 }, { WISP_STAGE_PROJECT, 20 }, { WISP_STAGE_VELOCITY, 4 },
-        { WISP_STAGE_DERIVE, 1 },  { WISP_STAGE_SHAPE, 1 },    { WISP_STAGE_OBSERVE, 1 },
+        { WISP_STAGE_INPUT, 1 },    { WISP_STAGE_FORCE, 4 },    { WISP_STAGE_PREDICT, 4 }, { WISP_STAGE_CONTACT, 4 },
+        { WISP_STAGE_PROJECT, 20 }, { WISP_STAGE_VELOCITY, 4 }, { WISP_STAGE_CHECK, 1 },   { WISP_STAGE_DERIVE, 1 },
+        { WISP_STAGE_SHAPE, 1 },    { WISP_STAGE_OBSERVE, 1 },
     };
     for ( int i = 0; i < WISP_COUNT( lone ); ++i )
     {

@@ -3,6 +3,8 @@
 #include "saved_world.h"
 #include "guide_hair_fixture.h"
 
+#include "strands.h"
+
 static double3 group_mean( const flock* f, int target, int ghosts, int node )
 {
     double3 nodes[MAX_GHOSTS];
@@ -434,6 +436,55 @@ static void frozen_lengths_stay_those_at_rest( void** state )
     wisp_world_destroy( f.world );
 }
 
+// ---- targets that leave their bounds ----
+
+static void assert_finite( wisp_world* world, wisp_entity strands, int count )
+{
+    wisp_view view;
+    guide_ok( world, wisp_world_view( world, strands, WISP_STRAND_POINTS, &view ) );
+    const wisp_vec3* points = view.data;
+    for ( int i = 0; i < count; ++i )
+    {
+        assert_true( isfinite( points[i].x ) && isfinite( points[i].y ) && isfinite( points[i].z ) );
+    }
+}
+
+// The module of the ghosts is declared first, so the order of modules does not help.
+static void ghosts_are_finite_whatever_their_targets_do( void** state )
+{
+    (void)state;
+    static const wisp_module* const modules[] = { &wisp_guide_hair_module, &wisp_strands_module };
+    const float speeds[] = { NAN, INFINITY, -INFINITY, 9e5f, 3e38f };
+    for ( int k = 0; k < 2 * WISP_COUNT( speeds ); ++k )
+    {
+        wisp_world_def world_def = wisp_default_world_def();
+        world_def.modules = modules;
+        world_def.module_count = WISP_COUNT( modules );
+        world_def.log = guide_forget;
+        wisp_world* world;
+        guide_ok( NULL, wisp_world_create( &world_def, &world, NULL ) );
+        const double3 nodes[] = { { 0.0, 0.0, 0.0 }, { 0.1, 0.0, 0.0 }, { 0.2, 0.0, 0.0 } };
+        const wisp_entity targets = guide_add( world, nodes, 1, 3 ), ghosts = guide_add( world, nodes, 1, 3 );
+        wisp_strand_dynamics_def dynamics = wisp_default_strand_dynamics_def();
+        dynamics.stretch = WISP_STRAND_STRETCH_LINKS; // a direct solve resets a strand that is not finite
+        guide_ok( world, wisp_set_strand_dynamics( world, targets, &dynamics ) );
+        wisp_ghosts_def def = wisp_default_ghosts_def();
+        def.targets = targets;
+        def.capped = k % 2 == 0;
+        def.elastic = k % 2 == 0 ? WISP_GHOST_ELASTIC_CHANGE : WISP_GHOST_ELASTIC_DOT;
+        guide_ok( world, wisp_set_ghosts( world, ghosts, &def ) );
+        guide_ok( world, wisp_request( world, ghosts, WISP_STRAND_POINTS ) );
+        for ( int frame = 0; frame < 4; ++frame )
+        {
+            float* velocity = wisp_world_column( world, targets, WISP_STRAND_VELOCITY, 0 );
+            velocity[2 * 3 * WISP_LANES] = frame == 1 ? speeds[k / 2] : velocity[2 * 3 * WISP_LANES];
+            guide_step( world );
+            assert_finite( world, ghosts, 3 );
+        }
+        wisp_world_destroy( world );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
@@ -450,6 +501,7 @@ int main( void )
         cmocka_unit_test( who_cannot_follow_or_be_followed_is_refused ),
         cmocka_unit_test( frozen_hair_starts_from_where_the_ghosts_are_carried ),
         cmocka_unit_test( frozen_lengths_stay_those_at_rest ),
+        cmocka_unit_test( ghosts_are_finite_whatever_their_targets_do ),
     };
     return cmocka_run_group_tests_name( "guide hair, world", tests, NULL, NULL );
 }

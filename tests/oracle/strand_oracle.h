@@ -147,8 +147,9 @@ void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt 
 /// Tension first, then frames, twist in balance, bending. The guards: the tangent in T_i is limited where |w'| <
 /// 0.087 (a twist of 170 degrees); 1 + t_{i-1} . t_i is at least 0.1; a segment turns about itself by at most a
 /// radian, to first order: q_s by (0, 0, a/2, 1), k_i by the mean turn of its two segments times z x k_i, T_i by GJ /
-/// L_i times their difference. A segment whose pivot vanishes does not turn. The clamp counts as resting where the
-/// rate of bending is damped.
+/// L_i times their difference; where a turn is limited, all T_i of the strand are 0. A vertex that folds back fades
+/// (rod_frames.c). A segment whose pivot vanishes does not turn. The clamp counts as resting where the rate of bending
+/// is damped.
 /// @param acceleration null: tension pulls along the segments at p*, frames and twist are taken at p* + tension.
 ///        Otherwise the acceleration of the prediction, m/s^2: all are taken at p* - dt^2 a, the position without it.
 ///        At rest that is the present position, so an equilibrium of the equations is one of the substep too; with p*
@@ -171,11 +172,13 @@ void strand_oracle_rest_straight( strand_oracle* strand );
 
 /// m_i = 2 atan2( r_z, r_w ) of vertex i, rad.
 double strand_oracle_twist( const strand_oracle* strand, int vertex );
-/// Energy of bending and twist with t_s = e_s / l_s and frames as they are. Twist has the energy whose derivative is
+/// Energy of bending and twist with t_s = e_s / l_s and frames as they are. Where a vertex folds back, rest curvature
+/// and twist fade. Twist has the energy whose derivative is
 /// T_i = 2 GJ / L_i tan( d/2 ), d = m_i less its rest value: -4 GJ / L_i log cos( d/2 ), which is GJ / (2 L_i) d^2 up
 /// to d^4.
 double strand_oracle_rod_energy( const strand_oracle* strand );
-/// The gradient in the rod's right-hand side, [count], with frames held fixed.
+/// The gradient in the rod's right-hand side, [count]: that of the energy, with frames carried along, where vertices
+/// are not twisted; twist leaves out a part of second order.
 void strand_oracle_rod_gradient( const strand_oracle* strand, double3* gradient );
 /// T_s - T_{s+1} + (b_s + b_{s+1}) / 2 of every segment, N m: the imbalance of twist. [count - 1]
 void strand_oracle_twist_balance( const strand_oracle* strand, double* residual );

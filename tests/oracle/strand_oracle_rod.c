@@ -163,13 +163,16 @@ void strand_oracle_rod_factor( strand_oracle* strand, double damping, double dt 
 typedef struct vertex_state
 {
     double3 bend;   // t_i - t_{i-1}
-    double3 rest;   // k_i in the world
-    double3 turned; // z_i x k_i
+    double3 rest;   // w_i k_i in the world
+    double3 turned; // z_i x w_i k_i
     double3 kb;
-    double twist;  // m_i less its rest value, as 2 z' / w'
-    double moment; // T_i
-    double load;   // b_i
-    double slope;  // derivative of the bending by a turn of one of its two segments
+    double3 before, behind;  // unit directions of the two segments
+    double share, unfolding; // w_i and its derivative by 1 + t_{i-1} . t_i
+    double ratio;            // tan( angle / 4 ) / tan( angle / 2 ) / 2
+    double twist;            // m_i less its rest value, as 2 z' / w'
+    double moment;           // T_i
+    double load;             // b_i
+    double slope;            // derivative of the bending by a turn of one of its two segments
 } vertex_state;
 
 static strand_oracle_quaternion frame_before( const strand_oracle* strand, int i )
@@ -184,6 +187,13 @@ static double3 tangent( const strand_oracle* strand, const double3* p, int s )
         return strand_oracle_turned( frame_before( strand, 0 ), z_axis );
     }
     return double3_scale( 1.0 / strand->length[s], double3_sub( p[s + 1], p[s] ) );
+}
+
+static double3 unit_tangent( const strand_oracle* strand, const double3* p, int s )
+{
+    const double3 t = tangent( strand, p, s );
+    const double length = double3_length( t );
+    return length > 1e-15 ? double3_scale( 1.0 / length, t ) : strand_oracle_turned( strand->frame[s], z_axis );
 }
 
 static strand_oracle_quaternion middle_frame( strand_oracle_quaternion a, strand_oracle_quaternion b )
@@ -205,16 +215,30 @@ static double curvature_denominator( double3 before, double3 behind )
     return fmax( 1.0 + double3_dot( before, behind ), 0.1 );
 }
 
+// w = f (2 - f): 1 up to a fold of a quarter of that at rest, and falling where the vertex folds further.
+static void fade( const strand_oracle* strand, int i, vertex_state* v )
+{
+    const double at_rest = 2.0 - 0.5 * double3_dot( strand->rest[i], strand->rest[i] );
+    const double begin = 0.25 * fmax( 0.2, fmin( 1.0, at_rest ) );
+    const double f = fmax( 0.1, fmin( 1.0, ( 1.0 + double3_dot( v->before, v->behind ) ) / begin ) );
+    v->share = f * ( 2.0 - f );
+    v->unfolding = 2.0 * ( 1.0 - f ) / begin;
+}
+
 static vertex_state measure_vertex( const strand_oracle* strand, const double3* p, int i )
 {
-    const double3 before = tangent( strand, p, i - 1 ), behind = tangent( strand, p, i );
-    vertex_state v = { .bend = double3_sub( behind, before ) };
+    vertex_state v = { .bend = double3_sub( tangent( strand, p, i ), tangent( strand, p, i - 1 ) ) };
     if ( strand->framed == false )
     {
         return v;
     }
     const strand_oracle_quaternion a = frame_before( strand, i ), b = strand->frame[i], middle = middle_frame( a, b );
-    v.rest = strand_oracle_turned( middle, strand->rest[i] );
+    const double3 before = unit_tangent( strand, p, i - 1 ), behind = unit_tangent( strand, p, i );
+    v.before = before;
+    v.behind = behind;
+    fade( strand, i, &v );
+    v.ratio = 0.5 * fabs( quaternion_dot( a, b ) ) / ( 1.0 + fabs( quaternion_dot( a, b ) ) );
+    v.rest = double3_scale( v.share, strand_oracle_turned( middle, strand->rest[i] ) );
     v.turned = double3_cross( strand_oracle_turned( middle, z_axis ), v.rest );
     v.kb = double3_scale( 2.0 / curvature_denominator( before, behind ), double3_cross( before, behind ) );
 
@@ -222,9 +246,10 @@ static vertex_state measure_vertex( const strand_oracle* strand, const double3* 
     const double c = cos( 0.5 * strand->rest_twist[i] ), s = sin( 0.5 * strand->rest_twist[i] );
     const double z = r.z * c - r.w * s, w = r.w * c + r.z * s;
     v.twist = 2.0 * z / copysign( fmax( fabs( w ), 0.087 ), w );
-    v.moment = strand->twist_stiffness[i] * v.twist;
-    v.load = -strand->stiffness[i] * double3_dot( v.bend, v.turned );
-    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, double3_dot( v.bend, v.rest ) );
+    v.moment = v.share * strand->twist_stiffness[i] * v.twist;
+    const double3 bend = double3_sub( behind, before );
+    v.load = -strand->stiffness[i] * double3_dot( bend, v.turned );
+    v.slope = 0.25 * strand->stiffness[i] * fmax( 0.0, double3_dot( bend, v.rest ) );
     return v;
 }
 
@@ -253,12 +278,31 @@ double strand_oracle_rod_energy( const strand_oracle* strand )
         const double3 c = double3_sub( v.bend, v.rest );
         const double half = strand->framed ? 0.5 * ( strand_oracle_twist( strand, i ) - strand->rest_twist[i] ) : 0.0;
         energy += 0.5 * strand->stiffness[i] * double3_dot( c, c );
-        energy -= 4.0 * strand->twist_stiffness[i] * log( fabs( cos( half ) ) );
+        energy -= strand->framed ? 4.0 * v.share * strand->twist_stiffness[i] * log( fabs( cos( half ) ) ) : 0.0;
     }
     return energy;
 }
 
-// G_s = (M_s - M_{s+1} + (T_s kb_s + T_{s+1} kb_{s+1}) / 2) / l_s by e_s; it pulls at both ends of the segment.
+// Twice what twist and rest curvature of a vertex add to the gradient by one of its segments, times its length:
+// `side` is -1 before it and 1 behind it.
+static double3 turning_of( const strand_oracle* strand, int i, const vertex_state* v, double side )
+{
+    double3 sum = double3_scale( v->moment + side * v->ratio * v->load, v->kb );
+    if ( v->unfolding > 0.0 )
+    {
+        const double3 bend = double3_sub( v->behind, v->before );
+        double energy = strand->stiffness[i] * double3_dot( v->rest, double3_sub( v->rest, bend ) );
+        energy += strand->twist_stiffness[i] > 0.0
+                      ? 0.5 * v->moment * v->moment / ( v->share * strand->twist_stiffness[i] )
+                      : 0.0;
+        const double3 own = side < 0.0 ? v->before : v->behind, other = side < 0.0 ? v->behind : v->before;
+        const double3 across = double3_add_scaled( other, -double3_dot( own, other ), own );
+        sum = double3_add_scaled( sum, 2.0 * energy * v->unfolding / v->share, across );
+    }
+    return sum;
+}
+
+// G_s = (M_s - M_{s+1} + (turning of s and of s + 1) / 2) / l_s by e_s; it pulls at both ends of the segment.
 static void gradient_of( const strand_oracle* strand, const vertex_state* v, double3* gradient )
 {
     gradient[0] = zero;
@@ -267,8 +311,14 @@ static void gradient_of( const strand_oracle* strand, const vertex_state* v, dou
         const vertex_state *a = v + s, *b = v + s + 1;
         const double3 ma = double3_scale( strand->stiffness[s], double3_sub( a->bend, a->rest ) );
         const double3 mb = double3_scale( strand->stiffness[s + 1], double3_sub( b->bend, b->rest ) );
-        const double3 twist = double3_add_scaled( double3_scale( 0.5 * a->moment, a->kb ), 0.5 * b->moment, b->kb );
-        const double3 g = double3_scale( 1.0 / strand->length[s], double3_add( double3_sub( ma, mb ), twist ) );
+        double3 turning = zero;
+        if ( strand->framed )
+        {
+            turning = turning_of( strand, s, a, 1.0 );
+            turning = s + 2 < strand->count ? double3_add( turning, turning_of( strand, s + 1, b, -1.0 ) ) : turning;
+        }
+        const double3 sum = double3_add_scaled( double3_sub( ma, mb ), 0.5, turning );
+        const double3 g = double3_scale( 1.0 / strand->length[s], sum );
         gradient[s] = double3_sub( gradient[s], g );
         gradient[s + 1] = g;
     }
@@ -298,7 +348,8 @@ void strand_oracle_twist_balance( const strand_oracle* strand, double* residual 
     }
 }
 
-// One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the tip.
+// One Newton step for the turns of all segments about themselves: elimination from the root, substitution from the
+// tip.
 static void solve_turns( const strand_oracle* strand, const vertex_state* v, double* turn )
 {
     double inverse[MAX_STRAND_ORACLE], off[MAX_STRAND_ORACLE];
@@ -326,7 +377,12 @@ static void solve_turns( const strand_oracle* strand, const vertex_state* v, dou
 static void balance_twist( strand_oracle* strand, vertex_state* v )
 {
     double turn[MAX_STRAND_ORACLE];
+    bool is_balanced = true;
     solve_turns( strand, v, turn );
+    for ( int s = 0; s + 1 < strand->count; ++s )
+    {
+        is_balanced = is_balanced && fabs( turn[s] ) <= 1.0;
+    }
     for ( int s = 0; s + 1 < strand->count; ++s )
     {
         turn[s] = fmax( -1.0, fmin( 1.0, turn[s] ) );
@@ -335,6 +391,8 @@ static void balance_twist( strand_oracle* strand, vertex_state* v )
         const double before = s > 0 ? turn[s - 1] : 0.0;
         v[s].rest = double3_add_scaled( v[s].rest, 0.5 * ( before + turn[s] ), v[s].turned );
         v[s].moment += strand->twist_stiffness[s] * ( turn[s] - before );
+        v[s].moment = is_balanced ? v[s].moment : 0.0; // the limit left the rest of it over
+        v[s].load += 2.0 * ( before + turn[s] ) * v[s].slope;
     }
 }
 
@@ -485,12 +543,13 @@ typedef struct hanging
     double3 weight;       // N, W_s
     double3 moment;       // M_{s+1}
     double twist, load;   // T_{s+1}, b_{s+1}
-    double3 twist_moment; // T_{s+1} kb_{s+1}
+    double3 twist_moment; // (T_{s+1} - r b_{s+1}) kb_{s+1}
     double3 turn;         // rad, sum of M / (EI / L) from the tip
     double largest_turn;  // rad
 } hanging;
 
-// With u = bend x z, b_s = M_s . u. M_s = A - l alpha t_s - T_s kb_s / 2 and t_s . u = 0 make T_s a linear equation.
+// With u = bend x z, b_s = M_s . u. M_s = A - l alpha t_s - (T_s + r b_s) kb_s / 2 and t_s . u = 0 make T_s and b_s
+// linear equations.
 static void balance_vertex( strand_oracle* strand, int s, hanging* h )
 {
     const vertex_state v = measure_vertex( strand, strand->position, s );
@@ -499,14 +558,16 @@ static void balance_vertex( strand_oracle* strand, int s, hanging* h )
     const double3 z = strand_oracle_turned( middle_frame( frame_before( strand, s ), strand->frame[s] ), z_axis );
     const double3 u = double3_cross( v.bend, z );
     double3 m = double3_add_scaled( double3_add_scaled( h->moment, l, h->weight ), -0.5, h->twist_moment );
+    const double across = double3_dot( m, u ), along = double3_dot( v.kb, u ), own = 1.0 + 0.5 * v.ratio * along;
     double twist = 0.0;
     if ( strand->twist_stiffness[s] > 0.0 )
     {
-        twist = h->twist - 0.5 * ( double3_dot( m, u ) + h->load );
-        twist /= 1.0 - 0.25 * double3_dot( v.kb, u );
+        twist = h->twist - 0.5 * ( across / own + h->load );
+        twist /= 1.0 - 0.25 * along / own;
     }
-    h->twist_moment = double3_scale( twist, v.kb );
-    m = double3_add_scaled( m, -0.5, h->twist_moment );
+    const double load = ( across - 0.5 * twist * along ) / own;
+    h->twist_moment = double3_scale( twist - v.ratio * load, v.kb );
+    m = double3_add_scaled( m, -0.5 * ( twist + v.ratio * load ), v.kb );
     const double lean = double3_dot( t, z );
     const double alpha = lean > 1e-12 ? double3_dot( m, z ) / ( l * lean ) : 0.0;
     m = double3_add_scaled( m, -l * alpha, t );

@@ -40,7 +40,7 @@ typedef struct wisp_plan_pass
     const char* name;   ///< "module.verb"
     const char* module; ///< the module that declares it; "wisp" is the engine itself
     const char*
-        stage; ///< "input", "force", "predict", "contact", "project", "velocity", "derive", "shape", "observe"
+        stage; ///< "input", "force", "predict", "contact", "project", "velocity", "check", "derive", "shape", "observe"
     const char* domain; ///< what it runs over: "entity", "strand group" or "particle block"
     wisp_plan_state state;
 

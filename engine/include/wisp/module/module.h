@@ -58,6 +58,7 @@ typedef enum wisp_stage
     WISP_STAGE_CONTACT,
     WISP_STAGE_PROJECT,  ///< iteration loop
     WISP_STAGE_VELOCITY, ///< ... to here
+    WISP_STAGE_CHECK,    ///< state checks; later stages see only what they let through or restored
     WISP_STAGE_DERIVE,   ///< normals, samples, curves
     WISP_STAGE_SHAPE,    ///< appearance without time
     WISP_STAGE_OBSERVE,  ///< quality figures, output in the user's order
