@@ -88,32 +88,21 @@ typedef struct hinge_call
 {
     wisp_hinge_args args;
     void ( *kernel )( const wisp_hinge_args* args, int begin, int end );
-    bool first;
 } hinge_call;
 
 static void run_hinges( const void* context, int begin, int end )
 {
     const hinge_call* call = context;
-    if ( call->first && call->args.lambda != NULL )
-    {
-        memset( call->args.lambda + begin, 0, (size_t)( end - begin ) * sizeof( float ) );
-    }
     call->kernel( &call->args, begin, end );
 }
 
-// Adds bending, as stiffness (pbd) or compliance (xpbd), depending on the column that the entity has.
+// Bending by pbd. In xpbd a module bends plates as a whole (wisp/module/plate.h).
 static void project_hinges( wisp_frame* frame, const wisp_span* span, hinge_call* call )
 {
     const wisp_fabric* fabric = wisp_frame_fabric( frame, span->entity );
     call->args.position = wisp_frame_column( frame, span->entity, WISP_PARTICLE_POSITION, 0 );
     call->args.slot_x4 = fabric->hinge_slot_x4;
     call->args.stiffness = wisp_frame_column( frame, span->entity, WISP_HINGE_STIFFNESS, 0 );
-    call->args.compliance = wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 0 );
-    call->args.lambda = call->args.compliance != NULL && wisp_frame_iterations( frame ) > 1
-                            ? wisp_frame_column( frame, span->entity, WISP_HINGE_COMPLIANCE, 1 )
-                            : NULL;
-    call->args.inverse_dt2 = inverse_dt2( frame );
-    call->first = span->iteration == 0;
     wisp_run_schedule( wisp_frame_parallel( frame, span ), &fabric->hinge_order, run_hinges, call );
 }
 
@@ -145,9 +134,7 @@ wisp_status passes_declare_constraints( wisp_registry* registry )
         PROJECTION( "links.pbd", links_pbd, WISP_LINK_STIFFNESS ),
         PROJECTION( "links.xpbd", links_xpbd, WISP_LINK_COMPLIANCE ),
         PROJECTION( "hinges.dihedral_pbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_STIFFNESS ),
-        PROJECTION( "hinges.dihedral_xpbd", hinges_dihedral, WISP_HINGE_REST, WISP_HINGE_COMPLIANCE ),
         PROJECTION( "hinges.isometric_pbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_STIFFNESS ),
-        PROJECTION( "hinges.isometric_xpbd", hinges_isometric, WISP_HINGE_COTANGENT, WISP_HINGE_COMPLIANCE ),
         PROJECTION( "hinges.folds", passes_open_hinges, WISP_HINGE_FOLDS ),
         PROJECTION( "links.limit", links_limit, WISP_LINK_LIMIT ),
     };

@@ -174,9 +174,8 @@ static wisp_status check_ranges( wisp_world* world, const wisp_implicit_cloth_de
 // Refuse a surface that another solver moves.
 static wisp_status check_alone( wisp_world* world, wisp_entity surface, const implicit_state* state )
 {
-    const wisp_component others[] = { WISP_LINK_STIFFNESS,   WISP_LINK_COMPLIANCE, WISP_HINGE_STIFFNESS,
-                                      WISP_HINGE_COMPLIANCE, WISP_SURFACE_TETHERS, WISP_SURFACE_LEVELS,
-                                      WISP_LINK_LIMIT };
+    const wisp_component others[] = { WISP_LINK_STIFFNESS,  WISP_LINK_COMPLIANCE, WISP_HINGE_STIFFNESS,
+                                      WISP_SURFACE_TETHERS, WISP_SURFACE_LEVELS,  WISP_LINK_LIMIT };
     for ( int i = 0; i < WISP_COUNT( others ); ++i )
     {
         if ( wisp_world_has( world, surface, others[i] ) )

@@ -40,7 +40,6 @@
     X( HINGE_REST, "hinge.rest", WISP_TABLE_HINGE )                                                                  \
     X( HINGE_COTANGENT, "hinge.cotangent", WISP_TABLE_HINGE )                                                        \
     X( HINGE_STIFFNESS, "hinge.stiffness", WISP_TABLE_HINGE )                                                        \
-    X( HINGE_COMPLIANCE, "hinge.compliance", WISP_TABLE_HINGE )                                                      \
     X( HINGE_FOLDS, "hinge.folds", WISP_TABLE_ENTITY )                                                               \
     X( SURFACE_TETHERS, "surface.tethers", WISP_TABLE_ENTITY )                                                       \
     X( SURFACE_LEVELS, "surface.levels", WISP_TABLE_ENTITY )                                                         \
@@ -122,10 +121,7 @@
 #define WISP_HINGE_COTANGENT_COLUMNS( X )                                                                            \
     X( float, weight, 4 ) /* groups [4][8]: c_i of the bending energy 1/2 k s |sum c_i x_i|^2 */                     \
     X( float, scale, 1 )  /* s, 1/m^2 */
-#define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 ) /* pbd, in [0, 1] */
-#define WISP_HINGE_COMPLIANCE_COLUMNS( X )                                                                           \
-    X( float, compliance, 1 ) /* xpbd, rad^2/J of an angle, 1/J of the energy of curvature */                        \
-    X( float, lambda, 1 )
+#define WISP_HINGE_STIFFNESS_COLUMNS( X ) X( float, stiffness, 1 )   /* pbd, in [0, 1] */
 #define WISP_SURFACE_TETHERS_COLUMNS( X ) X( float, slack, 1 )       /* times the rest distance, >= 1 */
 #define WISP_SURFACE_LEVELS_COLUMNS( X ) X( int32_t, passes, 1 )     /* over each coarse level a substep */
 #define WISP_SURFACE_POINTS_COLUMNS( X ) X( wisp_vec3, points, 1 )   /* m, the user's order */
