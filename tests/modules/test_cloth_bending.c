@@ -211,9 +211,10 @@ static void bending_that_is_chosen_brings_its_pass_and_no_other( void** state )
             cloth.bending = KINDS[k];
             cloth.solver = (wisp_solver)solver;
             assert_status( h->world, wisp_set_cloth( h->world, e, &cloth ), WISP_OK );
-            assert_int_equal( wisp_world_plan_passes( h->world ), bare + 1 );
+            assert_int_equal( wisp_world_plan_passes( h->world ), bare + 2 ); // that of sharp folds
             step( h->world );
             assert_int_equal( count_passes_named( h->world, names[k][solver] ), 1 );
+            assert_int_equal( count_passes_named( h->world, "hinges.folds" ), 1 );
         }
     }
     test_mesh_free( &mesh );
