@@ -46,7 +46,8 @@ static const scene_field CLOTH_FIELDS[] = {
     { "bend_compliance", SCENE_NUMBER, .at = CLOTH( bend_compliance ), .range = COMPLIANCE, .unit = COMPLIANCES,
       .help = "Compliance of bend links, with `solver: xpbd`." },
     { "bend_rigidity", SCENE_NUMBER, .at = CLOTH( bend_rigidity ), .range = RANGE( 1e-12, 1e12 ), .unit = RIGIDITIES,
-      .help = "Bending rigidity of the cloth, with `solver: xpbd` and `bending: dihedral` or `isometric`. With `bending: bend_links`, that of sharp folds." },
+      .help = "Bending rigidity of the cloth, with `solver: xpbd` and `bending: dihedral` or `isometric`. With "
+              "`bending: bend_links`, that of sharp folds." },
     { "internal_damping", SCENE_NUMBER, .at = CLOTH( internal_damping ), .range = RANGE( 0, 1e9 ), .unit = RATES,
       .help = "Rate at which relative velocities die; where the cloth is pinned, all velocities." },
     { "wind", SCENE_VECTOR, .at = CLOTH( wind ), .range = WIND, .unit = SPEEDS, .help = "Velocity of the air." },

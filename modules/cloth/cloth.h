@@ -17,8 +17,8 @@ WISP_API extern const wisp_module wisp_cloth_module;
 typedef enum wisp_cloth_bending
 {
     WISP_CLOTH_BENDING_LINKS, ///< a link between the opposite vertices of an edge: cheap, resists stretching too. Where
-                              ///< it is shorter than half its rest length the fold is bent by its angle. The fabric must
-                              ///< have bend links
+    ///< it is shorter than half its rest length the fold is bent by its angle. The fabric must
+    ///< have bend links
     WISP_CLOTH_BENDING_DIHEDRAL, ///< the angle between two triangles (Bridson et al. 2003); the fabric must have hinges
     WISP_CLOTH_BENDING_ISOMETRIC, ///< quadratic in the positions (Bergou et al. 2006), cheaper than the angle and right
                                   ///< where the cloth hardly stretches; the fabric must have hinges

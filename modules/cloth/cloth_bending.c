@@ -54,7 +54,8 @@ wisp_status cloth_add_plate( wisp_world* world, cloth_state* state, wisp_entity 
     cloth_plate plate = { .entity = surface };
     if ( wisp_world_reserve( world, (void**)&state->plates, &state->plate_capacity, state->plate_count,
                              sizeof( *state->plates ) ) == false ||
-         wisp_plate_create( fabric, NULL, fabric->slot_count, true, wisp_world_allocator( world ), &plate.plate ) != WISP_OK )
+         wisp_plate_create( fabric, NULL, fabric->slot_count, true, wisp_world_allocator( world ), &plate.plate ) !=
+             WISP_OK )
     {
         return wisp_world_fail( world, WISP_NO_MEMORY, "cloth: out of memory for the bending of %d vertices",
                                 fabric->vertex_count );

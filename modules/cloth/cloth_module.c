@@ -41,7 +41,8 @@ static void release_state( void* memory, const wisp_allocator* allocator )
     }
     if ( state->plates != NULL )
     {
-        allocator->release( allocator->user, state->plates, (size_t)state->plate_capacity * sizeof( *state->plates ) );
+        allocator->release( allocator->user, state->plates,
+                            (size_t)state->plate_capacity * sizeof( *state->plates ) );
     }
 }
 
@@ -300,8 +301,10 @@ wisp_status wisp_set_cloth( wisp_world* world, wisp_entity surface, const wisp_c
     status = status == WISP_OK ? check_ranges( world, def ) : status;
     status = status == WISP_OK ? check_vectors( world, def ) : status;
     status = status == WISP_OK ? check_fabric( world, wisp_world_fabric( world, surface ), def ) : status;
-    const bool bends = status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 && def->solver == WISP_SOLVER_XPBD &&
-                       ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
+    const bool bends =
+        status == WISP_OK && wisp_world_fabric( world, surface )->hinge_order.slot_count > 0 &&
+        def->solver == WISP_SOLVER_XPBD &&
+        ( def->bending == WISP_CLOTH_BENDING_DIHEDRAL || def->bending == WISP_CLOTH_BENDING_ISOMETRIC );
     status = bends ? cloth_add_plate( world, state, surface ) : status;
     status = status == WISP_OK ? dress( world, surface, def, state ) : status;
     if ( status == WISP_OK )

@@ -67,7 +67,7 @@ typedef struct wisp_implicit_cloth_def
     /// c_b, N/m, >= 0; default 0: stretch_stiffness. Of a link: initial slope of bending (eq. 12). Of a material: against
     /// compression, until an edge buckles
     float compression_stiffness;
-    float link_damping;          ///< k_d of a link, N s/m, >= 0, default 0.02
+    float link_damping; ///< k_d of a link, N s/m, >= 0, default 0.02
 
     wisp_implicit_weights weights;       ///< default effective
     wisp_implicit_damping damping_form;  ///< default isotropic

@@ -585,8 +585,8 @@ static void set_plate( wisp_frame* frame, const wisp_span* span, step* s )
         return;
     }
     const double rate = (double)links->rigidity * (double)y->spring.dt * (double)y->spring.dt;
-    const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ), s->columns.position,
-                                           (float)( MAX_RATIO / rate ) );
+    const int lowered = wisp_plate_update( links->plate, wisp_frame_fabric( frame, span->entity ),
+                                           s->columns.position, (float)( MAX_RATIO / rate ) );
     if ( lowered > 0 )
     {
         wisp_frame_count( frame, WISP_COUNT_STIFFNESS_CLAMPED, 1 );

@@ -48,7 +48,8 @@ static test_mesh strip_mesh( bool irregular, int32_t pins[2 * ROWS] )
     for ( int v = 0; v < COLUMNS * WIDE; ++v )
     {
         const int32_t a = v, b = v + 1, c = v + COLUMNS, d = c + 1;
-        const double falling = vec_distance( m.points[a], m.points[d] ), rising = vec_distance( m.points[b], m.points[c] );
+        const double falling = vec_distance( m.points[a], m.points[d] ),
+                     rising = vec_distance( m.points[b], m.points[c] );
         const int32_t one[6] = { a, c, d, a, d, b }, other[6] = { a, c, b, b, c, d };
         if ( v % COLUMNS < COLUMNS - 1 )
         {

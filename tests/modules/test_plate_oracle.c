@@ -77,7 +77,8 @@ static void every_quadratic_surface_has_its_energy_and_is_in_balance( void** sta
         for ( int t = 0; t < m.triangle_count; ++t )
         {
             const int32_t* c = m.triangles + 3 * (size_t)t;
-            const double3 normal = double3_cross( double3_sub( rest[c[1]], rest[c[0]] ), double3_sub( rest[c[2]], rest[c[0]] ) );
+            const double3 normal =
+                double3_cross( double3_sub( rest[c[1]], rest[c[0]] ), double3_sub( rest[c[2]], rest[c[0]] ) );
             const double expected = 0.25 * double3_length( normal ) * square;
             if ( is_deep( c[0] ) && is_deep( c[1] ) && is_deep( c[2] ) )
             {
@@ -109,7 +110,8 @@ static void compare_with_oracle( bool with_pins )
     const wisp_entity e = test_surface_of( h.world, &fabric_def, surface );
     const wisp_fabric* f = wisp_world_fabric( h.world, e );
     wisp_plate* plate;
-    assert_int_equal( wisp_plate_create( f, NULL, f->slot_count, false, wisp_world_allocator( h.world ), &plate ), WISP_OK );
+    assert_int_equal( wisp_plate_create( f, NULL, f->slot_count, false, wisp_world_allocator( h.world ), &plate ),
+                      WISP_OK );
     const float* position = wisp_world_column( h.world, e, WISP_PARTICLE_POSITION, 0 );
     assert_int_equal( wisp_plate_update( plate, f, position, INFINITY ), 0 );
     double3 rest[COUNT], x[COUNT], expected[COUNT];

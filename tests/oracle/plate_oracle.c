@@ -7,8 +7,8 @@
 
 enum
 {
-    NEAR = 5,      // hinges: one, and two of each of its triangles
-    KNOWN = 3,     // quadratic surfaces
+    NEAR = 5,  // hinges: one, and two of each of its triangles
+    KNOWN = 3, // quadratic surfaces
     UNKNOWN = NEAR + KNOWN,
     PATCH = 12, // vertices of a triangle, its neighbours and theirs
 };
@@ -139,7 +139,8 @@ static double turn_of( const mesh* m, int t, int k, int n )
     const vec2 a = m->at[m->triangle[t][k]], b = m->at[m->triangle[t][( k + 1 ) % 3]], out = normal( m, t, k );
     const vec2 p = { 0.5 * ( a.x + b.x ), 0.5 * ( a.y + b.y ) };
     const double h = sqrt( 0.5 );
-    const vec2 gradient = n == 0 ? ( vec2 ){ p.x, 0.0 } : ( n == 1 ? ( vec2 ){ 0.0, p.y } : ( vec2 ){ h * p.y, h * p.x } );
+    const vec2 gradient =
+        n == 0 ? ( vec2 ){ p.x, 0.0 } : ( n == 1 ? ( vec2 ){ 0.0, p.y } : ( vec2 ){ h * p.y, h * p.x } );
     form f = { .count = 0 };
     add_gradient( m, t, out, 1.0, &f );
     return gradient.x * out.x + gradient.y * out.y - apply( m, &f, n );
@@ -322,7 +323,8 @@ static void flatten( const double3* rest, int count, const int* t, vec2* out )
     for ( int v = 0; v < count; ++v )
     {
         const double3 p = double3_sub( rest[v], rest[t[0]] );
-        assert( fabs( double3_dot( p, n ) ) <= 1e-5 * double3_length( n ) * ( double3_length( e ) + double3_length( p ) ) );
+        assert( fabs( double3_dot( p, n ) ) <=
+                1e-5 * double3_length( n ) * ( double3_length( e ) + double3_length( p ) ) );
         out[v] = ( vec2 ){ double3_dot( p, x ), double3_dot( p, y ) };
     }
 }
@@ -333,8 +335,8 @@ plate_oracle plate_oracle_create( const double3* rest, int count, const int* tri
     plate_oracle plate = { .begin = calloc( (size_t)triangle_count + 1, sizeof( int ) ),
                            .pairs = calloc( (size_t)triangle_count * PATCH * ( PATCH - 1 ) / 2 + 1,
                                             sizeof( plate_oracle_pair ) ) };
-    const mesh m = { calloc( (size_t)count, sizeof( vec2 ) ), (const int( * )[3])(const void*)triangles, triangle_count,
-                     pinned };
+    const mesh m = { calloc( (size_t)count, sizeof( vec2 ) ), ( const int( * )[3] )(const void*)triangles,
+                     triangle_count, pinned };
     flatten( rest, count, triangles, m.at );
     for ( int t = 0; t < triangle_count; ++t )
     {

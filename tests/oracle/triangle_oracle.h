@@ -215,12 +215,12 @@ typedef struct triangle_oracle
     plate_oracle plate;
     double3* rest;
     int* triangles;
-    int triangle_count;         ///< 0: no plate
-    int max_neighbours;         ///< max |N|
-    int* neighbours;            ///< |N_i|
-    double* weight;             ///< w_i of (1); 1 for a vertex without neighbours
-    double* true_mass;          ///< kg
-    double* mass;               ///< kg, of its row: m / w_i with weights `effective`
+    int triangle_count; ///< 0: no plate
+    int max_neighbours; ///< max |N|
+    int* neighbours;    ///< |N_i|
+    double* weight;     ///< w_i of (1); 1 for a vertex without neighbours
+    double* true_mass;  ///< kg
+    double* mass;       ///< kg, of its row: m / w_i with weights `effective`
 
     double3 *x, *v;
     double3 *x_before, *v_before; ///< one substep earlier

@@ -355,7 +355,8 @@ static void weigh( triangle_oracle* cloth, const double* masses )
 static void make_plate( triangle_oracle* cloth )
 {
     plate_oracle_destroy( &cloth->plate );
-    cloth->plate = plate_oracle_create( cloth->rest, cloth->count, cloth->triangles, cloth->triangle_count, cloth->pinned );
+    cloth->plate =
+        plate_oracle_create( cloth->rest, cloth->count, cloth->triangles, cloth->triangle_count, cloth->pinned );
 }
 
 // A material bends as a plate, and its edges bear pressure as arcs as wide as the triangles around them.
@@ -443,8 +444,7 @@ void triangle_oracle_destroy( triangle_oracle* cloth )
     void* blocks[] = { cloth->link,   cloth->term,    cloth->neighbours, cloth->weight,     cloth->true_mass,
                        cloth->mass,   cloth->x,       cloth->v,          cloth->x_before,   cloth->v_before,
                        cloth->pinned, cloth->target,  cloth->freedom,    cloth->prescribed, cloth->push,
-                       cloth->change, cloth->impulse, cloth->contact,    cloth->rest,
-                       cloth->triangles };
+                       cloth->change, cloth->impulse, cloth->contact,    cloth->rest,       cloth->triangles };
     plate_oracle_destroy( &cloth->plate );
     for ( size_t k = 0; k < sizeof( blocks ) / sizeof( blocks[0] ); ++k )
     {

@@ -19,8 +19,8 @@ typedef struct wisp_link_args
     int edge_count;             ///< constraints from this number on are bend links, with folded
     uint8_t* folded; ///< [link / 8] 0; receives the bits of bend links shorter than half their rest length, which are
                      ///< not projected. Null: all links are projected
-    float* lambda;     ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
-    float inverse_dt2; ///< xpbd: 1/s^2
+    float* lambda;   ///< [link] xpbd: N s^2, multiplier of this substep; null: starts at 0, for a single iteration
+    float inverse_dt2;      ///< xpbd: 1/s^2
     float minimum, maximum; ///< strain limit: minimum and maximum length, as factors of the rest length
 } wisp_link_args;
 
@@ -55,9 +55,10 @@ typedef struct wisp_plate_turns
     const int32_t ( *other )[8]; ///< [entry] hinges, the own one too
     const float ( *weight )[8];  ///< [entry] no unit; 0 pads
     const float* stiffness;      ///< [hinge] the weight of the own angle
-    const float* steepest;       ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
-                                 ///< opposite vertices exceed this
-    const float* least_height;   ///< [slot] m, of the triangles at a vertex
+    const float*
+        steepest; ///< [hinge] 1/m^2: the moment is scaled down where the squared gradients of the angle at the
+                  ///< opposite vertices exceed this
+    const float* least_height; ///< [slot] m, of the triangles at a vertex
 } wisp_plate_turns;
 
 /// Arguments of moments of angles, groups of eight hinges.
