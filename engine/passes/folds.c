@@ -54,7 +54,7 @@ static void open_fold( wisp_hinge_args* args, const wisp_kernels* kernels, const
     kernels->hinge_dihedral( args, 0, 8 );
 }
 
-// @param hinge numbers of the hinges of a group
+// @param constraint numbers of the constraints of a group, of which first_hinge is hinge 0
 static void open_group( wisp_hinge_args* args, const wisp_kernels* kernels, const wisp_fabric* fabric,
                         const int32_t* constraint, int first_hinge, uint8_t lanes, float rigidity )
 {

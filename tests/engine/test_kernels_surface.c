@@ -261,81 +261,6 @@ static void links_move_as_the_oracle_says( void** state )
     compare_with_oracle( run_link_limit, limit_of_oracle, false );
 }
 
-// ---- folds ----
-
-enum
-{
-    EDGES = CONSTRAINTS / 2, // the rest are bend links
-};
-
-static bool is_folded( const constraints* s, int c )
-{
-    const particles at = particles_of( (constraints*)(uintptr_t)s, c );
-    return c >= EDGES && 2.0 * double3_distance( at.p[0], at.p[1] ) < (double)s->rest[c];
-}
-
-// Every third link is far too short.
-static constraints* new_folds( void )
-{
-    constraints* s = new_constraints( true );
-    for ( int c = 0; c < CONSTRAINTS; c += 3 )
-    {
-        const particles at = particles_of( s, c );
-        s->rest[c] = (float)( 2.5 * double3_distance( at.p[0], at.p[1] ) );
-    }
-    return s;
-}
-
-typedef void link_kernel( const wisp_link_args* args, int begin, int end );
-
-static void expect_folds_are_left( link_kernel* kernel, bool keeps_lambda )
-{
-    constraints *start = new_folds(), *all = new_folds(), *most = new_folds();
-    int32_t number[CONSTRAINTS];
-    uint8_t folded[CONSTRAINTS / 8] = { 0 };
-    for ( int c = 0; c < CONSTRAINTS; ++c )
-    {
-        number[c] = c;
-    }
-    wisp_link_args plain = link_args( all ), args = link_args( most );
-    plain.lambda = keeps_lambda ? plain.lambda : NULL;
-    args.lambda = keeps_lambda ? args.lambda : NULL;
-    args.constraint = number, args.edge_count = EDGES, args.folded = folded;
-    kernel( &plain, 0, CONSTRAINTS );
-    kernel( &args, 0, CONSTRAINTS );
-    int found = 0;
-    for ( int c = 0; c < CONSTRAINTS; ++c )
-    {
-        const bool is_left = is_folded( start, c );
-        const constraints* expected = is_left ? start : all;
-        assert_int_equal( folded[c / 8] >> c % 8 & 1, is_left );
-        for ( int k = 0; k < 2; ++k )
-        {
-            assert_memory_equal( body( most, c, k ), body( (constraints*)(uintptr_t)expected, c, k ),
-                                 4 * sizeof( float ) );
-        }
-        assert_true( most->lambda[c] == expected->lambda[c] );
-        found += is_left;
-    }
-    assert_true( found > CONSTRAINTS / 8 && found < CONSTRAINTS / 2 );
-    free( start );
-    free( all );
-    free( most );
-}
-
-static void short_bend_links_stay_and_are_marked( void** state )
-{
-    (void)state;
-    const wisp_kernels* tables[MAX_TABLES];
-    const int table_count = usable_tables( tables );
-    for ( int t = 0; t < table_count; ++t )
-    {
-        expect_folds_are_left( tables[t]->link_pbd, true );
-        expect_folds_are_left( tables[t]->link_xpbd, true );
-        expect_folds_are_left( tables[t]->link_xpbd, false );
-    }
-}
-
 static void two_ends_share_a_step_as_their_inverse_masses( void** state )
 {
     (void)state;
@@ -719,7 +644,6 @@ int main( void )
         cmocka_unit_test( every_table_projects_to_the_same_bits ),
         cmocka_unit_test( a_range_may_be_cut_between_groups ),
         cmocka_unit_test( links_move_as_the_oracle_says ),
-        cmocka_unit_test( short_bend_links_stay_and_are_marked ),
         cmocka_unit_test( two_ends_share_a_step_as_their_inverse_masses ),
         cmocka_unit_test( iterations_settle_where_compliance_balances ),
         cmocka_unit_test( hinges_move_as_the_oracle_says ),
