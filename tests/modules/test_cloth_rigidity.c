@@ -153,7 +153,7 @@ static void a_strip_hangs_out_as_the_elastica_once_converged( void** state )
     compare_with_elasticas( 40, 0.01 );
 }
 
-// Ten seconds of a strip on edge, which gravity bends in its plane: the tip's way out of the plane at the end over that at the start.
+// Ten seconds of a strip on edge, which gravity bends in its plane. @return how often the tip's way out of the plane becomes larger
 static double grow_sideways( solver_kind kind, bool irregular, double load )
 {
     hosted h;
@@ -171,9 +171,9 @@ static double grow_sideways( solver_kind kind, bool irregular, double load )
     return end / start;
 }
 
-// The critical load of a plate on edge, five times as long as wide: rho g L^3 / D = 20.65. That of a beam is 12.85 sqrt( EI GJ ) / D
-// = 18.17 (Timoshenko and Gere 1961); the plate's is the least eigenvalue of D |curvature|^2 + stress : grad w grad w over 60 polynomials
-// with the stress of a beam under its weight, 18.7 at a fiftieth of the length and rising with the width.
+// The critical load of a plate on edge, five times as long as wide: rho g L^3 / D = 20.65. It is the least eigenvalue of
+// D |curvature|^2 + stress : grad w grad w over 60 polynomials, with the stress of a beam under its weight. Towards a beam it
+// falls to 12.85 sqrt( EI GJ ) / ( D b ) = 18.17 (Timoshenko and Gere 1961).
 static void a_strip_on_edge_buckles_at_the_load_of_a_plate( void** state )
 {
     (void)state;
