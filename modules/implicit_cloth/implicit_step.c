@@ -310,6 +310,23 @@ static int shorten( step* s, double slope, int undirected )
     return undirected;
 }
 
+// Solve what has been assembled.
+static implicit_outcome solve_linear( step* s )
+{
+    for_slices( s, prepare_slices );
+    s->system.guessed = false;
+    for ( int block = 0; block < s->system.block_count; ++block )
+    {
+        s->system.guessed = s->system.guessed || s->guesses[block];
+    }
+    if ( s->stiff )
+    {
+        memcpy( s->system.requested, s->system.conjugate.residual,
+                (size_t)s->system.links->slice_count * sizeof( s->system.requested[0] ) );
+    }
+    return implicit_solve( &s->system );
+}
+
 static implicit_tally solve( wisp_frame* frame, step* s )
 {
     s->system.floor = find_floor( s );
@@ -326,22 +343,20 @@ static implicit_tally solve( wisp_frame* frame, step* s )
         {
             undirected = shorten( s, slope, undirected );
         }
-        for_slices( s, prepare_slices );
-        s->system.guessed = false;
-        for ( int block = 0; block < s->system.block_count; ++block )
-        {
-            s->system.guessed = s->system.guessed || s->guesses[block];
-        }
-        if ( s->stiff )
-        {
-            memcpy( s->system.requested, s->system.conjugate.residual,
-                    (size_t)s->system.links->slice_count * sizeof( s->system.requested[0] ) );
-        }
-        const implicit_outcome outcome = implicit_solve( &s->system );
+        implicit_outcome outcome = solve_linear( s );
         count_outcome( frame, &outcome );
+        total.iterations += outcome.iterations;
+        if ( outcome.indefinite && s->system.spring.full_jacobian )
+        {
+            // what a stopped solve has may be any motion; without the negative terms the matrix is definite
+            s->system.spring.full_jacobian = false;
+            undirected = assemble( s, k > 0 );
+            outcome = solve_linear( s );
+            count_outcome( frame, &outcome );
+            total.iterations += outcome.iterations;
+        }
         slope = s->stiff ? add_slopes( s, s->system.requested, false ) : 0.0;
         move( s, 1.0 );
-        total.iterations += outcome.iterations;
         total.residual = outcome.residual;
         total.repeats += 1;
     }

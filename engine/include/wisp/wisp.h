@@ -270,7 +270,7 @@ typedef enum wisp_counter
     WISP_COUNT_HALTED,            ///< entities restored to their last valid state and halted
     WISP_COUNT_STRAND_RESET,      ///< strands too far from their rest lengths to be solved, reset from the root
     WISP_COUNT_NOT_CONVERGED,     ///< linear solves that reached their iteration limit
-    WISP_COUNT_INDEFINITE,        ///< linear solves that met negative curvature
+    WISP_COUNT_INDEFINITE,        ///< linear solves that met negative curvature and were made again
     WISP_COUNT_DEGENERATE_LINK,   ///< links between coincident vertices, which have no direction, at each projection
     WISP_COUNT_STIFFNESS_CLAMPED, ///< substeps whose links were too stiff for single precision and were softened
     WISP_COUNT_FIRST_ORDER,       ///< substeps of BDF2 that were made by implicit Euler
