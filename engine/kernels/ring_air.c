@@ -13,10 +13,10 @@ typedef struct air_lanes
     lane8 quarter_density, drag, lift;
 } air_lanes;
 
-// Sums of a vertex: force in N, and the rate of drag in N s/m.
+// Sums of a vertex: force and the lift in it, in N, and the rate of drag in N s/m.
 typedef struct air_sum
 {
-    lane8v force;
+    lane8v force, lift;
     lane8 rate;
 } air_sum;
 
@@ -48,13 +48,27 @@ LANE_INLINE void add_triangle( const air_lanes* air, lane8v cross, lane8v mean, 
     const lane8v n = lane8v_scale( cross, lane8_div( side, twice_area ) );
     const lane8 pressure = lane8_mul( lane8_mul( air->quarter_density, twice_area ), size ); // 1/2 rho A |u . n|
     const lane8v across = lane8v_sub( lane8v_scale( n, speed ), lane8v_scale( u, lane8_div( size, speed ) ) );
-    const lane8v force = lane8v_add( lane8v_scale( u, lane8_mul( pressure, air->drag ) ),
-                                     lane8v_scale( across, lane8_mul( pressure, air->lift ) ) );
+    const lane8v lift = lane8v_scale( across, lane8_mul( pressure, air->lift ) );
+    const lane8v force = lane8v_add( lane8v_scale( u, lane8_mul( pressure, air->drag ) ), lift );
     const lane8 rate = lane8_mul( pressure, lane8_add( air->drag, air->lift ) );
 
     const lane8v nothing = { zero, zero, zero };
     sum->force = lane8v_add( sum->force, lane8v_scale( lane8v_select( valid, force, nothing ), third ) );
+    sum->lift = lane8v_add( sum->lift, lane8v_scale( lane8v_select( valid, lift, nothing ), third ) );
     sum->rate = lane8_add( sum->rate, lane8_div( lane8_select( valid, rate, zero ), lane8_set1( 3.0f ) ) );
+}
+
+// Lift is perpendicular to the relative wind and does no work in its frame. An explicit step across a velocity lengthens it all the
+// same, by the square of the step, which makes a light vertex faster and faster: take that square out of the relative speed.
+LANE_INLINE lane8v keep_energy( const air_lanes* air, lane8v velocity, lane8v step )
+{
+    const lane8 zero = lane8_zero();
+    const lane8v relative = lane8v_sub( velocity, air->wind );
+    const lane8 square = lane8v_dot( relative, relative );
+    const lane8m moves = lane8_lt( zero, square );
+    const lane8 left = lane8_max( lane8_sub( square, lane8v_dot( step, step ) ), zero );
+    const lane8 kept = lane8_sqrt( lane8_div( left, lane8_select( moves, square, lane8_set1( 1.0f ) ) ) );
+    return lane8v_add( air->wind, lane8v_scale( relative, kept ) );
 }
 
 // Applies the force. Explicit drag can reverse the velocity of a light vertex in one step; a factor implicit in the
@@ -72,7 +86,7 @@ void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
         lane8 weight, rest;
         lane8_load_xyzw_contiguous( args->position + (size_t)slice * 32, &point.x, &point.y, &point.z, &weight );
         lane8_load_xyzw_contiguous( args->old_velocity + (size_t)slice * 32, &old.x, &old.y, &old.z, &rest );
-        air_sum sum = { nothing, zero };
+        air_sum sum = { nothing, nothing, zero };
         lane8v edge = nothing, velocity = old;
         for ( int e = args->ring_begin[slice]; e < args->ring_begin[slice + 1]; ++e )
         {
@@ -87,7 +101,12 @@ void KERNEL( ring_air )( const wisp_ring_air_args* args, int begin, int end )
         const lane8m moves = lane8_lt( zero, weight );
         const lane8 reach = lane8_select( moves, lane8_mul( dt, weight ), zero );
         const lane8 change = lane8_div( reach, lane8_add( one, lane8_mul( reach, sum.rate ) ) );
-        const lane8v new_velocity = lane8v_select( moves, lane8v_add( old, lane8v_scale( sum.force, change ) ), old );
+        lane8v blown = lane8v_add( old, lane8v_scale( sum.force, change ) );
+        if ( args->lift > 0.0f )
+        {
+            blown = keep_energy( &air, blown, lane8v_scale( sum.lift, change ) );
+        }
+        const lane8v new_velocity = lane8v_select( moves, blown, old );
         lane8_store_xyzw_contiguous( args->velocity + (size_t)slice * 32, new_velocity.x, new_velocity.y,
                                      new_velocity.z, rest );
     }

@@ -106,6 +106,28 @@ static void air_moves_a_feather_to_the_winds_speed_and_never_beyond( void** stat
     assert_near( motion_stats_of( h->world, e ).momentum[1] / 0.03, 20.0, 0.05 );
 }
 
+// Lift does no work in the frame of the wind, so nothing becomes faster than its weight makes it, however light it is.
+static void lift_adds_no_energy_to_what_is_light( void** state )
+{
+    hosted* h = *state;
+    test_mesh mesh = test_plane( 9, 0.05f );
+    wisp_fabric_def fabric = test_fabric_def( &mesh );
+    wisp_surface_def surface = wisp_default_surface_def();
+    surface.area_density = 1e-4f;
+    wisp_cloth_def cloth = wisp_default_cloth_def();
+    cloth.lift_coefficient = 0.5f;
+    cloth.air_density = DENSITY;
+    const wisp_entity e = add_cloth( h->world, &fabric, surface, &cloth, ( wisp_vec3 ){ 3.0f, -9.81f, 0.0f } );
+    for ( int i = 0; i < 60; ++i )
+    {
+        run_steps( h->world, 1, 1.0f / 60.0f );
+        const double fallen = 10.26 * ( i + 1 ) / 60.0;
+        assert_true( motion_stats_of( h->world, e ).kinetic_energy <
+                     1.05 * 0.5 * motion_stats_of( h->world, e ).mass * fallen * fallen );
+    }
+    test_mesh_free( &mesh );
+}
+
 static void wind_that_only_slides_along_does_nothing( void** state )
 {
     hosted* h = *state;
@@ -174,6 +196,7 @@ int main( void )
         WORLD_TEST( force_on_a_triangle_is_that_of_the_formula ),
         cmocka_unit_test( a_plate_falls_broadside_at_its_terminal_velocity ),
         WORLD_TEST( air_moves_a_feather_to_the_winds_speed_and_never_beyond ),
+        WORLD_TEST( lift_adds_no_energy_to_what_is_light ),
         WORLD_TEST( wind_that_only_slides_along_does_nothing ),
         WORLD_TEST( wind_can_change_every_step ),
         WORLD_TEST( a_cloth_without_coefficients_has_no_air ),
