@@ -452,6 +452,8 @@ static void describe_body( const scene_world* world, int body, torture_body* b )
     const wisp_scene_surface* surface = is_strands ? NULL : &scene->surfaces[body - scene->strands_count];
     snprintf( b->name, sizeof b->name, "%s", scene_world_body( world, body ).name );
     b->moves = is_strands ? hair->has_dynamics : true;
+    const int carrier = is_strands ? hair->on_surface : -1;
+    b->is_carried = carrier >= 0 && !scene->surfaces[carrier].has_collision;
     b->is_pinned = is_strands || world->surfaces[body - scene->strands_count].pin_count > 0;
     b->gravity = length_of( is_strands ? hair->dynamics.gravity : surface->gravity );
     b->damping = is_strands ? (double)hair->dynamics.damping : (double)surface->damping;

@@ -200,7 +200,7 @@ bool torture_judge_penetration( const torture_trace* trace, torture_verdict* out
         // Below the surface of the collider, by more than the distance that is to be kept from it.
         const double depth = s->penetration - s->thickness;
         const double limit = fmax( s->thickness, SMALL * b->size );
-        if ( b->moves && !torture_is_held( trace, body ) && depth > limit )
+        if ( b->moves && !b->is_carried && !torture_is_held( trace, body ) && depth > limit )
         {
             return break_it( out, TORTURE_PENETRATION, trace->steps, depth / limit,
                              "%s is %.3g mm inside a collider at the end, with a thickness of %.3g mm", b->name,

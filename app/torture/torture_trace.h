@@ -20,6 +20,7 @@ typedef struct torture_body
     char name[WISP_SCENE_MAX_NAME + 1];
     bool moves;         ///< has a motion of its own: surfaces, strands with dynamics
     bool is_pinned;     ///< surfaces with pins; strands, whose roots are held
+    bool is_carried;    ///< strands on a surface that no collider stops: their roots go where it goes
     bool is_halted;     ///< at the end
     bool starts_inside; ///< of a collider: being pushed out takes its time, and may go two ways at once
     double mass;        ///< kg, that is free
