@@ -124,12 +124,25 @@ static double find_stretch( const scene_world* world, int b, const scene_body* b
     return stretch;
 }
 
+static void add_hold_note( const scene_world* world, int b, const char* name, results* out )
+{
+    wisp_strand_hold hold;
+    if ( scene_world_strand_hold( world, b, &hold, NULL ) == WISP_OK && hold.sagging > 0 )
+    {
+        results_add_note( out,
+                          "%s: %d strands are too soft for their shape and sag; the softest holds it up to %.3g m, "
+                          "or with bend_rigidity: %.2g",
+                          name, (int)hold.sagging, (double)hold.max_length, (double)hold.bend_rigidity );
+    }
+}
+
 void run_motion_add_warnings( const scene_world* world, results* out )
 {
     const double TOO_LONG = 0.1;
     for ( int b = 0; b < scene_world_moving_count( world ); ++b )
     {
         const scene_body body = scene_world_body( world, b );
+        add_hold_note( world, b, body.name, out );
         const double stretch = find_stretch( world, b, &body );
         if ( stretch > TOO_LONG )
         {

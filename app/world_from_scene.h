@@ -158,6 +158,9 @@ wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* 
 /// Statistics of a surface or of moving strands. @return WISP_CONFLICT unless requested and a step was made
 wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_motion_stats* out, wisp_error* error );
 
+/// How far strands hold their shape, as of the last step. @return WISP_CONFLICT unless they are rods that move
+wisp_status scene_world_strand_hold( const scene_world* world, int body, wisp_strand_hold* out, wisp_error* error );
+
 /// Collision of a surface or of strands. @return WISP_CONFLICT unless the scene computes collision_stats
 wisp_status scene_world_collision_stats( const scene_world* world, int body, wisp_collision_stats* out,
                                          wisp_error* error );

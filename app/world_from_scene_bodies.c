@@ -237,6 +237,20 @@ wisp_status scene_world_colours( const scene_world* world, int body, wisp_vec3* 
     return status == WISP_OK ? copy_column( world, body, component, sizeof *out, out, error ) : status;
 }
 
+wisp_status scene_world_strand_hold( const scene_world* world, int body, wisp_strand_hold* out, wisp_error* error )
+{
+    *out = ( wisp_strand_hold ){ 0 };
+    const bool is_rod = body < world->scene->strands_count && world->scene->strands[body].has_dynamics &&
+                        world->scene->strands[body].dynamics.bending == WISP_STRAND_BEND_ROD;
+    if ( is_rod == false )
+    {
+        return wisp_fail( error, WISP_CONFLICT, "body %d has no rods", body );
+    }
+    const wisp_status status =
+        wisp_read_strand_hold( world->world, entity_of( world, place_of( world, body ) ), out );
+    return status == WISP_OK ? WISP_OK : fail_at_body( world, body, status, error );
+}
+
 wisp_status scene_world_motion_stats( const scene_world* world, int body, wisp_motion_stats* out, wisp_error* error )
 {
     *out = ( wisp_motion_stats ){ 0 };

@@ -309,13 +309,13 @@ static double curve_vertices( const curve_args* args, const strand_shape* shape,
     return stable;
 }
 
-// @return the fraction of its weight that the strand feels @param is_soft out: it does not hold all of that
-static double curve_strand( const curve_args* args, int group, int row, int count, int lane, bool* is_soft )
+// @return the fraction of its weight that the strand feels @param held out: the fraction of that which it holds
+static double curve_strand( const curve_args* args, int group, int row, int count, int lane, double* held )
 {
     const strand_shape shape = shape_of( args->rows, row, count, lane );
     const double fraction =
         args->settings->rest == WISP_STRAND_REST_SAG_FREE ? fraction_of_weight( args, &shape ) : 1.0;
-    *is_soft = curve_vertices( args, &shape, fraction ) < 1.0;
+    *held = curve_vertices( args, &shape, fraction );
     wisp_quat before = strands_get_quat( args->clamp, group, lane );
     for ( int s = 0; s + 1 < count; ++s )
     {
@@ -353,17 +353,19 @@ void strands_balance_rest( wisp_frame* frame, const wisp_span* span, void* user 
     };
     float* balanced = wisp_frame_column( frame, span->entity, state->balance, 0 );
     float* fractions = wisp_frame_column( frame, span->entity, state->balance, 1 );
+    float* held = wisp_frame_column( frame, span->entity, state->balance, 2 );
     uint64_t lightened = 0, soft = 0;
     for ( int g = span->begin; g < span->end; ++g )
     {
         for ( int lane = 0; lane < WISP_LANES; ++lane )
         {
             const int count = rows.topology->lane_count[g * WISP_LANES + lane];
-            bool is_soft;
-            const double fraction = curve_strand( &args, g, rows.topology->group_row[g], count, lane, &is_soft );
+            double own;
+            const double fraction = curve_strand( &args, g, rows.topology->group_row[g], count, lane, &own );
             fractions[g * WISP_LANES + lane] = (float)fraction;
+            held[g * WISP_LANES + lane] = (float)own;
             lightened += fraction < 1.0 ? 1 : 0;
-            soft += is_soft ? 1 : 0;
+            soft += own < 1.0 ? 1 : 0;
         }
         balanced[g] = wisp_frame_dt( frame );
     }

@@ -135,4 +135,16 @@ WISP_API wisp_status wisp_set_strand_grid( wisp_world* world, wisp_entity strand
 /// @return WISP_CONFLICT the strands do not stretch by the direct solve
 WISP_API wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, float* tensions );
 
+/// How far rods hold their shape under gravity. A strand whose rest shape would turn by more than a quarter against its load is
+/// too soft for it and sags. The turn grows with the cube of the length and falls with the rigidity.
+typedef struct wisp_strand_hold
+{
+    int32_t sagging;     ///< strands that are too soft; 0 before the first step, and with another rest than sag-free
+    float max_length;    ///< m, at which the softest strand would hold its shape; its own length if it does
+    float bend_rigidity; ///< N m^2, with which the softest strand would hold its shape
+} wisp_strand_hold;
+
+/// Read it as of the last step. @return WISP_CONFLICT the strands have no dynamics, or do not bend as rods
+WISP_API wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out );
+
 WISP_END_C

@@ -434,3 +434,47 @@ wisp_status wisp_read_strand_tension( wisp_world* world, wisp_entity strands, fl
     }
     return WISP_OK;
 }
+
+static double length_of( const wisp_strand_topology* t, const float* length, int lane )
+{
+    double sum = 0.0;
+    for ( int v = 0; v + 1 < t->lane_count[lane]; ++v )
+    {
+        sum += (double)length[strands_scalar( t->group_row[lane / WISP_LANES] + v, lane % WISP_LANES )];
+    }
+    return sum;
+}
+
+wisp_status wisp_read_strand_hold( wisp_world* world, wisp_entity strands, wisp_strand_hold* out )
+{
+    strands_state* s;
+    wisp_status status = strands_find( world, strands, &s );
+    if ( status == WISP_OK && wisp_world_has( world, strands, s->rod ) == false )
+    {
+        status = wisp_world_fail( world, WISP_CONFLICT, "strands: entity %u does not bend as rods", strands.index );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_strand_topology* t = wisp_world_strands( world, strands );
+    const strands_rows rows = strands_rows_of( world, strands );
+    const float* balanced = wisp_world_column( world, strands, s->balance, 0 );
+    const float* held = wisp_world_column( world, strands, s->balance, 2 );
+    const strands_settings* settings = wisp_world_column( world, strands, s->settings, 0 );
+    *out = ( wisp_strand_hold ){ .bend_rigidity = settings->bend_rigidity };
+    double least = 2.0;
+    for ( int i = 0; i < t->group_count * WISP_LANES; ++i )
+    {
+        const bool is_known = balanced != NULL && balanced[i / WISP_LANES] != 0.0f;
+        const double own = is_known ? (double)held[i] : 1.0;
+        if ( t->lane_count[i] > 1 && own < least )
+        {
+            least = own;
+            out->max_length = (float)( cbrt( own ) * length_of( t, rows.length, i ) );
+            out->bend_rigidity = (float)( (double)settings->bend_rigidity / own );
+        }
+        out->sagging += t->lane_count[i] > 1 && own < 1.0 ? 1 : 0;
+    }
+    return WISP_OK;
+}

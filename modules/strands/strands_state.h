@@ -92,7 +92,8 @@ typedef struct strands_grid
 #define STRANDS_STRAIGHT( X ) X( int32_t, straight, 1 ) /* the rod has no frames */
 #define STRANDS_BALANCE( X )                                                                                         \
     X( float, balanced, 1 )  /* s, the length of substep of the rest curvature; 0: none */                           \
-    X( float, fraction, 16 ) /* fraction of gravity that a strand feels */
+    X( float, fraction, 16 ) /* fraction of gravity that a strand feels */                                           \
+    X( float, held, 16 )     /* fraction of that which its rest shape holds; below 1 it sags */
 #define STRANDS_GOOD( X )                                                                                            \
     X( float, position, 48 ) /* at the end of the last valid step */                                                 \
     X( float, velocity, 48 )

@@ -602,11 +602,44 @@ static void hair_of_any_length_comes_to_rest( void** state )
         }
         const bool holds = length < 0.104f;
         assert_true( ( wisp_world_counter( s.world, WISP_COUNT_SAGGING ) == 0 ) == holds );
+        wisp_strand_hold hold;
+        assert_int_equal( wisp_read_strand_hold( s.world, e, &hold ), WISP_OK );
+        assert_int_equal( hold.sagging, holds ? 0 : 2 );
         const wisp_vec3 tip = strand_points( s.world, e )[count - 1];
         // the stiffness of segments of 0.1 mm is lowered at this substep
         const bool is_lowered = length / (float)count < 2e-4f;
         assert_true( is_lowered || ( holds ? fabsf( tip.y ) < 1e-3f : tip.y < -0.01f ) );
         close_world( &s );
+    }
+}
+
+// A wavy hair that sags holds its shape when it is cut to the length that is read, or made of the rigidity; not with a tenth more or less.
+static int count_sagging( float length, float rigidity, wisp_strand_hold* hold )
+{
+    hosted s;
+    open_strands( &s, 10, 1, 1 );
+    wisp_strand_dynamics_def def = wisp_default_strand_dynamics_def();
+    def.bend_rigidity = rigidity;
+    const wisp_entity e = add_moving( s.world, 1, 24, wave_out, length, &def );
+    strand_steps( s.world, 1, 1.0f / 60.0f );
+    assert_int_equal( wisp_read_strand_hold( s.world, e, hold ), WISP_OK );
+    close_world( &s );
+    return hold->sagging;
+}
+
+static void the_length_and_the_rigidity_that_hold_are_read( void** state )
+{
+    (void)state;
+    const float lengths[] = { 0.2f, 0.4f, 1.0f };
+    for ( int k = 0; k < WISP_COUNT( lengths ); ++k )
+    {
+        wisp_strand_hold soft, other;
+        assert_int_equal( count_sagging( lengths[k], 8e-9f, &soft ), 1 );
+        assert_near( (double)soft.max_length, 0.104, 0.002 );
+        assert_int_equal( count_sagging( 0.99f * soft.max_length, 8e-9f, &other ), 0 );
+        assert_int_equal( count_sagging( 1.1f * soft.max_length, 8e-9f, &other ), 1 );
+        assert_int_equal( count_sagging( lengths[k], 1.01f * soft.bend_rigidity, &other ), 0 );
+        assert_int_equal( count_sagging( lengths[k], 0.9f * soft.bend_rigidity, &other ), 1 );
     }
 }
 
@@ -675,6 +708,7 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( hair_of_any_length_comes_to_rest ),
+        cmocka_unit_test( the_length_and_the_rigidity_that_hold_are_read ),
         cmocka_unit_test( whatever_the_head_does_strands_stay_finite_and_are_back_at_their_lengths ),
         cmocka_unit_test( curls_in_substeps_that_do_not_soften_them_gain_no_energy_either ),
         cmocka_unit_test( after_random_poses_of_the_head_strands_come_back_and_slow_down ),
