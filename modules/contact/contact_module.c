@@ -118,7 +118,7 @@ static wisp_status declare_passes( wisp_registry* r, contact_state* s, bool stra
             .excluded = { strands ? 0 : s->touches },
             .reads = { s->active },
             .writes = { s->pairs },
-            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, beside, before },
+            .foreign = { WISP_PARTICLE_POSITION, WISP_PARTICLE_PREVIOUS, WISP_PARTICLE_HALF_SPACES, beside, before },
             .run = contact_find,
         },
         {

@@ -109,14 +109,36 @@ static void copy_points( gather_loop* loop, int begin, int end )
     }
 }
 
+// Take from a way what leads out of the half spaces of a point: bodies push out what starts inside, together with its previous
+// position. That is an ordinary displacement, however long.
+static void drop_pushes( const contact_participant* participant, int i, float way[3] )
+{
+    const int found = participant->half_spaces != NULL ? participant->half_spaces[i] : 0;
+    for ( int k = 0; k < found && k < WISP_MAX_HALF_SPACES; ++k )
+    {
+        const float* normal = participant->half_space_row + ( (size_t)i * WISP_MAX_HALF_SPACES + (size_t)k ) * 16 + 3;
+        const float out = way[0] * normal[0] + way[1] * normal[1] + way[2] * normal[2];
+        for ( int c = 0; c < 3 && out > 0.0f; ++c )
+        {
+            way[c] -= out * normal[c];
+        }
+    }
+}
+
 // Return whether a point starts elsewhere than it ended: the user moved it, or its entity was restored. Less than
 // half a thickness counts as ordinary displacement. NaN counts as elsewhere.
-static bool is_elsewhere( const contact_contact_mesh* s, const float* start, const float* intersection_free )
+static bool is_elsewhere( const gather_loop* loop, int i )
 {
-    const float most = 0.5f * s->min_thickness;
-    const float x = start[0] - intersection_free[0], y = start[1] - intersection_free[1],
-                z = start[2] - intersection_free[2];
-    return !( x * x + y * y + z * z <= most * most );
+    const contact_contact_mesh* s = loop->work->contact_mesh;
+    const float most = 0.5f * s->min_thickness, *start = loop->start + (size_t)i * 4;
+    const float* ended = s->intersection_free + (size_t)( loop->participant->first_point + i ) * 4;
+    float way[3] = { start[0] - ended[0], start[1] - ended[1], start[2] - ended[2] };
+    if ( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] <= most * most )
+    {
+        return false;
+    }
+    drop_pushes( loop->participant, i, way );
+    return !( way[0] * way[0] + way[1] * way[1] + way[2] * way[2] <= most * most );
 }
 
 // Pin a point whose position is not finite at its intersection-free position. The engine halts the entity for it.
@@ -145,8 +167,7 @@ static void gather_points( void* context, int begin, int end, int worker )
     for ( int i = begin; i < end; ++i )
     {
         const size_t at = (size_t)( loop->participant->first_point + i ) * 4;
-        jumped = jumped ||
-                 ( loop->start != NULL && is_elsewhere( s, loop->start + (size_t)i * 4, s->intersection_free + at ) );
+        jumped = jumped || ( loop->start != NULL && is_elsewhere( loop, i ) );
         s->now[at + 3] = loop->participant->halted ? 0.0f : s->now[at + 3];
         pin_not_finite( s->now + at, s->intersection_free + at );
     }

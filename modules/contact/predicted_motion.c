@@ -79,6 +79,24 @@ static void sum_displacements( void* context, int begin, int end, int worker )
     }
 }
 
+// Return whether a body touches a point. Where displacements are cut, points go on with the common one, which must not carry them
+// into a body.
+static bool touches_body( const contact_work* work )
+{
+    for ( int g = 0; g < work->participant_count; ++g )
+    {
+        const contact_participant* participant = work->participants + g;
+        for ( int i = 0; i < participant->point_count && participant->half_spaces != NULL; ++i )
+        {
+            if ( participant->half_spaces[i] > 0 )
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 static void find_common( way_loop* loop )
 {
     const contact_work* work = loop->work;
@@ -90,7 +108,7 @@ static void find_common( way_loop* loop )
     {
         return; // a mean of 0 is valid too and only costs time
     }
-    atomic_init( &loop->has_fixed, false );
+    atomic_init( &loop->has_fixed, touches_body( work ) );
     wisp_parallel_for( work->parallel, s->point_count, GRAIN, sum_displacements, loop );
     for ( int k = 0; k < 3 && atomic_load( &loop->has_fixed ) == false; ++k )
     {

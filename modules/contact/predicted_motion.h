@@ -21,7 +21,7 @@ typedef struct contact_motion
 {
     float* ahead;                        // [point][4] m: displacement in this substep, and the tolerance around it
     uint8_t* is_missed;                  // [point] it left that tolerance, so constraints may be missing
-    float common[3];                     // m, mean displacement of all points; 0 if one of them is pinned
+    float common[3];                     // m, mean displacement of all points; 0 if one of them is pinned or touches a body
     contact_way* ways;                   // [cluster] displacements in this substep
     contact_way* gone;                   // [cluster] displacements in the substep before
     contact_predicted_motion* predicted; // [cluster]
