@@ -69,6 +69,7 @@ typedef struct contact_contact_mesh
     int32_t* triangles;       // [triangle][3]
     float min_thickness;      // m, of the participants
     bool is_listed;           // the pair lists of the broad phase hold for these positions
+    bool is_parting;          // pairs at no distance are found too
     bool is_reset;            // intersection-free positions were replaced: intersections and pairs are unknown
     wisp_buffer buffers[6];
 

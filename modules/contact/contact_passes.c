@@ -7,6 +7,7 @@
 //   contact.stats  statistics, on request
 #include "contact_state.h"
 
+#include "coincident.h"
 #include "contact_stats.h"
 #include "gather_scatter.h"
 #include "loads.h"
@@ -79,6 +80,22 @@ static void begin_step( const contact_work* work )
     }
 }
 
+// Before intersections are marked: whether what touches in one plane intersects is a matter of rounding.
+static bool part_coincident( const contact_work* work )
+{
+    work->memory->tangled = 0;
+    work->contact_mesh->is_parting = true;
+    const bool found = run_stage( work, contact_mark_intersections ) && run_stage( work, contact_search ) &&
+                       run_stage( work, contact_find_rows );
+    work->contact_mesh->is_parting = false;
+    work->memory->tangled = 1;
+    if ( found )
+    {
+        contact_part_coincident( work );
+    }
+    return found;
+}
+
 void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
 {
     contact_state* state = user;
@@ -95,6 +112,10 @@ void contact_find( wisp_frame* frame, const wisp_span* span, void* user )
     state->changed = false;
     contact_gather( &work, true );
     const contact_reached reached = contact_expect_ways( &work );
+    if ( s->is_reset && part_coincident( &work ) == false )
+    {
+        return;
+    }
     const bool is_new = s->is_listed == false || s->is_reset;
     s->is_listed = is_new == false;
     s->is_reset = false;

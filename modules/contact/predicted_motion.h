@@ -19,11 +19,11 @@ typedef struct contact_predicted_motion
 
 typedef struct contact_motion
 {
-    float* ahead;                        // [point][4] m: displacement in this substep, and the tolerance around it
-    uint8_t* is_missed;                  // [point] it left that tolerance, so constraints may be missing
-    float common[3];                     // m, mean displacement of all points; 0 if one of them is pinned or touches a body
-    contact_way* ways;                   // [cluster] displacements in this substep
-    contact_way* gone;                   // [cluster] displacements in the substep before
+    float* ahead;       // [point][4] m: displacement in this substep, and the tolerance around it
+    uint8_t* is_missed; // [point] it left that tolerance, so constraints may be missing
+    float common[3];    // m, mean displacement of all points; 0 if one of them is pinned or touches a body
+    contact_way* ways;  // [cluster] displacements in this substep
+    contact_way* gone;  // [cluster] displacements in the substep before
     contact_predicted_motion* predicted; // [cluster]
     uint8_t* cluster_is_missed;          // [cluster] one of its points is missed
     int substeps;                        // since the last search

@@ -107,9 +107,10 @@ static void find_closings( const contact_work* work, contact_kind kind, contact_
     wisp_frame_kernels( work->frame )->max_approach( &args, 0, pad_to_eight( batch, count ) );
 }
 
-static bool may_meet( const contact_batch* batch, int i )
+// Pairs at no distance have no plane between them; only coincident.c can use them.
+static bool may_meet( const contact_contact_mesh* s, const contact_batch* batch, int i )
 {
-    return batch->distance[i] > 0.0f && batch->distance[i] < batch->gap[i] + batch->closing[i];
+    return ( batch->distance[i] > 0.0f || s->is_parting ) && batch->distance[i] < batch->gap[i] + batch->closing[i];
 }
 
 // ---- rest distances ----
@@ -185,7 +186,7 @@ void contact_select_active( const contact_work* work, contact_kind kind, contact
     {
         batch->selected[kept] = i;
         const bool is_dropped = work->memory->tangled != 0 && is_tangled( s, kind, batch, i );
-        kept += may_meet( batch, i ) && is_dropped == false ? 1 : 0;
+        kept += may_meet( s, batch, i ) && is_dropped == false ? 1 : 0;
     }
     for ( int i = 0; i < kept; ++i )
     {
@@ -197,7 +198,7 @@ void contact_select_active( const contact_work* work, contact_kind kind, contact
     for ( int i = 0; i < kept; ++i )
     {
         batch->found[count] = ( contact_pair ){ batch->first[i], batch->second[i], batch->gap[i] };
-        count += batch->gap[i] > 0.0f && may_meet( batch, i ) ? 1 : 0;
+        count += batch->gap[i] > 0.0f && may_meet( s, batch, i ) ? 1 : 0;
     }
     const int first = count > 0 ? atomic_fetch_add( total, count ) : 0;
     if ( count > 0 && first + count <= near->most )
