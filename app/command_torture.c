@@ -152,11 +152,11 @@ static int core_count( void )
 
 static int print_scene( const torture_search* search )
 {
-    torture_node* scene = torture_generate( &search->generator, search->first );
-    char* text = torture_write( scene, NULL );
+    text_node* scene = torture_generate( &search->generator, search->first );
+    char* text = text_write( scene, NULL );
     fputs( text, stdout );
     free( text );
-    torture_release( scene );
+    text_release( scene );
     return STATUS_GOOD;
 }
 

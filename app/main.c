@@ -13,7 +13,7 @@ typedef struct program_command
 
 static const program_command commands[] = {
     { "run", command_run },       { "plan", command_plan }, { "bench", command_bench },     { "info", command_info },
-    { "render", command_render }, { "tune", command_tune }, { "torture", command_torture },
+    { "render", command_render }, { "tune", command_tune }, { "torture", command_torture }, { "gate", command_gate },
 };
 
 static const char program_doc[] =
@@ -27,13 +27,15 @@ static const char program_doc[] =
     "  tune SCENE     find the cheapest configuration within an error or time\n"
     "  bench [CASE]   measure time and error together\n"
     "  torture        search for scenes that break the engine, or judge scenes\n"
+    "  gate ACTION    measure the scenes of a suite, and fail if one became worse\n"
     "\v"
     "'wisp COMMAND --help' describes the arguments and options of a command.\n"
     "\n"
     "Examples:\n"
     "  wisp run data/scenes/flag.yaml --record flag.wisp\n"
     "  wisp render flag.wisp -o flag.png\n"
-    "\n" STATUS_HELP_UNMET( "a benchmark check failed, a tuning target was not met, or a scene breaks" );
+    "\n" STATUS_HELP_UNMET(
+        "a benchmark check failed, a tuning target was not met, a scene breaks, or the gate fails" );
 
 // Options before the command belong to the program. Everything after it belongs to the command.
 static error_t parse_program( int key, char* argument, struct argp_state* state )
@@ -46,7 +48,7 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a command: run, render, info, plan, tune, bench or torture" );
+            argp_error( state, "expected a command: run, render, info, plan, tune, bench, torture or gate" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -67,7 +69,8 @@ static int unknown_command( const char* word )
     }
     else
     {
-        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune, bench or torture\n", word );
+        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune, bench, torture or gate\n",
+                 word );
     }
     return STATUS_USAGE;
 }

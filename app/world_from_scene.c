@@ -59,6 +59,7 @@ static wisp_status create_world( const scene_world_options* options, scene_world
     def.iterations = scene->iterations;
     def.log = keep_log;
     def.log_user = out;
+    def.allocator = options->allocator != NULL ? *options->allocator : def.allocator;
     return wisp_world_create( &def, &out->world, error );
 }
 

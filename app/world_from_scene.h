@@ -14,6 +14,7 @@ typedef struct scene_world_options
     int workers;     ///< 0: that of the scene
     const char* isa; ///< null: the best available
     bool is_quiet;   ///< print no warnings, because the first of several worlds of one scene has printed them
+    const wisp_allocator* allocator; ///< of the world; null: the C library
 } scene_world_options;
 
 /// A surface of the scene in the world.

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static torture_node* make_steps( torture_builder* b, torture_node* scene )
+static text_node* make_steps( torture_builder* b, text_node* scene )
 {
     static const char* const lengths[] = { "0.004", "0.008", "0.0166667", "0.0166667", "0.0166667", "0.033", "0.05" };
     static const char* const substeps[] = { "2", "4", "5", "8", "10", "10", "10", "16", "20" };
@@ -15,27 +15,26 @@ static torture_node* make_steps( torture_builder* b, torture_node* scene )
     const int MOST = b->has_contact ? 150 : 240; // contact is what costs most
     const int steps = (int)( seconds / strtod( dt, NULL ) );
     b->steps = steps < MOST ? steps : MOST;
-    torture_put( scene, "dt", torture_scalar( "%s", dt ) );
+    text_put( scene, "dt", text_scalar( "%s", dt ) );
     if ( torture_random_chance( &b->random, 25 ) )
     {
-        torture_node* factors = torture_put( scene, "dt_factors", torture_list() );
+        text_node* factors = text_put( scene, "dt_factors", text_list() );
         for ( int i = torture_random_whole( &b->random, 2, 7 ); i > 0; --i )
         {
-            torture_add( factors, torture_scalar( "%s", torture_random_log( &b->random, 0.1, 3.0 ).text ) );
+            text_add( factors, text_scalar( "%s", torture_random_log( &b->random, 0.1, 3.0 ).text ) );
         }
     }
-    torture_put( scene, "steps", torture_scalar( "%d", b->steps ) );
-    torture_put(
-        scene, "substeps",
-        torture_scalar( "%s", substeps[torture_random_whole( &b->random, 0, WISP_COUNT( substeps ) - 1 )] ) );
+    text_put( scene, "steps", text_scalar( "%d", b->steps ) );
+    text_put( scene, "substeps",
+              text_scalar( "%s", substeps[torture_random_whole( &b->random, 0, WISP_COUNT( substeps ) - 1 )] ) );
     if ( torture_random_chance( &b->random, 25 ) )
     {
-        torture_put( scene, "iterations", torture_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );
+        text_put( scene, "iterations", text_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );
     }
     return scene;
 }
 
-static void make_world( torture_builder* b, torture_node* scene )
+static void make_world( torture_builder* b, text_node* scene )
 {
     if ( torture_random_chance( &b->random, 20 ) )
     {
@@ -43,9 +42,9 @@ static void make_world( torture_builder* b, torture_node* scene )
     }
     if ( b->has_contact && torture_random_chance( &b->random, 40 ) )
     {
-        torture_node* contact = torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
-        const bool are_particles = strcmp( torture_text_at( contact, "primitives" ), "particles" ) == 0;
-        torture_remove_key( contact, are_particles ? "displacement_limit" : "particle_spacing" );
+        text_node* contact = torture_put_block( b, torture_block_of_scene(), scene, "contact", 30 );
+        const bool are_particles = strcmp( text_at( contact, "primitives" ), "particles" ) == 0;
+        text_remove_key( contact, are_particles ? "displacement_limit" : "particle_spacing" );
         // By default they are as far apart as the smallest thickness, which makes ten thousands of them.
         if ( are_particles )
         {
@@ -55,29 +54,29 @@ static void make_world( torture_builder* b, torture_node* scene )
 }
 
 // Lists that nothing is in are not written.
-static void take_list( torture_node* scene, const char* key, torture_node* list )
+static void take_list( text_node* scene, const char* key, text_node* list )
 {
     if ( list->count > 0 )
     {
-        torture_put( scene, key, list );
+        text_put( scene, key, list );
     }
     else
     {
-        torture_release( list );
+        text_release( list );
     }
 }
 
-torture_node* torture_generate( const torture_generator* generator, int number )
+text_node* torture_generate( const torture_generator* generator, int number )
 {
     torture_builder b = { .random = torture_random_start( generator->seed, (uint64_t)number ),
                           .generator = generator,
-                          .surfaces = torture_list(),
-                          .strands = torture_list(),
-                          .colliders = torture_list(),
-                          .events = torture_list(),
-                          .hair_events = torture_list() };
-    torture_node* scene = torture_map();
-    torture_put( scene, "wisp", torture_scalar( "1" ) );
+                          .surfaces = text_list(),
+                          .strands = text_list(),
+                          .colliders = text_list(),
+                          .events = text_list(),
+                          .hair_events = text_list() };
+    text_node* scene = text_map();
+    text_put( scene, "wisp", text_scalar( "1" ) );
     b.is_stack = torture_random_chance( &b.random, 8 );
     b.has_contact = b.is_stack || torture_random_chance( &b.random, 45 );
     make_steps( &b, scene );

@@ -11,4 +11,4 @@ typedef struct torture_generator
 } torture_generator;
 
 /// Make a scene. @return to be released
-torture_node* torture_generate( const torture_generator* generator, int number );
+text_node* torture_generate( const torture_generator* generator, int number );

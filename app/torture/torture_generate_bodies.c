@@ -6,20 +6,20 @@
 
 // ---- colliders ----
 
-static void put_friction( torture_builder* b, torture_node* collider )
+static void put_friction( torture_builder* b, text_node* collider )
 {
     if ( torture_random_chance( &b->random, 70 ) )
     {
         torture_put_linear( b, collider, "friction", 0.0, 1.2 );
         return;
     }
-    torture_node* pair = torture_put( collider, "friction", torture_list() );
-    torture_add( pair, torture_scalar( "%s", torture_random_linear( &b->random, 0.6, 1.2 ).text ) );
-    torture_add( pair, torture_scalar( "%s", torture_random_linear( &b->random, 0.0, 0.6 ).text ) );
+    text_node* pair = text_put( collider, "friction", text_list() );
+    text_add( pair, text_scalar( "%s", torture_random_linear( &b->random, 0.6, 1.2 ).text ) );
+    text_add( pair, text_scalar( "%s", torture_random_linear( &b->random, 0.0, 0.6 ).text ) );
 }
 
 // The defaults are a metre: everything else would start inside.
-static void put_size( torture_builder* b, torture_node* collider, const char* shape )
+static void put_size( torture_builder* b, text_node* collider, const char* shape )
 {
     const bool is_capsule = strcmp( shape, "capsule" ) == 0;
     if ( is_capsule || strcmp( shape, "sphere" ) == 0 )
@@ -43,9 +43,9 @@ void torture_make_collider( torture_builder* b )
     static const char* const words[] = { "plane", "sphere", "capsule", "box", "mesh" };
     const bool is_ground = b->colliders->count == 0 && ( b->is_stack || torture_random_chance( &b->random, 85 ) );
     const char* shape = is_ground ? words[0] : words[torture_random_whole( &b->random, 1, 4 )];
-    torture_node* collider = torture_add( b->colliders, torture_map() );
-    torture_put( collider, "name", torture_scalar( "body%d", b->colliders->count ) );
-    torture_put( collider, "shape", torture_scalar( "%s", shape ) );
+    text_node* collider = text_add( b->colliders, text_map() );
+    text_put( collider, "name", text_scalar( "body%d", b->colliders->count ) );
+    text_put( collider, "shape", text_scalar( "%s", shape ) );
     const torture_block block = torture_entry_block( "colliders", collider );
     const bool is_mesh = strcmp( shape, "mesh" ) == 0;
     const bool is_open = is_mesh && torture_random_chance( &b->random, 30 );
@@ -54,17 +54,17 @@ void torture_make_collider( torture_builder* b )
     {
         torture_put_mesh( b, block, collider, !is_open );
     }
-    if ( is_mesh && ( is_open || torture_find( collider, "file" ) ) )
+    if ( is_mesh && ( is_open || text_find( collider, "file" ) ) )
     {
-        torture_put( collider, "double_sided", torture_scalar( "true" ) );
+        text_put( collider, "double_sided", text_scalar( "true" ) );
     }
     if ( !is_ground )
     {
-        torture_node* position = torture_put_vector( b, collider, "position", ( const double[] ){ -0.2, -0.1, -0.2 },
-                                                     ( const double[] ){ 0.2, 0.2, 0.2 } );
+        text_node* position = torture_put_vector( b, collider, "position", ( const double[] ){ -0.2, -0.1, -0.2 },
+                                                  ( const double[] ){ 0.2, 0.2, 0.2 } );
         for ( int i = 0; i < 3; ++i )
         {
-            torture_is_number( position->children[i], &centre[i] );
+            text_is_number( position->children[i], &centre[i] );
         }
     }
     put_friction( b, collider );
@@ -78,40 +78,40 @@ void torture_make_collider( torture_builder* b )
 
 // ---- events ----
 
-static bool has_number_above( const torture_node* map, const char* key, double limit )
+static bool has_number_above( const text_node* map, const char* key, double limit )
 {
     double value = 0.0;
-    return torture_is_number( torture_find( map, key ), &value ) && value > limit;
+    return text_is_number( text_find( map, key ), &value ) && value > limit;
 }
 
-static void put_wind( torture_builder* b, torture_node* event )
+static void put_wind( torture_builder* b, text_node* event )
 {
     torture_put_vector( b, event, "wind", ( const double[] ){ -8, -2, -8 }, ( const double[] ){ 8, 2, 8 } );
 }
 
-static void change_surface( torture_builder* b, torture_node* event, const torture_node* surface )
+static void change_surface( torture_builder* b, text_node* event, const text_node* surface )
 {
-    const torture_node* cloth = torture_find( surface, "cloth" );
-    const torture_node* balloon = torture_find( surface, "balloon" );
+    const text_node* cloth = text_find( surface, "cloth" );
+    const text_node* balloon = text_find( surface, "balloon" );
     const bool has_air =
         has_number_above( cloth, "drag_coefficient", 0.0 ) || has_number_above( cloth, "lift_coefficient", 0.0 );
-    const bool is_pinned = torture_find( surface, "pins" ) || torture_find( surface, "pin_nearest" ) ||
-                           torture_find( surface, "pin_box" );
-    torture_put( event, "surface", torture_scalar( "%s", torture_text_at( surface, "name" ) ) );
+    const bool is_pinned =
+        text_find( surface, "pins" ) || text_find( surface, "pin_nearest" ) || text_find( surface, "pin_box" );
+    text_put( event, "surface", text_scalar( "%s", text_at( surface, "name" ) ) );
     if ( has_air && torture_random_chance( &b->random, 50 ) )
     {
         put_wind( b, event );
     }
     else if ( is_pinned && torture_random_chance( &b->random, 30 ) )
     {
-        torture_put( event, "release", torture_scalar( "true" ) );
+        text_put( event, "release", text_scalar( "true" ) );
     }
-    else if ( balloon && torture_find( balloon, "outlet_nearest" ) && torture_random_chance( &b->random, 40 ) )
+    else if ( balloon && text_find( balloon, "outlet_nearest" ) && torture_random_chance( &b->random, 40 ) )
     {
-        torture_put( event, "outlet_open",
-                     torture_scalar( "%s", torture_random_chance( &b->random, 70 ) ? "true" : "false" ) );
+        text_put( event, "outlet_open",
+                  text_scalar( "%s", torture_random_chance( &b->random, 70 ) ? "true" : "false" ) );
     }
-    else if ( balloon && !torture_find( balloon, "gas_ratio_keyframes" ) && torture_random_chance( &b->random, 60 ) )
+    else if ( balloon && !text_find( balloon, "gas_ratio_keyframes" ) && torture_random_chance( &b->random, 60 ) )
     {
         torture_put_linear( b, event, "gas_ratio", 1.0, 1.6 );
     }
@@ -127,22 +127,22 @@ void torture_make_event( torture_builder* b, int number )
     const int count = b->surfaces->count + b->strands->count;
     const int entry = torture_random_whole( &b->random, 0, count - 1 );
     const bool is_surface = entry < b->surfaces->count;
-    const torture_node* changed =
+    const text_node* changed =
         is_surface ? b->surfaces->children[entry] : b->strands->children[entry - b->surfaces->count];
-    const torture_node* dynamics = torture_find( changed, "dynamics" );
-    const bool has_frozen = torture_find( changed, "frozen_hair" ) != NULL;
+    const text_node* dynamics = text_find( changed, "dynamics" );
+    const bool has_frozen = text_find( changed, "frozen_hair" ) != NULL;
     if ( !is_surface && !has_frozen && !has_number_above( dynamics, "drag_coefficient", 0.0 ) )
     {
         return;
     }
-    torture_node* event = torture_add( has_frozen ? b->hair_events : b->events, torture_map() );
-    torture_put( event, "step", torture_scalar( "%d", number * b->steps / 10 ) );
+    text_node* event = text_add( has_frozen ? b->hair_events : b->events, text_map() );
+    text_put( event, "step", text_scalar( "%d", number * b->steps / 10 ) );
     if ( is_surface )
     {
         change_surface( b, event, changed );
         return;
     }
-    torture_put( event, "strands", torture_scalar( "%s", torture_text_at( changed, "name" ) ) );
+    text_put( event, "strands", text_scalar( "%s", text_at( changed, "name" ) ) );
     if ( has_frozen )
     {
         torture_put_vector( b, event, "cursor", ( const double[] ){ -0.3, 0, -0.3 },

@@ -6,7 +6,7 @@
 typedef struct strands_maker
 {
     torture_builder* b;
-    torture_node* entry;
+    text_node* entry;
     torture_block block;
     int strands, vertices;
 } strands_maker;
@@ -16,41 +16,41 @@ static bool chance( strands_maker* m, int percent )
     return torture_random_chance( &m->b->random, percent );
 }
 
-static torture_node* begin_entry( torture_builder* b, const char* name )
+static text_node* begin_entry( torture_builder* b, const char* name )
 {
-    torture_node* entry = torture_add( b->strands, torture_map() );
-    torture_put( entry, "name", torture_scalar( "%s%d", name, b->strands->count ) );
+    text_node* entry = text_add( b->strands, text_map() );
+    text_put( entry, "name", text_scalar( "%s%d", name, b->strands->count ) );
     return entry;
 }
 
 static void put_groom( strands_maker* m, bool is_frozen )
 {
     static const char* const shapes[] = { "straight", "wavy", "curly" };
-    torture_node* generate = torture_put( m->entry, "generate", torture_map() );
-    torture_put( generate, "shape", torture_scalar( "%s", shapes[torture_random_whole( &m->b->random, 0, 2 )] ) );
+    text_node* generate = text_put( m->entry, "generate", text_map() );
+    text_put( generate, "shape", text_scalar( "%s", shapes[torture_random_whole( &m->b->random, 0, 2 )] ) );
     m->strands = torture_random_whole( &m->b->random, 1, 12 );
     m->vertices = torture_random_whole( &m->b->random, is_frozen ? 4 : 2, 24 );
-    torture_put( generate, "strands", torture_scalar( "%d", m->strands ) );
-    torture_put( generate, "vertices", torture_scalar( "%d", m->vertices ) );
+    text_put( generate, "strands", text_scalar( "%d", m->strands ) );
+    text_put( generate, "vertices", text_scalar( "%d", m->vertices ) );
     torture_draw_keys( &m->b->random, torture_block_below( m->block, "generate", generate ), 100, generate );
-    torture_node* transform = torture_put( m->entry, "transform", torture_map() );
+    text_node* transform = text_put( m->entry, "transform", text_map() );
     torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, 0.4, -0.1 },
                         ( const double[] ){ 0.1, 0.8, 0.1 } );
 }
 
-static void put_masses( strands_maker* m, torture_node* dynamics )
+static void put_masses( strands_maker* m, text_node* dynamics )
 {
-    torture_node* list = torture_put( dynamics, "vertex_masses", torture_list() );
-    torture_remove_key( dynamics, "vertex_mass" );
+    text_node* list = text_put( dynamics, "vertex_masses", text_list() );
+    text_remove_key( dynamics, "vertex_mass" );
     for ( int i = m->strands * m->vertices; i > 0; --i )
     {
-        torture_add( list, torture_scalar( "%s", torture_random_log( &m->b->random, 1e-6, 1e-4 ).text ) );
+        text_add( list, text_scalar( "%s", torture_random_log( &m->b->random, 1e-6, 1e-4 ).text ) );
     }
 }
 
 static void put_dynamics( strands_maker* m )
 {
-    torture_node* dynamics = torture_put_block( m->b, m->block, m->entry, "dynamics", 30 );
+    text_node* dynamics = torture_put_block( m->b, m->block, m->entry, "dynamics", 30 );
     if ( chance( m, 70 ) )
     {
         torture_put_log( m->b, dynamics, "damping", 0.5, 10.0 );
@@ -61,18 +61,17 @@ static void put_dynamics( strands_maker* m )
     }
     if ( m->b->surfaces->count > 0 && chance( m, 30 ) )
     {
-        torture_put( m->entry, "on_surface",
-                     torture_scalar( "%s", torture_text_at( m->b->surfaces->children[0], "name" ) ) );
+        text_put( m->entry, "on_surface", text_scalar( "%s", text_at( m->b->surfaces->children[0], "name" ) ) );
     }
     else if ( chance( m, 60 ) )
     {
         double centre[3] = { 0.0, 0.0, 0.0 };
-        const torture_node* place = torture_find( torture_find( m->entry, "transform" ), "translate" );
+        const text_node* place = text_find( text_find( m->entry, "transform" ), "translate" );
         for ( int i = 0; i < 3; ++i )
         {
-            torture_is_number( place->children[i], &centre[i] );
+            text_is_number( place->children[i], &centre[i] );
         }
-        torture_node* head = torture_put( m->entry, "head", torture_map() );
+        text_node* head = text_put( m->entry, "head", text_map() );
         torture_put_keyframes( m->b, head, "keyframes", "position", "rotation", centre );
     }
     static const char* const blocks[] = { "grid", "collision", "contact" };
@@ -89,7 +88,7 @@ static void put_dynamics( strands_maker* m )
 
 static void put_frozen_hair( strands_maker* m )
 {
-    torture_node* frozen = torture_put_block( m->b, m->block, m->entry, "frozen_hair", 30 );
+    text_node* frozen = torture_put_block( m->b, m->block, m->entry, "frozen_hair", 30 );
     const torture_block block = torture_block_below( m->block, "frozen_hair", frozen );
     static const char* const stages[] = { "freeze", "align", "clump" };
     for ( int i = 0; i < WISP_COUNT( stages ); ++i )
@@ -108,11 +107,11 @@ static void put_frozen_hair( strands_maker* m )
 // Ghosts around what moves, with or without frozen hair on top; and curves through either.
 static void make_followers( torture_builder* b, const char* source )
 {
-    torture_node* entry = begin_entry( b, "ghosts" );
+    text_node* entry = begin_entry( b, "ghosts" );
     strands_maker m = { b, entry, torture_entry_block( "strands", entry ), 0, 0 };
-    torture_node* scatter = torture_put( entry, "scatter", torture_map() );
-    torture_put( scatter, "around", torture_scalar( "%s", source ) );
-    torture_put( scatter, "count", torture_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );
+    text_node* scatter = text_put( entry, "scatter", text_map() );
+    text_put( scatter, "around", text_scalar( "%s", source ) );
+    text_put( scatter, "count", text_scalar( "%d", torture_random_whole( &b->random, 1, 4 ) ) );
     torture_put_linear( b, scatter, "radius", 0.0, 0.02 );
     torture_put_block( b, m.block, entry, "ghosts", 30 );
     if ( chance( &m, 25 ) )
@@ -127,14 +126,14 @@ static void make_followers( torture_builder* b, const char* source )
 
 static void make_curves( torture_builder* b, const char* source )
 {
-    torture_node* entry = begin_entry( b, "curves" );
-    torture_node* curves = torture_put_block( b, torture_entry_block( "strands", entry ), entry, "curves", 50 );
-    torture_put( curves, "of", torture_scalar( "%s", source ) );
+    text_node* entry = begin_entry( b, "curves" );
+    text_node* curves = torture_put_block( b, torture_entry_block( "strands", entry ), entry, "curves", 50 );
+    text_put( curves, "of", text_scalar( "%s", source ) );
 }
 
 void torture_make_strands( torture_builder* b )
 {
-    torture_node* entry = begin_entry( b, "hair" );
+    text_node* entry = begin_entry( b, "hair" );
     strands_maker m = { b, entry, torture_entry_block( "strands", entry ), 0, 0 };
     const bool is_frozen = torture_random_chance( &b->random, 15 );
     put_groom( &m, is_frozen );
@@ -150,7 +149,7 @@ void torture_make_strands( torture_builder* b )
     {
         torture_put_block( b, m.block, entry, "appearance", 40 );
     }
-    const char* source = torture_text_at( entry, "name" );
+    const char* source = text_at( entry, "name" );
     if ( !is_frozen && chance( &m, 35 ) )
     {
         make_followers( b, source );

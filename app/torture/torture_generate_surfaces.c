@@ -6,7 +6,7 @@
 typedef struct surface_maker
 {
     torture_builder* b;
-    torture_node* entry;
+    text_node* entry;
     torture_block block;
     double place[3];
 } surface_maker;
@@ -20,42 +20,42 @@ static bool chance( surface_maker* m, int percent )
 
 static void put_transform( surface_maker* m, int number )
 {
-    torture_node* transform = torture_put( m->entry, "transform", torture_map() );
+    text_node* transform = text_put( m->entry, "transform", text_map() );
     if ( chance( m, 50 ) )
     {
-        torture_node* rotate = torture_put( transform, "rotate", torture_map() );
+        text_node* rotate = text_put( transform, "rotate", text_map() );
         torture_put_vector( m->b, rotate, "degrees", ( const double[] ){ -90, -90, -90 },
                             ( const double[] ){ 90, 90, 90 } );
     }
     const double y = 0.3 + 0.35 * number;
-    const torture_node* place = torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, y, -0.1 },
-                                                    ( const double[] ){ 0.1, y + 0.1, 0.1 } );
+    const text_node* place = torture_put_vector( m->b, transform, "translate", ( const double[] ){ -0.1, y, -0.1 },
+                                                 ( const double[] ){ 0.1, y + 0.1, 0.1 } );
     for ( int i = 0; i < 3; ++i )
     {
-        torture_is_number( place->children[i], &m->place[i] );
+        text_is_number( place->children[i], &m->place[i] );
     }
 }
 
 static bool put_pins( surface_maker* m )
 {
-    torture_node* columns = torture_find( torture_find( m->entry, "generate" ), "columns" );
+    text_node* columns = text_find( text_find( m->entry, "generate" ), "columns" );
     if ( columns && chance( m, 50 ) )
     {
-        torture_node* pins = torture_put( m->entry, "pins", torture_list() );
-        torture_add( pins, torture_scalar( "0" ) );
-        torture_add( pins, torture_scalar( "%d", atoi( columns->text ) - 1 ) );
+        text_node* pins = text_put( m->entry, "pins", text_list() );
+        text_add( pins, text_scalar( "0" ) );
+        text_add( pins, text_scalar( "%d", atoi( columns->text ) - 1 ) );
     }
     else
     {
-        torture_node* list = torture_put( m->entry, "pin_nearest", torture_list() );
+        text_node* list = text_put( m->entry, "pin_nearest", text_list() );
         for ( int i = torture_random_whole( &m->b->random, 1, 3 ); i > 0; --i )
         {
-            torture_node* point = torture_add( list, torture_list() );
+            text_node* point = text_add( list, text_list() );
             for ( int k = 0; k < 3; ++k )
             {
-                torture_add(
+                text_add(
                     point,
-                    torture_scalar(
+                    text_scalar(
                         "%s", torture_random_linear( &m->b->random, m->place[k] - 0.3, m->place[k] + 0.3 ).text ) );
             }
         }
@@ -72,30 +72,30 @@ static bool put_pins( surface_maker* m )
 
 static void put_cloth( surface_maker* m, bool is_pinned, bool is_instance )
 {
-    torture_node* cloth = torture_put_block( m->b, m->block, m->entry, "cloth", 30 );
+    text_node* cloth = torture_put_block( m->b, m->block, m->entry, "cloth", 30 );
     if ( !is_pinned || is_instance )
     {
-        torture_remove_key( cloth, "tethers" );
+        text_remove_key( cloth, "tethers" );
     }
     if ( !is_instance && chance( m, 20 ) )
     {
-        torture_put( m->entry, "levels", torture_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
-        torture_put( cloth, "level_passes", torture_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
+        text_put( m->entry, "levels", text_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
+        text_put( cloth, "level_passes", text_scalar( "%d", torture_random_whole( &m->b->random, 1, 3 ) ) );
     }
 }
 
 static void put_balloon( surface_maker* m )
 {
-    torture_node* balloon = torture_put_block( m->b, m->block, m->entry, "balloon", 25 );
+    text_node* balloon = torture_put_block( m->b, m->block, m->entry, "balloon", 25 );
     torture_put_linear( m->b, balloon, "gas_ratio", 1.0, 1.6 );
     if ( chance( m, 25 ) )
     {
-        torture_node* list = torture_put( balloon, "gas_ratio_keyframes", torture_list() );
+        text_node* list = text_put( balloon, "gas_ratio_keyframes", text_list() );
         for ( int i = 0; i < 3; ++i )
         {
-            torture_node* pair = torture_add( list, torture_list() );
-            torture_add( pair, torture_scalar( "%.3g", 0.4 * i ) );
-            torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 1.0, 1.8 ).text ) );
+            text_node* pair = text_add( list, text_list() );
+            text_add( pair, text_scalar( "%.3g", 0.4 * i ) );
+            text_add( pair, text_scalar( "%s", torture_random_linear( &m->b->random, 1.0, 1.8 ).text ) );
         }
     }
     if ( chance( m, 10 ) )
@@ -106,30 +106,30 @@ static void put_balloon( surface_maker* m )
     {
         torture_put_vector( m->b, balloon, "outlet_nearest", ( const double[] ){ -0.2, 0, -0.2 },
                             ( const double[] ){ 0.2, 0.6, 0.2 } );
-        torture_put( balloon, "outlet_open", torture_scalar( "%s", chance( m, 50 ) ? "true" : "false" ) );
+        text_put( balloon, "outlet_open", text_scalar( "%s", chance( m, 50 ) ? "true" : "false" ) );
     }
-    if ( torture_find( m->entry, "file" ) )
+    if ( text_find( m->entry, "file" ) )
     {
-        torture_put( balloon, "allow_open", torture_scalar( "true" ) );
+        text_put( balloon, "allow_open", text_scalar( "true" ) );
     }
 }
 
 // Links of quads need a regular plane and stiffnesses of links.
-static void put_implicit( surface_maker* m, const torture_node* source )
+static void put_implicit( surface_maker* m, const text_node* source )
 {
-    torture_node* implicit = torture_put_block( m->b, m->block, m->entry, "implicit", 30 );
-    const bool is_plane = strcmp( torture_text_at( torture_find( source, "generate" ), "shape" ), "plane" ) == 0;
-    if ( !is_plane || strcmp( torture_text_at( implicit, "stiffness_model" ), "material" ) == 0 )
+    text_node* implicit = torture_put_block( m->b, m->block, m->entry, "implicit", 30 );
+    const bool is_plane = strcmp( text_at( text_find( source, "generate" ), "shape" ), "plane" ) == 0;
+    if ( !is_plane || strcmp( text_at( implicit, "stiffness_model" ), "material" ) == 0 )
     {
-        torture_remove_key( implicit, "links" );
+        text_remove_key( implicit, "links" );
     }
 }
 
 static void put_strain_limit( surface_maker* m )
 {
-    torture_node* pair = torture_put( m->entry, "strain_limit", torture_list() );
-    torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 0.0, 0.95 ).text ) );
-    torture_add( pair, torture_scalar( "%s", torture_random_linear( &m->b->random, 1.02, 1.5 ).text ) );
+    text_node* pair = text_put( m->entry, "strain_limit", text_list() );
+    text_add( pair, text_scalar( "%s", torture_random_linear( &m->b->random, 0.0, 0.95 ).text ) );
+    text_add( pair, text_scalar( "%s", torture_random_linear( &m->b->random, 1.02, 1.5 ).text ) );
 }
 
 // What stands by the effect of a surface: damping, what stops it, points on it.
@@ -145,7 +145,7 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
     }
     if ( m->b->has_contact && !is_implicit && chance( m, 80 ) )
     {
-        torture_node* contact = torture_put_block( m->b, m->block, m->entry, "contact", 25 );
+        text_node* contact = torture_put_block( m->b, m->block, m->entry, "contact", 25 );
         torture_put_log( m->b, contact, "thickness", 1e-3, 5e-3 );
     }
     if ( !is_implicit && chance( m, 15 ) )
@@ -162,14 +162,14 @@ static void put_surroundings( surface_maker* m, bool is_implicit )
 static void make_layer( torture_builder* b )
 {
     const int number = b->surfaces->count;
-    torture_node* entry = torture_add( b->surfaces, torture_map() );
+    text_node* entry = text_add( b->surfaces, text_map() );
     surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
-    torture_put( entry, "name", torture_scalar( "surface%d", number ) );
-    torture_node* generate = torture_put( entry, "generate", torture_map() );
-    torture_put( generate, "shape", torture_scalar( "%s", chance( &m, 50 ) ? "plane" : "alternating_plane" ) );
+    text_put( entry, "name", text_scalar( "surface%d", number ) );
+    text_node* generate = text_put( entry, "generate", text_map() );
+    text_put( generate, "shape", text_scalar( "%s", chance( &m, 50 ) ? "plane" : "alternating_plane" ) );
     torture_draw_keys( &b->random, torture_block_below( m.block, "generate", generate ), 100, generate );
-    torture_node* transform = torture_put( entry, "transform", torture_map() );
-    torture_node* rotate = torture_put( transform, "rotate", torture_map() );
+    text_node* transform = text_put( entry, "transform", text_map() );
+    text_node* rotate = text_put( transform, "rotate", text_map() );
     const double y = 0.03 + 0.05 * number;
     torture_put_vector( b, rotate, "degrees", ( const double[] ){ 0, -90, 0 }, ( const double[] ){ 0, 90, 0 } );
     torture_put_vector( b, transform, "translate", ( const double[] ){ -0.05, y, -0.05 },
@@ -177,10 +177,10 @@ static void make_layer( torture_builder* b )
     torture_put_log( b, entry, "area_density", 0.02, 20.0 );
     torture_put_log( b, entry, "damping", 0.5, 10.0 );
     torture_put_block( b, m.block, entry, "cloth", 15 );
-    torture_remove_key( torture_find( entry, "cloth" ), "tethers" );
-    torture_remove_key( torture_find( entry, "cloth" ), "wind" );
+    text_remove_key( text_find( entry, "cloth" ), "tethers" );
+    text_remove_key( text_find( entry, "cloth" ), "wind" );
     torture_put_block( b, m.block, entry, "collision", 15 );
-    torture_node* contact = torture_put_block( b, m.block, entry, "contact", 15 );
+    text_node* contact = torture_put_block( b, m.block, entry, "contact", 15 );
     torture_put_log( b, contact, "thickness", 2e-3, 0.02 );
 }
 
@@ -193,15 +193,15 @@ void torture_make_surface( torture_builder* b )
     }
     const int number = b->surfaces->count, kind = torture_random_whole( &b->random, 0, 99 );
     const bool is_balloon = kind < 30, is_implicit = kind >= 30 && kind < 50, is_cloth = kind >= 50 && kind < 95;
-    const torture_node* first = number > 0 ? b->surfaces->children[0] : NULL;
-    const bool is_instance = first && torture_find( first, "generate" ) && torture_find( first, "balloon" ) &&
+    const text_node* first = number > 0 ? b->surfaces->children[0] : NULL;
+    const bool is_instance = first && text_find( first, "generate" ) && text_find( first, "balloon" ) &&
                              torture_random_chance( &b->random, 30 );
-    torture_node* entry = torture_add( b->surfaces, torture_map() );
+    text_node* entry = text_add( b->surfaces, text_map() );
     surface_maker m = { b, entry, torture_entry_block( "surfaces", entry ), { 0.0, 0.0, 0.0 } };
-    torture_put( entry, "name", torture_scalar( "surface%d", number ) );
+    text_put( entry, "name", text_scalar( "surface%d", number ) );
     if ( is_instance )
     {
-        torture_put( entry, "instance_of", torture_scalar( "%s", torture_text_at( first, "name" ) ) );
+        text_put( entry, "instance_of", text_scalar( "%s", text_at( first, "name" ) ) );
     }
     else
     {
@@ -212,7 +212,7 @@ void torture_make_surface( torture_builder* b )
     torture_draw_keys( &b->random, m.block, 20, entry );
     if ( is_instance )
     {
-        torture_remove_key( entry, "solve_order" );
+        text_remove_key( entry, "solve_order" );
     }
     if ( is_cloth )
     {

@@ -13,7 +13,7 @@ const char* const torture_judge_names[TORTURE_JUDGE_COUNT] = { "crash",       "t
 
 wisp_status torture_read( const torture_subject* subject, wisp_scene* out, wisp_error* error )
 {
-    char* text = torture_write( subject->tree, NULL );
+    char* text = text_write( subject->tree, NULL );
     const wisp_status status = wisp_scene_parse( text, strlen( text ), subject->name, out, error );
     free( text );
     return status;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "torture_trace.h"
-#include "torture_tree.h"
+#include "text_tree.h"
 
 /// In the order in which they judge; the first one that a run breaks is the verdict.
 typedef enum torture_judge
@@ -68,7 +68,7 @@ enum
 /// A scene as a tree and as read. @param name what messages call it, and whose folder its files are in
 typedef struct torture_subject
 {
-    const torture_node* tree;
+    const text_node* tree;
     const char* name;
 } torture_subject;
 
@@ -90,11 +90,11 @@ bool torture_compare_bits( const uint64_t* expected, int expected_count, const u
 
 /// Multiply all lengths of a scene by a factor, and everything whose unit holds a length: another choice of the
 /// metre.
-void torture_scale( torture_node* scene, double factor );
+void torture_scale( text_node* scene, double factor );
 /// Multiply lengths, areas and flows and nothing else: another scene, of the same materials.
-void torture_resize( torture_node* scene, double factor );
+void torture_resize( text_node* scene, double factor );
 /// Move everything that has a place.
-void torture_shift( torture_node* scene, const double offset[3] );
+void torture_shift( text_node* scene, const double offset[3] );
 
 // ---- a scene, in a process of its own ----
 

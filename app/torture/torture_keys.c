@@ -64,10 +64,10 @@ static const scene_field* find_field( const scene_block* table, const char* key 
 }
 
 // The number of the word that `shape` has, 0 if it has none.
-static int shape_of( const scene_block* table, const torture_node* map )
+static int shape_of( const scene_block* table, const text_node* map )
 {
     const scene_field* field = find_field( table, "shape" );
-    const char* word = torture_text_at( map, "shape" );
+    const char* word = text_at( map, "shape" );
     for ( int i = 0; field && field->choices[i].word; ++i )
     {
         if ( strcmp( field->choices[i].word, word ) == 0 )
@@ -83,7 +83,7 @@ static bool is_collider( const scene_block* table )
     return table >= SCENE_COLLIDER_BLOCKS && table < SCENE_COLLIDER_BLOCKS + WISP_COLLIDER_COUNT;
 }
 
-static torture_block block_of_scene_key( const char* key, const torture_node* value )
+static torture_block block_of_scene_key( const char* key, const text_node* value )
 {
     const defaults* d = find_defaults();
     const struct
@@ -109,7 +109,7 @@ static torture_block block_of_scene_key( const char* key, const torture_node* va
     return ( torture_block ){ NULL, NULL };
 }
 
-torture_block torture_block_below( torture_block block, const char* key, const torture_node* value )
+torture_block torture_block_below( torture_block block, const char* key, const text_node* value )
 {
     const defaults* d = find_defaults();
     if ( block.table == &SCENE_BLOCK_OF_ALL )
@@ -285,14 +285,14 @@ static const span* find_span( const char* key )
 
 // ---- values ----
 
-static torture_node* draw_word( torture_random* random, const scene_field* field )
+static text_node* draw_word( torture_random* random, const scene_field* field )
 {
     int count = 0;
     while ( field->choices[count].word )
     {
         ++count;
     }
-    return torture_scalar( "%s", field->choices[torture_random_whole( random, 0, count - 1 )].word );
+    return text_scalar( "%s", field->choices[torture_random_whole( random, 0, count - 1 )].word );
 }
 
 // A number in the span of its key; without a span around its default, or anywhere in a range that is short.
@@ -312,25 +312,25 @@ static torture_number draw_number( torture_random* random, const scene_field* fi
                                                : torture_random_linear( random, lower, upper );
 }
 
-static torture_node* draw_whole( torture_random* random, const scene_field* field, int initial )
+static text_node* draw_whole( torture_random* random, const scene_field* field, int initial )
 {
     const span* s = find_span( field->key );
     const double lower = fmax( s ? s->lower : initial / 2, field->range.lower );
     const double upper = fmin( s ? s->upper : 2 * initial + 1, field->range.upper );
-    return torture_scalar( "%d", torture_random_whole( random, (int)lower, (int)upper ) );
+    return text_scalar( "%d", torture_random_whole( random, (int)lower, (int)upper ) );
 }
 
-static torture_node* draw_vector( torture_random* random, const scene_field* field )
+static text_node* draw_vector( torture_random* random, const scene_field* field )
 {
-    torture_node* list = torture_list();
+    text_node* list = text_list();
     for ( int i = 0; i < 3; ++i )
     {
-        torture_add( list, torture_scalar( "%s", draw_number( random, field, 0.0 ).text ) );
+        text_add( list, text_scalar( "%s", draw_number( random, field, 0.0 ).text ) );
     }
     return list;
 }
 
-bool torture_draw_key( torture_random* random, const scene_field* field, const void* base, torture_node** value )
+bool torture_draw_key( torture_random* random, const scene_field* field, const void* base, text_node** value )
 {
     const void* at = (const char*)base + field->at;
     const span* s = find_span( field->key );
@@ -342,16 +342,16 @@ bool torture_draw_key( torture_random* random, const scene_field* field, const v
     {
         case SCENE_NUMBER:
         case SCENE_NUMBERS:
-            *value = torture_scalar( "%s", draw_number( random, field, (double)*(const float*)at ).text );
+            *value = text_scalar( "%s", draw_number( random, field, (double)*(const float*)at ).text );
             return true;
         case SCENE_WHOLE:
             *value = draw_whole( random, field, *(const int*)at );
             return true;
         case SCENE_SEED:
-            *value = torture_scalar( "%d", torture_random_whole( random, 1, 999 ) );
+            *value = text_scalar( "%d", torture_random_whole( random, 1, 999 ) );
             return true;
         case SCENE_SWITCH:
-            *value = torture_scalar( "%s", torture_random_chance( random, 50 ) ? "true" : "false" );
+            *value = text_scalar( "%s", torture_random_chance( random, 50 ) ? "true" : "false" );
             return true;
         case SCENE_CHOICE:
         case SCENE_EITHER:
@@ -368,7 +368,7 @@ bool torture_draw_key( torture_random* random, const scene_field* field, const v
     return false;
 }
 
-void torture_draw_keys( torture_random* random, torture_block block, int percent, torture_node* map )
+void torture_draw_keys( torture_random* random, torture_block block, int percent, text_node* map )
 {
     const int WORDS = 60; // words choose the code that runs, numbers only what it computes
     for ( int i = 0; i < block.table->field_count; ++i )
@@ -376,11 +376,11 @@ void torture_draw_keys( torture_random* random, torture_block block, int percent
         const scene_field* field = &block.table->fields[i];
         const bool is_word = field->type == SCENE_CHOICE || field->type == SCENE_EITHER;
         const int chance = is_word && percent > 0 && percent < WORDS ? WORDS : percent;
-        torture_node* value = NULL;
-        if ( torture_find( map, field->key ) == NULL && torture_random_chance( random, chance ) &&
+        text_node* value = NULL;
+        if ( text_find( map, field->key ) == NULL && torture_random_chance( random, chance ) &&
              torture_draw_key( random, field, block.base, &value ) )
         {
-            torture_put( map, field->key, value );
+            text_put( map, field->key, value );
         }
     }
 }

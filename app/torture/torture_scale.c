@@ -36,14 +36,14 @@ static int length_power( const char* unit, const char* key )
 }
 
 // A number that leaves the range of its key stays at its end: lists of places have no range.
-static void multiply( torture_node* node, double factor, scene_range range )
+static void multiply( text_node* node, double factor, scene_range range )
 {
     double value;
-    if ( torture_is_number( node, &value ) )
+    if ( text_is_number( node, &value ) )
     {
         const bool has_range = range.upper > range.lower;
         value *= factor;
-        torture_set_number( node, has_range ? fmin( fmax( value, range.lower ), range.upper ) : value );
+        text_set_number( node, has_range ? fmin( fmax( value, range.lower ), range.upper ) : value );
     }
     for ( int i = 0; i < node->count; ++i )
     {
@@ -53,7 +53,7 @@ static void multiply( torture_node* node, double factor, scene_range range )
 
 // What a key has where it is not written, as a node; null where that is found from other keys, or nothing at any
 // size.
-static torture_node* default_of( const scene_field* field, const void* base )
+static text_node* default_of( const scene_field* field, const void* base )
 {
     const void* at = (const char*)base + field->at;
     if ( field->initial != NULL || ( field->type != SCENE_NUMBER && field->type != SCENE_VECTOR ) )
@@ -69,12 +69,12 @@ static torture_node* default_of( const scene_field* field, const void* base )
     }
     if ( field->type == SCENE_NUMBER )
     {
-        return torture_scalar( "%.9g", (double)*(const float*)at );
+        return text_scalar( "%.9g", (double)*(const float*)at );
     }
-    torture_node* list = torture_list();
-    torture_add( list, torture_scalar( "%.9g", (double)v->x ) );
-    torture_add( list, torture_scalar( "%.9g", (double)v->y ) );
-    torture_add( list, torture_scalar( "%.9g", (double)v->z ) );
+    text_node* list = text_list();
+    text_add( list, text_scalar( "%.9g", (double)v->x ) );
+    text_add( list, text_scalar( "%.9g", (double)v->y ) );
+    text_add( list, text_scalar( "%.9g", (double)v->z ) );
     return list;
 }
 
@@ -100,9 +100,9 @@ static int power_of( const resizing* r, const scene_field* field )
     return r->only_lengths && !is_geometry ? 0 : power;
 }
 
-static void scale_block( torture_node* map, torture_block block, const resizing* r );
+static void scale_block( text_node* map, torture_block block, const resizing* r );
 
-static void scale_value( torture_node* value, torture_block block, const scene_field* field, const resizing* r )
+static void scale_value( text_node* value, torture_block block, const scene_field* field, const resizing* r )
 {
     const int power = power_of( r, field );
     if ( power != 0 )
@@ -112,14 +112,14 @@ static void scale_value( torture_node* value, torture_block block, const scene_f
     }
     for ( int i = -1; i < value->count; ++i )
     {
-        torture_node* inner = i < 0 ? value : value->children[i];
-        const torture_block below = inner->kind == TORTURE_MAP ? torture_block_below( block, field->key, inner )
-                                                               : ( torture_block ){ NULL, NULL };
+        text_node* inner = i < 0 ? value : value->children[i];
+        const torture_block below = inner->kind == TEXT_MAP ? torture_block_below( block, field->key, inner )
+                                                            : ( torture_block ){ NULL, NULL };
         if ( below.table != NULL )
         {
             scale_block( inner, below, r );
         }
-        if ( value->kind != TORTURE_LIST )
+        if ( value->kind != TEXT_LIST )
         {
             break;
         }
@@ -127,32 +127,32 @@ static void scale_value( torture_node* value, torture_block block, const scene_f
 }
 
 // A mesh from a file has its scale, which has no unit.
-static void scale_file( torture_node* map, double factor )
+static void scale_file( text_node* map, double factor )
 {
-    if ( torture_find( map, "file" ) == NULL )
+    if ( text_find( map, "file" ) == NULL )
     {
         return;
     }
-    torture_node* owner = torture_find( map, "shape" ) ? map : torture_find( map, "transform" );
-    owner = owner ? owner : torture_put( map, "transform", torture_map() );
+    text_node* owner = text_find( map, "shape" ) ? map : text_find( map, "transform" );
+    owner = owner ? owner : text_put( map, "transform", text_map() );
     double scale = 1.0;
-    torture_is_number( torture_find( owner, "scale" ), &scale );
-    torture_put( owner, "scale", torture_scalar( "%.9g", scale * factor ) );
+    text_is_number( text_find( owner, "scale" ), &scale );
+    text_put( owner, "scale", text_scalar( "%.9g", scale * factor ) );
 }
 
-static void scale_block( torture_node* map, torture_block block, const resizing* r )
+static void scale_block( text_node* map, torture_block block, const resizing* r )
 {
     const bool is_event = block.table == &SCENE_EVENT_BLOCK;
     for ( int i = 0; i < block.table->field_count; ++i )
     {
         const scene_field* field = &block.table->fields[i];
-        torture_node* value = torture_find( map, field->key );
+        text_node* value = text_find( map, field->key );
         // Gravity of a body is that of the scene unless it is written, and an event changes only what is written.
         const bool has_default = !is_event && power_of( r, field ) != 0;
         if ( value == NULL && has_default )
         {
             value = default_of( field, block.base );
-            value = value ? torture_put( map, field->key, value ) : NULL;
+            value = value ? text_put( map, field->key, value ) : NULL;
         }
         if ( value != NULL )
         {
@@ -162,56 +162,56 @@ static void scale_block( torture_node* map, torture_block block, const resizing*
     scale_file( map, r->factor );
 }
 
-void torture_scale( torture_node* scene, double factor )
+void torture_scale( text_node* scene, double factor )
 {
     scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, false } );
 }
 
-void torture_resize( torture_node* scene, double factor )
+void torture_resize( text_node* scene, double factor )
 {
     scale_block( scene, torture_block_of_scene(), &( resizing ){ factor, true } );
 }
 
 // ---- place ----
 
-static void add_offset( torture_node* vector, const double offset[3] )
+static void add_offset( text_node* vector, const double offset[3] )
 {
     for ( int i = 0; i < 3 && i < vector->count; ++i )
     {
         double value = 0.0;
-        torture_is_number( vector->children[i], &value );
-        torture_set_number( vector->children[i], value + offset[i] );
+        text_is_number( vector->children[i], &value );
+        text_set_number( vector->children[i], value + offset[i] );
     }
 }
 
-static torture_node* vector_of( torture_node* map, const char* key )
+static text_node* vector_of( text_node* map, const char* key )
 {
-    torture_node* vector = torture_find( map, key );
+    text_node* vector = text_find( map, key );
     if ( vector == NULL )
     {
-        vector = torture_put( map, key, torture_list() );
+        vector = text_put( map, key, text_list() );
         for ( int i = 0; i < 3; ++i )
         {
-            torture_add( vector, torture_scalar( "0" ) );
+            text_add( vector, text_scalar( "0" ) );
         }
     }
     return vector;
 }
 
 // Keys that are a place of the world wherever they stand; displacements such as those of pins are none.
-static void shift_below( torture_node* node, const double offset[3] )
+static void shift_below( text_node* node, const double offset[3] )
 {
     static const char* const places[] = { "position", "cursor",         "pivot", "pin_pivot",
                                           "eye",      "outlet_nearest", "min",   "max" };
     for ( int i = 0; i < node->count; ++i )
     {
-        torture_node* child = node->children[i];
+        text_node* child = node->children[i];
         bool is_place = false;
         for ( int k = 0; child->key && k < WISP_COUNT( places ); ++k )
         {
             is_place |= strcmp( child->key, places[k] ) == 0;
         }
-        if ( is_place && child->kind == TORTURE_LIST )
+        if ( is_place && child->kind == TEXT_LIST )
         {
             add_offset( child, offset );
         }
@@ -223,20 +223,20 @@ static void shift_below( torture_node* node, const double offset[3] )
     }
 }
 
-void torture_shift( torture_node* scene, const double offset[3] )
+void torture_shift( text_node* scene, const double offset[3] )
 {
     static const char* const lists[] = { "surfaces", "strands", "colliders" };
     for ( int k = 0; k < WISP_COUNT( lists ); ++k )
     {
-        torture_node* list = torture_find( scene, lists[k] );
+        text_node* list = text_find( scene, lists[k] );
         for ( int i = 0; list && i < list->count; ++i )
         {
-            torture_node* entry = list->children[i];
-            const bool follows = torture_find( entry, "scatter" ) || torture_find( entry, "curves" );
+            text_node* entry = list->children[i];
+            const bool follows = text_find( entry, "scatter" ) || text_find( entry, "curves" );
             if ( k < 2 && !follows )
             {
-                torture_node* transform = torture_find( entry, "transform" );
-                transform = transform ? transform : torture_put( entry, "transform", torture_map() );
+                text_node* transform = text_find( entry, "transform" );
+                transform = transform ? transform : text_put( entry, "transform", text_map() );
                 add_offset( vector_of( transform, "translate" ), offset );
             }
             else if ( k == 2 )

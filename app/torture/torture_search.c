@@ -39,7 +39,7 @@ typedef struct shown
 } shown;
 
 // The reader must take the scene: a scene that it refuses is another failure.
-static bool breaks_the_same( void* user, const torture_node* scene )
+static bool breaks_the_same( void* user, const text_node* scene )
 {
     shown* s = user;
     const torture_subject subject = { scene, s->name };
@@ -83,9 +83,9 @@ static void name_of( const torture_search* search, char* name, size_t size, tort
               (unsigned long long)search->generator.seed, number );
 }
 
-static wisp_status write_scene( const char* path, const torture_node* scene, const char* comment, wisp_error* error )
+static wisp_status write_scene( const char* path, const text_node* scene, const char* comment, wisp_error* error )
 {
-    char* text = torture_write( scene, comment );
+    char* text = text_write( scene, comment );
     FILE* file = fopen( path, "w" );
     const bool is_good = file != NULL && fputs( text, file ) >= 0;
     free( text );
@@ -94,7 +94,7 @@ static wisp_status write_scene( const char* path, const torture_node* scene, con
                : wisp_fail( error, WISP_IO_ERROR, "%s: %s", path, strerror( errno ) );
 }
 
-static wisp_status keep_scene( const torture_search* search, torture_node* scene, const torture_verdict* verdict,
+static wisp_status keep_scene( const torture_search* search, text_node* scene, const torture_verdict* verdict,
                                const char* name, int number, results* out, wisp_error* error )
 {
     const int MAX_TRIES = 600;
@@ -124,7 +124,7 @@ int torture_twins_for( int number )
 // Scenes that are judged at the same time, in turn.
 typedef struct pending
 {
-    torture_node* scene;
+    text_node* scene;
     torture_child child;
     int number;
 } pending;
@@ -159,7 +159,7 @@ static wisp_status finish_scene( const torture_search* search, const pending* p,
         results_add_note( out, "scene %d: %s: %s", p->number, torture_judge_names[verdict.judge], verdict.message );
         status = is_kept ? keep_scene( search, p->scene, &verdict, name, p->number, out, error ) : WISP_OK;
     }
-    torture_release( p->scene );
+    text_release( p->scene );
     return status;
 }
 
@@ -232,14 +232,14 @@ wisp_status torture_search_run( const torture_search* search, torture_found* fou
 
 // ---- files that are given ----
 
-static wisp_status read_tree( const char* path, torture_node** out, wisp_error* error )
+static wisp_status read_tree( const char* path, text_node** out, wisp_error* error )
 {
     const size_t MAX_BYTES = (size_t)16 << 20;
     unsigned char* bytes = NULL;
     size_t size = 0;
     wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
     *out = NULL;
-    status = status == WISP_OK ? torture_parse( bytes ? (const char*)bytes : "", size, path, out, error ) : status;
+    status = status == WISP_OK ? text_parse( bytes ? (const char*)bytes : "", size, path, out, error ) : status;
     free( bytes );
     return status;
 }
@@ -252,7 +252,7 @@ wisp_status torture_replay( const char* const* files, int count, double scene_se
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        torture_node* tree;
+        text_node* tree;
         wisp_scene scene = { 0 };
         status = read_tree( files[i], &tree, error );
         const torture_subject subject = { tree, files[i] };
@@ -268,7 +268,7 @@ wisp_status torture_replay( const char* const* files, int count, double scene_se
             }
         }
         wisp_scene_release( &scene );
-        torture_release( tree );
+        text_release( tree );
     }
     found->seconds = wisp_clock_seconds() - start;
     report( found, out );

@@ -8,7 +8,7 @@
 typedef struct shrinker
 {
     const torture_shrink_def* def;
-    torture_node* scene;
+    text_node* scene;
     int tries;
     double end;
 } shrinker;
@@ -27,9 +27,9 @@ static bool shows( shrinker* s )
 // ---- parts that go ----
 
 // Put a child back where it was.
-static void insert( torture_node* parent, int place, torture_node* child )
+static void insert( text_node* parent, int place, text_node* child )
 {
-    torture_add( parent, child );
+    text_add( parent, child );
     for ( int i = parent->count - 1; i > place; --i )
     {
         parent->children[i] = parent->children[i - 1];
@@ -37,15 +37,15 @@ static void insert( torture_node* parent, int place, torture_node* child )
     parent->children[place] = child;
 }
 
-static bool try_without( shrinker* s, torture_node* parent, int place )
+static bool try_without( shrinker* s, text_node* parent, int place )
 {
-    torture_node* child = parent->children[place];
+    text_node* child = parent->children[place];
     --parent->count;
     memmove( parent->children + place, parent->children + place + 1,
              (size_t)( parent->count - place ) * sizeof *parent->children );
     if ( shows( s ) )
     {
-        torture_release( child );
+        text_release( child );
         return true;
     }
     insert( parent, place, child );
@@ -54,12 +54,12 @@ static bool try_without( shrinker* s, torture_node* parent, int place )
 
 // Outer parts first: an entry that goes takes all of its keys with it. Later ones may name earlier ones, so they go
 // first.
-static bool take_out( shrinker* s, torture_node* node )
+static bool take_out( shrinker* s, text_node* node )
 {
     bool has_changed = false;
     for ( int i = node->count - 1; i >= 0 && has_time( s ); --i )
     {
-        const bool is_vector = node->kind == TORTURE_LIST && torture_is_number( node->children[i], NULL );
+        const bool is_vector = node->kind == TEXT_LIST && text_is_number( node->children[i], NULL );
         has_changed |= !is_vector && try_without( s, node, i );
     }
     for ( int i = node->count - 1; i >= 0 && has_time( s ); --i )
@@ -81,7 +81,7 @@ static bool is_simpler( const char* text, const char* than )
                : strlen( text ) < strlen( than ) || ( strlen( text ) == strlen( than ) && fabs( a ) < fabs( b ) );
 }
 
-static bool try_text( shrinker* s, torture_node* scalar, const char* text )
+static bool try_text( shrinker* s, text_node* scalar, const char* text )
 {
     if ( !has_time( s ) || !is_simpler( text, scalar->text ) )
     {
@@ -89,17 +89,17 @@ static bool try_text( shrinker* s, torture_node* scalar, const char* text )
     }
     char before[64];
     snprintf( before, sizeof before, "%s", scalar->text );
-    torture_set( scalar, text );
+    text_set( scalar, text );
     if ( shows( s ) )
     {
         return true;
     }
-    torture_set( scalar, before );
+    text_set( scalar, before );
     return false;
 }
 
 // Nothing, one digit, two digits; of a whole number also its half and the one below.
-static bool simplify_number( shrinker* s, torture_node* scalar, double value )
+static bool simplify_number( shrinker* s, text_node* scalar, double value )
 {
     char candidates[5][64];
     const bool is_whole = value >= 2.0 && value == floor( value ) && value < 1e9;
@@ -125,10 +125,10 @@ static bool simplify_number( shrinker* s, torture_node* scalar, double value )
     return false;
 }
 
-static bool simplify( shrinker* s, torture_node* node )
+static bool simplify( shrinker* s, text_node* node )
 {
     double value;
-    if ( torture_is_number( node, &value ) && strlen( node->text ) < 60 )
+    if ( text_is_number( node, &value ) && strlen( node->text ) < 60 )
     {
         return simplify_number( s, node, value );
     }
@@ -140,7 +140,7 @@ static bool simplify( shrinker* s, torture_node* node )
     return has_changed;
 }
 
-int torture_shrink( const torture_shrink_def* def, torture_node* scene )
+int torture_shrink( const torture_shrink_def* def, text_node* scene )
 {
     shrinker s = { def, scene, 0, wisp_clock_seconds() + def->max_seconds };
     for ( bool has_changed = true; has_changed && has_time( &s ); )

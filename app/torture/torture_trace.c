@@ -1,6 +1,6 @@
 #include "torture_trace.h"
 
-#include "torture_tree.h"
+#include "text_tree.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -238,10 +238,10 @@ wisp_status torture_trace_run( wisp_scene* scene, torture_trace* out, wisp_error
     {
         return status;
     }
-    out->bodies = torture_alloc( bodies * sizeof *out->bodies );
-    out->samples = torture_alloc( rows * bodies * sizeof *out->samples );
-    out->times = torture_alloc( rows * sizeof *out->times );
-    wisp_vec3* points = torture_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
+    out->bodies = text_alloc( bodies * sizeof *out->bodies );
+    out->samples = text_alloc( rows * bodies * sizeof *out->samples );
+    out->times = text_alloc( rows * sizeof *out->times );
+    wisp_vec3* points = text_alloc( (size_t)scene_world_vertices( &world ) * sizeof *points );
     status = sample_start( scene, out, points, error );
     if ( status == WISP_OK )
     {

@@ -68,14 +68,14 @@ static bool judge_bits( const wisp_scene* scene, torture_verdict* out )
                    { 5, "avx2", "with 5 workers and AVX2 than with one and without" },
                    { 1, "avx512", "with AVX-512 than without" } };
     const int steps = twin_steps( scene );
-    uint64_t *expected = torture_alloc( (size_t)steps * sizeof *expected ),
-             *found = torture_alloc( (size_t)steps * sizeof *found );
-    const scene_world_options plain = { 1, "baseline", true };
+    uint64_t *expected = text_alloc( (size_t)steps * sizeof *expected ),
+             *found = text_alloc( (size_t)steps * sizeof *found );
+    const scene_world_options plain = { .workers = 1, .isa = "baseline", .is_quiet = true };
     const int made = hash_scene( scene, &plain, steps, expected );
     bool holds = true;
     for ( int i = 0; i < WISP_COUNT( places ) && holds; ++i )
     {
-        const scene_world_options options = { places[i].workers, places[i].isa, true };
+        const scene_world_options options = { .workers = places[i].workers, .isa = places[i].isa, .is_quiet = true };
         const int count = hash_scene( scene, &options, steps, found );
         holds = torture_compare_bits( expected, made, found, count, TORTURE_BITS, 0, places[i].how, out );
     }
@@ -129,13 +129,13 @@ static bool judge_restored( snapshot_run* run, int world, int expected, torture_
 // Both worlds have made a step, which compiles the plan.
 static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, torture_verdict* out )
 {
-    run->expected = torture_alloc( (size_t)run->left * sizeof *run->expected );
-    run->found = torture_alloc( (size_t)run->left * sizeof *run->found );
-    run->place.surfaces = torture_alloc( (size_t)scene->surface_count * sizeof *run->place.surfaces );
+    run->expected = text_alloc( (size_t)run->left * sizeof *run->expected );
+    run->found = text_alloc( (size_t)run->left * sizeof *run->found );
+    run->place.surfaces = text_alloc( (size_t)scene->surface_count * sizeof *run->place.surfaces );
     run->place.scene = scene;
     copy_place( &run->worlds[0], &run->place );
     run->size = wisp_world_snapshot_size( run->worlds[0].world );
-    run->bytes = torture_alloc( run->size );
+    run->bytes = text_alloc( run->size );
     bool holds = wisp_world_snapshot( run->worlds[0].world, run->bytes, run->size ) == WISP_OK;
     const int expected = hash_steps( &run->worlds[0], run->left, run->expected );
     for ( int world = 0; world < 2 && holds; ++world )
@@ -151,7 +151,7 @@ static bool judge_snapshot_of( const wisp_scene* scene, snapshot_run* run, tortu
 
 static bool judge_snapshot( const wisp_scene* scene, torture_verdict* out )
 {
-    const scene_world_options options = { 1, NULL, true };
+    const scene_world_options options = { .workers = 1, .isa = NULL, .is_quiet = true };
     const int steps = twin_steps( scene );
     torture_random random = torture_random_start( (uint64_t)scene->steps, (uint64_t)scene->substeps );
     snapshot_run run = { .half = steps > 1 ? torture_random_whole( &random, 1, steps - 1 ) : 0 };
@@ -210,7 +210,7 @@ bool torture_compare_traces( const torture_trace* trace, const torture_trace* tw
 }
 
 // Takes the tree, which is released.
-static bool judge_alike( const torture_subject* subject, torture_node* tree, const torture_trace* trace,
+static bool judge_alike( const torture_subject* subject, text_node* tree, const torture_trace* trace,
                          torture_judge judge, torture_verdict* out )
 {
     const torture_subject moved = { tree, subject->name };
@@ -226,7 +226,7 @@ static bool judge_alike( const torture_subject* subject, torture_node* tree, con
         torture_trace_release( &twin );
     }
     wisp_scene_release( &scene );
-    torture_release( tree );
+    text_release( tree );
     return holds;
 }
 
@@ -244,13 +244,13 @@ bool torture_judge_twins( const torture_subject* subject, const torture_trace* t
     wisp_scene_release( &scene );
     if ( holds && ( twins & TORTURE_TWIN_SCALE ) )
     {
-        torture_node* tree = torture_copy( subject->tree );
+        text_node* tree = text_copy( subject->tree );
         torture_scale( tree, trace->steps % 2 == 0 ? 10.0 : 0.1 );
         holds = judge_alike( subject, tree, trace, TORTURE_SCALE, out );
     }
     if ( holds && ( twins & TORTURE_TWIN_SHIFT ) )
     {
-        torture_node* tree = torture_copy( subject->tree );
+        text_node* tree = text_copy( subject->tree );
         torture_shift( tree, ( const double[] ){ 60.0, 0.0, 80.0 } );
         holds = judge_alike( subject, tree, trace, TORTURE_SHIFT, out );
     }

@@ -42,7 +42,7 @@ typedef enum wisp_implicit_damping
 typedef enum wisp_implicit_jacobian
 {
     WISP_IMPLICIT_JACOBIAN_DROPPED, ///< without its negative second term: the matrix stays positive definite
-    WISP_IMPLICIT_JACOBIAN_FULL,    ///< complete: a solve that meets negative curvature is counted, and made again with it dropped
+    WISP_IMPLICIT_JACOBIAN_FULL, ///< complete: a solve that meets negative curvature is counted, and made again with it dropped
     WISP_IMPLICIT_JACOBIAN_COUNT,
 } wisp_implicit_jacobian;
 

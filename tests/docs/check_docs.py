@@ -4,7 +4,7 @@
 usage: check_docs.py SOURCE_TREE BUILD_FOLDER COMPILER...
 
 Every indented or fenced line of README.md, docs/*.md, data/README.md and examples/README.md that is a command runs, in an empty folder with the data of the tree,
-the programs of the build and a copy of Wisp installed from it. Files that commands name are those of the page: `scene.yaml` is its first whole scene, a C file its
+the programs of the build and a copy of Wisp installed from it. Files that commands name are those of the page: `scene.yaml` is its first whole scene, `suite.yaml` its first suite, a C file its
 program, or the example of that name. docs/embedding.md shows pieces of a host: embedding_host.c.in puts them together. Three commands run
 in part, since the build exists: `meson setup build` and `./dev` programs are not built again, `./dev test` lists the tests, of which this is one.
 """
@@ -97,6 +97,8 @@ def write_files(page, text, commands, folder):
             fail(page, 1, f"no program {file} on the page or in examples/")
     for scene in [scene for scene in fenced(text, "yaml") if scene.startswith("wisp:")][:1]:
         open(f"{folder}/scene.yaml", "w", encoding="utf-8").write(scene)
+    for suite in [suite for suite in fenced(text, "yaml") if suite.startswith("wisp_suite:")][:1]:
+        open(f"{folder}/suite.yaml", "w", encoding="utf-8").write(suite)
 
 
 def host_of_embedding():

@@ -33,7 +33,7 @@ static torture_judge known_judge( int seed, int number )
 static bool check_scene( int seed, int number )
 {
     const torture_generator generator = { .seed = (uint64_t)seed };
-    torture_node* tree = torture_generate( &generator, number );
+    text_node* tree = torture_generate( &generator, number );
     const torture_subject subject = { tree, "test" };
     const torture_verdict verdict = torture_judge_scene( &subject, torture_twins_for( number ), 120.0 );
     const torture_judge known = known_judge( seed, number );
@@ -43,7 +43,7 @@ static bool check_scene( int seed, int number )
                      verdict.judge < 0 ? "holds" : torture_judge_names[verdict.judge], verdict.judge < 0 ? "" : ": ",
                      verdict.message, known < 0 ? "that it holds" : torture_judge_names[known] );
     }
-    torture_release( tree );
+    text_release( tree );
     return verdict.judge == known;
 }
 

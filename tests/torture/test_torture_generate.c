@@ -7,9 +7,9 @@
 static char* text_of( uint64_t seed, int number )
 {
     const torture_generator generator = { .seed = seed };
-    torture_node* scene = torture_generate( &generator, number );
-    char* text = torture_write( scene, NULL );
-    torture_release( scene );
+    text_node* scene = torture_generate( &generator, number );
+    char* text = text_write( scene, NULL );
+    text_release( scene );
     return text;
 }
 
@@ -50,7 +50,7 @@ static void every_scene_is_read( void** state )
     for ( int i = 0; i < 400; ++i )
     {
         const torture_generator generator = { .seed = 11 };
-        torture_node* tree = torture_generate( &generator, i );
+        text_node* tree = torture_generate( &generator, i );
         const torture_subject subject = { tree, "test" };
         wisp_scene scene;
         wisp_error error = { 0 };
@@ -59,7 +59,7 @@ static void every_scene_is_read( void** state )
             fail_msg( "scene %d: %s", i, error.message );
         }
         wisp_scene_release( &scene );
-        torture_release( tree );
+        text_release( tree );
     }
 }
 
@@ -69,10 +69,10 @@ static void text_of_a_scene_is_read_as_the_same_tree( void** state )
     for ( int i = 0; i < 50; ++i )
     {
         char* text = text_of( 13, i );
-        torture_node* tree = parse_scene( text );
-        char* again = torture_write( tree, NULL );
+        text_node* tree = parse_scene( text );
+        char* again = text_write( tree, NULL );
         assert_string_equal( text, again );
-        torture_release( tree );
+        text_release( tree );
         free( again );
         free( text );
     }
@@ -153,24 +153,24 @@ static void every_key_of_an_effect_is_drawn( void** state )
     static const char* const effects[] = { "cloth", "balloon", "implicit", "collision" };
     static const char* const left_out[] = { "max_iterations", "outlet", "outlet_radius",
                                             "min_gas_ratio",  "mask",   "allow_open" };
-    torture_node* found = torture_map();
+    text_node* found = text_map();
     for ( int i = 0; i < 2000; ++i )
     {
         const torture_generator generator = { .seed = 19 };
-        torture_node* tree = torture_generate( &generator, i );
-        const torture_node* surfaces = torture_find( tree, "surfaces" );
+        text_node* tree = torture_generate( &generator, i );
+        const text_node* surfaces = text_find( tree, "surfaces" );
         for ( int k = 0; surfaces && k < surfaces->count; ++k )
         {
             for ( int e = 0; e < WISP_COUNT( effects ); ++e )
             {
-                const torture_node* effect = torture_find( surfaces->children[k], effects[e] );
+                const text_node* effect = text_find( surfaces->children[k], effects[e] );
                 for ( int c = 0; effect && c < effect->count; ++c )
                 {
-                    torture_put( found, effect->children[c]->key, torture_scalar( "1" ) );
+                    text_put( found, effect->children[c]->key, text_scalar( "1" ) );
                 }
             }
         }
-        torture_release( tree );
+        text_release( tree );
     }
     for ( int e = 0; e < WISP_COUNT( effects ); ++e )
     {
@@ -184,13 +184,13 @@ static void every_key_of_an_effect_is_drawn( void** state )
             {
                 is_left_out |= strcmp( key, left_out[k] ) == 0;
             }
-            if ( !is_left_out && torture_find( found, key ) == NULL )
+            if ( !is_left_out && text_find( found, key ) == NULL )
             {
                 fail_msg( "no scene has %s.%s", effects[e], key );
             }
         }
     }
-    torture_release( found );
+    text_release( found );
 }
 
 static void a_mesh_that_is_given_is_used( void** state )
@@ -201,11 +201,11 @@ static void a_mesh_that_is_given_is_used( void** state )
     int count = 0;
     for ( int i = 0; i < 40; ++i )
     {
-        torture_node* scene = torture_generate( &generator, i );
-        char* text = torture_write( scene, NULL );
+        text_node* scene = torture_generate( &generator, i );
+        char* text = text_write( scene, NULL );
         count += strstr( text, "bunny.obj" ) != NULL;
         free( text );
-        torture_release( scene );
+        text_release( scene );
     }
     assert_true( count > 5 );
 }

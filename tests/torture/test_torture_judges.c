@@ -16,9 +16,9 @@ static torture_trace make_trace( void )
     torture_trace trace = {
         .body_count = BODIES, .steps = STEPS, .intersections_before = 0, .intersections_after = 0, .extent = 1.0
     };
-    trace.bodies = torture_alloc( BODIES * sizeof *trace.bodies );
-    trace.samples = torture_alloc( ( STEPS + 1 ) * BODIES * sizeof *trace.samples );
-    trace.times = torture_alloc( ( STEPS + 1 ) * sizeof *trace.times );
+    trace.bodies = text_alloc( BODIES * sizeof *trace.bodies );
+    trace.samples = text_alloc( ( STEPS + 1 ) * BODIES * sizeof *trace.samples );
+    trace.times = text_alloc( ( STEPS + 1 ) * sizeof *trace.times );
     for ( int row = 0; row <= STEPS; ++row )
     {
         trace.times[row] = row / 60.0;
@@ -275,22 +275,22 @@ static void a_scene_that_the_engine_refuses_is_refused( void** state )
 static void a_scene_without_an_end_is_stopped( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( "wisp: 1\nsteps: 1000000\nsubsteps: 100\nsurfaces:\n  - { name: a, generate: { "
-                                      "shape: plane }, cloth: {} }\n" );
+    text_node* tree = parse_scene( "wisp: 1\nsteps: 1000000\nsubsteps: 100\nsurfaces:\n  - { name: a, generate: { "
+                                   "shape: plane }, cloth: {} }\n" );
     const torture_subject subject = { tree, "test" };
     const torture_verdict verdict = torture_judge_scene( &subject, 0, 0.3 );
     assert_judged( verdict, TORTURE_TIME );
-    torture_release( tree );
+    text_release( tree );
 }
 
 // A subject without a name is an address that the child cannot read.
 static void a_process_that_dies_is_a_crash( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( "wisp: 1\n" );
+    text_node* tree = parse_scene( "wisp: 1\n" );
     const torture_subject subject = { tree, NULL };
     assert_judged( torture_judge_scene( &subject, 0, 60.0 ), TORTURE_CRASH );
-    torture_release( tree );
+    text_release( tree );
 }
 
 // ---- size and place ----
@@ -298,7 +298,7 @@ static void a_process_that_dies_is_a_crash( void** state )
 static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state )
 {
     (void)state;
-    torture_node* tree =
+    text_node* tree =
         parse_scene( "wisp: 1\n"
                      "surfaces:\n"
                      "  - name: a\n"
@@ -310,7 +310,7 @@ static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state
                      "colliders:\n"
                      "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
     torture_scale( tree, 10.0 );
-    char* text = torture_write( tree, NULL );
+    char* text = text_write( tree, NULL );
     assert_contains( text, "gravity: [0, -98" ); // m/s^2, by default
     assert_contains( text, "radius: 2" );
     assert_contains( text, "translate: [0, 10, 0]" );
@@ -322,13 +322,13 @@ static void a_scene_at_another_size_is_another_choice_of_the_metre( void** state
     assert_contains( text, "radius: 10\n" ); // of the sphere, by default
     assert_contains( text, "time: 1, position: [10, 20, 30]" );
     free( text );
-    torture_release( tree );
+    text_release( tree );
 }
 
 static void a_scene_elsewhere_has_all_places_moved( void** state )
 {
     (void)state;
-    torture_node* tree =
+    text_node* tree =
         parse_scene( "wisp: 1\n"
                      "surfaces:\n"
                      "  - name: a\n"
@@ -338,14 +338,14 @@ static void a_scene_elsewhere_has_all_places_moved( void** state )
                      "colliders:\n"
                      "  - { name: b, shape: sphere, keyframes: [{ time: 1, position: [1, 2, 3] }] }\n" );
     torture_shift( tree, ( const double[] ){ 100.0, 0.0, 10.0 } );
-    char* text = torture_write( tree, NULL );
+    char* text = text_write( tree, NULL );
     assert_contains( text, "transform: { translate: [100, 0, 10] }" );
     assert_contains( text, "pin_nearest: [[101, 2, 13]]" );
     assert_contains( text, "translate: [0, 0, 1]" );
     assert_contains( text, "position: [100, 0, 10]" );
     assert_contains( text, "position: [101, 2, 13]" );
     free( text );
-    torture_release( tree );
+    text_release( tree );
 }
 
 int main( void )

@@ -18,15 +18,14 @@ static const char SCENE[] = "wisp: 1\n"
                             "  - { name: ground, shape: plane, friction: 0.5 }\n";
 
 // What breaks is a balloon of more than 1.2 times its volume.
-static bool has_full_balloon( void* user, const torture_node* scene )
+static bool has_full_balloon( void* user, const text_node* scene )
 {
     ++*(int*)user;
-    const torture_node* surfaces = torture_find( scene, "surfaces" );
+    const text_node* surfaces = text_find( scene, "surfaces" );
     for ( int i = 0; surfaces && i < surfaces->count; ++i )
     {
         double ratio;
-        if ( torture_is_number( torture_find( torture_find( surfaces->children[i], "balloon" ), "gas_ratio" ),
-                                &ratio ) &&
+        if ( text_is_number( text_find( text_find( surfaces->children[i], "balloon" ), "gas_ratio" ), &ratio ) &&
              ratio > 1.2 )
         {
             return true;
@@ -39,41 +38,40 @@ static void only_what_breaks_is_left( void** state )
 {
     (void)state;
     int tries = 0;
-    torture_node* tree = parse_scene( SCENE );
+    text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { has_full_balloon, &tries, 1000, 60.0 };
     const int made = torture_shrink( &def, tree );
     assert_int_equal( made, tries );
-    char* text = torture_write( tree, NULL );
+    char* text = text_write( tree, NULL );
     assert_string_equal( text, "surfaces:\n  - { balloon: { gas_ratio: 1.4 } }\n" );
     free( text );
-    torture_release( tree );
+    text_release( tree );
 }
 
 // What breaks is a plane of 5 columns or more over at least 30 steps.
-static bool is_wide_and_long( void* user, const torture_node* scene )
+static bool is_wide_and_long( void* user, const text_node* scene )
 {
     (void)user;
     double steps = 0.0, columns = 0.0;
-    const torture_node* surfaces = torture_find( scene, "surfaces" );
-    const torture_node* first = surfaces && surfaces->count > 0 ? surfaces->children[0] : NULL;
-    return torture_is_number( torture_find( scene, "steps" ), &steps ) && steps >= 30.0 &&
-           torture_is_number( torture_find( torture_find( first, "generate" ), "columns" ), &columns ) &&
-           columns >= 5.0;
+    const text_node* surfaces = text_find( scene, "surfaces" );
+    const text_node* first = surfaces && surfaces->count > 0 ? surfaces->children[0] : NULL;
+    return text_is_number( text_find( scene, "steps" ), &steps ) && steps >= 30.0 &&
+           text_is_number( text_find( text_find( first, "generate" ), "columns" ), &columns ) && columns >= 5.0;
 }
 
 static void counts_come_down_to_the_smallest_that_break( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( SCENE );
+    text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { is_wide_and_long, NULL, 1000, 60.0 };
     torture_shrink( &def, tree );
-    char* text = torture_write( tree, NULL );
+    char* text = text_write( tree, NULL );
     assert_string_equal( text, "steps: 30\nsurfaces:\n  - { generate: { columns: 5 } }\n" );
     free( text );
-    torture_release( tree );
+    text_release( tree );
 }
 
-static bool breaks_always( void* user, const torture_node* scene )
+static bool breaks_always( void* user, const text_node* scene )
 {
     (void)user;
     (void)scene;
@@ -83,13 +81,13 @@ static bool breaks_always( void* user, const torture_node* scene )
 static void tries_have_a_limit( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( SCENE );
+    text_node* tree = parse_scene( SCENE );
     const torture_shrink_def def = { breaks_always, NULL, 3, 60.0 };
     assert_int_equal( torture_shrink( &def, tree ), 3 );
-    torture_release( tree );
+    text_release( tree );
 }
 
-static bool breaks_never( void* user, const torture_node* scene )
+static bool breaks_never( void* user, const text_node* scene )
 {
     (void)user;
     (void)scene;
@@ -99,15 +97,15 @@ static bool breaks_never( void* user, const torture_node* scene )
 static void a_scene_of_which_nothing_can_go_stays_as_it_is( void** state )
 {
     (void)state;
-    torture_node* tree = parse_scene( SCENE );
-    char* before = torture_write( tree, NULL );
+    text_node* tree = parse_scene( SCENE );
+    char* before = text_write( tree, NULL );
     const torture_shrink_def def = { breaks_never, NULL, 1000, 60.0 };
     torture_shrink( &def, tree );
-    char* after = torture_write( tree, NULL );
+    char* after = text_write( tree, NULL );
     assert_string_equal( before, after );
     free( before );
     free( after );
-    torture_release( tree );
+    text_release( tree );
 }
 
 int main( void )

@@ -5,21 +5,21 @@
 
 #include "torture_judges.h"
 
-static inline torture_node* parse_scene( const char* text )
+static inline text_node* parse_scene( const char* text )
 {
-    torture_node* tree;
+    text_node* tree;
     wisp_error error = { 0 };
-    assert_ok( torture_parse( text, strlen( text ), "test", &tree, &error ), error );
+    assert_ok( text_parse( text, strlen( text ), "test", &tree, &error ), error );
     return tree;
 }
 
 /// Judge a text with all twins, or without.
 static inline torture_verdict judge_text( const char* text, int twins )
 {
-    torture_node* tree = parse_scene( text );
+    text_node* tree = parse_scene( text );
     const torture_subject subject = { tree, "test" };
     const torture_verdict verdict = torture_judge_scene( &subject, twins, 60.0 );
-    torture_release( tree );
+    text_release( tree );
     return verdict;
 }
 

@@ -1,4 +1,4 @@
-#include "torture_tree.h"
+#include "text_tree.h"
 
 #include "scene_text.h"
 
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-void* torture_alloc( size_t size )
+void* text_alloc( size_t size )
 {
     void* memory = calloc( 1, size + 1 );
     if ( memory == NULL )
@@ -21,53 +21,53 @@ void* torture_alloc( size_t size )
 static char* copy_text( const char* text )
 {
     const size_t size = strlen( text ) + 1;
-    return memcpy( torture_alloc( size ), text, size );
+    return memcpy( text_alloc( size ), text, size );
 }
 
 // ---- nodes ----
 
-static torture_node* make( torture_kind kind )
+static text_node* make( text_kind kind )
 {
-    torture_node* node = torture_alloc( sizeof *node );
+    text_node* node = text_alloc( sizeof *node );
     node->kind = kind;
     return node;
 }
 
-torture_node* torture_list( void )
+text_node* text_list( void )
 {
-    return make( TORTURE_LIST );
+    return make( TEXT_LIST );
 }
 
-torture_node* torture_map( void )
+text_node* text_map( void )
 {
-    return make( TORTURE_MAP );
+    return make( TEXT_MAP );
 }
 
-torture_node* torture_scalar( const char* format, ... )
+text_node* text_scalar( const char* format, ... )
 {
     char text[256];
     va_list arguments;
     va_start( arguments, format );
     vsnprintf( text, sizeof text, format, arguments );
     va_end( arguments );
-    torture_node* node = make( TORTURE_SCALAR );
+    text_node* node = make( TEXT_SCALAR );
     node->text = copy_text( text );
     return node;
 }
 
-torture_node* torture_copy( const torture_node* node )
+text_node* text_copy( const text_node* node )
 {
-    torture_node* copy = make( node->kind );
+    text_node* copy = make( node->kind );
     copy->key = node->key ? copy_text( node->key ) : NULL;
     copy->text = node->text ? copy_text( node->text ) : NULL;
     for ( int i = 0; i < node->count; ++i )
     {
-        torture_add( copy, torture_copy( node->children[i] ) );
+        text_add( copy, text_copy( node->children[i] ) );
     }
     return copy;
 }
 
-void torture_release( torture_node* node )
+void text_release( text_node* node )
 {
     if ( node == NULL )
     {
@@ -75,7 +75,7 @@ void torture_release( torture_node* node )
     }
     for ( int i = 0; i < node->count; ++i )
     {
-        torture_release( node->children[i] );
+        text_release( node->children[i] );
     }
     free( node->children );
     free( node->key );
@@ -83,12 +83,12 @@ void torture_release( torture_node* node )
     free( node );
 }
 
-torture_node* torture_add( torture_node* list, torture_node* value )
+text_node* text_add( text_node* list, text_node* value )
 {
     if ( list->count == list->capacity )
     {
         list->capacity = 2 * list->capacity + 4;
-        torture_node** children = torture_alloc( (size_t)list->capacity * sizeof *children );
+        text_node** children = text_alloc( (size_t)list->capacity * sizeof *children );
         if ( list->count > 0 )
         {
             memcpy( children, list->children, (size_t)list->count * sizeof *children );
@@ -100,9 +100,9 @@ torture_node* torture_add( torture_node* list, torture_node* value )
     return value;
 }
 
-static int index_of( const torture_node* map, const char* key )
+static int index_of( const text_node* map, const char* key )
 {
-    for ( int i = 0; map && map->kind == TORTURE_MAP && i < map->count; ++i )
+    for ( int i = 0; map && map->kind == TEXT_MAP && i < map->count; ++i )
     {
         if ( strcmp( map->children[i]->key, key ) == 0 )
         {
@@ -112,7 +112,7 @@ static int index_of( const torture_node* map, const char* key )
     return -1;
 }
 
-torture_node* torture_put( torture_node* map, const char* key, torture_node* value )
+text_node* text_put( text_node* map, const char* key, text_node* value )
 {
     char* copy = copy_text( key );
     free( value->key );
@@ -120,51 +120,51 @@ torture_node* torture_put( torture_node* map, const char* key, torture_node* val
     const int i = index_of( map, key );
     if ( i < 0 )
     {
-        return torture_add( map, value );
+        return text_add( map, value );
     }
-    torture_release( map->children[i] );
+    text_release( map->children[i] );
     return map->children[i] = value;
 }
 
-torture_node* torture_find( const torture_node* map, const char* key )
+text_node* text_find( const text_node* map, const char* key )
 {
     const int i = index_of( map, key );
     return i < 0 ? NULL : map->children[i];
 }
 
-const char* torture_text_at( const torture_node* map, const char* key )
+const char* text_at( const text_node* map, const char* key )
 {
-    const torture_node* node = torture_find( map, key );
-    return node && node->kind == TORTURE_SCALAR ? node->text : "";
+    const text_node* node = text_find( map, key );
+    return node && node->kind == TEXT_SCALAR ? node->text : "";
 }
 
-void torture_remove( torture_node* parent, int child )
+void text_remove( text_node* parent, int child )
 {
-    torture_release( parent->children[child] );
+    text_release( parent->children[child] );
     --parent->count;
     memmove( parent->children + child, parent->children + child + 1,
              (size_t)( parent->count - child ) * sizeof *parent->children );
 }
 
-void torture_remove_key( torture_node* map, const char* key )
+void text_remove_key( text_node* map, const char* key )
 {
     const int i = index_of( map, key );
     if ( i >= 0 )
     {
-        torture_remove( map, i );
+        text_remove( map, i );
     }
 }
 
-void torture_set( torture_node* scalar, const char* text )
+void text_set( text_node* scalar, const char* text )
 {
     char* copy = copy_text( text );
     free( scalar->text );
     scalar->text = copy;
 }
 
-bool torture_is_number( const torture_node* node, double* value )
+bool text_is_number( const text_node* node, double* value )
 {
-    if ( node == NULL || node->kind != TORTURE_SCALAR || node->text[0] == '\0' )
+    if ( node == NULL || node->kind != TEXT_SCALAR || node->text[0] == '\0' )
     {
         return false;
     }
@@ -177,43 +177,43 @@ bool torture_is_number( const torture_node* node, double* value )
     return *end == '\0' && number - number == 0.0;
 }
 
-void torture_set_number( torture_node* scalar, double value )
+void text_set_number( text_node* scalar, double value )
 {
     char text[40];
     snprintf( text, sizeof text, "%.9g", value );
-    torture_set( scalar, text );
+    text_set( scalar, text );
 }
 
-int torture_size( const torture_node* node )
+int text_size( const text_node* node )
 {
     int size = 1;
     for ( int i = 0; i < node->count; ++i )
     {
-        size += torture_size( node->children[i] );
+        size += text_size( node->children[i] );
     }
     return size;
 }
 
 // ---- reading ----
 
-static torture_node* convert( const scene_tree* tree, const scene_node* from )
+static text_node* convert( const scene_tree* tree, const scene_node* from )
 {
-    torture_node* node = make( from->kind == SCENE_SCALAR ? TORTURE_SCALAR
-                               : from->kind == SCENE_LIST ? TORTURE_LIST
-                                                          : TORTURE_MAP );
+    text_node* node = make( from->kind == SCENE_SCALAR ? TEXT_SCALAR
+                            : from->kind == SCENE_LIST ? TEXT_LIST
+                                                       : TEXT_MAP );
     if ( from->kind == SCENE_SCALAR )
     {
         node->text = copy_text( scene_text_of( tree, from ) );
     }
     for ( const scene_node* child = scene_first( tree, from ); child; child = scene_next( tree, child ) )
     {
-        torture_node* value = torture_add( node, convert( tree, child ) );
+        text_node* value = text_add( node, convert( tree, child ) );
         value->key = from->kind == SCENE_MAP ? copy_text( scene_key_of( tree, child ) ) : NULL;
     }
     return node;
 }
 
-wisp_status torture_parse( const char* text, size_t size, const char* name, torture_node** out, wisp_error* error )
+wisp_status text_parse( const char* text, size_t size, const char* name, text_node** out, wisp_error* error )
 {
     *out = NULL;
     const scene_source source = { name, text, size, error };
@@ -253,14 +253,14 @@ static void write_scalar( FILE* out, const char* text )
     fputc( '"', out );
 }
 
-static void write_flow( FILE* out, const torture_node* node )
+static void write_flow( FILE* out, const text_node* node )
 {
-    if ( node->kind == TORTURE_SCALAR )
+    if ( node->kind == TEXT_SCALAR )
     {
         write_scalar( out, node->text );
         return;
     }
-    const bool is_map = node->kind == TORTURE_MAP, is_empty = node->count == 0;
+    const bool is_map = node->kind == TEXT_MAP, is_empty = node->count == 0;
     fputs( !is_map ? "[" : is_empty ? "{" : "{ ", out );
     for ( int i = 0; i < node->count; ++i )
     {
@@ -274,28 +274,28 @@ static void write_flow( FILE* out, const torture_node* node )
     fputs( !is_map ? "]" : is_empty ? "}" : " }", out );
 }
 
-static int flow_length( const torture_node* node )
+static int flow_length( const text_node* node )
 {
-    int length = node->kind == TORTURE_SCALAR ? (int)strlen( node->text ) + 2 : 4;
+    int length = node->kind == TEXT_SCALAR ? (int)strlen( node->text ) + 2 : 4;
     for ( int i = 0; i < node->count; ++i )
     {
-        const torture_node* child = node->children[i];
+        const text_node* child = node->children[i];
         length += flow_length( child ) + 2 + ( child->key ? (int)strlen( child->key ) + 2 : 0 );
     }
     return length;
 }
 
-static bool fits_a_line( const torture_node* node, int depth )
+static bool fits_a_line( const text_node* node, int depth )
 {
     const bool is_entry_list =
-        depth == 1 && node->kind == TORTURE_LIST && node->count > 0 && node->children[0]->kind == TORTURE_MAP;
-    return node->kind == TORTURE_SCALAR || node->count == 0 ||
+        depth == 1 && node->kind == TEXT_LIST && node->count > 0 && node->children[0]->kind == TEXT_MAP;
+    return node->kind == TEXT_SCALAR || node->count == 0 ||
            ( !is_entry_list && depth > 0 && flow_length( node ) + 2 * depth < LINE_LENGTH - 24 );
 }
 
 // Write what follows a key or a dash, up to the end of the line: entries of the scene's lists have lines of their
 // own.
-static void write_block( FILE* out, const torture_node* node, int depth, bool is_after_dash )
+static void write_block( FILE* out, const text_node* node, int depth, bool is_after_dash )
 {
     if ( fits_a_line( node, depth ) )
     {
@@ -307,15 +307,15 @@ static void write_block( FILE* out, const torture_node* node, int depth, bool is
     fputs( is_after_dash ? " " : depth > 0 ? "\n" : "", out );
     for ( int i = 0; i < node->count; ++i )
     {
-        const torture_node* child = node->children[i];
-        const bool is_map = node->kind == TORTURE_MAP;
+        const text_node* child = node->children[i];
+        const bool is_map = node->kind == TEXT_MAP;
         fprintf( out, "%*s%s%s", is_after_dash && i == 0 ? 0 : 2 * depth, "", is_map ? child->key : "-",
                  is_map ? ":" : "" );
         write_block( out, child, depth + 1, !is_map );
     }
 }
 
-char* torture_write( const torture_node* root, const char* comment )
+char* text_write( const text_node* root, const char* comment )
 {
     char* text = NULL;
     size_t size = 0;

@@ -1,0 +1,330 @@
+#include "commands.h"
+
+#include "gate_check.h"
+#include "machine.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum
+{
+    KEY_NO_INSTRUCTIONS = 0x100,
+    KEY_JUNIT,
+    KEY_GITHUB,
+    KEY_STRICT,
+    KEY_ROW,
+    KEY_ISA,
+};
+
+static const struct argp_option option_list[] = {
+    { NULL, 0, NULL, 0, "Files:", 1 },
+    { "base", 'b', "FILE", 0, "The base file, default SUITE-base.json beside the suite", 0 },
+    { "output", 'o', "FILE", 0, "record: the base file, as --base", 0 },
+    { NULL, 0, NULL, 0, "Measuring:", 2 },
+    { "no-instructions", KEY_NO_INSTRUCTIONS, 0, 0, "Do not count instructions, for which valgrind is needed", 0 },
+    { "isa", KEY_ISA, "SET", 0, "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same", 0 },
+    { "row", KEY_ROW, "N", 0, "step: number of the row, counted from 0", 0 },
+    { NULL, 0, NULL, 0, "Verdict:", 3 },
+    { "reason", 'r', "TEXT", 0, "accept: why the new values are right; it is kept in the base file", 0 },
+    { "strict", KEY_STRICT, 0, 0, "check: rows that only the suite or only the base has fail, too", 0 },
+    { NULL, 0, NULL, 0, "Output:", 4 },
+    { "format", 'f', "FORMAT", 0, "text (default), markdown, csv or json", 0 },
+    { "junit", KEY_JUNIT, "FILE", 0, "Write JUnit's XML too, a test case for each row", 0 },
+    { "github", KEY_GITHUB, 0, 0, "Print annotations for GitHub before the report", 0 },
+    { 0 },
+};
+
+static const char doc[] =
+    "Measure the scenes of a suite and fail if one became worse.\n"
+    "\v"
+    "Actions:\n"
+    "  record SUITE   measure all rows and write the base file\n"
+    "  check SUITE    measure all rows and compare them with the base file\n"
+    "  accept SUITE   the same as record, with a reason, which the base file keeps\n"
+    "  step SUITE     only run the steps of one row, for profilers\n"
+    "\n"
+    "What is compared is the same in every run: bits of all points, instructions, bytes, allocations, stretch,\n"
+    "energy, penetration, intersections, resets. docs/gate.md has the format of suites and of budgets.\n"
+    "\n"
+    "Examples:\n"
+    "  wisp gate record suite.yaml -o base.json\n"
+    "  wisp gate check suite.yaml --base base.json --junit gate.xml\n"
+    "\n" STATUS_HELP_UNMET( "a row is worse than its budget allows" );
+
+static const char* const action_words[] = { "record", "check", "accept", "step" };
+
+typedef enum gate_action
+{
+    ACTION_RECORD,
+    ACTION_CHECK,
+    ACTION_ACCEPT,
+    ACTION_STEP,
+} gate_action;
+
+typedef struct gate_options
+{
+    bool has_action;
+    gate_action action;
+    const char *suite, *base, *isa, *reason, *junit;
+    bool no_instructions, is_strict, prints_annotations;
+    int row;
+    results_format format;
+} gate_options;
+
+static error_t parse( int key, char* argument, struct argp_state* state )
+{
+    gate_options* o = state->input;
+    switch ( key )
+    {
+        case 'b':
+        case 'o':
+            o->base = argument;
+            return 0;
+        case 'r':
+            o->reason = argument;
+            return 0;
+        case 'f':
+            o->format =
+                (results_format)option_word( state, "--format", argument, results_format_names, RESULTS_GBENCH );
+            return 0;
+        case KEY_NO_INSTRUCTIONS:
+            o->no_instructions = true;
+            return 0;
+        case KEY_ISA:
+            o->isa = option_isa_words[option_word( state, "--isa", argument, option_isa_words, 3 )];
+            return 0;
+        case KEY_ROW:
+            o->row = option_whole( state, "--row", argument, 0, SUITE_MAX_ROWS );
+            return 0;
+        case KEY_STRICT:
+            o->is_strict = true;
+            return 0;
+        case KEY_JUNIT:
+            o->junit = argument;
+            return 0;
+        case KEY_GITHUB:
+            o->prints_annotations = true;
+            return 0;
+        case ARGP_KEY_ARG:
+            if ( o->has_action )
+            {
+                return option_input( state, key, argument, "suite", &o->suite ) ? 0 : ARGP_ERR_UNKNOWN;
+            }
+            o->has_action = true;
+            o->action =
+                (gate_action)option_word( state, "action", argument, action_words, WISP_COUNT( action_words ) );
+            return 0;
+        case ARGP_KEY_END:
+            if ( o->suite == NULL )
+            {
+                argp_error( state, "expected an action and a suite, such as check suite.yaml" );
+            }
+            if ( o->action == ACTION_ACCEPT && ( o->reason == NULL || strlen( o->reason ) >= GATE_MAX_REASON ) )
+            {
+                argp_error( state, "accept: expected --reason with up to %d bytes", (int)GATE_MAX_REASON - 1 );
+            }
+            return 0;
+        default:
+            return ARGP_ERR_UNKNOWN;
+    }
+}
+
+// suite.yaml has suite-base.json.
+static char* default_base( const char* suite )
+{
+    const char* slash = strrchr( suite, '/' );
+    const char* dot = strrchr( slash ? slash : suite, '.' );
+    const int length = dot ? (int)( dot - suite ) : (int)strlen( suite );
+    char* path = calloc( 1, (size_t)length + 16 );
+    if ( path != NULL )
+    {
+        sprintf( path, "%.*s-base.json", length, suite );
+    }
+    return path;
+}
+
+static wisp_status measure_all( const gate_suite* suite, const gate_options* o, gate_measurement* out,
+                                wisp_error* error )
+{
+    const gate_measure_options options = { .isa = o->isa, .counts = !o->no_instructions, .suite_path = o->suite };
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        status = gate_measure_row( suite, i, &options, out + i, error );
+    }
+    return status;
+}
+
+// ---- record and accept ----
+
+static wisp_status add_reason( gate_base* base, const char* text, wisp_error* error )
+{
+    gate_reason* grown = realloc( base->accepted, ( (size_t)base->accepted_count + 1 ) * sizeof *grown );
+    if ( grown == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for a reason" );
+    }
+    base->accepted = grown;
+    gate_reason* reason = grown + base->accepted_count++;
+    gate_today( reason->date );
+    snprintf( reason->text, sizeof reason->text, "%s", text );
+    return WISP_OK;
+}
+
+static wisp_status fill_base( const gate_suite* suite, const gate_measurement* measured, gate_base* base,
+                              wisp_error* error )
+{
+    const machine_info machine = machine_describe( "" );
+    snprintf( base->suite, sizeof base->suite, "%s", suite->name );
+    snprintf( base->version, sizeof base->version, "%s", machine.version );
+    gate_compiler( base->compiler, sizeof base->compiler );
+    gate_today( base->date );
+    free( base->rows );
+    base->rows = calloc( (size_t)suite->row_count, sizeof *base->rows );
+    base->row_count = base->rows ? suite->row_count : 0;
+    for ( int i = 0; i < base->row_count; ++i )
+    {
+        memcpy( base->rows[i].name, suite->rows[i].name, sizeof base->rows[i].name );
+        memcpy( base->rows[i].variant, suite->rows[i].variant, sizeof base->rows[i].variant );
+        base->rows[i].measured = measured[i];
+    }
+    return base->rows ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+}
+
+static wisp_status check_suite( const gate_base* base, const gate_suite* suite, const char* path, wisp_error* error )
+{
+    return strcmp( base->suite, suite->name ) == 0
+               ? WISP_OK
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: the base is of suite '%s', not of '%s'", path, base->suite,
+                            suite->name );
+}
+
+static wisp_status record( const gate_suite* suite, const gate_options* o, const gate_measurement* measured,
+                           wisp_error* error )
+{
+    gate_base base = { 0 };
+    wisp_status status = WISP_OK;
+    if ( o->action == ACTION_ACCEPT )
+    {
+        status = gate_base_read( o->base, &base, error );
+        status = status == WISP_OK ? check_suite( &base, suite, o->base, error ) : status;
+        status = status == WISP_OK ? add_reason( &base, o->reason, error ) : status;
+    }
+    status = status == WISP_OK ? fill_base( suite, measured, &base, error ) : status;
+    status = status == WISP_OK ? gate_base_write( &base, o->base, error ) : status;
+    if ( status == WISP_OK )
+    {
+        printf( "gate %s: %s: %d rows in %s\n", suite->name, o->action == ACTION_ACCEPT ? "accepted" : "recorded",
+                suite->row_count, o->base );
+    }
+    gate_base_release( &base );
+    return status;
+}
+
+// ---- check ----
+
+static wisp_status report( const gate_suite* suite, const gate_options* o, const gate_base* base,
+                           const gate_measurement* measured, bool* is_worse, wisp_error* error )
+{
+    gate_row_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
+    if ( checks == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    }
+    results out = { .machine = machine_describe( measured[0].isa ), .is_result_first = true };
+    const bool compares = gate_counts_are_comparable( base );
+    if ( !compares && !o->no_instructions )
+    {
+        results_add_note( &out, "instructions are not compared: the base was measured with a program of %s",
+                          base->compiler );
+    }
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        gate_check_row( suite->rows + i, base, compares, measured + i, checks + i );
+        *is_worse = *is_worse || checks[i].state == GATE_WORSE || ( o->is_strict && checks[i].state == GATE_NEW );
+    }
+    const int missing = gate_count_missing( base, suite->rows, suite->row_count );
+    if ( missing > 0 )
+    {
+        results_add_note( &out, "%d rows of the base are not in the suite any more", missing );
+        *is_worse = *is_worse || o->is_strict;
+    }
+    gate_report( suite, checks, &out );
+    if ( o->prints_annotations )
+    {
+        gate_print_annotations( suite, checks, o->suite );
+    }
+    wisp_status status = o->junit ? gate_write_junit( suite, checks, o->junit, error ) : WISP_OK;
+    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
+    results_free( &out );
+    free( checks );
+    return status;
+}
+
+static int check( const gate_suite* suite, const gate_options* o, wisp_error* error )
+{
+    gate_base base;
+    bool is_worse = false;
+    wisp_status status = gate_base_read( o->base, &base, error );
+    status = status == WISP_OK ? check_suite( &base, suite, o->base, error ) : status;
+    gate_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    if ( status == WISP_OK )
+    {
+        status = measured ? measure_all( suite, o, measured, error )
+                          : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    }
+    status = status == WISP_OK ? report( suite, o, &base, measured, &is_worse, error ) : status;
+    free( measured );
+    gate_base_release( &base );
+    return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
+}
+
+static int step_row( const gate_suite* suite, const gate_options* o, wisp_error* error )
+{
+    gate_measurement measured;
+    if ( o->row >= suite->row_count )
+    {
+        wisp_fail( error, WISP_BAD_INPUT, "%s: got row %d, the suite has %d", o->suite, o->row, suite->row_count );
+        return command_fail( error );
+    }
+    if ( gate_run_row( suite->rows + o->row, o->isa, &measured, error ) != WISP_OK )
+    {
+        return command_fail( error );
+    }
+    printf( "%016llx\n", (unsigned long long)measured.hash );
+    return STATUS_GOOD;
+}
+
+static int run_action( const gate_suite* suite, const gate_options* o, wisp_error* error )
+{
+    if ( o->action == ACTION_CHECK || o->action == ACTION_STEP )
+    {
+        return o->action == ACTION_CHECK ? check( suite, o, error ) : step_row( suite, o, error );
+    }
+    wisp_status status = command_check_writable( o->base, error );
+    gate_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    if ( status == WISP_OK )
+    {
+        status = measured ? measure_all( suite, o, measured, error )
+                          : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    }
+    status = status == WISP_OK ? record( suite, o, measured, error ) : status;
+    free( measured );
+    return status == WISP_OK ? STATUS_GOOD : command_fail( error );
+}
+
+int command_gate( int argc, char** argv )
+{
+    gate_options options = { 0 };
+    const struct argp parser = { option_list, parse, "ACTION SUITE", doc, NULL, NULL, NULL };
+    argp_parse( &parser, argc, argv, 0, NULL, &options );
+    char* beside = options.base ? NULL : default_base( options.suite );
+    options.base = options.base ? options.base : beside;
+    wisp_error error = { 0 };
+    gate_suite all;
+    const int status = suite_read( options.suite, &all, &error ) == WISP_OK ? run_action( &all, &options, &error )
+                                                                            : command_fail( &error );
+    suite_release( &all );
+    free( beside );
+    return status;
+}

@@ -1,0 +1,251 @@
+#include "gate_check.h"
+
+#include "io_file.h"
+
+#include <math.h>
+#include <string.h>
+
+const char* const gate_state_names[GATE_STATE_COUNT] = { "same", "moved", "worse", "new" };
+
+bool gate_counts_are_comparable( const gate_base* base )
+{
+    char compiler[sizeof base->compiler];
+    gate_compiler( compiler, sizeof compiler );
+    return strcmp( base->compiler, compiler ) == 0;
+}
+
+static void add_message( gate_row_check* out, suite_measure m, double base, double now, double most )
+{
+    const size_t used = strlen( out->message );
+    char change[32] = "";
+    if ( base > 0.0 )
+    {
+        snprintf( change, sizeof change, " (%+.2f %%)", 100.0 * ( now / base - 1.0 ) );
+    }
+    snprintf( out->message + used, sizeof out->message - used, "%s%s is %.6g, was %.6g%s, at most %.6g is allowed",
+              used > 0 ? "; " : "", suite_measures[m].name, now, base, change, most );
+}
+
+void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const gate_measurement* now,
+                     gate_row_check* out )
+{
+    *out = ( gate_row_check ){ .state = GATE_NEW, .now = *now, .base = gate_base_find( base, row ) };
+    if ( out->base == NULL )
+    {
+        snprintf( out->message, sizeof out->message, "the base does not have this row; record or accept it" );
+        return;
+    }
+    const gate_measurement* was = &out->base->measured;
+    out->state = now->hash == was->hash && now->steps == was->steps ? GATE_SAME : GATE_MOVED;
+    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    {
+        const double most = was->values[m] * ( 1.0 + row->budgets[m].relative ) + row->budgets[m].absolute;
+        const bool is_known = isfinite( was->values[m] ) && isfinite( now->values[m] );
+        if ( is_known && ( m != SUITE_INSTRUCTIONS || compares_counts ) && now->values[m] > most )
+        {
+            out->worse[m] = true;
+            out->state = GATE_WORSE;
+            add_message( out, (suite_measure)m, was->values[m], now->values[m], most );
+        }
+    }
+}
+
+int gate_count_missing( const gate_base* base, const suite_row* rows, int row_count )
+{
+    int found = 0;
+    for ( int i = 0; i < row_count; ++i )
+    {
+        found += gate_base_find( base, rows + i ) != NULL ? 1 : 0;
+    }
+    return base->row_count - found;
+}
+
+// ---- the report ----
+
+// Return the change from the base as a fraction; NaN: not known, or from 0. Files have nine digits.
+static double change_of( const gate_row_check* check, suite_measure m )
+{
+    const double now = check->now.values[m], base = check->base ? check->base->measured.values[m] : NAN;
+    const double change = base > 0.0 ? now / base - 1.0 : now == base ? 0.0 : NAN;
+    return fabs( change ) < 1e-8 ? 0.0 : change;
+}
+
+static void format_value( const gate_row_check* check, suite_measure m, char* out, size_t size )
+{
+    const double now = check->now.values[m], change = change_of( check, m );
+    if ( !isfinite( now ) )
+    {
+        snprintf( out, size, "-" );
+    }
+    else if ( !isfinite( change ) || change == 0.0 )
+    {
+        snprintf( out, size, "%.9g", now );
+    }
+    else
+    {
+        snprintf( out, size, "%.9g %+.2f %%", now, 100.0 * change );
+    }
+}
+
+// The measure of accuracy that changed most for the worse, or most at all.
+static void format_accuracy( const gate_row_check* check, char* out, size_t size )
+{
+    double most = 0.0;
+    snprintf( out, size, "as in the base" );
+    for ( int m = SUITE_STRETCH; m < SUITE_MEASURE_COUNT; ++m )
+    {
+        const double change = change_of( check, (suite_measure)m );
+        const bool is_from_zero = check->base && check->base->measured.values[m] == 0.0 && check->now.values[m] > 0.0;
+        if ( is_from_zero || change > most || ( most == 0.0 && change < 0.0 ) )
+        {
+            most = is_from_zero ? INFINITY : fmax( change, 0.0 );
+            snprintf( out, size, is_from_zero ? "%s %.3g" : "%s %+.2f %%", suite_measures[m].name,
+                      is_from_zero ? check->now.values[m] : 100.0 * change );
+        }
+    }
+}
+
+static void label( const suite_row* row, char* out, size_t size )
+{
+    snprintf( out, size, "%s%s%s", row->name, row->variant[0] ? ", " : "", row->variant );
+}
+
+void gate_report( const gate_suite* suite, const gate_row_check* checks, results* out )
+{
+    const char* const header[] = { "row", "verdict", "instructions", "bytes", "allocations", "accuracy" };
+    int counts[GATE_STATE_COUNT] = { 0 };
+    const int table = results_add_table( out, "Rows", WISP_COUNT( header ), header );
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[3][40], accuracy[64];
+        label( suite->rows + i, name, sizeof name );
+        for ( int m = SUITE_INSTRUCTIONS; m <= SUITE_ALLOCATIONS; ++m )
+        {
+            format_value( checks + i, (suite_measure)m, cells[m], sizeof cells[m] );
+        }
+        format_accuracy( checks + i, accuracy, sizeof accuracy );
+        results_add_cells( out, table,
+                           ( const char* const[] ){ name, gate_state_names[checks[i].state], cells[0], cells[1],
+                                                    cells[2], checks[i].base ? accuracy : "-" } );
+        counts[checks[i].state] += 1;
+    }
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+        label( suite->rows + i, name, sizeof name );
+        if ( checks[i].message[0] )
+        {
+            results_add_note( out, "%s: %s", name, checks[i].message );
+        }
+    }
+    results_add_note( out, "gate %s: %s: %d rows, %d the same, %d moved, %d worse, %d new", suite->name,
+                      counts[GATE_WORSE] > 0 ? "regression"
+                      : counts[GATE_NEW] > 0 ? "inconclusive"
+                                             : "pass",
+                      suite->row_count, counts[GATE_SAME], counts[GATE_MOVED], counts[GATE_WORSE], counts[GATE_NEW] );
+}
+
+// ---- JUnit ----
+
+static void write_escaped( FILE* out, const char* text )
+{
+    for ( ; *text; ++text )
+    {
+        const char* entity = *text == '<'   ? "&lt;"
+                             : *text == '>' ? "&gt;"
+                             : *text == '&' ? "&amp;"
+                             : *text == '"' ? "&quot;"
+                                            : NULL;
+        if ( entity )
+        {
+            fputs( entity, out );
+        }
+        else
+        {
+            fputc( *text, out );
+        }
+    }
+}
+
+static void write_case( FILE* out, const gate_suite* suite, int i, const gate_row_check* check )
+{
+    char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+    label( suite->rows + i, name, sizeof name );
+    fputs( "    <testcase classname=\"wisp.gate.", out );
+    write_escaped( out, suite->name );
+    fputs( "\" name=\"", out );
+    write_escaped( out, name );
+    if ( check->state != GATE_WORSE && check->state != GATE_NEW )
+    {
+        fputs( "\"/>\n", out );
+        return;
+    }
+    fputs( check->state == GATE_WORSE ? "\">\n      <failure message=\"" : "\">\n      <skipped message=\"", out );
+    write_escaped( out, check->message );
+    fputs( "\"/>\n    </testcase>\n", out );
+}
+
+wisp_status gate_write_junit( const gate_suite* suite, const gate_row_check* checks, const char* path,
+                              wisp_error* error )
+{
+    int worse = 0, unknown = 0;
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        worse += checks[i].state == GATE_WORSE ? 1 : 0;
+        unknown += checks[i].state == GATE_NEW ? 1 : 0;
+    }
+    io_output output;
+    const wisp_status status = io_output_open( path, &output, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    FILE* out = output.stream;
+    fprintf( out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n  <testsuite name=\"wisp gate " );
+    write_escaped( out, suite->name );
+    fprintf( out, "\" tests=\"%d\" failures=\"%d\" errors=\"0\" skipped=\"%d\">\n", suite->row_count, worse,
+             unknown );
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        write_case( out, suite, i, checks + i );
+    }
+    fputs( "  </testsuite>\n</testsuites>\n", out );
+    return io_output_end( &output, WISP_OK, error );
+}
+
+// ---- annotations ----
+
+// A percent sign or a line break would end the message.
+static void print_escaped( const char* text )
+{
+    for ( ; *text; ++text )
+    {
+        if ( *text == '%' || *text == '\n' || *text == '\r' )
+        {
+            printf( "%%%02X", (unsigned char)*text );
+        }
+        else
+        {
+            putchar( *text );
+        }
+    }
+}
+
+void gate_print_annotations( const gate_suite* suite, const gate_row_check* checks, const char* path )
+{
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        if ( checks[i].state == GATE_WORSE || checks[i].state == GATE_NEW )
+        {
+            char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
+            label( suite->rows + i, name, sizeof name );
+            printf( "::%s file=", checks[i].state == GATE_WORSE ? "error" : "warning" );
+            print_escaped( path );
+            printf( ",title=wisp gate::" );
+            print_escaped( name );
+            printf( ": " );
+            print_escaped( checks[i].message );
+            putchar( '\n' );
+        }
+    }
+}

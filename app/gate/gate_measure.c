@@ -1,0 +1,275 @@
+// A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
+#include "gate_measure.h"
+
+#include "world_from_scene.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+// ---- in this process ----
+
+enum
+{
+    PAGE = 4096,
+};
+
+// The allocator of the world, which counts. The C library's memcpy chooses its path by the positions of source and target within a
+// page; blocks with pages of their own have the same positions in every run. @param user double, allocations
+static void* allocate( void* user, size_t size, size_t alignment )
+{
+    *(double*)user += 1.0;
+    return alignment <= PAGE ? aligned_alloc( PAGE, ( size + PAGE - 1 ) / PAGE * PAGE ) : NULL;
+}
+
+static void release( void* user, void* block, size_t size )
+{
+    (void)user;
+    (void)size;
+    free( block );
+}
+
+static void request_all( wisp_scene* scene )
+{
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        wisp_scene_strands* s = &scene->strands[i];
+        s->request_points = true;
+        s->request_motion_stats = s->has_dynamics;
+        s->request_contacts = s->has_collision;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        wisp_scene_surface* s = &scene->surfaces[i];
+        s->request_points = s->request_motion_stats = true;
+        s->request_contacts = s->has_collision;
+    }
+}
+
+static bool has_contact( const wisp_scene* scene )
+{
+    bool any = false;
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        any = any || scene->surfaces[i].has_contact;
+    }
+    return any;
+}
+
+// What lasts from step to step.
+typedef struct watch
+{
+    wisp_vec3* points; // [vertices of the scene]
+    double energy;     // J, after the first step
+} watch;
+
+// FNV-1a over the bits of all points.
+static uint64_t hash_points( const wisp_vec3* points, int count, uint64_t hash )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        uint32_t words[3];
+        memcpy( words, points + i, sizeof words );
+        for ( int k = 0; k < 3; ++k )
+        {
+            hash = ( hash ^ words[k] ) * 0x100000001b3u;
+        }
+    }
+    return hash;
+}
+
+static void watch_step( const scene_world* world, watch* w, gate_measurement* out )
+{
+    double sum = 0.0;
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
+    {
+        wisp_motion_stats m;
+        wisp_collision_stats c;
+        if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
+        {
+            sum += m.kinetic_energy + m.potential_energy;
+            out->values[SUITE_STRETCH] = fmax( out->values[SUITE_STRETCH], m.strain_mean );
+        }
+        if ( scene_world_collision_stats( world, body, &c, NULL ) == WISP_OK && c.vertex >= 0 )
+        {
+            out->values[SUITE_PENETRATION] = fmax( out->values[SUITE_PENETRATION], (double)c.penetration );
+        }
+        if ( scene_world_points( world, body, w->points, NULL ) == WISP_OK )
+        {
+            out->hash = hash_points( w->points, scene_world_body( world, body ).vertex_count, out->hash );
+        }
+    }
+    w->energy = out->steps == 0 ? sum : w->energy;
+    out->values[SUITE_ENERGY] = fmax( out->values[SUITE_ENERGY], sum - w->energy );
+}
+
+static void finish( const scene_world* world, gate_measurement* out )
+{
+    wisp_contact_stats contact;
+    out->values[SUITE_BYTES] = (double)wisp_world_memory( world->world );
+    out->values[SUITE_RESETS] = (double)wisp_world_counter( world->world, WISP_COUNT_STRAND_RESET );
+    out->values[SUITE_NOT_CONVERGED] = (double)wisp_world_counter( world->world, WISP_COUNT_NOT_CONVERGED );
+    out->values[SUITE_HALTED] = (double)wisp_world_counter( world->world, WISP_COUNT_HALTED );
+    if ( has_contact( world->scene ) && wisp_read_contact_stats( world->world, &contact ) == WISP_OK )
+    {
+        out->values[SUITE_INTERSECTIONS] = contact.intersections;
+    }
+}
+
+static wisp_status run_steps( scene_world* world, int steps, const double* allocations, gate_measurement* out,
+                              wisp_error* error )
+{
+    double warm = 0.0;
+    watch w = { .points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *w.points ) };
+    wisp_status status =
+        w.points ? WISP_OK
+                 : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its points", world->scene->name );
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        // counting intersections takes memory, so it is asked for last
+        if ( step + 1 == steps )
+        {
+            out->values[SUITE_ALLOCATIONS] = *allocations - warm;
+            if ( has_contact( world->scene ) )
+            {
+                (void)wisp_request_contact_stats( world->world, true, true );
+            }
+        }
+        status = scene_world_step( world, error );
+        warm = step < steps / 2 ? *allocations : warm;
+        if ( status == WISP_OK )
+        {
+            watch_step( world, &w, out );
+            out->steps = step + 1;
+        }
+    }
+    free( w.points );
+    return status;
+}
+
+wisp_status gate_run_row( const suite_row* row, const char* isa, gate_measurement* out, wisp_error* error )
+{
+    *out = ( gate_measurement ){ .hash = 0xcbf29ce484222325u };
+    out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_INTERSECTIONS] = NAN;
+    wisp_scene scene;
+    wisp_status status = suite_scene( row, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    request_all( &scene );
+    double allocations = 0.0;
+    const wisp_allocator allocator = { allocate, release, &allocations };
+    const scene_world_options options = { .workers = 1, .isa = isa, .is_quiet = true, .allocator = &allocator };
+    scene_world world;
+    status = scene_world_create( &scene, &options, &world, error );
+    if ( status == WISP_OK )
+    {
+        snprintf( out->isa, sizeof out->isa, "%s", wisp_world_isa( world.world ) );
+        status = run_steps( &world, row->steps > 0 ? row->steps : scene.steps, &allocations, out, error );
+        finish( &world, out );
+        scene_world_destroy( &world );
+    }
+    wisp_scene_release( &scene );
+    return status;
+}
+
+// ---- instructions ----
+
+enum
+{
+    MAX_PATH = 4096,
+};
+
+// Run `wisp gate step` under callgrind, which counts inside of wisp_world_step(). Its environment is empty, because the C library
+// and the place of the stack depend on it.
+static _Noreturn void be_child( const char* program, const char* suite, int number, const char* out )
+{
+    char row[16], file[MAX_PATH + 32];
+    snprintf( row, sizeof row, "--row=%d", number );
+    snprintf( file, sizeof file, "--callgrind-out-file=%s", out );
+    char* const arguments[] = { "valgrind",
+                                "--tool=callgrind",
+                                "--toggle-collect=wisp_world_step",
+                                file,
+                                "--",
+                                (char*)(uintptr_t)program,
+                                "gate",
+                                "step",
+                                row,
+                                "--isa=avx2",
+                                (char*)(uintptr_t)suite,
+                                NULL };
+    char* const environment[] = { "PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C", NULL };
+    const int nothing = open( "/dev/null", O_RDWR );
+    dup2( nothing, STDIN_FILENO );
+    dup2( nothing, STDOUT_FILENO );
+    dup2( nothing, STDERR_FILENO );
+    execvpe( "valgrind", arguments, environment );
+    _exit( 127 );
+}
+
+static double read_total( const char* path )
+{
+    double total = NAN;
+    char line[512];
+    FILE* file = fopen( path, "r" );
+    while ( file && fgets( line, sizeof line, file ) )
+    {
+        if ( strncmp( line, "totals:", 7 ) == 0 )
+        {
+            total = strtod( line + 7, NULL );
+        }
+    }
+    if ( file )
+    {
+        fclose( file );
+    }
+    return total;
+}
+
+static wisp_status count_instructions( const char* suite, int number, double* out, wisp_error* error )
+{
+    char program[MAX_PATH], path[] = "/tmp/wisp-gate-XXXXXX";
+    const ssize_t length = readlink( "/proc/self/exe", program, sizeof program - 1 );
+    const int file = length > 0 ? mkstemp( path ) : -1;
+    if ( file < 0 )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "gate: no file for counts of instructions: %s", strerror( errno ) );
+    }
+    close( file );
+    program[length] = '\0';
+    fflush( NULL );
+    const pid_t child = fork();
+    if ( child == 0 )
+    {
+        be_child( program, suite, number, path );
+    }
+    int ended = -1;
+    const bool is_over = child > 0 && waitpid( child, &ended, 0 ) == child;
+    *out = is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 0 ? read_total( path ) : NAN;
+    unlink( path );
+    if ( !( *out > 0.0 ) )
+    {
+        return wisp_fail( error, WISP_IO_ERROR, "gate: valgrind %s",
+                          is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 127
+                              ? "is not installed; --no-instructions gates without it"
+                              : "counted no instructions of this row" );
+    }
+    return WISP_OK;
+}
+
+wisp_status gate_measure_row( const gate_suite* suite, int number, const gate_measure_options* options,
+                              gate_measurement* out, wisp_error* error )
+{
+    wisp_status status = gate_run_row( suite->rows + number, options->isa, out, error );
+    if ( status == WISP_OK && options->counts )
+    {
+        status = count_instructions( options->suite_path, number, &out->values[SUITE_INSTRUCTIONS], error );
+    }
+    return status;
+}

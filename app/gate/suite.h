@@ -1,0 +1,72 @@
+/// A suite: scenes, settings to vary, budgets. A YAML file, read into rows, each of which is a scene with its settings.
+#pragma once
+
+#include "scene.h"
+#include "wisp/base.h"
+
+#include <stdio.h>
+
+enum
+{
+    SUITE_MAX_ROWS = 1024,
+    SUITE_MAX_NAME = 64,
+    SUITE_MAX_VARIANT = 192,
+};
+
+/// What is measured of a row, and may become worse by its budget.
+typedef enum suite_measure
+{
+    SUITE_INSTRUCTIONS,  ///< of all steps; NaN where they were not counted
+    SUITE_BYTES,         ///< of the world at the end
+    SUITE_ALLOCATIONS,   ///< in the second half of the steps
+    SUITE_STRETCH,       ///< the largest mean of an entity's |l / l0 - 1| after any step
+    SUITE_ENERGY,        ///< J, the largest sum of all entities above the start
+    SUITE_PENETRATION,   ///< m, of the deepest vertex below what a collider keeps, after any step
+    SUITE_INTERSECTIONS, ///< edges through triangles at the end, where the scene counts them
+    SUITE_RESETS,        ///< strands that were put back to their rest lengths
+    SUITE_NOT_CONVERGED, ///< linear solves that reached their limit
+    SUITE_HALTED,        ///< entities
+    SUITE_MEASURE_COUNT,
+} suite_measure;
+
+/// A budget: how much larger than in the base a value may be.
+typedef struct suite_budget
+{
+    double relative; ///< fraction of the base's value
+    double absolute; ///< in the unit of the measure, added to that
+} suite_budget;
+
+typedef struct suite_measure_info
+{
+    const char* name;    ///< key of budgets and of base files
+    suite_budget budget; ///< default
+} suite_measure_info;
+
+extern const suite_measure_info suite_measures[SUITE_MEASURE_COUNT];
+
+/// A scene with its settings.
+typedef struct suite_row
+{
+    char name[SUITE_MAX_NAME];
+    char variant[SUITE_MAX_VARIANT]; ///< the values that vary, such as `substeps=4`; empty: none do
+    char* path;                      ///< of the scene, whose folder its files are in
+    char* text;                      ///< the scene
+    int steps;                       ///< that are made; 0: all of the scene
+    suite_budget budgets[SUITE_MEASURE_COUNT];
+} suite_row;
+
+typedef struct gate_suite
+{
+    char name[SUITE_MAX_NAME]; ///< that of the file, without folder and extension
+    suite_row* rows;
+    int row_count;
+} gate_suite;
+
+/// Read a suite and its scenes, and check that every row is a scene.
+/// @param out to be released, also after a failure
+/// @return WISP_BAD_INPUT the suite or a row is wrong (the message names file, line and path); WISP_IO_ERROR
+wisp_status suite_read( const char* path, gate_suite* out, wisp_error* error );
+void suite_release( gate_suite* suite );
+
+/// Read the scene of a row. @param out to be released
+wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );

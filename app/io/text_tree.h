@@ -1,0 +1,60 @@
+/// A scene as a tree of texts that can be changed: the generator builds one, the twins scale and shift it, the
+/// shrinker cuts it. Comments and the layout of a file are not part of it. Memory that cannot be had ends the
+/// program.
+#pragma once
+
+#include "wisp/base.h"
+
+#include <stdbool.h>
+
+typedef enum text_kind
+{
+    TEXT_SCALAR,
+    TEXT_LIST,
+    TEXT_MAP,
+} text_kind;
+
+typedef struct text_node
+{
+    text_kind kind;
+    char* key;  ///< of a child of a map, else null
+    char* text; ///< of a scalar, else null
+    struct text_node** children;
+    int count, capacity;
+} text_node;
+
+text_node* text_list( void );
+text_node* text_map( void );
+text_node* text_scalar( const char* format, ... ) __attribute__( ( format( printf, 1, 2 ) ) );
+text_node* text_copy( const text_node* node );
+/// Null is allowed.
+void text_release( text_node* node );
+
+/// Give a map a value, in place of one with the same key. @return the value, which belongs to the map now
+text_node* text_put( text_node* map, const char* key, text_node* value );
+/// Append to a list. @return the value, which belongs to the list now
+text_node* text_add( text_node* list, text_node* value );
+/// @return null if the node is null, no map, or has no such key
+text_node* text_find( const text_node* map, const char* key );
+/// @return the text of a scalar, "" of anything else
+const char* text_at( const text_node* map, const char* key );
+void text_remove( text_node* parent, int child );
+void text_remove_key( text_node* map, const char* key );
+void text_set( text_node* scalar, const char* text );
+
+/// @return whether the node is a scalar that is a number @param value may be null
+bool text_is_number( const text_node* node, double* value );
+/// Replace the text by that of a number, with up to nine digits.
+void text_set_number( text_node* scalar, double value );
+
+/// Number of nodes below and including this one.
+int text_size( const text_node* node );
+
+/// Read a scene's text.
+/// @param name what messages call it @param out to be released; null on failure
+wisp_status text_parse( const char* text, size_t size, const char* name, text_node** out, wisp_error* error );
+/// Write YAML. @param comment lines of "# .." at the top, or null @return to be freed
+char* text_write( const text_node* root, const char* comment );
+
+/// Memory or the end of the program.
+void* text_alloc( size_t size );

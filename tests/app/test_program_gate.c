@@ -1,0 +1,223 @@
+// The program as a user meets it: wisp gate.
+#include "program_fixture.h"
+
+#include <jansson.h>
+
+#define CLOTH( damping, columns )                                                                                    \
+    "wisp: 1\n"                                                                                                      \
+    "steps: 20\n"                                                                                                    \
+    "surfaces:\n"                                                                                                    \
+    "  - name: cloth\n"                                                                                              \
+    "    generate: { shape: plane, columns: " columns ", rows: 9, spacing: 0.05 }\n"                                 \
+    "    pins: [0, 4]\n"                                                                                             \
+    "    damping: " damping "\n"                                                                                     \
+    "    cloth: {}\n"
+
+static const char suite[] =
+    "wisp_suite: 1\n"
+    "scenes:\n"
+    "  - file: cloth.yaml\n"
+    "    vary: { substeps: [4, 10], \"surfaces[*].cloth.bending\": [bend_links, none] }\n"
+    "  - { file: cloth.yaml, name: short, steps: 5, set: { \"surfaces[cloth].damping\": 2 } }\n";
+
+static int enter_folder( void** state )
+{
+    static const text_file files[] = { { "cloth.yaml", CLOTH( "1", "9" ) }, { "suite.yaml", suite } };
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
+}
+
+// Each test begins with the same two files and no base.
+static int fresh( void** state )
+{
+    (void)state;
+    write_text( "cloth.yaml", CLOTH( "1", "9" ) );
+    write_text( "suite.yaml", suite );
+    unlink( "suite-base.json" );
+    return 0;
+}
+
+static void what_did_not_change_passes( void** state )
+{
+    (void)state;
+    run_ok( "gate record suite.yaml --no-instructions -o base.json" );
+    assert_contains( result.out, "recorded: 5 rows in base.json" );
+    run_ok( "gate check suite.yaml --no-instructions --base base.json --junit gate.xml --strict" );
+    assert_contains( result.out, "cloth, substeps=4, bending=bend_links" );
+    assert_contains( result.out, "cloth, substeps=10, bending=none" );
+    assert_contains( result.out, "pass: 5 rows, 5 the same, 0 moved, 0 worse, 0 new" );
+    size_t size;
+    char* junit = read_bytes( "gate.xml", &size );
+    assert_contains( junit, "tests=\"5\" failures=\"0\"" );
+    free( junit );
+}
+
+// A base beside the suite is the default.
+static void other_bits_without_a_worse_value_are_moved_and_pass( void** state )
+{
+    (void)state;
+    run_ok( "gate record suite.yaml --no-instructions" );
+    write_text( "cloth.yaml", CLOTH( "1.01", "9" ) );
+    run_ok( "gate check suite.yaml --no-instructions" );
+    assert_contains( result.out,
+                     "pass: 5 rows, 1 the same, 4 moved, 0 worse, 0 new" ); // the damping of `short` is its own
+}
+
+static void a_worse_value_is_status_1_with_a_sentence( void** state )
+{
+    (void)state;
+    run_ok( "gate record suite.yaml --no-instructions" );
+    write_text( "cloth.yaml", CLOTH( "1", "17" ) );
+    run( "gate check suite.yaml --no-instructions --github --junit gate.xml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "short: bytes is " );
+    assert_contains( result.out, "::error file=suite.yaml,title=wisp gate::short: bytes is " );
+    assert_contains( result.out, "regression: 5 rows" );
+    size_t size;
+    char* junit = read_bytes( "gate.xml", &size );
+    assert_contains( junit, "failures=\"5\"" );
+    assert_contains( junit, "<failure message=\"bytes is " );
+    free( junit );
+
+    run_ok( "gate accept suite.yaml --no-instructions --reason finer" );
+    run_ok( "gate check suite.yaml --no-instructions" );
+    json_t* base = json_load_file( "suite-base.json", 0, NULL );
+    const json_t* accepted = json_array_get( json_object_get( base, "accepted" ), 0 );
+    assert_string_equal( json_string_value( json_object_get( accepted, "reason" ) ), "finer" );
+    json_decref( base );
+}
+
+static void budgets_decide( void** state )
+{
+    (void)state;
+    run_ok( "gate record suite.yaml --no-instructions" );
+    write_text( "cloth.yaml", CLOTH( "1", "10" ) );
+    run( "gate check suite.yaml --no-instructions" );
+    assert_int_equal( result.status, 1 );
+    char wide[2000];
+    snprintf( wide, sizeof wide, "budgets: { bytes: 100, stretch: 100, energy: 100 }\n%s", suite );
+    write_text( "suite.yaml", wide );
+    run_ok( "gate check suite.yaml --no-instructions" );
+}
+
+static void rows_that_only_one_side_has_are_told( void** state )
+{
+    (void)state;
+    run_ok( "gate record suite.yaml --no-instructions" );
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, vary: { substeps: [4, 6] } }]\n" );
+    run_ok( "gate check suite.yaml --no-instructions" );
+    assert_contains( result.out, "inconclusive: 2 rows" );
+    assert_contains( result.out, "5 rows of the base are not in the suite any more" );
+    run( "gate check suite.yaml --no-instructions --strict" );
+    assert_int_equal( result.status, 1 );
+}
+
+// Where valgrind is installed: the same counts in every run, and one percent more is too much.
+static void instructions_repeat( void** state )
+{
+    (void)state;
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
+    run( "gate record suite.yaml" );
+    if ( result.status != 0 )
+    {
+        assert_contains( result.err, "valgrind" );
+        skip();
+    }
+    run_ok( "gate check suite.yaml" );
+    json_t* base = json_load_file( "suite-base.json", 0, NULL );
+    json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
+    const json_int_t count = json_integer_value( json_object_get( values, "instructions" ) );
+    assert_true( count > 10000 );
+    json_object_set_new( values, "instructions", json_integer( count - count / 100 ) );
+    json_dump_file( base, "suite-base.json", 0 );
+    json_decref( base );
+    run( "gate check suite.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "instructions is " );
+}
+
+typedef struct bad_suite
+{
+    const char *text, *named;
+} bad_suite;
+
+static void bad_suites_are_refused_in_a_sentence( void** state )
+{
+    (void)state;
+    static const bad_suite all[] = {
+        { "", "suite.yaml" },
+        { "scenes: []\n", "wisp_suite: 1" },
+        { "wisp_suite: 2\nscenes: [{ file: cloth.yaml }]\n", "wisp_suite: 1" },
+        { "wisp_suite: 1\nscenes: []\n", "at least one" },
+        { "wisp_suite: 1\nscene: [{ file: cloth.yaml }]\n", "did you mean 'scenes'?" },
+        { "wisp_suite: 1\nscenes: [{ file: none.yaml }]\n", "suite.yaml:2:18: none.yaml" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, varies: {} }]\n", "got key 'varies', expected one of file" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, vary: { substeps: [] } }]\n", "at least one" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, vary: { substeps: 4 } }]\n", "expected a list of values" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, set: { \"surfaces[7].damping\": 1 } }]\n", "names nothing" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, set: { substep: 1 } }]\n", "did you mean 'substeps'?" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, set: { substeps: -1 } }]\n", "substeps" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 21 }]\n", "got 21 steps, the scene has 20" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: soon }]\n", "expected a number of steps" },
+        { "wisp_suite: 1\nscenes: [{ file: cloth.yaml }, { file: cloth.yaml }]\n", "two rows are called 'cloth'" },
+        { "wisp_suite: 1\nbudgets: { byte: 1 }\nscenes: [{ file: cloth.yaml }]\n", "did you mean 'bytes'?" },
+        { "wisp_suite: 1\nbudgets: { bytes: -1 }\nscenes: [{ file: cloth.yaml }]\n", "expected a fraction" },
+        { "wisp_suite: 1\nbudgets: { bytes: much }\nscenes: [{ file: cloth.yaml }]\n", "expected a fraction" },
+    };
+    for ( int i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        write_text( "suite.yaml", all[i].text );
+        assert_refused( "gate record suite.yaml --no-instructions", all[i].named );
+        assert_int_equal( access( "suite-base.json", F_OK ), -1 );
+    }
+}
+
+static void bad_bases_are_refused_and_stay( void** state )
+{
+    (void)state;
+    assert_refused( "gate check suite.yaml", "suite-base.json" );
+    run_ok( "gate record suite.yaml --no-instructions" );
+    size_t size;
+    char* good = read_bytes( "suite-base.json", &size );
+    good[size / 2] = '\0';
+    write_text( "cut.json", good );
+    assert_refused( "gate check suite.yaml --base cut.json", "cut.json" );
+    assert_refused( "gate accept suite.yaml --no-instructions --reason x --base cut.json", "cut.json" );
+    char* still = read_bytes( "cut.json", &size );
+    assert_string_equal( still, good );
+    free( still );
+    free( good );
+    write_text( "other.json", "{ \"wisp_gate\": 99 }" );
+    assert_refused( "gate check suite.yaml --base other.json", "version 99" );
+    write_text( "other.json", "{ \"wisp_gate\": 1, \"suite\": \"suite\" }" );
+    assert_refused( "gate check suite.yaml --base other.json", "the file was edited" );
+    write_text( "other.json", "[]" );
+    assert_refused( "gate check suite.yaml --base other.json", "expected a base file" );
+    write_text( "another.yaml", suite );
+    assert_refused( "gate check another.yaml --base suite-base.json", "of suite 'suite', not of 'another'" );
+}
+
+static void wrong_usage_is_64( void** state )
+{
+    (void)state;
+    assert_usage( "gate", "expected an action" );
+    assert_usage( "gate check", "expected an action and a suite" );
+    assert_usage( "gate chek suite.yaml", "did you mean 'check'?" );
+    assert_usage( "gate accept suite.yaml", "--reason" );
+    assert_refused( "gate step suite.yaml --row 5", "got row 5, the suite has 5" );
+}
+
+int main( int argc, char** argv )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup( what_did_not_change_passes, fresh ),
+        cmocka_unit_test_setup( other_bits_without_a_worse_value_are_moved_and_pass, fresh ),
+        cmocka_unit_test_setup( a_worse_value_is_status_1_with_a_sentence, fresh ),
+        cmocka_unit_test_setup( budgets_decide, fresh ),
+        cmocka_unit_test_setup( rows_that_only_one_side_has_are_told, fresh ),
+        cmocka_unit_test_setup( instructions_repeat, fresh ),
+        cmocka_unit_test_setup( bad_suites_are_refused_in_a_sentence, fresh ),
+        cmocka_unit_test_setup( bad_bases_are_refused_and_stay, fresh ),
+        cmocka_unit_test_setup( wrong_usage_is_64, fresh ),
+    };
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
+}
