@@ -226,11 +226,13 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
 // ---- one run ----
 
 // A failed run still finishes the files it has begun. Its own message is the one that is printed.
-static wisp_status simulate_and_record( const run_options* options, scene_world* world, run_record* record,
-                                        results* out, wisp_error* error )
+static wisp_status simulate_and_record( run_options* options, scene_world* world, run_record* record, results* out,
+                                        wisp_error* error )
 {
     run_recorder* recorder = NULL;
     int steps = options->steps > 0 ? options->steps : world->scene->steps;
+    options->recorder.steps = steps;
+    options->recorder.is_part = options->steps > 0;
     const run_layers_def layers = { options->boundary, options->recorder.every };
     wisp_status status = run_layers_open( &layers, world, steps, &record->layers, error );
     if ( status == WISP_OK )
@@ -277,7 +279,7 @@ static wisp_status check_files( const run_options* options, const wisp_scene* sc
     return command_check_writable( options->output, error );
 }
 
-static wisp_status run_scene( const run_options* options, const wisp_scene* scene, results* out, wisp_error* error )
+static wisp_status run_scene( run_options* options, const wisp_scene* scene, results* out, wisp_error* error )
 {
     scene_world world;
     run_record record = { 0 };

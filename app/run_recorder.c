@@ -186,13 +186,31 @@ static bool same_body( const wisp_record_body* a, const wisp_record_body* b )
            same_numbers( a->offsets, b->offsets, a->strand_count > 0 ? (size_t)a->strand_count + 1 : 0 );
 }
 
-static wisp_status check_proof( run_recorder* r, wisp_error* error )
+// A run that compares less than the recording, or more than it has, proves nothing about the rest.
+static wisp_status check_length( const run_recorder* r, const run_recorder_def* def, wisp_error* error )
+{
+    const int frames = def->steps / r->proof_every + 1;
+    if ( frames == r->proof_frames || ( def->is_part && frames < r->proof_frames ) )
+    {
+        return WISP_OK;
+    }
+    return wisp_fail( error, WISP_BAD_INPUT, "%s: got %d frames, expected %d, since the run has %d steps%s",
+                      r->proof_name, r->proof_frames, frames, def->steps,
+                      frames < r->proof_frames ? "; --steps compares the first ones" : "" );
+}
+
+static wisp_status check_proof( run_recorder* r, const run_recorder_def* def, wisp_error* error )
 {
     wisp_recording_info info = wisp_recording_describe( r->proof );
     const wisp_scene* scene = r->world->scene;
     if ( info.frame_count < 1 )
     {
         return wisp_fail( error, WISP_BAD_INPUT, "%s: got no complete frame, expected at least one", r->proof_name );
+    }
+    if ( !info.complete )
+    {
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: the recording is cut: it has no end after frame %d",
+                          r->proof_name, info.frame_count - 1 );
     }
     if ( info.body_count != r->count )
     {
@@ -214,7 +232,7 @@ static wisp_status check_proof( run_recorder* r, wisp_error* error )
     r->proof_frames = info.frame_count;
     // The recorder multiplied by the number of steps, which is exact enough to be compared with a small tolerance.
     return fabs( steps - r->proof_every ) <= 1e-6 * steps
-               ? WISP_OK
+               ? check_length( r, def, error )
                : wisp_fail( error, WISP_BAD_INPUT,
                             "%s: got frames %g s apart, expected a multiple of the step of %g s", r->proof_name,
                             info.dt, (double)scene->dt );
@@ -226,7 +244,7 @@ static wisp_status open_proof( run_recorder* r, const run_recorder_def* def, wis
     wisp_status status = wisp_recording_open( def->verify, &r->proof, error );
     if ( status == WISP_OK )
     {
-        status = check_proof( r, error );
+        status = check_proof( r, def, error );
     }
     // Only now: a recording that matches the scene does not need more memory than the scene.
     return status != WISP_OK ? status : make_points( r, &r->proof_points ) ? WISP_OK : no_memory( r, error );

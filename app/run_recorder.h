@@ -23,6 +23,8 @@ typedef struct run_recorder_def
     run_track tracks[RUN_TRACKS_MAX];
     int track_count;
     const char* verify; ///< a .wisp recording to be compared, or null
+    int steps;          ///< of the run
+    bool is_part;       ///< only the first steps were asked for: the recording may go on after them
 } run_recorder_def;
 
 typedef struct run_recorder run_recorder;

@@ -90,6 +90,23 @@ static void a_run_verifies_its_recording_on_other_workers( void** state )
     assert_non_null( strstr( result.out, "proof.wisp: 1 frames after the last step" ) );
 }
 
+static void a_recording_that_is_cut_or_of_another_length_proves_nothing( void** state )
+{
+    (void)state;
+    run_ok( "run hair.yaml --record proof.wisp" );
+    run_ok( "run hair.yaml --record short.wisp --steps 2" );
+    assert_refused( "run hair.yaml --verify short.wisp", "short.wisp: got 3 frames, expected 4" );
+    run_ok( "run hair.yaml --verify short.wisp --steps 2" );
+    assert_refused( "run hair.yaml --verify proof.wisp --steps 4", "proof.wisp: got 4 frames, expected 5" );
+    size_t size;
+    char* bytes = read_bytes( "proof.wisp", &size );
+    FILE* cut = fopen( "cut.wisp", "wb" );
+    assert_int_equal( fwrite( bytes, 1, size - 100, cut ), size - 100 );
+    fclose( cut );
+    free( bytes );
+    assert_refused( "run hair.yaml --verify cut.wisp", "cut.wisp: the recording is cut" );
+}
+
 /// A copy in which one number of one vertex in one frame is the next float.
 static void copy_with_one_bit_off( const char* from, const char* to )
 {
@@ -177,6 +194,7 @@ int main( int argc, char** argv )
         cmocka_unit_test( a_recording_has_the_start_and_every_nth_step_with_hashes ),
         cmocka_unit_test( tracks_are_the_points_of_the_recording ),
         cmocka_unit_test( a_run_verifies_its_recording_on_other_workers ),
+        cmocka_unit_test( a_recording_that_is_cut_or_of_another_length_proves_nothing ),
         cmocka_unit_test( a_difference_of_one_bit_is_named_by_frame_body_and_vertex ),
         cmocka_unit_test( a_recording_of_something_else_is_not_compared ),
         cmocka_unit_test( info_names_what_is_wrong_with_a_mesh_by_element ),
