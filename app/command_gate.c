@@ -1,6 +1,7 @@
 #include "commands.h"
 
 #include "gate_check.h"
+#include "gate_paired.h"
 #include "machine.h"
 
 #include <stdlib.h>
@@ -14,6 +15,8 @@ enum
     KEY_STRICT,
     KEY_ROW,
     KEY_ISA,
+    KEY_PAIRED,
+    KEY_TIMES,
 };
 
 static const struct argp_option option_list[] = {
@@ -24,6 +27,8 @@ static const struct argp_option option_list[] = {
     { "no-instructions", KEY_NO_INSTRUCTIONS, 0, 0, "Do not count instructions, for which valgrind is needed", 0 },
     { "isa", KEY_ISA, "SET", 0, "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same", 0 },
     { "row", KEY_ROW, "N", 0, "step: number of the row, counted from 0", 0 },
+    { "times", KEY_TIMES, 0, 0, "step: repeat the row and print its time", 0 },
+    { "paired", KEY_PAIRED, "WISP", 0, "check: compare times with another program, instead of a base file", 0 },
     { NULL, 0, NULL, 0, "Verdict:", 3 },
     { "reason", 'r', "TEXT", 0, "accept: why the new values are right; it is kept in the base file", 0 },
     { "strict", KEY_STRICT, 0, 0, "check: rows that only the suite or only the base has fail, too", 0 },
@@ -49,6 +54,7 @@ static const char doc[] =
     "Examples:\n"
     "  wisp gate record suite.yaml -o base.json\n"
     "  wisp gate check suite.yaml --base base.json --junit gate.xml\n"
+    "  wisp gate check suite.yaml --paired ../old/build/app/wisp\n"
     "\n" STATUS_HELP_UNMET( "a row is worse than its budget allows" );
 
 static const char* const action_words[] = { "record", "check", "accept", "step" };
@@ -65,8 +71,8 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit;
-    bool no_instructions, is_strict, prints_annotations;
+    const char *suite, *base, *isa, *reason, *junit, *paired;
+    bool no_instructions, is_strict, prints_annotations, has_times;
     int row;
     results_format format;
 } gate_options;
@@ -95,6 +101,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_ROW:
             o->row = option_whole( state, "--row", argument, 0, SUITE_MAX_ROWS );
+            return 0;
+        case KEY_PAIRED:
+            o->paired = argument;
+            return 0;
+        case KEY_TIMES:
+            o->has_times = true;
             return 0;
         case KEY_STRICT:
             o->is_strict = true;
@@ -279,15 +291,44 @@ static int check( const gate_suite* suite, const gate_options* o, wisp_error* er
     return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
 }
 
+// ---- times ----
+
+static int compare_times( const gate_suite* suite, const gate_options* o, wisp_error* error )
+{
+    gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
+    results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
+    wisp_status status = checks ? gate_compare_programs( suite, o->suite, o->paired, out.machine.isa, checks, error )
+                                : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    bool is_worse = false;
+    for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        is_worse = is_worse || checks[i].pace == PACE_SLOWER || ( o->is_strict && checks[i].pace != PACE_FINE );
+    }
+    if ( status == WISP_OK )
+    {
+        gate_report_pairs( suite, checks, &out );
+        status = results_write_file( &out, o->format, NULL, error );
+    }
+    results_free( &out );
+    free( checks );
+    return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
+}
+
 static int step_row( const gate_suite* suite, const gate_options* o, wisp_error* error )
 {
     gate_measurement measured;
+    double ns;
     if ( o->row >= suite->row_count )
     {
         wisp_fail( error, WISP_BAD_INPUT, "%s: got row %d, the suite has %d", o->suite, o->row, suite->row_count );
         return command_fail( error );
     }
-    if ( gate_run_row( suite->rows + o->row, o->isa, &measured, error ) != WISP_OK )
+    if ( o->has_times && gate_time_row( suite->rows + o->row, o->isa, &ns, error ) == WISP_OK )
+    {
+        printf( "wisp_gate_ns 1 %.0f\n", ns );
+        return STATUS_GOOD;
+    }
+    if ( o->has_times || gate_run_row( suite->rows + o->row, o->isa, &measured, error ) != WISP_OK )
     {
         return command_fail( error );
     }
@@ -297,6 +338,10 @@ static int step_row( const gate_suite* suite, const gate_options* o, wisp_error*
 
 static int run_action( const gate_suite* suite, const gate_options* o, wisp_error* error )
 {
+    if ( o->action == ACTION_CHECK && o->paired != NULL )
+    {
+        return compare_times( suite, o, error );
+    }
     if ( o->action == ACTION_CHECK || o->action == ACTION_STEP )
     {
         return o->action == ACTION_CHECK ? check( suite, o, error ) : step_row( suite, o, error );

@@ -196,6 +196,23 @@ static void bad_bases_are_refused_and_stay( void** state )
     assert_refused( "gate check another.yaml --base suite-base.json", "of suite 'suite', not of 'another'" );
 }
 
+// A program that says it needs a fifth less; a fifth is far beyond the noise of any machine. Speed itself is not tested.
+static void times_are_compared_with_another_program( void** state )
+{
+    (void)state;
+    char script[5000];
+    snprintf( script, sizeof script,
+              "#!/bin/sh\n'%s' \"$@\" | awk '{ printf \"%%s %%s %%.0f\\n\", $1, $2, 0.5 * $3 }'\n", program );
+    write_text( "faster", script );
+    assert_int_equal( chmod( "faster", 0755 ), 0 );
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
+    run( "gate check suite.yaml --paired ./faster" );
+    assert_true( result.status == 1 || strstr( result.out, "not measurable" ) != NULL );
+    assert_contains( result.out, "Time against the other program" );
+    assert_refused( "gate check suite.yaml --paired /bin/true", "/bin/true: expected a Wisp" );
+    assert_refused( "gate check suite.yaml --paired none", "none: expected a Wisp" );
+}
+
 static void wrong_usage_is_64( void** state )
 {
     (void)state;
@@ -217,6 +234,7 @@ int main( int argc, char** argv )
         cmocka_unit_test_setup( instructions_repeat, fresh ),
         cmocka_unit_test_setup( bad_suites_are_refused_in_a_sentence, fresh ),
         cmocka_unit_test_setup( bad_bases_are_refused_and_stay, fresh ),
+        cmocka_unit_test_setup( times_are_compared_with_another_program, fresh ),
         cmocka_unit_test_setup( wrong_usage_is_64, fresh ),
     };
     return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;

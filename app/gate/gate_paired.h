@@ -1,0 +1,39 @@
+/// Times of two programs, compared in pairs: both run a row by turns, so that what slows one down slows the other down too.
+#pragma once
+
+#include "suite.h"
+
+#include "results.h"
+
+typedef enum gate_pace
+{
+    PACE_FINE,           ///< not slower than allowed
+    PACE_DOUBT,          ///< not decided after the last round
+    PACE_NOT_MEASURABLE, ///< one program differs from itself by too much
+    PACE_SLOWER,
+    PACE_COUNT,
+} gate_pace;
+
+typedef struct gate_pair_check
+{
+    gate_pace pace;
+    int rounds;
+    double slower;       ///< mean of log( new / old )
+    double lower, upper; ///< its interval of 95 %
+    double noise;        ///< standard deviation of log( old / old )
+    double p;            ///< of a slow-down beyond what is allowed, by flipping signs
+} gate_pair_check;
+
+/// Time a row in this process. @param out ns of processor time of all steps, the 10th percentile of repeated runs
+wisp_status gate_time_row( const suite_row* row, const char* isa, double* out, wisp_error* error );
+
+/// Compare all rows. @param old_program a Wisp that knows `gate step --times`
+/// @param out [row_count]
+/// @return WISP_BAD_INPUT the other program cannot time a row of this suite
+wisp_status gate_compare_programs( const gate_suite* suite, const char* suite_path, const char* old_program,
+                                   const char* isa, gate_pair_check* out, wisp_error* error );
+
+void gate_report_pairs( const gate_suite* suite, const gate_pair_check* checks, results* out );
+
+/// Probability of a mean at least as large if each value had a random sign, exactly for up to 16 values.
+double gate_sign_flip( const double* values, int count );
