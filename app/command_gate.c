@@ -17,6 +17,8 @@ enum
     KEY_ISA,
     KEY_PAIRED,
     KEY_TIMES,
+    KEY_SLOW,
+    KEY_TRIALS,
 };
 
 static const struct argp_option option_list[] = {
@@ -26,8 +28,10 @@ static const struct argp_option option_list[] = {
     { NULL, 0, NULL, 0, "Measuring:", 2 },
     { "no-instructions", KEY_NO_INSTRUCTIONS, 0, 0, "Do not count instructions, for which valgrind is needed", 0 },
     { "isa", KEY_ISA, "SET", 0, "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same", 0 },
-    { "row", KEY_ROW, "N", 0, "step: number of the row, counted from 0", 0 },
+    { "row", KEY_ROW, "N", 0, "step, self-test: number of the row, counted from 0", 0 },
     { "times", KEY_TIMES, 0, 0, "step: repeat the row and print its time", 0 },
+    { "slow", KEY_SLOW, "F", OPTION_HIDDEN, "step: waste this fraction of each step's time", 0 },
+    { "trials", KEY_TRIALS, "N", 0, "self-test: gates of each slow-down, default 10", 0 },
     { "paired", KEY_PAIRED, "WISP", 0, "check: compare times with another program, instead of a base file", 0 },
     { NULL, 0, NULL, 0, "Verdict:", 3 },
     { "reason", 'r', "TEXT", 0, "accept: why the new values are right; it is kept in the base file", 0 },
@@ -43,13 +47,15 @@ static const char doc[] =
     "Measure the scenes of a suite and fail if one became worse.\n"
     "\v"
     "Actions:\n"
-    "  record SUITE   measure all rows and write the base file\n"
-    "  check SUITE    measure all rows and compare them with the base file\n"
-    "  accept SUITE   the same as record, with a reason, which the base file keeps\n"
-    "  step SUITE     only run the steps of one row, for profilers\n"
+    "  record SUITE     measure all rows and write the base file\n"
+    "  check SUITE      measure all rows and compare them with the base file\n"
+    "  accept SUITE     the same as record, with a reason, which the base file keeps\n"
+    "  self-test SUITE  compare times of this program with itself, slowed down, and count what is found\n"
+    "  step SUITE       only run the steps of one row, for profilers\n"
     "\n"
-    "What is compared is the same in every run: bits of all points, instructions, bytes, allocations, stretch,\n"
-    "energy, penetration, intersections, resets. docs/gate.md has the format of suites and of budgets.\n"
+    "What is compared is the same in every run: bits of all points, instructions, bytes,\n"
+    "allocations, stretch, energy, penetration, intersections, resets. docs/gate.md has the format\n"
+    "of suites and of budgets.\n"
     "\n"
     "Examples:\n"
     "  wisp gate record suite.yaml -o base.json\n"
@@ -57,7 +63,7 @@ static const char doc[] =
     "  wisp gate check suite.yaml --paired ../old/build/app/wisp\n"
     "\n" STATUS_HELP_UNMET( "a row is worse than its budget allows" );
 
-static const char* const action_words[] = { "record", "check", "accept", "step" };
+static const char* const action_words[] = { "record", "check", "accept", "step", "self-test" };
 
 typedef enum gate_action
 {
@@ -65,6 +71,7 @@ typedef enum gate_action
     ACTION_CHECK,
     ACTION_ACCEPT,
     ACTION_STEP,
+    ACTION_SELF_TEST,
 } gate_action;
 
 typedef struct gate_options
@@ -73,7 +80,8 @@ typedef struct gate_options
     gate_action action;
     const char *suite, *base, *isa, *reason, *junit, *paired;
     bool no_instructions, is_strict, prints_annotations, has_times;
-    int row;
+    int row, trials;
+    double slow;
     results_format format;
 } gate_options;
 
@@ -104,6 +112,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_PAIRED:
             o->paired = argument;
+            return 0;
+        case KEY_SLOW:
+            o->slow = option_positive( state, "--slow", argument, 10.0 );
+            return 0;
+        case KEY_TRIALS:
+            o->trials = option_whole( state, "--trials", argument, 1, 100000 );
             return 0;
         case KEY_TIMES:
             o->has_times = true;
@@ -314,16 +328,21 @@ static int compare_times( const gate_suite* suite, const gate_options* o, wisp_e
     return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
 }
 
+static int test_itself( const gate_suite* suite, const gate_options* o, wisp_error* error )
+{
+    results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
+    wisp_status status =
+        gate_self_test( suite, o->suite, o->row, out.machine.isa, o->trials > 0 ? o->trials : 10, &out, error );
+    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
+    results_free( &out );
+    return status == WISP_OK ? STATUS_GOOD : command_fail( error );
+}
+
 static int step_row( const gate_suite* suite, const gate_options* o, wisp_error* error )
 {
     gate_measurement measured;
     double ns;
-    if ( o->row >= suite->row_count )
-    {
-        wisp_fail( error, WISP_BAD_INPUT, "%s: got row %d, the suite has %d", o->suite, o->row, suite->row_count );
-        return command_fail( error );
-    }
-    if ( o->has_times && gate_time_row( suite->rows + o->row, o->isa, &ns, error ) == WISP_OK )
+    if ( o->has_times && gate_time_row( suite->rows + o->row, o->isa, o->slow, &ns, error ) == WISP_OK )
     {
         printf( "wisp_gate_ns 1 %.0f\n", ns );
         return STATUS_GOOD;
@@ -338,6 +357,15 @@ static int step_row( const gate_suite* suite, const gate_options* o, wisp_error*
 
 static int run_action( const gate_suite* suite, const gate_options* o, wisp_error* error )
 {
+    if ( o->row >= suite->row_count )
+    {
+        wisp_fail( error, WISP_BAD_INPUT, "%s: got row %d, the suite has %d", o->suite, o->row, suite->row_count );
+        return command_fail( error );
+    }
+    if ( o->action == ACTION_SELF_TEST )
+    {
+        return test_itself( suite, o, error );
+    }
     if ( o->action == ACTION_CHECK && o->paired != NULL )
     {
         return compare_times( suite, o, error );

@@ -110,6 +110,30 @@ static void label( const suite_row* row, char* out, size_t size )
     snprintf( out, size, "%s%s%s", row->name, row->variant[0] ? ", " : "", row->variant );
 }
 
+// A row for machines: values, the base's with `base_` before their names, and whether one is worse.
+static void add_row( const suite_row* row, const gate_row_check* check, results* out )
+{
+    results_row* r = results_add_row( out, row->name, row->variant );
+    if ( r == NULL )
+    {
+        return; // the results report it
+    }
+    r->workers = 1;
+    r->steps = check->now.steps;
+    r->hash = check->now.hash;
+    r->has_hash = true;
+    results_put( &r->size, "is_same", check->state == GATE_SAME ? 1.0 : 0.0 );
+    results_put( &r->size, "is_worse", check->state == GATE_WORSE ? 1.0 : 0.0 );
+    results_put( &r->size, "is_new", check->state == GATE_NEW ? 1.0 : 0.0 );
+    for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
+    {
+        char name[64];
+        results_put( &r->size, suite_measures[m].name, check->now.values[m] );
+        snprintf( name, sizeof name, "base_%s", suite_measures[m].name );
+        results_put( &r->size, name, check->base ? check->base->measured.values[m] : NAN );
+    }
+}
+
 void gate_report( const gate_suite* suite, const gate_row_check* checks, results* out )
 {
     const char* const header[] = { "row", "verdict", "instructions", "bytes", "allocations", "accuracy" };
@@ -128,6 +152,7 @@ void gate_report( const gate_suite* suite, const gate_row_check* checks, results
                            ( const char* const[] ){ name, gate_state_names[checks[i].state], cells[0], cells[1],
                                                     cells[2], checks[i].base ? accuracy : "-" } );
         counts[checks[i].state] += 1;
+        add_row( suite->rows + i, checks + i, out );
     }
     for ( int i = 0; i < suite->row_count; ++i )
     {

@@ -37,7 +37,8 @@ static double seconds_used( void )
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-static wisp_status time_run( const wisp_scene* scene, int steps, const char* isa, double* out, wisp_error* error )
+static wisp_status time_run( const wisp_scene* scene, int steps, const char* isa, double slow, double* out,
+                             wisp_error* error )
 {
     const scene_world_options options = { .workers = 1, .isa = isa, .is_quiet = true };
     scene_world world;
@@ -49,7 +50,12 @@ static wisp_status time_run( const wisp_scene* scene, int steps, const char* isa
     const double start = seconds_used();
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
+        const double before = seconds_used();
         status = scene_world_step( &world, error );
+        const double after = seconds_used();
+        while ( slow > 0.0 && seconds_used() - after < slow * ( after - before ) )
+        {
+        }
     }
     *out = seconds_used() - start;
     scene_world_destroy( &world );
@@ -62,7 +68,7 @@ static int by_size( const void* a, const void* b )
     return ( x > y ) - ( x < y );
 }
 
-wisp_status gate_time_row( const suite_row* row, const char* isa, double* out, wisp_error* error )
+wisp_status gate_time_row( const suite_row* row, const char* isa, double slow, double* out, wisp_error* error )
 {
     double times[MOST_RUNS], sum = 0.0;
     wisp_scene scene;
@@ -74,7 +80,7 @@ wisp_status gate_time_row( const suite_row* row, const char* isa, double* out, w
     int count = 0;
     for ( ; status == WISP_OK && count < MOST_RUNS && ( count < LEAST_RUNS || sum < PROCESS_SECONDS ); ++count )
     {
-        status = time_run( &scene, row->steps > 0 ? row->steps : scene.steps, isa, times + count, error );
+        status = time_run( &scene, row->steps > 0 ? row->steps : scene.steps, isa, slow, times + count, error );
         sum += times[count];
     }
     wisp_scene_release( &scene );
@@ -85,13 +91,25 @@ wisp_status gate_time_row( const suite_row* row, const char* isa, double* out, w
 
 // ---- processes ----
 
-static _Noreturn void be_child( const char* program, const char* suite, int number, const char* isa, int out )
+typedef struct timed_program
 {
-    char row[32], set[32];
+    const char* path;
+    double slow;
+} timed_program;
+
+static _Noreturn void be_child( const timed_program* program, const char* suite, int number, const char* isa,
+                                int out )
+{
+    char row[32], set[32], slow[32];
     snprintf( row, sizeof row, "--row=%d", number );
+    snprintf( slow, sizeof slow, "--slow=%g", program->slow );
     snprintf( set, sizeof set, "--isa=%s", isa );
-    char* const arguments[] = { (char*)(uintptr_t)program, "gate", "step", "--times", row,
-                                (char*)(uintptr_t)suite,   set,    NULL };
+    char* arguments[] = { (char*)(uintptr_t)program->path, "gate", "step", "--times", row, set,
+                          (char*)(uintptr_t)suite,         NULL,   NULL };
+    if ( program->slow > 0.0 )
+    {
+        arguments[7] = slow; // other programs need not know it
+    }
     // the last processor: the first one serves most interrupts
     cpu_set_t mine;
     CPU_ZERO( &mine );
@@ -99,12 +117,12 @@ static _Noreturn void be_child( const char* program, const char* suite, int numb
     sched_setaffinity( 0, sizeof mine, &mine );
     dup2( out, STDOUT_FILENO );
     dup2( open( "/dev/null", O_RDWR ), STDERR_FILENO );
-    execv( program, arguments );
+    execv( program->path, arguments );
     _exit( 127 );
 }
 
-static wisp_status time_in_process( const char* program, const char* suite, int number, const char* isa, double* out,
-                                    wisp_error* error )
+static wisp_status time_in_process( const timed_program* program, const char* suite, int number, const char* isa,
+                                    double* out, wisp_error* error )
 {
     int ends[2];
     fflush( NULL );
@@ -134,7 +152,7 @@ static wisp_status time_in_process( const char* program, const char* suite, int 
     *out = is_good ? strtod( text + 15, NULL ) : 0.0;
     return *out > 0.0 ? WISP_OK
                       : wisp_fail( error, WISP_BAD_INPUT, "%s: expected a Wisp that can run and time row %d of %s",
-                                   program, number, suite );
+                                   program->path, number, suite );
 }
 
 // ---- statistics ----
@@ -199,7 +217,7 @@ static void judge( const double* ratios, const double* own, int count, gate_pair
     out->p = gate_sign_flip( beyond, count );
 }
 
-static wisp_status compare_row( int number, const char* const programs[2], const char* suite_path, const char* isa,
+static wisp_status compare_row( int number, const timed_program programs[2], const char* suite_path, const char* isa,
                                 gate_pair_check* out, wisp_error* error )
 {
     static const int order[] = { 0, 1, 1, 0 };
@@ -210,7 +228,7 @@ static wisp_status compare_row( int number, const char* const programs[2], const
         double times[4] = { 1.0, 1.0, 1.0, 1.0 };
         for ( int k = 0; k < 4 && status == WISP_OK; ++k )
         {
-            status = time_in_process( programs[order[k]], suite_path, number, isa, times + k, error );
+            status = time_in_process( programs + order[k], suite_path, number, isa, times + k, error );
         }
         ratios[round] = 0.5 * log( times[1] * times[2] / ( times[0] * times[3] ) );
         own[round] = log( times[3] / times[0] );
@@ -249,18 +267,20 @@ static void decide( int count, gate_pair_check* checks )
     }
 }
 
+static wisp_status find_own_path( char* out, size_t size, wisp_error* error )
+{
+    const ssize_t length = readlink( "/proc/self/exe", out, size - 1 );
+    out[length > 0 ? length : 0] = '\0';
+    return length > 0 ? WISP_OK
+                      : wisp_fail( error, WISP_IO_ERROR, "gate: this program was not found: %s", strerror( errno ) );
+}
+
 wisp_status gate_compare_programs( const gate_suite* suite, const char* suite_path, const char* old_program,
                                    const char* isa, gate_pair_check* out, wisp_error* error )
 {
     char own[4096];
-    const ssize_t length = readlink( "/proc/self/exe", own, sizeof own - 1 );
-    if ( length <= 0 )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "gate: this program was not found: %s", strerror( errno ) );
-    }
-    own[length] = '\0';
-    const char* const programs[] = { old_program, own };
-    wisp_status status = WISP_OK;
+    wisp_status status = find_own_path( own, sizeof own, error );
+    const timed_program programs[] = { { old_program, 0.0 }, { own, 0.0 } };
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
         status = compare_row( i, programs, suite_path, isa, out + i, error );
@@ -268,6 +288,59 @@ wisp_status gate_compare_programs( const gate_suite* suite, const char* suite_pa
     if ( status == WISP_OK )
     {
         decide( suite->row_count, out );
+    }
+    return status;
+}
+
+// ---- self-test ----
+
+// Bounds of a rate of 95 % (Wilson 1927).
+static void bound_rate( int found, int trials, double* lower, double* upper )
+{
+    const double z = 1.96, n = trials, rate = found / n, centre = rate + z * z / ( 2.0 * n );
+    const double half = z * sqrt( rate * ( 1.0 - rate ) / n + z * z / ( 4.0 * n * n ) );
+    *lower = ( centre - half ) / ( 1.0 + z * z / n );
+    *upper = ( centre + half ) / ( 1.0 + z * z / n );
+}
+
+wisp_status gate_self_test( const gate_suite* suite, const char* suite_path, int number, const char* isa, int trials,
+                            results* out, wisp_error* error )
+{
+    static const double slow[] = { 0.0, 0.02, 0.03, 0.05 };
+    const char* const header[] = { "slower by", "gates", "found", "rate", "from", "to", "not measurable" };
+    const int table = results_add_table( out, "What the gate finds of itself", WISP_COUNT( header ), header );
+    char own[4096];
+    wisp_status status = find_own_path( own, sizeof own, error );
+    for ( int k = 0; k < WISP_COUNT( slow ) && status == WISP_OK; ++k )
+    {
+        const timed_program programs[] = { { own, 0.0 }, { own, slow[k] } };
+        int found = 0, unmeasured = 0;
+        for ( int t = 0; t < trials && status == WISP_OK; ++t )
+        {
+            gate_pair_check check = { 0 };
+            status = compare_row( number, programs, suite_path, isa, &check, error );
+            decide( 1, &check );
+            found += status == WISP_OK && check.pace == PACE_SLOWER ? 1 : 0;
+            unmeasured += status == WISP_OK && check.pace == PACE_NOT_MEASURABLE ? 1 : 0;
+        }
+        double lower, upper;
+        bound_rate( found, trials, &lower, &upper );
+        char cells[7][24];
+        snprintf( cells[0], sizeof cells[0], "%.0f %%", 100.0 * slow[k] );
+        snprintf( cells[1], sizeof cells[1], "%d", trials );
+        snprintf( cells[2], sizeof cells[2], "%d", found );
+        snprintf( cells[3], sizeof cells[3], "%.1f %%", 100.0 * found / trials );
+        snprintf( cells[4], sizeof cells[4], "%.1f %%", 100.0 * lower );
+        snprintf( cells[5], sizeof cells[5], "%.1f %%", 100.0 * upper );
+        snprintf( cells[6], sizeof cells[6], "%d", unmeasured );
+        results_add_cells(
+            out, table,
+            ( const char* const[] ){ cells[0], cells[1], cells[2], cells[3], cells[4], cells[5], cells[6] } );
+    }
+    if ( status == WISP_OK )
+    {
+        results_add_note( out, "gate %s: row %s, slowed down by 0 %%: what is found there is a false alarm",
+                          suite->name, suite->rows[number].name );
     }
     return status;
 }
@@ -297,6 +370,18 @@ void gate_report_pairs( const gate_suite* suite, const gate_pair_check* checks, 
             out, table,
             ( const char* const[] ){ name, names[c->pace], cells[0], cells[1], cells[2], cells[3], cells[4] } );
         counts[c->pace] += 1;
+        results_row* row = results_add_row( out, suite->rows[i].name, suite->rows[i].variant );
+        if ( row != NULL )
+        {
+            results_put( &row->size, "is_slower", c->pace == PACE_SLOWER ? 1.0 : 0.0 );
+            results_put( &row->size, "is_as_fast", c->pace == PACE_FINE ? 1.0 : 0.0 );
+            results_put( &row->size, "ratio", exp( c->slower ) );
+            results_put( &row->size, "ratio_lower", exp( c->lower ) );
+            results_put( &row->size, "ratio_upper", exp( c->upper ) );
+            results_put( &row->size, "noise", c->noise );
+            results_put( &row->size, "rounds", c->rounds );
+            results_put( &row->size, "p", c->p );
+        }
     }
     results_add_note(
         out, "gate %s: time: %s: %d rows, %d as fast, %d in doubt, %d not measurable, %d slower", suite->name,

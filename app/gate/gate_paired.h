@@ -24,8 +24,10 @@ typedef struct gate_pair_check
     double p;            ///< of a slow-down beyond what is allowed, by flipping signs
 } gate_pair_check;
 
-/// Time a row in this process. @param out ns of processor time of all steps, the 10th percentile of repeated runs
-wisp_status gate_time_row( const suite_row* row, const char* isa, double* out, wisp_error* error );
+/// Time a row in this process.
+/// @param slow fraction of each step's time that is wasted after it, to see whether that is found
+/// @param out ns of processor time of all steps, the 10th percentile of repeated runs
+wisp_status gate_time_row( const suite_row* row, const char* isa, double slow, double* out, wisp_error* error );
 
 /// Compare all rows. @param old_program a Wisp that knows `gate step --times`
 /// @param out [row_count]
@@ -34,6 +36,11 @@ wisp_status gate_compare_programs( const gate_suite* suite, const char* suite_pa
                                    const char* isa, gate_pair_check* out, wisp_error* error );
 
 void gate_report_pairs( const gate_suite* suite, const gate_pair_check* checks, results* out );
+
+/// Compare this program with itself, slowed down by 0, 2, 3 and 5 %, and report how often that was found.
+/// @param trials of each
+wisp_status gate_self_test( const gate_suite* suite, const char* suite_path, int number, const char* isa, int trials,
+                            results* out, wisp_error* error );
 
 /// Probability of a mean at least as large if each value had a random sign, exactly for up to 16 values.
 double gate_sign_flip( const double* values, int count );

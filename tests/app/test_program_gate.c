@@ -211,6 +211,8 @@ static void times_are_compared_with_another_program( void** state )
     assert_contains( result.out, "Time against the other program" );
     assert_refused( "gate check suite.yaml --paired /bin/true", "/bin/true: expected a Wisp" );
     assert_refused( "gate check suite.yaml --paired none", "none: expected a Wisp" );
+    run_ok( "gate self-test suite.yaml --trials 1" );
+    assert_contains( result.out, "What the gate finds of itself" );
 }
 
 static void wrong_usage_is_64( void** state )
