@@ -21,7 +21,7 @@ typedef struct bench_arguments
     results_format format;
     const char* output;
     const char* report;
-    const bench_case* chosen[CASES_MAX];
+    bench_case chosen[CASES_MAX]; ///< cases, and suites, which have no function
     int chosen_count;
     bool only_list;
 } bench_arguments;
@@ -44,6 +44,7 @@ enum
 };
 
 static const char doc[] = "Measure time, error and hash together. Without a CASE all cases run.\n"
+                          "A SUITE is a YAML file of scenes and settings: docs/gate.md has its format.\n"
                           "\v"
                           "A check fails if hashes differ between worker counts, if an error is above its\n"
                           "tolerance, or if a hard case breaks. Its line begins with FAILED.\n"
@@ -51,6 +52,7 @@ static const char doc[] = "Measure time, error and hash together. Without a CASE
                           "Examples:\n"
                           "  wisp bench --list\n"
                           "  wisp bench cloth --quick --report cloth.html\n"
+                          "  wisp bench suite.yaml\n"
                           "\n" STATUS_HELP_UNMET( "a check failed" );
 
 static const struct argp_option option_list[] = {
@@ -71,6 +73,12 @@ static const struct argp_option option_list[] = {
     { 0 },
 };
 
+// A suite is a file. Cases have neither a folder nor an extension.
+static bool is_path( const char* word )
+{
+    return strchr( word, '/' ) != NULL || strchr( word, '.' ) != NULL;
+}
+
 static void choose_case( struct argp_state* state, bench_arguments* arguments, const char* word )
 {
     int count;
@@ -80,12 +88,13 @@ static void choose_case( struct argp_state* state, bench_arguments* arguments, c
     {
         names[i] = cases[i].name;
     }
-    int place = option_word( state, "CASE", word, names, count < CASES_MAX ? count : CASES_MAX );
     if ( arguments->chosen_count == CASES_MAX )
     {
         argp_error( state, "no more than %d cases in one run", CASES_MAX );
     }
-    arguments->chosen[arguments->chosen_count++] = &cases[place];
+    arguments->chosen[arguments->chosen_count++] =
+        is_path( word ) ? ( bench_case ){ .name = word }
+                        : cases[option_word( state, "CASE", word, names, count < CASES_MAX ? count : CASES_MAX )];
 }
 
 static void choose_scene( struct argp_state* state, bench_arguments* arguments, const char* word )
@@ -122,7 +131,7 @@ static void check_option( struct argp_state* state, const bench_arguments* argum
     for ( int i = 0; i < arguments->chosen_count; ++i )
     {
         char word[40];
-        snprintf( word, sizeof( word ), " %s ", arguments->chosen[i]->name );
+        snprintf( word, sizeof( word ), " %s ", arguments->chosen[i].name );
         runs = runs || strstr( names, word ) != NULL;
     }
     if ( runs == false )
@@ -232,7 +241,7 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     const bench_case* cases = bench_cases( &count );
     for ( int i = 0; arguments->chosen_count == 0 && i < count && i < CASES_MAX; ++i )
     {
-        arguments->chosen[i] = &cases[i];
+        arguments->chosen[i] = cases[i];
     }
     count = arguments->chosen_count > 0 ? arguments->chosen_count : count;
 
@@ -242,7 +251,9 @@ static wisp_status run_cases( bench_arguments* arguments, results* out, wisp_err
     wisp_status status = WISP_OK;
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
-        status = arguments->chosen[i]->run( &arguments->options, out, error );
+        const bench_case* chosen = arguments->chosen + i;
+        status = chosen->run ? chosen->run( &arguments->options, out, error )
+                             : suite_bench( chosen->name, &arguments->options, out, error );
     }
     progress_end( &bar );
     return status;
@@ -256,7 +267,7 @@ static void name_cases( const bench_arguments* arguments, char* out, size_t size
     size_t used = (size_t)snprintf( out, size, "%s", arguments->chosen_count == 0 ? "all cases" : "" );
     for ( int i = 0; i < arguments->chosen_count && used < size; ++i )
     {
-        used += (size_t)snprintf( out + used, size - used, "%s%s", i > 0 ? ", " : "", arguments->chosen[i]->name );
+        used += (size_t)snprintf( out + used, size - used, "%s%s", i > 0 ? ", " : "", arguments->chosen[i].name );
     }
 }
 
@@ -293,7 +304,7 @@ int main( int argc, char** argv )
     char program[] = "wisp bench";
     argv[0] = program;
     bench_arguments arguments = { .options = bench_default_options() };
-    const struct argp parser = { option_list, parse, "[CASE...]", doc, NULL, NULL, NULL };
+    const struct argp parser = { option_list, parse, "[CASE|SUITE...]", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &arguments );
     if ( arguments.only_list )
     {

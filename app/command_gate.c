@@ -169,14 +169,14 @@ static char* default_base( const char* suite )
     return path;
 }
 
-static wisp_status measure_all( const gate_suite* suite, const gate_options* o, gate_measurement* out,
+static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out,
                                 wisp_error* error )
 {
-    const gate_measure_options options = { .isa = o->isa, .counts = !o->no_instructions, .suite_path = o->suite };
+    const suite_measure_options options = { .isa = o->isa, .counts = !o->no_instructions, .suite_path = o->suite };
     wisp_status status = WISP_OK;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
-        status = gate_measure_row( suite, i, &options, out + i, error );
+        status = suite_measure_row( suite, i, &options, out + i, error );
     }
     return status;
 }
@@ -197,7 +197,7 @@ static wisp_status add_reason( gate_base* base, const char* text, wisp_error* er
     return WISP_OK;
 }
 
-static wisp_status fill_base( const gate_suite* suite, const gate_measurement* measured, gate_base* base,
+static wisp_status fill_base( const wisp_suite* suite, const suite_measurement* measured, gate_base* base,
                               wisp_error* error )
 {
     const machine_info machine = machine_describe( "" );
@@ -217,7 +217,7 @@ static wisp_status fill_base( const gate_suite* suite, const gate_measurement* m
     return base->rows ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
 }
 
-static wisp_status check_suite( const gate_base* base, const gate_suite* suite, const char* path, wisp_error* error )
+static wisp_status check_suite( const gate_base* base, const wisp_suite* suite, const char* path, wisp_error* error )
 {
     return strcmp( base->suite, suite->name ) == 0
                ? WISP_OK
@@ -225,7 +225,7 @@ static wisp_status check_suite( const gate_base* base, const gate_suite* suite, 
                             suite->name );
 }
 
-static wisp_status record( const gate_suite* suite, const gate_options* o, const gate_measurement* measured,
+static wisp_status record( const wisp_suite* suite, const gate_options* o, const suite_measurement* measured,
                            wisp_error* error )
 {
     gate_base base = { 0 };
@@ -249,8 +249,8 @@ static wisp_status record( const gate_suite* suite, const gate_options* o, const
 
 // ---- check ----
 
-static wisp_status report( const gate_suite* suite, const gate_options* o, const gate_base* base,
-                           const gate_measurement* measured, bool* is_worse, wisp_error* error )
+static wisp_status report( const wisp_suite* suite, const gate_options* o, const gate_base* base,
+                           const suite_measurement* measured, bool* is_worse, wisp_error* error )
 {
     gate_row_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
     if ( checks == NULL )
@@ -287,13 +287,13 @@ static wisp_status report( const gate_suite* suite, const gate_options* o, const
     return status;
 }
 
-static int check( const gate_suite* suite, const gate_options* o, wisp_error* error )
+static int check( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     gate_base base;
     bool is_worse = false;
     wisp_status status = gate_base_read( o->base, &base, error );
     status = status == WISP_OK ? check_suite( &base, suite, o->base, error ) : status;
-    gate_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
     if ( status == WISP_OK )
     {
         status = measured ? measure_all( suite, o, measured, error )
@@ -307,7 +307,7 @@ static int check( const gate_suite* suite, const gate_options* o, wisp_error* er
 
 // ---- times ----
 
-static int compare_times( const gate_suite* suite, const gate_options* o, wisp_error* error )
+static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
@@ -328,7 +328,7 @@ static int compare_times( const gate_suite* suite, const gate_options* o, wisp_e
     return status != WISP_OK ? command_fail( error ) : is_worse ? STATUS_UNMET : STATUS_GOOD;
 }
 
-static int test_itself( const gate_suite* suite, const gate_options* o, wisp_error* error )
+static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     wisp_status status =
@@ -338,16 +338,16 @@ static int test_itself( const gate_suite* suite, const gate_options* o, wisp_err
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );
 }
 
-static int step_row( const gate_suite* suite, const gate_options* o, wisp_error* error )
+static int step_row( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
-    gate_measurement measured;
+    suite_measurement measured;
     double ns;
     if ( o->has_times && gate_time_row( suite->rows + o->row, o->isa, o->slow, &ns, error ) == WISP_OK )
     {
         printf( "wisp_gate_ns 1 %.0f\n", ns );
         return STATUS_GOOD;
     }
-    if ( o->has_times || gate_run_row( suite->rows + o->row, o->isa, &measured, error ) != WISP_OK )
+    if ( o->has_times || suite_run_row( suite->rows + o->row, o->isa, NULL, &measured, error ) != WISP_OK )
     {
         return command_fail( error );
     }
@@ -355,7 +355,7 @@ static int step_row( const gate_suite* suite, const gate_options* o, wisp_error*
     return STATUS_GOOD;
 }
 
-static int run_action( const gate_suite* suite, const gate_options* o, wisp_error* error )
+static int run_action( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     if ( o->row >= suite->row_count )
     {
@@ -375,7 +375,7 @@ static int run_action( const gate_suite* suite, const gate_options* o, wisp_erro
         return o->action == ACTION_CHECK ? check( suite, o, error ) : step_row( suite, o, error );
     }
     wisp_status status = command_check_writable( o->base, error );
-    gate_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
+    suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
     if ( status == WISP_OK )
     {
         status = measured ? measure_all( suite, o, measured, error )
@@ -394,7 +394,7 @@ int command_gate( int argc, char** argv )
     char* beside = options.base ? NULL : default_base( options.suite );
     options.base = options.base ? options.base : beside;
     wisp_error error = { 0 };
-    gate_suite all;
+    wisp_suite all;
     const int status = suite_read( options.suite, &all, &error ) == WISP_OK ? run_action( &all, &options, &error )
                                                                             : command_fail( &error );
     suite_release( &all );

@@ -1,5 +1,7 @@
 #include "balloon_scene.h"
 
+#include "bench_data.h"
+
 #include "wisp/module/components.h"
 #include "wisp/module/module.h"
 
@@ -41,7 +43,9 @@ wisp_status balloon_mesh_figure( wisp_mesh* out, const char** name, wisp_error* 
 {
     wisp_error unread = { 0 };
     *name = "bunny";
-    wisp_status status = wisp_mesh_read( BENCH_DATA "/bunny.obj", out, &unread );
+    char path[1024];
+    bench_data_path( "bunny.obj", path, sizeof path );
+    wisp_status status = wisp_mesh_read( path, out, &unread );
     if ( status == WISP_IO_ERROR )
     {
         wisp_mesh_generator generator = wisp_default_mesh_generator( WISP_MESH_PEAR );

@@ -1,5 +1,7 @@
 #include "compare_plan.h"
 
+#include "accuracy/accuracy_reference.h"
+
 #include <stdio.h>
 
 const char* const compare_method_names[COMPARE_METHOD_COUNT] = { "pbd", "xpbd", "implicit" };
@@ -85,7 +87,7 @@ compare_plan compare_default_plan( const bench_options* options )
         .worker_count = options->workers > 1 ? 2 : 1,
         .rounds_max = options->quick ? 1 : 64,
         .seconds = bench_seconds( options ),
-        .folder = BENCH_DATA "/reference",
+        .folder = accuracy_reference_folder(),
         .options = options,
     };
     for ( int i = 0; i < COMPARE_SCENARIO_COUNT; ++i )

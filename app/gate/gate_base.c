@@ -70,7 +70,7 @@ static bool take_hash( const json_t* row, uint64_t* out )
 }
 
 // A value that is null was not measured; one that is not there is an error, since files may be cut.
-static bool take_values( const json_t* row, gate_measurement* out )
+static bool take_values( const json_t* row, suite_measurement* out )
 {
     const json_t* values = json_object_get( row, "values" );
     bool is_whole = json_object_size( values ) == SUITE_MEASURE_COUNT;

@@ -1,7 +1,7 @@
 /// A base file: what the rows of a suite measured when they were good, as JSON.
 #pragma once
 
-#include "gate_measure.h"
+#include "suite_measure.h"
 
 enum
 {
@@ -12,7 +12,7 @@ enum
 typedef struct gate_base_row
 {
     char name[SUITE_MAX_NAME], variant[SUITE_MAX_VARIANT];
-    gate_measurement measured;
+    suite_measurement measured;
 } gate_base_row;
 
 /// Why a base was replaced.

@@ -26,7 +26,7 @@ static void add_message( gate_row_check* out, suite_measure m, double base, doub
               used > 0 ? "; " : "", suite_measures[m].name, now, base, change, most );
 }
 
-void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const gate_measurement* now,
+void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out )
 {
     *out = ( gate_row_check ){ .state = GATE_NEW, .now = *now, .base = gate_base_find( base, row ) };
@@ -35,7 +35,7 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
         snprintf( out->message, sizeof out->message, "the base does not have this row; record or accept it" );
         return;
     }
-    const gate_measurement* was = &out->base->measured;
+    const suite_measurement* was = &out->base->measured;
     out->state = now->hash == was->hash && now->steps == was->steps ? GATE_SAME : GATE_MOVED;
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
@@ -134,7 +134,7 @@ static void add_row( const suite_row* row, const gate_row_check* check, results*
     }
 }
 
-void gate_report( const gate_suite* suite, const gate_row_check* checks, results* out )
+void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out )
 {
     const char* const header[] = { "row", "verdict", "instructions", "bytes", "allocations", "accuracy" };
     int counts[GATE_STATE_COUNT] = { 0 };
@@ -192,7 +192,7 @@ static void write_escaped( FILE* out, const char* text )
     }
 }
 
-static void write_case( FILE* out, const gate_suite* suite, int i, const gate_row_check* check )
+static void write_case( FILE* out, const wisp_suite* suite, int i, const gate_row_check* check )
 {
     char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
     label( suite->rows + i, name, sizeof name );
@@ -210,7 +210,7 @@ static void write_case( FILE* out, const gate_suite* suite, int i, const gate_ro
     fputs( "\"/>\n    </testcase>\n", out );
 }
 
-wisp_status gate_write_junit( const gate_suite* suite, const gate_row_check* checks, const char* path,
+wisp_status gate_write_junit( const wisp_suite* suite, const gate_row_check* checks, const char* path,
                               wisp_error* error )
 {
     int worse = 0, unknown = 0;
@@ -256,7 +256,7 @@ static void print_escaped( const char* text )
     }
 }
 
-void gate_print_annotations( const gate_suite* suite, const gate_row_check* checks, const char* path )
+void gate_print_annotations( const wisp_suite* suite, const gate_row_check* checks, const char* path )
 {
     for ( int i = 0; i < suite->row_count; ++i )
     {

@@ -20,7 +20,7 @@ extern const char* const gate_state_names[GATE_STATE_COUNT];
 typedef struct gate_row_check
 {
     gate_state state;
-    gate_measurement now;
+    suite_measurement now;
     const gate_base_row* base;       ///< null: new
     bool worse[SUITE_MEASURE_COUNT]; ///< which values
     char message[300];               ///< a sentence about them; empty if none is
@@ -30,19 +30,19 @@ typedef struct gate_row_check
 bool gate_counts_are_comparable( const gate_base* base );
 
 /// @param compares_counts instructions too
-void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const gate_measurement* now,
+void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out );
 
 /// Rows of the base that the suite does not have.
 int gate_count_missing( const gate_base* base, const suite_row* rows, int row_count );
 
 /// A line for each row, what is worse, and the verdict last.
-void gate_report( const gate_suite* suite, const gate_row_check* checks, results* out );
+void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out );
 
 /// JUnit's XML: a test case for each row. @return WISP_IO_ERROR
-wisp_status gate_write_junit( const gate_suite* suite, const gate_row_check* checks, const char* path,
+wisp_status gate_write_junit( const wisp_suite* suite, const gate_row_check* checks, const char* path,
                               wisp_error* error );
 
 /// GitHub's annotations, one for each row that is worse or new, to standard output.
 /// @param path of the suite, which they point to
-void gate_print_annotations( const gate_suite* suite, const gate_row_check* checks, const char* path );
+void gate_print_annotations( const wisp_suite* suite, const gate_row_check* checks, const char* path );

@@ -275,7 +275,7 @@ static wisp_status find_own_path( char* out, size_t size, wisp_error* error )
                       : wisp_fail( error, WISP_IO_ERROR, "gate: this program was not found: %s", strerror( errno ) );
 }
 
-wisp_status gate_compare_programs( const gate_suite* suite, const char* suite_path, const char* old_program,
+wisp_status gate_compare_programs( const wisp_suite* suite, const char* suite_path, const char* old_program,
                                    const char* isa, gate_pair_check* out, wisp_error* error )
 {
     char own[4096];
@@ -303,7 +303,7 @@ static void bound_rate( int found, int trials, double* lower, double* upper )
     *upper = ( centre + half ) / ( 1.0 + z * z / n );
 }
 
-wisp_status gate_self_test( const gate_suite* suite, const char* suite_path, int number, const char* isa, int trials,
+wisp_status gate_self_test( const wisp_suite* suite, const char* suite_path, int number, const char* isa, int trials,
                             results* out, wisp_error* error )
 {
     static const double slow[] = { 0.0, 0.02, 0.03, 0.05 };
@@ -347,7 +347,7 @@ wisp_status gate_self_test( const gate_suite* suite, const char* suite_path, int
 
 // ---- the report ----
 
-void gate_report_pairs( const gate_suite* suite, const gate_pair_check* checks, results* out )
+void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out )
 {
     static const char* const names[PACE_COUNT] = { "as fast", "in doubt", "not measurable", "slower" };
     const char* const header[] = { "row", "verdict", "time", "from", "to", "noise", "rounds" };

@@ -3,6 +3,8 @@
 #pragma once
 
 #include "bench_options.h"
+#include "profile_samples.h"
+#include "suite.h"
 
 #define ACCURACY_MEASURES_MAX 8
 #define ACCURACY_WORKERS_MAX 2
@@ -13,7 +15,7 @@ typedef struct accuracy_setting
     char name[64];   ///< as in the table: "xpbd, 10 substeps, tethers"; unique within a scene
     char series[48]; ///< settings that differ in `parameter` alone; empty: not in a series
     char method[48]; ///< settings compared as one candidate at equal error and equal time; empty: its series, or name
-    char parameter_name[32]; ///< of a series: what tends to 0, with its unit: "substep, s", "spacing, m"
+    char parameter_name[48]; ///< of a series: what tends to 0, with its unit: "substep, s", "spacing, m"
     double parameter;        ///< its value, above 0; the observed order is the slope of log error over log parameter
     double order;            ///< the order expected in theory; NaN: none
 } accuracy_setting;
@@ -27,6 +29,7 @@ typedef struct accuracy_run
     int halted_at;                          ///< step; 0: never
     double* ms; ///< of each step: fill with accuracy_keep_ms(); the first of a run is not counted
     int ms_count, ms_capacity;
+    profile_samples profile; ///< of all steps, if the scene gathers it; freed by the driver
 } accuracy_run;
 
 /// Keep the time of a step. @return WISP_NO_MEMORY
@@ -39,7 +42,7 @@ typedef struct accuracy_scene
     char reference[200]; ///< reference of the error: "closed form: ...", "16 times the substeps: ..."
     double uncertainty;  ///< uncertainty of the reference, in the unit of `error`; smaller errors are unresolved
     const char* note;    ///< note for readers of the tables, whole sentences; static; null: none
-    char error_name[48]; ///< "distance to the reference"
+    char error_name[48]; ///< "distance to the reference"; empty: errors are not measured, and there are no rivals
     char error_unit[16]; ///< "mm", "%": of `error` as printed
     char ms_name[32];    ///< unit of a time, where steps have several lengths: "frame of 1/60 s"; empty: "step"
     const char* measure_names[ACCURACY_MEASURES_MAX]; ///< with their units; static texts
@@ -63,12 +66,16 @@ typedef wisp_status accuracy_scene_fn( const bench_options* options, double seco
 typedef struct accuracy_entry
 {
     const char* name;
-    const char* title; ///< one line
-    accuracy_scene_fn* make;
+    const char* title;       ///< one line
+    accuracy_scene_fn* make; ///< null: the rows of `suite` are the settings
+    const wisp_suite* suite;
 } accuracy_entry;
 
 /// The scenes of scenes.inc in their order.
 const accuracy_entry* accuracy_entries( int* count );
+
+/// Run the rows of a suite, with a table of each.
+wisp_status suite_bench( const char* path, const bench_options* options, results* out, wisp_error* error );
 
 /// Run scenes and add all their tables.
 /// @param seconds approximate limit for each scene

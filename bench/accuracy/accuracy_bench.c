@@ -2,6 +2,7 @@
 #include "accuracy_parts.h"
 
 #include "accuracy_compare.h"
+#include "suite/suite_study.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,10 +14,10 @@
 #include "scenes.inc"
 #undef ACCURACY_SCENE
 
-#define ACCURACY_SCENE( name, title, function ) { name, title, function },
+#define ACCURACY_SCENE( name, title, function ) { name, title, function, NULL },
 static const accuracy_entry all_entries[] = {
 #include "scenes.inc"
-    { NULL, NULL, NULL },
+    { NULL, NULL, NULL, NULL },
 };
 #undef ACCURACY_SCENE
 
@@ -89,8 +90,15 @@ static void write_report( const accuracy_report* report, results* out )
         accuracy_add_equal_error( report, out );
         accuracy_add_equal_time( report, out );
     }
-    accuracy_add_orders( report, out );
-    accuracy_add_charts( report, out );
+    if ( report->scene->error_name[0] != '\0' )
+    {
+        accuracy_add_orders( report, out );
+    }
+    accuracy_add_passes( report, out );
+    if ( report->scene->error_name[0] != '\0' )
+    {
+        accuracy_add_charts( report, out );
+    }
     accuracy_add_notes( report, out );
 }
 
@@ -111,6 +119,10 @@ static wisp_status run_scene( accuracy_report* report, double seconds, const ben
         write_report( report, out );
     }
     free_report( report );
+    for ( int i = 0; i < count; ++i )
+    {
+        profile_samples_free( &stats[i].profile );
+    }
     free( stats );
     return status;
 }
@@ -151,7 +163,8 @@ static wisp_status make_and_run( const accuracy_entry* entry, double seconds, co
     snprintf( what, sizeof( what ), "%s: the reference", entry->name );
     bench_progress( options, fraction[0], what );
     const double begin = wisp_clock_seconds();
-    wisp_status status = entry->make( options, seconds, &scene, error );
+    wisp_status status = entry->suite ? suite_study_make( entry->suite, options, &scene, error )
+                                      : entry->make( options, seconds, &scene, error );
     if ( status != WISP_OK )
     {
         return status;
@@ -176,6 +189,22 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
         const double fraction[2] = { (double)i / count, 1.0 / count };
         status = make_and_run( &entries[i], seconds, options, fraction, out, error );
     }
+    return status;
+}
+
+wisp_status suite_bench( const char* path, const bench_options* options, results* out, wisp_error* error )
+{
+    wisp_suite suite;
+    wisp_status status = suite_read( path, &suite, error );
+    if ( status == WISP_OK )
+    {
+        const accuracy_entry entry = { suite.name, suite.title[0] ? suite.title : suite.name, NULL, &suite };
+        const double seconds = options->seconds > 0.0 ? options->seconds
+                               : options->quick       ? SCENE_SECONDS_QUICK
+                                                      : SCENE_SECONDS;
+        status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
+    }
+    suite_release( &suite );
     return status;
 }
 

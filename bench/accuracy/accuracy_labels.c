@@ -3,6 +3,11 @@
 #include <math.h>
 #include <string.h>
 
+const char* accuracy_kind( const accuracy_scene* scene )
+{
+    return scene->error_name[0] ? "Accuracy" : "Suite";
+}
+
 const char* accuracy_ms_name( const accuracy_scene* scene )
 {
     return scene->ms_name[0] ? scene->ms_name : "step";

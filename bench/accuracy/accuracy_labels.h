@@ -5,6 +5,8 @@
 #include "cells.h"
 
 /// What a time is of: "step", "frame of 1/60 s".
+/// "Accuracy", or "Suite" where errors are not measured.
+const char* accuracy_kind( const accuracy_scene* scene );
 const char* accuracy_ms_name( const accuracy_scene* scene );
 /// "distance to the reference, mm"
 void accuracy_error_label( const accuracy_scene* scene, char* text, int size );

@@ -1,5 +1,6 @@
 #include "accuracy_reference.h"
 
+#include "bench_data.h"
 #include "reference_bytes.h"
 
 #include <jansson.h>
@@ -49,7 +50,9 @@ void accuracy_reference_free( accuracy_reference* reference )
 
 const char* accuracy_reference_folder( void )
 {
-    return BENCH_DATA "/reference";
+    static char path[1024];
+    bench_data_path( "reference", path, sizeof path );
+    return path;
 }
 
 void accuracy_describe_reference( const accuracy_reference* reference, double unit, accuracy_scene* out )

@@ -81,6 +81,7 @@ static void forget_times( accuracy_run* run )
     free( run->ms );
     run->ms = NULL;
     run->ms_count = run->ms_capacity = 0;
+    profile_samples_free( &run->profile );
 }
 
 static void show_progress( const contest* c, int setting, bool is_observed )
@@ -141,6 +142,11 @@ static wisp_status take_turn( contest* c, int setting, int worker, wisp_error* e
     if ( status == WISP_OK )
     {
         check( c, setting, workers, &run );
+        if ( worker == 0 && implementation->count == 0 )
+        {
+            c->stats[setting].profile = run.profile;
+            run.profile = ( profile_samples ){ 0 };
+        }
         status = keep_run( &run, implementation, error );
     }
     forget_times( &run );

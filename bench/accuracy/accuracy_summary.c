@@ -241,10 +241,14 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     const accuracy_scene* scene = report->scene;
     char error[80];
     accuracy_error_label( scene, error, sizeof( error ) );
-    results_add_note( out,
-                      "Accuracy `%s`: the error (%s) is measured against %s. Times are medians; the column `timed` "
-                      "has the number of steps. Halted runs have no error and no times.",
-                      report->entry->name, error, scene->reference );
+    if ( scene->error_name[0] != '\0' )
+    {
+        results_add_note(
+            out,
+            "Accuracy `%s`: the error (%s) is measured against %s. Times are medians; the column `timed` "
+            "has the number of steps. Halted runs have no error and no times.",
+            report->entry->name, error, scene->reference );
+    }
     if ( !scene->has_no_rivals )
     {
         results_add_note( out,
@@ -262,12 +266,13 @@ void accuracy_add_notes( const accuracy_report* report, results* out )
     if ( report->left_out > 0 )
     {
         results_add_note( out,
-                          "Accuracy `%s`: a quick run has %d of %d settings: the coarsest and the middle one of "
+                          "%s `%s`: a quick run has %d of %d settings: the coarsest and the middle one of "
                           "every series, and the finest of the first.",
-                          report->entry->name, scene->setting_count, scene->setting_count + report->left_out );
+                          accuracy_kind( scene ), report->entry->name, scene->setting_count,
+                          scene->setting_count + report->left_out );
     }
     if ( scene->note )
     {
-        results_add_note( out, "Accuracy `%s`: %s", report->entry->name, scene->note );
+        results_add_note( out, "%s `%s`: %s", accuracy_kind( scene ), report->entry->name, scene->note );
     }
 }

@@ -4,6 +4,7 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <string.h>
 
 // ---- for readers ----
 
@@ -19,7 +20,10 @@ static int begin_table( const accuracy_report* report, results* out )
         cells_put( &row, "%s ms", workers );
     }
     accuracy_error_label( scene, label, sizeof( label ) );
-    cells_put( &row, "%s", label );
+    if ( scene->error_name[0] != '\0' )
+    {
+        cells_put( &row, "%s", label );
+    }
     for ( int i = 0; i < scene->measure_count; ++i )
     {
         cells_put( &row, "%s", scene->measure_names[i] );
@@ -31,8 +35,8 @@ static int begin_table( const accuracy_report* report, results* out )
     }
     cells_put( &row, "hash" );
     char title[160];
-    snprintf( title, sizeof( title ), "Accuracy `%s`: %s, ms per %s", report->entry->name, report->entry->title,
-              accuracy_ms_name( scene ) );
+    snprintf( title, sizeof( title ), "%s `%s`: %s, ms per %s", accuracy_kind( scene ), report->entry->name,
+              report->entry->title, accuracy_ms_name( scene ) );
     return cells_begin_table( &row, title, out );
 }
 
@@ -64,7 +68,10 @@ static void add_line( const accuracy_report* report, int setting, int table, res
     cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
     put_times( report, f, &row );
-    accuracy_put_digits( &row, f->seen.error, 4 );
+    if ( report->scene->error_name[0] != '\0' )
+    {
+        accuracy_put_digits( &row, f->seen.error, 4 );
+    }
     for ( int i = 0; i < report->scene->measure_count; ++i )
     {
         accuracy_put_digits( &row, f->seen.measures[i], 4 );
@@ -128,7 +135,7 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     const accuracy_setting* what = &scene->settings[setting];
     const accuracy_stats* f = &report->stats[setting];
     char text[80];
-    snprintf( text, sizeof( text ), "accuracy.%s", report->entry->name );
+    snprintf( text, sizeof( text ), "%s.%s", scene->error_name[0] ? "accuracy" : "suite", report->entry->name );
     results_row* row = results_add_row( out, text, what->name );
     if ( !row )
     {
@@ -145,7 +152,10 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     row->steps = f->ms[worker].count;
     snprintf( row->error_reference, sizeof( row->error_reference ), "%s", scene->reference );
     accuracy_error_label( scene, text, sizeof( text ) );
-    put_finite( &row->error, text, f->seen.error );
+    if ( scene->error_name[0] != '\0' )
+    {
+        put_finite( &row->error, text, f->seen.error );
+    }
     for ( int i = 0; i < scene->measure_count; ++i )
     {
         put_finite( &row->error, scene->measure_names[i], f->seen.measures[i] );
@@ -156,6 +166,11 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     }
     row->hash = f->seen.hash;
     row->has_hash = true;
+    for ( int i = 0; worker == 0 && i < f->profile.pass_count && i < RESULTS_MAX_VALUES; ++i )
+    {
+        profile_samples profile = f->profile; // its samples are sorted in place
+        results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
+    }
 }
 
 void accuracy_add_rows( const accuracy_report* report, results* out )
@@ -166,5 +181,116 @@ void accuracy_add_rows( const accuracy_report* report, results* out )
         {
             add_row( report, i, w, out );
         }
+    }
+}
+
+// ---- passes ----
+
+enum
+{
+    PASSES_SHOWN = 5,
+};
+
+// Sum the medians of a pass over all settings, ms.
+static double weight_of( const accuracy_report* report, const char* name )
+{
+    double sum = 0.0;
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        profile_samples profile = report->stats[i].profile;
+        for ( int p = 0; p < profile.pass_count; ++p )
+        {
+            sum += strcmp( profile.passes[p].name, name ) == 0 ? 1e3 * profile_samples_median( &profile, p ) : 0.0;
+        }
+    }
+    return sum;
+}
+
+// Find the passes that take most of the time. @return their number
+static int choose_passes( const accuracy_report* report, const char* names[PASSES_SHOWN] )
+{
+    double weights[PASSES_SHOWN];
+    int count = 0;
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        const profile_samples* profile = &report->stats[i].profile;
+        for ( int p = 0; p < profile->pass_count; ++p )
+        {
+            const char* name = profile->passes[p].name;
+            bool is_known = false;
+            for ( int k = 0; k < count; ++k )
+            {
+                is_known = is_known || strcmp( names[k], name ) == 0;
+            }
+            const double weight = is_known ? 0.0 : weight_of( report, name );
+            int place = is_known ? PASSES_SHOWN : count;
+            while ( place > 0 && place <= count && weights[place - 1] < weight )
+            {
+                --place;
+            }
+            if ( place >= PASSES_SHOWN )
+            {
+                continue;
+            }
+            count += count < PASSES_SHOWN ? 1 : 0;
+            for ( int k = count - 1; k > place; --k )
+            {
+                names[k] = names[k - 1];
+                weights[k] = weights[k - 1];
+            }
+            names[place] = name;
+            weights[place] = weight;
+        }
+    }
+    return count;
+}
+
+static void add_passes_of( const accuracy_report* report, int setting, const char* const* names, int count, int table,
+                           results* out )
+{
+    profile_samples profile = report->stats[setting].profile;
+    double all = 0.0, shown = 0.0;
+    cells row = { .count = 0 };
+    cells_put( &row, "%s", report->scene->settings[setting].name );
+    for ( int k = 0; k < count; ++k )
+    {
+        double ms = NAN;
+        for ( int p = 0; p < profile.pass_count; ++p )
+        {
+            ms = strcmp( profile.passes[p].name, names[k] ) == 0 ? 1e3 * profile_samples_median( &profile, p ) : ms;
+        }
+        shown += isfinite( ms ) ? ms : 0.0;
+        accuracy_put_digits( &row, ms, 3 );
+    }
+    for ( int p = 0; p < profile.pass_count; ++p )
+    {
+        all += 1e3 * profile_samples_median( &profile, p );
+    }
+    accuracy_put_digits( &row, fmax( all - shown, 0.0 ), 3 );
+    cells_end_row( &row, table, out );
+}
+
+void accuracy_add_passes( const accuracy_report* report, results* out )
+{
+    const char* names[PASSES_SHOWN];
+    const int count = choose_passes( report, names );
+    if ( count == 0 )
+    {
+        return;
+    }
+    cells header = { .count = 0 };
+    cells_put( &header, "setting" );
+    for ( int k = 0; k < count; ++k )
+    {
+        cells_put( &header, "%s", names[k] );
+    }
+    cells_put( &header, "all others" );
+    char title[160];
+    snprintf( title, sizeof title, "%s `%s`: ms of a step by pass, one worker", accuracy_kind( report->scene ),
+              report->entry->name );
+    const int table = cells_begin_table( &header, title, out );
+    for ( int i = 0; i < report->scene->setting_count; ++i )
+    {
+        add_passes_of( report, i, names, count, table, out );
     }
 }

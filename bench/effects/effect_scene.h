@@ -19,7 +19,7 @@ typedef struct effect_size
 typedef struct effect_scene effect_scene;
 typedef struct effect_parts effect_parts;
 
-/// A module and its scene; one for each row of app/modules.inc, in its order.
+/// A module and its scene; one for each row of app/world/modules.inc, in its order.
 typedef struct effect
 {
     const char* name; ///< of the module

@@ -65,7 +65,7 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
         { "--help", "Usage: wisp [OPTION...] COMMAND" },
         { "run --help", "Usage: wisp run [OPTION...] SCENE" },
         { "plan --help", "Usage: wisp plan [OPTION...] SCENE" },
-        { "bench --help", "Usage: wisp bench [OPTION...] [CASE...]" },
+        { "bench --help", "Usage: wisp bench [OPTION...] [CASE|SUITE...]" },
         { "info --help", "Usage: wisp info [OPTION...] FILE" },
         { "render --help", "Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM" },
         { "tune --help", "Usage: wisp tune [OPTION...] SCENE" },

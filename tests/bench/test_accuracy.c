@@ -217,7 +217,7 @@ static wisp_status fake_make( const bench_options* options, double seconds, accu
     return WISP_OK;
 }
 
-static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake_make };
+static const accuracy_entry fake_entry = { "fake", "a scene that pretends", fake_make, NULL };
 
 static int forget_fake( void** state )
 {
@@ -496,7 +496,7 @@ static wisp_status make_two_series( const bench_options* options, double seconds
 static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_are( void** state )
 {
     (void)state;
-    const accuracy_entry entry = { "fake", "a scene of two series", make_two_series };
+    const accuracy_entry entry = { "fake", "a scene of two series", make_two_series, NULL };
     bench_options options = bench_default_options();
     options.quick = true;
     results all = { 0 };
@@ -590,7 +590,7 @@ static wisp_status make_few( const bench_options* options, double seconds, accur
 static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
 {
     (void)state;
-    const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few };
+    const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few, NULL };
     const bench_options options = bench_default_options();
     results all = { 0 };
     wisp_error error = { 0 };

@@ -73,6 +73,8 @@ layer_info layer_of( const char* path )
         { "app/io/", LAYER_IO },
         { "app/render/", LAYER_IO },
         { "app/results/", LAYER_IO },
+        { "app/suite/", LAYER_IO },
+        { "app/world/", LAYER_IO },
         { "app/", LAYER_APP },
         { "bench/", LAYER_BENCH },
         { "tests/", LAYER_TESTS },
@@ -196,11 +198,10 @@ static const char* upper_fault( const layer_info* from, const layer_info* to, co
     }
     if ( from->kind == LAYER_BENCH )
     {
-        // modules.inc is data: the one list that names engine and modules in one breath.
-        bool is_below = to->kind == LAYER_IO || to->kind == LAYER_ORACLE || strcmp( to_path, "app/modules.inc" ) == 0;
-        return is_below ? NULL : "the benchmark stands on app/io and the oracle, not on this";
+        bool is_below = to->kind == LAYER_IO || to->kind == LAYER_ORACLE;
+        return is_below ? NULL : "the benchmark stands on app/io, app/world, app/suite and the oracle, not on this";
     }
-    return from->kind == LAYER_IO ? "that is above app/io, app/render and app/results"
+    return from->kind == LAYER_IO ? "that is above app/io, app/render, app/results, app/world and app/suite"
                                   : "an example sees what an installed library shows";
 }
 

@@ -1,7 +1,5 @@
 // A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
-#include "gate_measure.h"
-
-#include "world_from_scene.h"
+#include "suite_measure.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -67,8 +65,8 @@ typedef struct watch
     double energy;     // J, after the first step
 } watch;
 
-// FNV-1a over the bits of all points.
-static uint64_t hash_points( const wisp_vec3* points, int count, uint64_t hash )
+// FNV-1a over the bits of points.
+static uint64_t hash_body( const wisp_vec3* points, int count, uint64_t hash )
 {
     for ( int i = 0; i < count; ++i )
     {
@@ -82,7 +80,19 @@ static uint64_t hash_points( const wisp_vec3* points, int count, uint64_t hash )
     return hash;
 }
 
-static void watch_step( const scene_world* world, watch* w, gate_measurement* out )
+uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash )
+{
+    for ( int body = 0; body < scene_world_moving_count( world ); ++body )
+    {
+        if ( scene_world_points( world, body, points, NULL ) == WISP_OK )
+        {
+            hash = hash_body( points, scene_world_body( world, body ).vertex_count, hash );
+        }
+    }
+    return hash;
+}
+
+static void watch_step( const scene_world* world, watch* w, suite_measurement* out )
 {
     double sum = 0.0;
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
@@ -98,16 +108,13 @@ static void watch_step( const scene_world* world, watch* w, gate_measurement* ou
         {
             out->values[SUITE_PENETRATION] = fmax( out->values[SUITE_PENETRATION], (double)c.penetration );
         }
-        if ( scene_world_points( world, body, w->points, NULL ) == WISP_OK )
-        {
-            out->hash = hash_points( w->points, scene_world_body( world, body ).vertex_count, out->hash );
-        }
     }
+    out->hash = suite_hash_points( world, w->points, out->hash );
     w->energy = out->steps == 0 ? sum : w->energy;
     out->values[SUITE_ENERGY] = fmax( out->values[SUITE_ENERGY], sum - w->energy );
 }
 
-static void finish( const scene_world* world, gate_measurement* out )
+static void finish( const scene_world* world, suite_measurement* out )
 {
     wisp_contact_stats contact;
     out->values[SUITE_BYTES] = (double)wisp_world_memory( world->world );
@@ -120,14 +127,15 @@ static void finish( const scene_world* world, gate_measurement* out )
     }
 }
 
-static wisp_status run_steps( scene_world* world, int steps, const double* allocations, gate_measurement* out,
-                              wisp_error* error )
+static wisp_status run_steps( scene_world* world, int steps, const double* allocations,
+                              const suite_observer* observer, suite_measurement* out, wisp_error* error )
 {
     double warm = 0.0;
     watch w = { .points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *w.points ) };
     wisp_status status =
         w.points ? WISP_OK
                  : wisp_fail( error, WISP_NO_MEMORY, "%s: out of memory for its points", world->scene->name );
+    status = status == WISP_OK && observer ? observer->observe( observer->user, world, error ) : status;
     for ( int step = 0; step < steps && status == WISP_OK; ++step )
     {
         // counting intersections takes memory, so it is asked for last
@@ -145,15 +153,17 @@ static wisp_status run_steps( scene_world* world, int steps, const double* alloc
         {
             watch_step( world, &w, out );
             out->steps = step + 1;
+            status = observer ? observer->observe( observer->user, world, error ) : WISP_OK;
         }
     }
     free( w.points );
     return status;
 }
 
-wisp_status gate_run_row( const suite_row* row, const char* isa, gate_measurement* out, wisp_error* error )
+wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
+                           suite_measurement* out, wisp_error* error )
 {
-    *out = ( gate_measurement ){ .hash = 0xcbf29ce484222325u };
+    *out = ( suite_measurement ){ .hash = SUITE_HASH_BEGIN };
     out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_INTERSECTIONS] = NAN;
     wisp_scene scene;
     wisp_status status = suite_scene( row, &scene, error );
@@ -170,7 +180,7 @@ wisp_status gate_run_row( const suite_row* row, const char* isa, gate_measuremen
     if ( status == WISP_OK )
     {
         snprintf( out->isa, sizeof out->isa, "%s", wisp_world_isa( world.world ) );
-        status = run_steps( &world, row->steps > 0 ? row->steps : scene.steps, &allocations, out, error );
+        status = run_steps( &world, row->steps > 0 ? row->steps : scene.steps, &allocations, observer, out, error );
         finish( &world, out );
         scene_world_destroy( &world );
     }
@@ -263,10 +273,10 @@ static wisp_status count_instructions( const char* suite, int number, double* ou
     return WISP_OK;
 }
 
-wisp_status gate_measure_row( const gate_suite* suite, int number, const gate_measure_options* options,
-                              gate_measurement* out, wisp_error* error )
+wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_measure_options* options,
+                               suite_measurement* out, wisp_error* error )
 {
-    wisp_status status = gate_run_row( suite->rows + number, options->isa, out, error );
+    wisp_status status = suite_run_row( suite->rows + number, options->isa, NULL, out, error );
     if ( status == WISP_OK && options->counts )
     {
         status = count_instructions( options->suite_path, number, &out->values[SUITE_INSTRUCTIONS], error );

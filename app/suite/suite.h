@@ -1,4 +1,5 @@
-/// A suite: scenes, settings to vary, budgets. A YAML file, read into rows, each of which is a scene with its settings.
+/// A suite: scenes, settings to vary, budgets, and what errors are measured against. A YAML file, read into rows, each of which
+/// is a scene with its settings.
 #pragma once
 
 #include "scene.h"
@@ -49,24 +50,36 @@ typedef struct suite_row
 {
     char name[SUITE_MAX_NAME];
     char variant[SUITE_MAX_VARIANT]; ///< the values that vary, such as `substeps=4`; empty: none do
-    char* path;                      ///< of the scene, whose folder its files are in
-    char* text;                      ///< the scene
-    int steps;                       ///< that are made; 0: all of the scene
+    char series
+        [SUITE_MAX_NAME]; ///< name of the rows that differ from this one in `along` alone; empty: it is in no series
+    char along[SUITE_MAX_NAME]; ///< the field that a series varies
+    double along_value;
+    double order; ///< at which errors of the series should fall; NaN: none is promised
+    char* path;   ///< of the scene, whose folder its files are in
+    char* text;   ///< the scene
+    int steps;    ///< that are made; 0: all of the scene
     suite_budget budgets[SUITE_MEASURE_COUNT];
 } suite_row;
 
-typedef struct gate_suite
+typedef struct wisp_suite
 {
     char name[SUITE_MAX_NAME]; ///< that of the file, without folder and extension
+    char title[160];           ///< one line; empty: none
+    char* note;                ///< for readers of the tables; null: none
     suite_row* rows;
     int row_count;
-} gate_suite;
+    /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
+    /// neither has.
+    suite_row reference, check;
+    char* stored;        ///< recording that is the reference, in place of a run; null: none
+    double stored_doubt; ///< m, how far it may be from the truth; 0: not said
+} wisp_suite;
 
 /// Read a suite and its scenes, and check that every row is a scene.
 /// @param out to be released, also after a failure
 /// @return WISP_BAD_INPUT the suite or a row is wrong (the message names file, line and path); WISP_IO_ERROR
-wisp_status suite_read( const char* path, gate_suite* out, wisp_error* error );
-void suite_release( gate_suite* suite );
+wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error );
+void suite_release( wisp_suite* suite );
 
 /// Read the scene of a row. @param out to be released
 wisp_status suite_scene( const suite_row* row, wisp_scene* out, wisp_error* error );

@@ -1,0 +1,44 @@
+/// Measure a row of a suite: what is the same in every run on any machine.
+#pragma once
+
+#include "suite.h"
+#include "world_from_scene.h"
+
+/// How rows are measured.
+typedef struct suite_measure_options
+{
+    const char* isa;        ///< of kernels; bits are the same for all of them
+    bool counts;            ///< count instructions, with valgrind
+    const char* suite_path; ///< that the measured program reads again
+} suite_measure_options;
+
+typedef struct suite_measurement
+{
+    uint64_t hash;                      ///< of the states after all steps
+    double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
+    int steps;
+    char isa[16]; ///< instruction set that the kernels used
+} suite_measurement;
+
+/// Told of a run before its first step and after every step.
+typedef struct suite_observer
+{
+    wisp_status ( *observe )( void* user, const scene_world* world, wisp_error* error );
+    void* user;
+} suite_observer;
+
+/// Run a row in this process. Instructions are not counted.
+/// @param observer may be null
+wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
+                           suite_measurement* out, wisp_error* error );
+
+/// Continue a hash over the bits of all points, as measurements have it. @param points [vertices of the scene] buffer
+uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash );
+/// What it begins with.
+#define SUITE_HASH_BEGIN 0xcbf29ce484222325u
+
+/// The same, with its instructions if the options ask for them.
+/// @param number of the row
+/// @return WISP_IO_ERROR valgrind is missing or counted nothing (the message says why)
+wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_measure_options* options,
+                               suite_measurement* out, wisp_error* error );

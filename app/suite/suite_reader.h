@@ -1,0 +1,43 @@
+/// The parts of the reader of suites.
+#pragma once
+
+#include "scene_text.h"
+#include "suite.h"
+#include "text_tree.h"
+
+enum
+{
+    SUITE_MAX_SETTINGS = 16, ///< that vary in an entry
+    SUITE_MAX_BYTES = 1 << 20,
+};
+
+typedef struct suite_reader
+{
+    scene_source source;
+    scene_tree tree;
+    wisp_suite* out;
+    int capacity;                              ///< rows
+    suite_budget budgets[SUITE_MEASURE_COUNT]; ///< of all entries
+    const scene_node* seconds;                 ///< of all entries; null: none
+} suite_reader;
+
+/// Fail with the place of a node. @return WISP_BAD_INPUT
+wisp_status suite_refuse( const suite_reader* r, const scene_node* node, const char* format, ... )
+    __attribute__( ( format( printf, 3, 4 ) ) );
+
+/// Find the values of a block's keys. @param values [count] receives them; null where the block has none
+/// @return WISP_BAD_INPUT it is no block, or has another key (the message suggests one); `expected` says what it should be
+wisp_status suite_take_keys( const suite_reader* r, const scene_node* block, const char* expected,
+                             const char* const* keys, int count, const scene_node** values );
+
+/// @param budgets [SUITE_MEASURE_COUNT] those that the block names are changed
+wisp_status suite_read_budgets( const suite_reader* r, const scene_node* block, suite_budget* budgets );
+
+/// Add the rows of an entry of `scenes`.
+wisp_status suite_read_entry( suite_reader* r, const scene_node* block );
+
+/// Read `reference`, after the entries.
+wisp_status suite_read_reference( suite_reader* r, const scene_node* block );
+
+/// The name of a file without folder and extension, cut to the size.
+void suite_stem( const char* path, char* out, size_t size );

@@ -1,0 +1,466 @@
+// Entries of a suite, and the rows that they make.
+#include "suite_fields.h"
+#include "suite_reader.h"
+
+#include "io_file.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// ---- fields ----
+
+static text_node* value_of( const suite_reader* r, const scene_node* node )
+{
+    if ( node->kind == SCENE_SCALAR )
+    {
+        return text_scalar( "%s", scene_text_of( &r->tree, node ) );
+    }
+    text_node* out = node->kind == SCENE_LIST ? text_list() : text_map();
+    for ( const scene_node* n = scene_first( &r->tree, node ); n; n = scene_next( &r->tree, n ) )
+    {
+        if ( node->kind == SCENE_LIST )
+        {
+            text_add( out, value_of( r, n ) );
+        }
+        else
+        {
+            text_put( out, scene_key_of( &r->tree, n ), value_of( r, n ) );
+        }
+    }
+    return out;
+}
+
+static wisp_status set_field( const suite_reader* r, text_node* scene, const scene_node* field,
+                              const scene_node* value )
+{
+    const char* path = scene_key_of( &r->tree, field );
+    text_node* own = value_of( r, value );
+    const int count = suite_set_field( scene, path, own );
+    text_release( own );
+    return count > 0 ? WISP_OK
+                     : scene_refuse( &r->source, field->key_line, field->key_column, "",
+                                     "'%s' names nothing of the scene, such as surfaces[0].cloth.bending",
+                                     scene_shorten( path ).text );
+}
+
+// ---- rows ----
+
+enum
+{
+    KEY_FILE,
+    KEY_NAME,
+    KEY_STEPS,
+    KEY_SECONDS,
+    KEY_SET,
+    KEY_VARY,
+    KEY_ALONG,
+    KEY_ORDER,
+    KEY_BUDGETS,
+    KEY_COUNT,
+};
+
+static const char* const keys[KEY_COUNT] = { "file", "name",  "steps", "seconds", "set",
+                                             "vary", "along", "order", "budgets" };
+
+// What an entry says.
+typedef struct entry
+{
+    const scene_node* values[KEY_COUNT];
+    char* path;
+    text_node* scene;
+    suite_budget budgets[SUITE_MEASURE_COUNT];
+    int along_count, rows;
+    double seconds; // 0: none
+    double order;   // NaN: none
+} entry;
+
+static char* resolve( const char* suite_path, const char* file )
+{
+    const char* slash = strrchr( suite_path, '/' );
+    const int folder = file[0] != '/' && slash ? (int)( slash - suite_path ) + 1 : 0;
+    char* path = text_alloc( (size_t)folder + strlen( file ) );
+    sprintf( path, "%.*s%s", folder, suite_path, file );
+    return path;
+}
+
+void suite_stem( const char* path, char* out, size_t size )
+{
+    const char* slash = strrchr( path, '/' );
+    const char* name = slash ? slash + 1 : path;
+    const char* dot = strrchr( name, '.' );
+    snprintf( out, size, "%.*s", dot && dot != name ? (int)( dot - name ) : (int)strlen( name ), name );
+}
+
+static suite_row* add_row( suite_reader* r )
+{
+    wisp_suite* s = r->out;
+    if ( s->row_count == r->capacity )
+    {
+        r->capacity = r->capacity > 0 ? 2 * r->capacity : 16;
+        suite_row* rows = text_alloc( (size_t)r->capacity * sizeof *rows );
+        memcpy( rows, s->rows, (size_t)s->row_count * sizeof *rows * ( s->rows != NULL ) );
+        free( s->rows );
+        s->rows = rows;
+    }
+    s->rows[s->row_count] = ( suite_row ){ .order = NAN };
+    return &s->rows[s->row_count++];
+}
+
+// @return NaN: no number
+static double number_of( const suite_reader* r, const scene_node* node )
+{
+    char* end = NULL;
+    const char* text = node->kind == SCENE_SCALAR ? scene_text_of( &r->tree, node ) : "";
+    const double value = strtod( text, &end );
+    return end == text || *end != '\0' ? NAN : value;
+}
+
+static void name_variant( const suite_reader* r, const scene_node* field, const scene_node* value, char* out,
+                          size_t size )
+{
+    const char* path = scene_key_of( &r->tree, field );
+    const char* dot = strrchr( path, '.' );
+    const size_t used = strlen( out );
+    text_node* own = value_of( r, value );
+    char* text = text_write( own, NULL );
+    text[strcspn( text, "\n" )] = '\0';
+    snprintf( out + used, size - used, "%s%s=%s", used > 0 ? ", " : "", dot ? dot + 1 : path,
+              text + strspn( text, " " ) );
+    free( text );
+    text_release( own );
+}
+
+static wisp_status set_fields( const suite_reader* r, text_node* scene, const scene_node* fields )
+{
+    wisp_status status = WISP_OK;
+    for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n && status == WISP_OK;
+          n = scene_next( &r->tree, n ) )
+    {
+        status = set_field( r, scene, n, n );
+    }
+    return status;
+}
+
+static const scene_node* nth( const suite_reader* r, const scene_node* list, int n )
+{
+    const scene_node* value = scene_first( &r->tree, list );
+    for ( ; n > 0; --n )
+    {
+        value = scene_next( &r->tree, value );
+    }
+    return value;
+}
+
+// Fields that vary, of the product's setting number `which`.
+static wisp_status vary_fields( const suite_reader* r, const entry* e, int which, text_node* scene, suite_row* row )
+{
+    wisp_status status = WISP_OK;
+    const scene_node *vary = e->values[KEY_VARY], *along = e->values[KEY_ALONG];
+    for ( const scene_node* n = vary ? scene_first( &r->tree, vary ) : NULL; n && status == WISP_OK;
+          n = scene_next( &r->tree, n ) )
+    {
+        const scene_node* value = nth( r, n, which % n->count );
+        which /= n->count;
+        status = set_field( r, scene, n, value );
+        name_variant( r, n, value, row->variant, sizeof row->variant );
+    }
+    if ( status == WISP_OK && along )
+    {
+        const scene_node *field = scene_first( &r->tree, along ), *value = nth( r, field, which );
+        snprintf( row->series, sizeof row->series, "%.40s%s%.20s", row->name, row->variant[0] ? ", " : "",
+                  row->variant );
+        snprintf( row->along, sizeof row->along, "%s", scene_key_of( &r->tree, field ) );
+        row->along_value = number_of( r, value );
+        row->order = e->order;
+        status = set_field( r, scene, field, value );
+        name_variant( r, field, value, row->variant, sizeof row->variant );
+    }
+    return status;
+}
+
+// Make the scene as long as the suite says. Steps that its events need stay.
+static void set_length( text_node* scene, double seconds, suite_row* row )
+{
+    double dt = 1.0 / 60.0, steps = 1.0;
+    text_is_number( text_find( scene, "dt" ), &dt );
+    text_is_number( text_find( scene, "steps" ), &steps );
+    const double needed = fmin( fmax( round( seconds / dt ), 1.0 ), 1e6 );
+    if ( needed > steps )
+    {
+        text_set_number( text_put( scene, "steps", text_scalar( "1" ) ), needed );
+    }
+    row->steps = (int)needed;
+}
+
+static wisp_status finish_row( const suite_reader* r, const entry* e, text_node* scene, suite_row* row )
+{
+    if ( e->seconds > 0.0 )
+    {
+        set_length( scene, e->seconds, row );
+    }
+    row->text = text_write( scene, NULL );
+    wisp_scene read = { 0 };
+    wisp_status status = suite_scene( row, &read, r->source.error );
+    if ( status == WISP_OK && ( row->steps > read.steps || read.steps == 0 ) )
+    {
+        const scene_node* place = e->values[KEY_STEPS] ? e->values[KEY_STEPS] : e->values[KEY_FILE];
+        status = suite_refuse( r, place, "%s: got %d steps, the scene has %d", row->name, row->steps, read.steps );
+    }
+    wisp_scene_release( &read );
+    return status;
+}
+
+static void begin_row( const suite_reader* r, const entry* e, suite_row* row )
+{
+    suite_stem( e->path, row->name, sizeof row->name );
+    if ( e->values[KEY_NAME] )
+    {
+        snprintf( row->name, sizeof row->name, "%s", scene_text_of( &r->tree, e->values[KEY_NAME] ) );
+    }
+    row->path = text_alloc( strlen( e->path ) );
+    strcpy( row->path, e->path );
+    memcpy( row->budgets, e->budgets, sizeof row->budgets );
+    row->steps = e->values[KEY_STEPS] ? (int)number_of( r, e->values[KEY_STEPS] ) : 0;
+}
+
+static wisp_status read_row( suite_reader* r, const entry* e, int which )
+{
+    suite_row* row = add_row( r );
+    begin_row( r, e, row );
+    text_node* own = text_copy( e->scene );
+    wisp_status status = set_fields( r, own, e->values[KEY_SET] );
+    status = status == WISP_OK ? vary_fields( r, e, which, own, row ) : status;
+    status = status == WISP_OK ? finish_row( r, e, own, row ) : status;
+    text_release( own );
+    return status;
+}
+
+// ---- entries ----
+
+static wisp_status check_number( const suite_reader* r, const scene_node* node, double least, double most,
+                                 const char* expected )
+{
+    const double value = node ? number_of( r, node ) : least;
+    return value >= least && value <= most ? WISP_OK : suite_refuse( r, node, "expected %s", expected );
+}
+
+static wisp_status check_lists( const suite_reader* r, const scene_node* fields, int* rows )
+{
+    for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n; n = scene_next( &r->tree, n ) )
+    {
+        if ( n->kind != SCENE_LIST || n->count == 0 )
+        {
+            return suite_refuse( r, n, "%s: expected a list of values, at least one",
+                                 scene_shorten( scene_key_of( &r->tree, n ) ).text );
+        }
+        *rows = *rows > SUITE_MAX_ROWS / n->count ? SUITE_MAX_ROWS + 1 : *rows * n->count;
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_along( const suite_reader* r, const entry* e )
+{
+    const scene_node* along = e->values[KEY_ALONG];
+    if ( along && ( along->kind != SCENE_MAP || along->count != 1 ) )
+    {
+        return suite_refuse( r, along, "expected one field and its values, such as { substeps: [1, 2, 5, 10] }" );
+    }
+    const scene_node* field = along ? scene_first( &r->tree, along ) : NULL;
+    for ( const scene_node* n = field ? scene_first( &r->tree, field ) : NULL; n; n = scene_next( &r->tree, n ) )
+    {
+        if ( !( number_of( r, n ) > 0.0 ) || isinf( number_of( r, n ) ) )
+        {
+            return suite_refuse( r, n, "expected a number above 0, which a series goes along" );
+        }
+    }
+    if ( field && strcmp( scene_key_of( &r->tree, field ), "dt" ) == 0 && e->seconds == 0.0 )
+    {
+        return suite_refuse(
+            r, along, "a series along dt needs seconds, since runs of as many steps would end at other times" );
+    }
+    return WISP_OK;
+}
+
+static wisp_status check_settings( const suite_reader* r, entry* e )
+{
+    const scene_node *const *v = e->values, *steps = v[KEY_STEPS];
+    wisp_status status = check_number( r, steps, 1.0, 1e6, "a number of steps, 1 to 1000000" );
+    status = status == WISP_OK ? check_number( r, v[KEY_ORDER], 0.1, 8.0, "an order, 0.1 to 8" ) : status;
+    status = status == WISP_OK ? check_number( r, e->values[KEY_SECONDS], 1e-9, 1e9, "seconds of simulated time" )
+                               : status;
+    if ( status == WISP_OK && steps && number_of( r, steps ) != floor( number_of( r, steps ) ) )
+    {
+        return suite_refuse( r, steps, "expected a number of steps, 1 to 1000000" );
+    }
+    if ( status == WISP_OK && steps && v[KEY_SECONDS] && v[KEY_SECONDS] != r->seconds )
+    {
+        return suite_refuse( r, steps, "expected steps or seconds, not both" );
+    }
+    if ( status == WISP_OK && v[KEY_SET] && v[KEY_SET]->kind != SCENE_MAP )
+    {
+        return suite_refuse( r, v[KEY_SET], "expected fields and their values, such as { steps: 60 }" );
+    }
+    if ( status == WISP_OK && v[KEY_VARY] &&
+         ( v[KEY_VARY]->kind != SCENE_MAP || v[KEY_VARY]->count > SUITE_MAX_SETTINGS ) )
+    {
+        return suite_refuse( r, v[KEY_VARY],
+                             "expected up to %d fields and lists of values, such as { substeps: [4, 10] }",
+                             (int)SUITE_MAX_SETTINGS );
+    }
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    e->seconds = v[KEY_SECONDS] && steps == NULL ? number_of( r, v[KEY_SECONDS] ) : 0.0;
+    e->order = v[KEY_ORDER] ? number_of( r, v[KEY_ORDER] ) : NAN;
+    e->rows = 1;
+    status = check_along( r, e );
+    status = status == WISP_OK ? check_lists( r, v[KEY_VARY], &e->rows ) : status;
+    status = status == WISP_OK ? check_lists( r, v[KEY_ALONG], &e->rows ) : status;
+    return status != WISP_OK || e->rows + r->out->row_count <= SUITE_MAX_ROWS
+               ? status
+               : suite_refuse( r,
+                               v[KEY_VARY]    ? v[KEY_VARY]
+                               : v[KEY_ALONG] ? v[KEY_ALONG]
+                                              : v[KEY_FILE],
+                               "the suite has more than %d rows", (int)SUITE_MAX_ROWS );
+}
+
+static wisp_status read_scene_text( const suite_reader* r, const scene_node* file, const char* path, text_node** out )
+{
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    wisp_error inner = { 0 };
+    wisp_status status = io_file_read( path, SUITE_MAX_BYTES, &bytes, &size, &inner );
+    status = status == WISP_OK ? text_parse( (const char*)bytes, size, path, out, &inner ) : status;
+    free( bytes );
+    return status == WISP_OK ? WISP_OK : suite_refuse( r, file, "%s", inner.message );
+}
+
+static void release_entry( entry* e )
+{
+    text_release( e->scene );
+    free( e->path );
+}
+
+wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
+{
+    entry e = { 0 };
+    wisp_status status =
+        suite_take_keys( r, block, "a scene, such as { file: scene.yaml }", keys, KEY_COUNT, e.values );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const scene_node *file = e.values[KEY_FILE], *name = e.values[KEY_NAME];
+    if ( file == NULL || file->kind != SCENE_SCALAR || ( name && name->kind != SCENE_SCALAR ) )
+    {
+        return suite_refuse( r, block, "expected a file and at most one name of it, such as { file: scene.yaml }" );
+    }
+    e.values[KEY_SECONDS] = e.values[KEY_SECONDS] ? e.values[KEY_SECONDS] : r->seconds;
+    memcpy( e.budgets, r->budgets, sizeof e.budgets );
+    status = e.values[KEY_BUDGETS] ? suite_read_budgets( r, e.values[KEY_BUDGETS], e.budgets ) : WISP_OK;
+    status = status == WISP_OK ? check_settings( r, &e ) : status;
+    if ( status == WISP_OK )
+    {
+        e.path = resolve( r->source.name, scene_text_of( &r->tree, file ) );
+        status = read_scene_text( r, file, e.path, &e.scene );
+    }
+    for ( int i = 0; status == WISP_OK && i < e.rows; ++i )
+    {
+        status = read_row( r, &e, i );
+    }
+    release_entry( &e );
+    return status;
+}
+
+// ---- the reference ----
+
+enum
+{
+    REFERENCE_STORED,
+    REFERENCE_DOUBT,
+    REFERENCE_FILE,
+    REFERENCE_SET,
+    REFERENCE_CHECK,
+    REFERENCE_COUNT,
+};
+
+static const char* const reference_keys[REFERENCE_COUNT] = { "stored", "doubt", "file", "set", "check" };
+
+static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, const char* name,
+                             suite_row* out )
+{
+    begin_row( r, e, out );
+    snprintf( out->name, sizeof out->name, "%s", name );
+    for ( const scene_node* n = scene_first( &r->tree, e->values[KEY_SET] ); n; n = scene_next( &r->tree, n ) )
+    {
+        name_variant( r, n, n, out->variant, sizeof out->variant );
+    }
+    text_node* own = text_copy( e->scene );
+    wisp_status status = set_fields( r, own, e->values[KEY_SET] );
+    status = status == WISP_OK ? set_fields( r, own, coarser ) : status;
+    status = status == WISP_OK ? finish_row( r, e, own, out ) : status;
+    text_release( own );
+    return status;
+}
+
+// Both runs are as long as the first row.
+static wisp_status read_runs( suite_reader* r, const scene_node* const* values )
+{
+    const suite_row* first = r->out->rows;
+    entry e = { .seconds = r->seconds ? number_of( r, r->seconds ) : 0.0, .order = NAN };
+    const scene_node* file = values[REFERENCE_FILE] ? values[REFERENCE_FILE] : values[REFERENCE_SET];
+    e.path = values[REFERENCE_FILE] ? resolve( r->source.name, scene_text_of( &r->tree, file ) )
+                                    : strcpy( text_alloc( strlen( first->path ) ), first->path );
+    e.values[KEY_SET] = values[REFERENCE_SET];
+    e.values[KEY_FILE] = file;
+    wisp_status status = read_scene_text( r, file, e.path, &e.scene );
+    status = status == WISP_OK ? read_run( r, &e, NULL, "reference", &r->out->reference ) : status;
+    status =
+        status == WISP_OK ? read_run( r, &e, values[REFERENCE_CHECK], "reference, check", &r->out->check ) : status;
+    if ( e.seconds == 0.0 )
+    {
+        r->out->reference.steps = r->out->check.steps = first->steps;
+    }
+    release_entry( &e );
+    return status;
+}
+
+wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
+{
+    const scene_node* values[REFERENCE_COUNT];
+    const wisp_status status =
+        suite_take_keys( r, block, "a reference, such as { set: { substeps: 320 }, check: { substeps: 160 } }",
+                         reference_keys, REFERENCE_COUNT, values );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    for ( int i = 0; i < REFERENCE_COUNT; ++i )
+    {
+        const bool is_text = i == REFERENCE_STORED || i == REFERENCE_FILE || i == REFERENCE_DOUBT;
+        if ( values[i] && values[i]->kind != ( is_text ? SCENE_SCALAR : SCENE_MAP ) )
+        {
+            return suite_refuse( r, values[i], "expected %s",
+                                 is_text ? "a path, or a number of metres"
+                                         : "fields and their values, such as { substeps: 320 }" );
+        }
+    }
+    if ( values[REFERENCE_STORED] )
+    {
+        r->out->stored = resolve( r->source.name, scene_text_of( &r->tree, values[REFERENCE_STORED] ) );
+        r->out->stored_doubt = values[REFERENCE_DOUBT] ? number_of( r, values[REFERENCE_DOUBT] ) : 0.0;
+        return r->out->stored_doubt >= 0.0 ? WISP_OK
+                                           : suite_refuse( r, values[REFERENCE_DOUBT], "expected a distance in m" );
+    }
+    if ( values[REFERENCE_SET] == NULL || values[REFERENCE_CHECK] == NULL )
+    {
+        return suite_refuse(
+            r, block,
+            "expected set, the fields of the converged run, and check, those that make a coarser one, "
+            "whose distance to it is its doubt" );
+    }
+    return read_runs( r, values );
+}

@@ -1,0 +1,29 @@
+/// Which points of two motions are the same places of a body, also where their meshes differ: by the start of both.
+#pragma once
+
+#include "suite_motion.h"
+
+/// A place as a mean of up to three vertices.
+typedef struct suite_place
+{
+    int vertices[3]; ///< of all points of a frame
+    float weights[3];
+} suite_place;
+
+/// Places that two motions have in common: the vertices of the coarser body of each pair.
+typedef struct suite_match
+{
+    suite_place *one, *other; ///< [count]
+    int count;
+} suite_match;
+
+/// Match bodies by their order. A place of a surface is sought on the triangles of the other one, a place of a strand at the same part of its
+/// length.
+/// @param out to be released, after a failure too
+/// @return WISP_BAD_INPUT the bodies are others, or start elsewhere (the message names the body); WISP_NO_MEMORY
+wisp_status suite_match_motions( const suite_motion* one, const suite_motion* other, const char* name,
+                                 suite_match* out, wisp_error* error );
+void suite_match_release( suite_match* match );
+
+/// Root of the mean square distance over all places and frames, m. NaN if a coordinate is.
+double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other );

@@ -1,0 +1,289 @@
+#include "suite_motion.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// Two times are one if they differ by less than this part of a step.
+static const double SAME_TIME = 1e-3;
+
+int suite_motion_points( const suite_motion* motion )
+{
+    return motion->body_count > 0 ? motion->first[motion->body_count] : 0;
+}
+
+void suite_motion_release( suite_motion* motion )
+{
+    for ( int i = 0; i < motion->body_count; ++i )
+    {
+        free( (void*)(uintptr_t)motion->bodies[i].name );
+        free( (void*)(uintptr_t)motion->bodies[i].triangles );
+        free( (void*)(uintptr_t)motion->bodies[i].offsets );
+    }
+    free( motion->bodies );
+    free( motion->first );
+    free( motion->start );
+    free( motion->points );
+    free( motion->times );
+    *motion = ( suite_motion ){ 0 };
+}
+
+// ---- when ----
+
+typedef struct row_length
+{
+    double dt, seconds;
+} row_length;
+
+static wisp_status length_of( const suite_row* row, row_length* out, wisp_error* error )
+{
+    wisp_scene scene;
+    const wisp_status status = suite_scene( row, &scene, error );
+    *out = ( row_length ){ 0 };
+    if ( status == WISP_OK )
+    {
+        out->dt = (double)scene.dt;
+        out->seconds = out->dt * ( row->steps > 0 ? row->steps : scene.steps );
+        wisp_scene_release( &scene );
+    }
+    return status;
+}
+
+wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_error* error )
+{
+    double longest = 0.0, end = INFINITY;
+    wisp_status status = WISP_OK;
+    for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        row_length length = { 0.0, INFINITY };
+        const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
+        status = row->text ? length_of( row, &length, error ) : WISP_OK;
+        longest = fmax( longest, length.dt );
+        end = fmin( end, length.seconds );
+    }
+    const int steps = longest > 0.0 ? (int)floor( end / longest + SAME_TIME ) : 0;
+    const int stride = ( steps + SUITE_MAX_FRAMES - 2 ) / ( SUITE_MAX_FRAMES - 1 );
+    out->count = 0;
+    for ( int step = stride; stride > 0 && step <= steps; step += stride )
+    {
+        out->at[out->count++] = step * longest;
+    }
+    return status;
+}
+
+// ---- bodies ----
+
+static void* copy_of( const void* from, size_t size )
+{
+    void* to = from ? malloc( size ) : NULL;
+    return to ? memcpy( to, from, size ) : NULL;
+}
+
+// Copy the description of a body.
+static wisp_status add_body( suite_motion* motion, const wisp_record_body* from, wisp_error* error )
+{
+    wisp_record_body* to = &motion->bodies[motion->body_count];
+    *to = *from;
+    to->name = copy_of( from->name, strlen( from->name ) + 1 );
+    to->triangles = copy_of( from->triangles, 3 * (size_t)from->triangle_count * sizeof *from->triangles );
+    to->offsets = copy_of( from->offsets, ( (size_t)from->strand_count + 1 ) * sizeof *from->offsets );
+    motion->first[motion->body_count + 1] = motion->first[motion->body_count] + from->vertex_count;
+    ++motion->body_count;
+    const bool has_all = to->name && ( to->triangles || !from->triangles ) && ( to->offsets || !from->offsets );
+    return has_all ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the bodies of a motion" );
+}
+
+static wisp_status reserve_bodies( suite_motion* motion, int count, wisp_error* error )
+{
+    motion->bodies = calloc( (size_t)count + 1, sizeof *motion->bodies );
+    motion->first = calloc( (size_t)count + 1, sizeof *motion->first );
+    return motion->bodies && motion->first
+               ? WISP_OK
+               : wisp_fail( error, WISP_NO_MEMORY, "no memory for the bodies of a motion" );
+}
+
+// @return where the points of the next frame go; null without memory
+static wisp_vec3* add_frame( suite_motion* motion, double time )
+{
+    const size_t n = (size_t)suite_motion_points( motion );
+    if ( motion->frame_count == motion->frame_capacity )
+    {
+        const int capacity = motion->frame_capacity > 0 ? 2 * motion->frame_capacity : 8;
+        wisp_vec3* points = realloc( motion->points, ( (size_t)capacity * n + 1 ) * sizeof *points );
+        motion->points = points ? points : motion->points;
+        double* times = realloc( motion->times, (size_t)capacity * sizeof *times );
+        motion->times = times ? times : motion->times;
+        if ( points == NULL || times == NULL )
+        {
+            return NULL;
+        }
+        motion->frame_capacity = capacity;
+    }
+    motion->times[motion->frame_count] = time;
+    return motion->points + n * (size_t)motion->frame_count++;
+}
+
+// ---- a run ----
+
+typedef struct frame_recorder
+{
+    suite_motion* motion;
+    const suite_times* times;
+    const suite_observer* also; // null: nobody
+} frame_recorder;
+
+static wisp_status begin( suite_motion* motion, const scene_world* world, wisp_error* error )
+{
+    const int count = scene_world_moving_count( world );
+    wisp_status status = reserve_bodies( motion, count, error );
+    for ( int i = 0; i < count && status == WISP_OK; ++i )
+    {
+        const scene_body body = scene_world_body( world, i );
+        const wisp_record_body copied = { body.name,         body.triangles,      body.offsets,
+                                          body.vertex_count, body.triangle_count, body.strand_count };
+        status = add_body( motion, &copied, error );
+    }
+    motion->start = calloc( (size_t)suite_motion_points( motion ) + 1, sizeof *motion->start );
+    for ( int i = 0; i < count && status == WISP_OK && motion->start; ++i )
+    {
+        status = scene_world_points( world, i, motion->start + motion->first[i], error );
+    }
+    return motion->start ? status : wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a motion" );
+}
+
+static wisp_status keep_frame( suite_motion* motion, const scene_world* world, double time, wisp_error* error )
+{
+    wisp_vec3* points = add_frame( motion, time );
+    if ( points == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
+    }
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < motion->body_count && status == WISP_OK; ++i )
+    {
+        status = scene_world_points( world, i, points + motion->first[i], error );
+    }
+    return status;
+}
+
+static wisp_status observe( void* user, const scene_world* world, wisp_error* error )
+{
+    frame_recorder* r = user;
+    const wisp_status status = r->also ? r->also->observe( r->also->user, world, error ) : WISP_OK;
+    if ( world->next_step == 0 || status != WISP_OK )
+    {
+        return status == WISP_OK ? begin( r->motion, world, error ) : status;
+    }
+    const double time = scene_world_time( world ), near = SAME_TIME * (double)world->scene->dt;
+    const int next = r->motion->frame_count;
+    return next < r->times->count && fabs( r->times->at[next] - time ) <= near
+               ? keep_frame( r->motion, world, r->times->at[next], error )
+               : WISP_OK;
+}
+
+wisp_status suite_motion_run( const suite_row* row, const char* isa, const suite_times* times,
+                              const suite_observer* also, suite_motion* out, suite_measurement* measured,
+                              wisp_error* error )
+{
+    *out = ( suite_motion ){ 0 };
+    frame_recorder r = { .motion = out, .times = times, .also = also };
+    const suite_observer observer = { observe, &r };
+    const wisp_status status = suite_run_row( row, isa, &observer, measured, error );
+    if ( status == WISP_OK && out->frame_count < times->count )
+    {
+        return wisp_fail(
+            error, WISP_BAD_INPUT,
+            "%s%s%s: no step ends at %.6g s, where motions are compared; the longest step of a suite must be a "
+            "multiple of all others",
+            row->name, row->variant[0] ? ", " : "", row->variant, times->at[out->frame_count] );
+    }
+    return status;
+}
+
+// ---- recordings ----
+
+static wisp_status read_frames( wisp_recording* recording, const char* path, const suite_times* times,
+                                suite_motion* out, wisp_error* error )
+{
+    const wisp_recording_info info = wisp_recording_describe( recording );
+    wisp_vec3** places = calloc( (size_t)out->body_count, sizeof *places );
+    wisp_status status =
+        places ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
+    for ( int frame = 0; frame < info.frame_count && out->frame_count < times->count && status == WISP_OK; ++frame )
+    {
+        double time = 0.0;
+        status = wisp_recording_frame( recording, frame, NULL, &time, NULL, error );
+        const double wanted = times->at[out->frame_count], near = SAME_TIME * info.dt;
+        if ( status != WISP_OK || ( frame > 0 && time < wanted - near ) || time > wanted + near )
+        {
+            continue;
+        }
+        wisp_vec3* points = frame == 0 ? out->start : add_frame( out, wanted );
+        for ( int i = 0; i < out->body_count && points; ++i )
+        {
+            places[i] = points + out->first[i];
+        }
+        status = points ? wisp_recording_frame( recording, frame, places, NULL, NULL, error )
+                        : wisp_fail( error, WISP_NO_MEMORY, "no memory for the frames of a motion" );
+    }
+    free( places );
+    return status != WISP_OK || out->frame_count == times->count
+               ? status
+               : wisp_fail( error, WISP_BAD_INPUT,
+                            "%s: the recording has no frame at %.6g s, where motions are compared", path,
+                            times->at[out->frame_count] );
+}
+
+wisp_status suite_motion_read( const char* path, const suite_times* times, suite_motion* out, wisp_error* error )
+{
+    *out = ( suite_motion ){ 0 };
+    wisp_recording* recording = NULL;
+    wisp_status status = wisp_recording_open( path, &recording, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const wisp_recording_info info = wisp_recording_describe( recording );
+    status = info.frame_count > 0 ? reserve_bodies( out, info.body_count, error )
+                                  : wisp_fail( error, WISP_BAD_INPUT, "%s: the recording has no frame", path );
+    for ( int i = 0; i < info.body_count && status == WISP_OK; ++i )
+    {
+        status = add_body( out, wisp_recording_body( recording, i ), error );
+    }
+    out->start = status == WISP_OK ? calloc( (size_t)suite_motion_points( out ) + 1, sizeof *out->start ) : NULL;
+    if ( status == WISP_OK )
+    {
+        status = out->start ? read_frames( recording, path, times, out, error )
+                            : wisp_fail( error, WISP_NO_MEMORY, "no memory for the start of a motion" );
+    }
+    wisp_recording_close( recording );
+    return status;
+}
+
+static wisp_status write_frame( const suite_motion* motion, const wisp_vec3* points, double time,
+                                wisp_recorder* recorder, const wisp_vec3** places, wisp_error* error )
+{
+    for ( int i = 0; i < motion->body_count; ++i )
+    {
+        places[i] = points + motion->first[i];
+    }
+    return wisp_recorder_frame( recorder, time, 0, places, error );
+}
+
+wisp_status suite_motion_write( const suite_motion* motion, const char* path, wisp_error* error )
+{
+    const wisp_recorder_def def = { motion->bodies, motion->body_count, motion->times[0] };
+    wisp_recorder* recorder = NULL;
+    const wisp_vec3** places = calloc( (size_t)motion->body_count + 1, sizeof *places );
+    wisp_status status = places ? wisp_recorder_open( path, WISP_RECORD_WISP, &def, &recorder, error )
+                                : wisp_fail( error, WISP_NO_MEMORY, "no memory for a recording" );
+    status = status == WISP_OK ? write_frame( motion, motion->start, 0.0, recorder, places, error ) : status;
+    for ( int i = 0; i < motion->frame_count && status == WISP_OK; ++i )
+    {
+        const wisp_vec3* points = motion->points + (size_t)i * (size_t)suite_motion_points( motion );
+        status = write_frame( motion, points, motion->times[i], recorder, places, error );
+    }
+    const wisp_status closed = wisp_recorder_close( recorder, status == WISP_OK ? error : NULL );
+    free( places );
+    return status == WISP_OK ? closed : status;
+}

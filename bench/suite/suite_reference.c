@@ -1,0 +1,158 @@
+#include "suite_reference.h"
+
+#include "io_file.h"
+#include "suite_match.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+enum
+{
+    PATH_SIZE = 1024,
+    CACHE_VERSION = 1, // of what a kept run depends on
+};
+
+void suite_reference_release( suite_reference* reference )
+{
+    suite_motion_release( &reference->motion );
+}
+
+// ---- the cache ----
+
+bool suite_cache_folder( char* out, size_t size )
+{
+    const char *own = getenv( "WISP_CACHE" ), *xdg = getenv( "XDG_CACHE_HOME" ), *home = getenv( "HOME" );
+    const int length = own && own[0]     ? snprintf( out, size, "%s", own )
+                       : xdg && xdg[0]   ? snprintf( out, size, "%s/wisp", xdg )
+                       : home && home[0] ? snprintf( out, size, "%s/.cache/wisp", home )
+                                         : -1;
+    return length > 0 && length < (int)size;
+}
+
+// Make a folder and those that it is in.
+static bool make_folders( const char* path )
+{
+    char part[PATH_SIZE];
+    snprintf( part, sizeof part, "%s", path );
+    for ( char* slash = strchr( part + 1, '/' ); slash; slash = strchr( slash + 1, '/' ) )
+    {
+        *slash = '\0';
+        (void)mkdir( part, 0777 );
+        *slash = '/';
+    }
+    return io_folder_make( part, NULL ) == WISP_OK;
+}
+
+static uint64_t hash_bytes( const void* bytes, size_t size, uint64_t hash )
+{
+    const unsigned char* at = bytes;
+    for ( size_t i = 0; i < size; ++i )
+    {
+        hash = ( hash ^ at[i] ) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+// What decides about the motion: the scene with its settings, the files that it reads, and when it is looked at.
+static wisp_status hash_row( const suite_row* row, const suite_times* times, uint64_t* out, wisp_error* error )
+{
+    wisp_scene scene;
+    scene_world world;
+    const scene_world_options options = { .workers = 1, .is_quiet = true };
+    const int version = CACHE_VERSION;
+    wisp_status status = suite_scene( row, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    *out = hash_bytes( &version, sizeof version, SUITE_HASH_BEGIN );
+    *out = hash_bytes( row->text, strlen( row->text ), *out );
+    *out = hash_bytes( times->at, (size_t)times->count * sizeof *times->at, *out );
+    status = scene_world_create( &scene, &options, &world, error );
+    if ( status == WISP_OK )
+    {
+        wisp_vec3* points = malloc( ( (size_t)scene_world_vertices( &world ) + 1 ) * sizeof *points );
+        *out = points ? suite_hash_points( &world, points, *out ) : *out;
+        status = points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for the points of a reference" );
+        free( points );
+        scene_world_destroy( &world );
+    }
+    wisp_scene_release( &scene );
+    return status;
+}
+
+// Find a run in the cache, or make and keep it. A file of the cache that cannot be read is made again.
+static wisp_status find_run( const wisp_suite* suite, const suite_row* row, const suite_times* times,
+                             suite_motion* out, wisp_error* error )
+{
+    char folder[PATH_SIZE], path[2 * PATH_SIZE];
+    uint64_t hash = 0;
+    wisp_status status = hash_row( row, times, &hash, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    const bool keeps = suite_cache_folder( folder, sizeof folder ) && make_folders( folder );
+    snprintf( path, sizeof path, "%s/%s-%016llx.wisp", folder, suite->name, (unsigned long long)hash );
+    struct stat found;
+    if ( keeps && stat( path, &found ) == 0 )
+    {
+        if ( suite_motion_read( path, times, out, NULL ) == WISP_OK )
+        {
+            return WISP_OK;
+        }
+        suite_motion_release( out );
+    }
+    suite_measurement measured;
+    status = suite_motion_run( row, NULL, times, NULL, out, &measured, error );
+    if ( status == WISP_OK && measured.values[SUITE_HALTED] > 0.0 )
+    {
+        return wisp_fail( error, WISP_CONFLICT,
+                          "%s: the %s was halted, it cannot be what errors are measured against", suite->name,
+                          row->name );
+    }
+    // a folder that is full or read-only costs time the next time, and nothing else
+    if ( status == WISP_OK && keeps )
+    {
+        (void)suite_motion_write( out, path, NULL );
+    }
+    return status;
+}
+
+// ---- both kinds ----
+
+static wisp_status read_stored( const wisp_suite* suite, const suite_times* times, suite_reference* out,
+                                wisp_error* error )
+{
+    out->doubt = suite->stored_doubt;
+    snprintf( out->description, sizeof out->description, "the stored motion %s", io_short_name( suite->stored ) );
+    return suite_motion_read( suite->stored, times, &out->motion, error );
+}
+
+static wisp_status make_runs( const wisp_suite* suite, const suite_times* times, suite_reference* out,
+                              wisp_error* error )
+{
+    suite_motion check = { 0 };
+    suite_match match = { 0 };
+    wisp_status status = find_run( suite, &suite->reference, times, &out->motion, error );
+    status = status == WISP_OK ? find_run( suite, &suite->check, times, &check, error ) : status;
+    status = status == WISP_OK ? suite_match_motions( &check, &out->motion, "the coarser reference", &match, error )
+                               : status;
+    if ( status == WISP_OK )
+    {
+        out->doubt = suite_distance( &match, &check, &out->motion );
+        snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
+    }
+    suite_match_release( &match );
+    suite_motion_release( &check );
+    return status;
+}
+
+wisp_status suite_reference_make( const wisp_suite* suite, const suite_times* times, suite_reference* out,
+                                  wisp_error* error )
+{
+    *out = ( suite_reference ){ 0 };
+    return suite->stored ? read_stored( suite, times, out, error ) : make_runs( suite, times, out, error );
+}

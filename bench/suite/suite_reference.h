@@ -1,0 +1,21 @@
+/// What errors of a suite are measured against: a stored recording, or a converged run that is made on request and kept.
+#pragma once
+
+#include "suite_motion.h"
+
+typedef struct suite_reference
+{
+    suite_motion motion;
+    double doubt; ///< m, root mean square distance to the coarser run; of a stored one as the suite says
+    char description[200];
+} suite_reference;
+
+/// Read or make the reference of a suite that has one. Runs are kept in the cache folder (suite_cache_folder()) under the hash of their scene
+/// and settings, and found there the next time.
+/// @param out to be released, after a failure too
+wisp_status suite_reference_make( const wisp_suite* suite, const suite_times* times, suite_reference* out,
+                                  wisp_error* error );
+void suite_reference_release( suite_reference* reference );
+
+/// `$WISP_CACHE`, else `$XDG_CACHE_HOME/wisp`, else `$HOME/.cache/wisp`. @return false: none of them is set
+bool suite_cache_folder( char* out, size_t size );

@@ -1,0 +1,320 @@
+#include "suite_study.h"
+
+#include "accuracy/scene_tools.h"
+#include "suite_match.h"
+#include "suite_reference.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+// What is measured beside time and error; a suite has those columns that one of its scenes can have.
+typedef enum study_measure
+{
+    STRETCH_MAX,
+    STRETCH_MEAN,
+    ENERGY,
+    PENETRATION,
+    INTERSECTIONS,
+    MEMORY,
+    MEASURE_COUNT,
+} study_measure;
+
+static const char* const measure_names[MEASURE_COUNT] = { "stretch max, %",  "stretch mean, %", "energy gained, mJ",
+                                                          "penetration, mm", "intersections",   "memory, KiB" };
+
+typedef struct study
+{
+    const wisp_suite* suite;
+    bool has_reference;
+    suite_reference reference;
+    suite_times times;
+    double* dt; // [rows] s
+    double longest_dt;
+    bool measures[MEASURE_COUNT];
+} study;
+
+// ---- a sampled run ----
+
+// Strain and energy of a run, beside what its measurement has.
+typedef struct sampler
+{
+    double stretch_max, stretch_mean; // the largest, and the mean of steps
+    double energy_first, energy;      // J, after the first and the last step
+    int steps;
+} sampler;
+
+static wisp_status sample( void* user, const scene_world* world, wisp_error* error )
+{
+    (void)error;
+    sampler* s = user;
+    double energy = 0.0, stretch = 0.0;
+    for ( int body = 0; body < scene_world_moving_count( world ) && world->next_step > 0; ++body )
+    {
+        wisp_motion_stats m;
+        if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
+        {
+            energy += m.kinetic_energy + m.potential_energy;
+            stretch = fmax( stretch, m.strain_mean );
+            s->stretch_max = fmax( s->stretch_max, m.strain_max );
+        }
+    }
+    if ( world->next_step > 0 )
+    {
+        s->energy = energy;
+        s->energy_first = s->steps == 0 ? energy : s->energy_first;
+        s->stretch_mean += ( stretch - s->stretch_mean ) / ++s->steps;
+    }
+    return WISP_OK;
+}
+
+static void keep_measures( const study* own, const sampler* s, const suite_measurement* measured, accuracy_run* out )
+{
+    const double all[MEASURE_COUNT] = {
+        [STRETCH_MAX] = 100.0 * s->stretch_max,
+        [STRETCH_MEAN] = 100.0 * s->stretch_mean,
+        [ENERGY] = 1e3 * ( s->energy - s->energy_first ),
+        [PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
+        [INTERSECTIONS] = measured->values[SUITE_INTERSECTIONS],
+        [MEMORY] = measured->values[SUITE_BYTES] / 1024.0,
+    };
+    int count = 0;
+    for ( int m = 0; m < MEASURE_COUNT; ++m )
+    {
+        if ( own->measures[m] )
+        {
+            out->measures[count++] = all[m];
+        }
+    }
+    out->hash = measured->hash;
+    out->halted_at = measured->values[SUITE_HALTED] > 0.0 ? measured->steps : 0;
+}
+
+static wisp_status compare( const study* own, const suite_row* row, const suite_motion* motion, accuracy_run* out,
+                            wisp_error* error )
+{
+    suite_match match;
+    const wisp_status status = suite_match_motions( motion, &own->reference.motion, row->name, &match, error );
+    out->error = status == WISP_OK ? 1e3 * suite_distance( &match, motion, &own->reference.motion ) : NAN;
+    suite_match_release( &match );
+    return status;
+}
+
+static wisp_status observe_row( const study* own, int row, accuracy_run* out, wisp_error* error )
+{
+    const suite_row* r = own->suite->rows + row;
+    sampler s = { 0 };
+    const suite_observer observer = { sample, &s };
+    suite_measurement measured;
+    suite_motion motion = { 0 };
+    wisp_status status = own->has_reference
+                             ? suite_motion_run( r, NULL, &own->times, &observer, &motion, &measured, error )
+                             : suite_run_row( r, NULL, &observer, &measured, error );
+    if ( status == WISP_OK )
+    {
+        keep_measures( own, &s, &measured, out );
+        status = own->has_reference && out->halted_at == 0 ? compare( own, r, &motion, out, error ) : WISP_OK;
+    }
+    suite_motion_release( &motion );
+    return status;
+}
+
+// ---- a timed run ----
+
+static wisp_status time_steps( const study* own, int row, scene_world* world, int steps, accuracy_run* out,
+                               wisp_error* error )
+{
+    wisp_vec3* points = malloc( ( (size_t)scene_world_vertices( world ) + 1 ) * sizeof *points );
+    const double scale = own->longest_dt / own->dt[row];
+    wisp_status status = points ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory for points" );
+    out->hash = SUITE_HASH_BEGIN;
+    for ( int step = 0; step < steps && status == WISP_OK; ++step )
+    {
+        const double begin = wisp_clock_seconds();
+        status = scene_world_step( world, error );
+        const double ms = 1e3 * ( wisp_clock_seconds() - begin ) * scale;
+        status = status == WISP_OK ? accuracy_keep_ms( out, ms ) : status;
+        status =
+            status == WISP_OK ? profile_samples_add( &out->profile, wisp_world_profile( world->world ) ) : status;
+        out->hash = status == WISP_OK ? suite_hash_points( world, points, out->hash ) : 0;
+    }
+    free( points );
+    out->halted_at = wisp_world_counter( world->world, WISP_COUNT_HALTED ) > 0 ? steps : 0;
+    return status;
+}
+
+static void request_points( wisp_scene* scene )
+{
+    for ( int i = 0; i < scene->strands_count; ++i )
+    {
+        scene->strands[i].request_points = true;
+    }
+    for ( int i = 0; i < scene->surface_count; ++i )
+    {
+        scene->surfaces[i].request_points = true;
+    }
+}
+
+static wisp_status time_row( const study* own, int row, int workers, accuracy_run* out, wisp_error* error )
+{
+    const suite_row* r = own->suite->rows + row;
+    const scene_world_options options = { .workers = workers, .is_quiet = true };
+    wisp_scene scene;
+    scene_world world;
+    wisp_status status = suite_scene( r, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    request_points( &scene );
+    status = scene_world_create( &scene, &options, &world, error );
+    if ( status == WISP_OK )
+    {
+        status = time_steps( own, row, &world, r->steps > 0 ? r->steps : scene.steps, out, error );
+        scene_world_destroy( &world );
+    }
+    wisp_scene_release( &scene );
+    return status;
+}
+
+static wisp_status run( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
+                        wisp_error* error )
+{
+    return is_observed ? observe_row( context, setting, out, error )
+                       : time_row( context, setting, workers, out, error );
+}
+
+// ---- settings ----
+
+static void destroy( void* context )
+{
+    study* own = context;
+    suite_reference_release( &own->reference );
+    free( own->dt );
+    free( own );
+}
+
+// Columns that the scene of a row can have.
+static wisp_status look_at_row( study* own, int row, wisp_error* error )
+{
+    wisp_scene scene;
+    const wisp_status status = suite_scene( own->suite->rows + row, &scene, error );
+    if ( status != WISP_OK )
+    {
+        return status;
+    }
+    own->dt[row] = (double)scene.dt;
+    own->longest_dt = fmax( own->longest_dt, own->dt[row] );
+    for ( int i = 0; i < scene.surface_count; ++i )
+    {
+        own->measures[STRETCH_MAX] = true;
+        own->measures[PENETRATION] = own->measures[PENETRATION] || scene.surfaces[i].has_collision;
+        own->measures[INTERSECTIONS] = own->measures[INTERSECTIONS] || scene.surfaces[i].has_contact;
+    }
+    for ( int i = 0; i < scene.strands_count; ++i )
+    {
+        own->measures[STRETCH_MAX] = own->measures[STRETCH_MAX] || scene.strands[i].has_dynamics;
+        own->measures[PENETRATION] = own->measures[PENETRATION] || scene.strands[i].has_collision;
+    }
+    own->measures[STRETCH_MEAN] = own->measures[ENERGY] = own->measures[STRETCH_MAX];
+    own->measures[MEMORY] = true;
+    wisp_scene_release( &scene );
+    return WISP_OK;
+}
+
+// A number that grows with accuracy goes to 0 as its reciprocal.
+static double parameter_of( const study* own, int row, char* name, size_t size )
+{
+    const suite_row* r = own->suite->rows + row;
+    const char* dot = strrchr( r->along, '.' );
+    const char* field = dot ? dot + 1 : r->along;
+    if ( strcmp( r->along, "substeps" ) == 0 )
+    {
+        snprintf( name, size, "substep, s" );
+        return own->dt[row] / r->along_value;
+    }
+    const bool falls = strcmp( field, "dt" ) == 0 || strcmp( field, "spacing" ) == 0 || strstr( field, "tolerance" );
+    snprintf( name, size, falls ? "%s" : "1 / %s", field );
+    return falls ? r->along_value : 1.0 / r->along_value;
+}
+
+static void add_setting( const study* own, int row, accuracy_scene* out )
+{
+    const suite_row* r = own->suite->rows + row;
+    char name[SUITE_MAX_NAME + 8];
+    accuracy_setting* setting = accuracy_put_setting( out, "%s%s%s", r->name, r->variant[0] ? ", " : "", r->variant );
+    snprintf( setting->method, sizeof setting->method, "%.47s", r->name );
+    if ( r->series[0] != '\0' )
+    {
+        const double parameter = parameter_of( own, row, name, sizeof name );
+        accuracy_join_series( setting, r->series, name, parameter, r->order );
+    }
+}
+
+static void describe( study* own, accuracy_scene* out )
+{
+    for ( int m = 0; m < MEASURE_COUNT; ++m )
+    {
+        if ( own->measures[m] )
+        {
+            out->measure_names[out->measure_count++] = measure_names[m];
+        }
+    }
+    bool is_uniform = true;
+    for ( int i = 0; i < own->suite->row_count; ++i )
+    {
+        is_uniform = is_uniform && own->dt[i] == own->longest_dt;
+    }
+    if ( !is_uniform )
+    {
+        snprintf( out->ms_name, sizeof out->ms_name, "%.4g s of motion", own->longest_dt );
+    }
+    out->note = own->suite->note;
+    out->has_no_rivals = !own->has_reference;
+    if ( own->has_reference )
+    {
+        snprintf( out->reference, sizeof out->reference, "%s", own->reference.description );
+        snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
+        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
+        out->uncertainty = 1e3 * own->reference.doubt;
+    }
+}
+
+static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
+{
+    wisp_status status = WISP_OK;
+    for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
+    {
+        status = look_at_row( own, i, error );
+    }
+    if ( status == WISP_OK && own->has_reference )
+    {
+        status = suite_choose_times( own->suite, &own->times, error );
+        status = status == WISP_OK ? suite_reference_make( own->suite, &own->times, &own->reference, error ) : status;
+    }
+    for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
+    {
+        add_setting( own, i, out );
+    }
+    describe( own, out );
+    return status;
+}
+
+wisp_status suite_study_make( const wisp_suite* suite, const bench_options* options, accuracy_scene* out,
+                              wisp_error* error )
+{
+    (void)options;
+    study* own = calloc( 1, sizeof *own );
+    *out = ( accuracy_scene ){ .context = own, .run = run, .destroy = destroy };
+    if ( own == NULL )
+    {
+        return wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
+    }
+    own->suite = suite;
+    own->has_reference = suite->reference.text != NULL || suite->stored != NULL;
+    own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
+    wisp_status status = own->dt ? accuracy_reserve_settings( out, suite->row_count, error )
+                                 : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
+    status = status == WISP_OK ? fill( own, out, error ) : status;
+    return status == WISP_OK ? WISP_OK : accuracy_abandon( out, status );
+}
