@@ -1,4 +1,5 @@
 // The program wisp-bench, which `wisp bench` runs: its options, the cases in turn, the written files.
+#include "bench_accuracy.h"
 #include "commands.h"
 
 #include "accuracy/accuracy.h"
@@ -284,7 +285,7 @@ static wisp_status write_report( const bench_arguments* arguments, const results
 }
 
 // The instruction set of the engine's kernels on this machine, from an empty world.
-static wisp_status describe( machine_info* out, wisp_error* error )
+wisp_status bench_describe_machine( machine_info* out, wisp_error* error )
 {
     wisp_world_def def = wisp_default_world_def();
     def.workers = 1;
@@ -300,6 +301,10 @@ static wisp_status describe( machine_info* out, wisp_error* error )
 
 int main( int argc, char** argv )
 {
+    if ( strcmp( argv[0], "wisp accuracy" ) == 0 )
+    {
+        return bench_accuracy( argc, argv );
+    }
     // argp uses argv[0] in its messages: users know the program as a command of wisp.
     char program[] = "wisp bench";
     argv[0] = program;
@@ -313,7 +318,7 @@ int main( int argc, char** argv )
 
     results out = { 0 };
     wisp_error error = { 0 };
-    wisp_status status = describe( &out.machine, &error );
+    wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? command_check_writable( arguments.output, &error ) : status;
     status = status == WISP_OK ? command_check_writable( arguments.report, &error ) : status;
     if ( status == WISP_OK && arguments.options.pictures != NULL )

@@ -12,8 +12,9 @@ typedef struct program_command
 } program_command;
 
 static const program_command commands[] = {
-    { "run", command_run },       { "plan", command_plan }, { "bench", command_bench },     { "info", command_info },
-    { "render", command_render }, { "tune", command_tune }, { "torture", command_torture }, { "gate", command_gate },
+    { "run", command_run },         { "plan", command_plan },     { "bench", command_bench },
+    { "info", command_info },       { "render", command_render }, { "tune", command_tune },
+    { "torture", command_torture }, { "gate", command_gate },     { "accuracy", command_bench },
 };
 
 static const char program_doc[] =
@@ -26,6 +27,7 @@ static const char program_doc[] =
     "  plan SCENE     list the passes that a scene needs, and why\n"
     "  tune SCENE     find the cheapest configuration within an error or time\n"
     "  bench [CASE]   measure time and error together\n"
+    "  accuracy SCENE show what accuracy costs in a scene\n"
     "  torture        search for scenes that break the engine, or judge scenes\n"
     "  gate ACTION    measure the scenes of a suite, and fail if one became worse\n"
     "\v"
@@ -48,7 +50,8 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state, "expected a command: run, render, info, plan, tune, bench, torture or gate" );
+            argp_error( state,
+                        "expected a command: run, render, info, plan, tune, bench, accuracy, torture or gate" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -69,7 +72,8 @@ static int unknown_command( const char* word )
     }
     else
     {
-        fprintf( stderr, "wisp: got command '%s', expected run, render, info, plan, tune, bench, torture or gate\n",
+        fprintf( stderr,
+                 "wisp: got command '%s', expected run, render, info, plan, tune, bench, accuracy, torture or gate\n",
                  word );
     }
     return STATUS_USAGE;

@@ -197,24 +197,32 @@ static wisp_status check_names( const suite_reader* r )
     return WISP_OK;
 }
 
-wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error )
+wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_suite* out, wisp_error* error )
 {
     *out = ( wisp_suite ){ 0 };
     suite_stem( path, out->name, sizeof out->name );
-    unsigned char* bytes = NULL;
-    suite_reader r = { .source = { .name = path, .error = error }, .out = out };
+    suite_reader r = { .source = { .name = path, .text = text, .size = size, .error = error }, .out = out };
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
         r.budgets[m] = suite_measures[m].budget;
     }
-    wisp_status status = io_file_read( path, SUITE_MAX_BYTES, &bytes, &r.source.size, error );
+    wisp_status status = scene_tree_build( &r.source, &r.tree );
+    status = status == WISP_OK ? read_suite( &r ) : status;
+    status = status == WISP_OK ? check_names( &r ) : status;
+    scene_tree_release( &r.tree );
+    return status;
+}
+
+wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error )
+{
+    unsigned char* bytes = NULL;
+    size_t size = 0;
+    *out = ( wisp_suite ){ 0 };
+    wisp_status status = io_file_read( path, SUITE_MAX_BYTES, &bytes, &size, error );
     if ( status == WISP_OK )
     {
-        r.source.text = bytes ? (const char*)bytes : ""; // an empty file has no block
-        status = scene_tree_build( &r.source, &r.tree );
-        status = status == WISP_OK ? read_suite( &r ) : status;
-        status = status == WISP_OK ? check_names( &r ) : status;
-        scene_tree_release( &r.tree );
+        // an empty file has no block
+        status = suite_parse( bytes ? (const char*)bytes : "", size, path, out, error );
     }
     free( bytes );
     return status;

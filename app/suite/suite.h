@@ -79,6 +79,8 @@ typedef struct wisp_suite
 /// @param out to be released, also after a failure
 /// @return WISP_BAD_INPUT the suite or a row is wrong (the message names file, line and path); WISP_IO_ERROR
 wisp_status suite_read( const char* path, wisp_suite* out, wisp_error* error );
+/// The same from a text. @param path of the suite, which its files are relative to and messages name
+wisp_status suite_parse( const char* text, size_t size, const char* path, wisp_suite* out, wisp_error* error );
 void suite_release( wisp_suite* suite );
 
 /// Read the scene of a row. @param out to be released

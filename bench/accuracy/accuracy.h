@@ -74,7 +74,9 @@ typedef struct accuracy_entry
 /// The scenes of scenes.inc in their order.
 const accuracy_entry* accuracy_entries( int* count );
 
-/// Run the rows of a suite, with a table of each.
+/// Run the rows of a suite.
+wisp_status suite_bench_rows( const wisp_suite* suite, const bench_options* options, results* out,
+                              wisp_error* error );
 wisp_status suite_bench( const char* path, const bench_options* options, results* out, wisp_error* error );
 
 /// Run scenes and add all their tables.

@@ -87,6 +87,7 @@ static void write_report( const accuracy_report* report, results* out )
     accuracy_add_rows( report, out );
     if ( !report->scene->has_no_rivals )
     {
+        accuracy_add_headline( report, out );
         accuracy_add_equal_error( report, out );
         accuracy_add_equal_time( report, out );
     }
@@ -192,18 +193,20 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
     return status;
 }
 
+wisp_status suite_bench_rows( const wisp_suite* suite, const bench_options* options, results* out, wisp_error* error )
+{
+    const accuracy_entry entry = { suite->name, suite->title[0] ? suite->title : suite->name, NULL, suite };
+    const double seconds = options->seconds > 0.0 ? options->seconds
+                           : options->quick       ? SCENE_SECONDS_QUICK
+                                                  : SCENE_SECONDS;
+    return accuracy_bench_run( &entry, 1, seconds, options, out, error );
+}
+
 wisp_status suite_bench( const char* path, const bench_options* options, results* out, wisp_error* error )
 {
     wisp_suite suite;
     wisp_status status = suite_read( path, &suite, error );
-    if ( status == WISP_OK )
-    {
-        const accuracy_entry entry = { suite.name, suite.title[0] ? suite.title : suite.name, NULL, &suite };
-        const double seconds = options->seconds > 0.0 ? options->seconds
-                               : options->quick       ? SCENE_SECONDS_QUICK
-                                                      : SCENE_SECONDS;
-        status = accuracy_bench_run( &entry, 1, seconds, options, out, error );
-    }
+    status = status == WISP_OK ? suite_bench_rows( &suite, options, out, error ) : status;
     suite_release( &suite );
     return status;
 }

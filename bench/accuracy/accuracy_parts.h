@@ -48,5 +48,6 @@ void accuracy_add_passes( const accuracy_report* report, results* out );
 void accuracy_add_equal_error( const accuracy_report* report, results* out );
 void accuracy_add_equal_time( const accuracy_report* report, results* out );
 void accuracy_add_orders( const accuracy_report* report, results* out );
+void accuracy_add_headline( const accuracy_report* report, results* out );
 void accuracy_add_notes( const accuracy_report* report, results* out );
 void accuracy_add_charts( const accuracy_report* report, results* out );

@@ -236,6 +236,26 @@ static int front_count( const accuracy_report* report )
     return count;
 }
 
+// The ends of the front in a line above all tables.
+void accuracy_add_headline( const accuracy_report* report, results* out )
+{
+    const accuracy_scene* scene = report->scene;
+    const int fastest =
+        accuracy_best_within( report->min_ms, report->error, INFINITY, report->on_front, scene->setting_count );
+    const int best =
+        accuracy_best_within( report->error, report->min_ms, INFINITY, report->on_front, scene->setting_count );
+    if ( fastest >= 0 && best >= 0 && out->headline_count < RESULTS_MAX_HEADLINES )
+    {
+        results_add_headline( out,
+                              "Accuracy `%s`: from %.3g %s in %.3g ms (%s) to %.3g %s in %.3g ms (%s); the reference "
+                              "is uncertain by %.2g %s",
+                              report->entry->name, report->error[fastest], scene->error_unit, report->min_ms[fastest],
+                              scene->settings[fastest].name, report->error[best], scene->error_unit,
+                              report->min_ms[best], scene->settings[best].name, scene->uncertainty,
+                              scene->error_unit );
+    }
+}
+
 void accuracy_add_notes( const accuracy_report* report, results* out )
 {
     const accuracy_scene* scene = report->scene;

@@ -249,12 +249,17 @@ static void take_place( const suite_place* place, const wisp_vec3* points, doubl
     }
 }
 
-double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other )
+double suite_motion_size( const suite_motion* motion )
+{
+    return (double)size_of( motion->start, suite_motion_points( motion ) );
+}
+
+double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
+                       int frame_count )
 {
     const size_t n = (size_t)suite_motion_points( one ), m = (size_t)suite_motion_points( other );
-    const int frames = one->frame_count < other->frame_count ? one->frame_count : other->frame_count;
     double sum = 0.0;
-    for ( int frame = 0; frame < frames; ++frame )
+    for ( int frame = first_frame; frame < first_frame + frame_count; ++frame )
     {
         for ( int i = 0; i < match->count; ++i )
         {
@@ -267,5 +272,5 @@ double suite_distance( const suite_match* match, const suite_motion* one, const 
             }
         }
     }
-    return sqrt( sum / ( (double)frames * match->count ) );
+    return sqrt( sum / ( (double)frame_count * match->count ) );
 }

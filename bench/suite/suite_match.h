@@ -25,5 +25,9 @@ wisp_status suite_match_motions( const suite_motion* one, const suite_motion* ot
                                  suite_match* out, wisp_error* error );
 void suite_match_release( suite_match* match );
 
-/// Root of the mean square distance over all places and frames, m. NaN if a coordinate is.
-double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other );
+/// Root of the mean square distance over all places of some frames, m. NaN if a coordinate is.
+double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
+                       int frame_count );
+
+/// The diagonal of the box around all points at the start, m.
+double suite_motion_size( const suite_motion* motion );

@@ -14,6 +14,9 @@ enum
     CACHE_VERSION = 1, // of what a kept run depends on
 };
 
+// Distance between two runs that should be one, as part of their size, at which their motion is chaotic.
+static const double APART = 0.01;
+
 void suite_reference_release( suite_reference* reference )
 {
     suite_motion_release( &reference->motion );
@@ -128,7 +131,22 @@ static wisp_status read_stored( const wisp_suite* suite, const suite_times* time
 {
     out->doubt = suite->stored_doubt;
     snprintf( out->description, sizeof out->description, "the stored motion %s", io_short_name( suite->stored ) );
-    return suite_motion_read( suite->stored, times, &out->motion, error );
+    const wisp_status status = suite_motion_read( suite->stored, times, &out->motion, error );
+    out->frame_count = out->motion.frame_count;
+    return status;
+}
+
+// Two runs that should be one part where motion is chaotic: what comes after that is not compared.
+static void find_chaos( const suite_match* match, const suite_motion* check, suite_reference* out )
+{
+    const double most = APART * suite_motion_size( check );
+    int frame = 0;
+    while ( frame < check->frame_count && suite_distance( match, check, &out->motion, frame, 1 ) <= most )
+    {
+        ++frame;
+    }
+    out->parts_at = frame < check->frame_count ? check->times[frame] : INFINITY;
+    out->frame_count = frame > 0 ? frame : check->frame_count;
 }
 
 static wisp_status make_runs( const wisp_suite* suite, const suite_times* times, suite_reference* out,
@@ -142,7 +160,8 @@ static wisp_status make_runs( const wisp_suite* suite, const suite_times* times,
                                : status;
     if ( status == WISP_OK )
     {
-        out->doubt = suite_distance( &match, &check, &out->motion );
+        find_chaos( &match, &check, out );
+        out->doubt = suite_distance( &match, &check, &out->motion, 0, out->frame_count );
         snprintf( out->description, sizeof out->description, "the same scene with %.150s", suite->reference.variant );
     }
     suite_match_release( &match );
@@ -153,6 +172,6 @@ static wisp_status make_runs( const wisp_suite* suite, const suite_times* times,
 wisp_status suite_reference_make( const wisp_suite* suite, const suite_times* times, suite_reference* out,
                                   wisp_error* error )
 {
-    *out = ( suite_reference ){ 0 };
+    *out = ( suite_reference ){ .parts_at = INFINITY };
     return suite->stored ? read_stored( suite, times, out, error ) : make_runs( suite, times, out, error );
 }

@@ -6,7 +6,9 @@
 typedef struct suite_reference
 {
     suite_motion motion;
-    double doubt; ///< m, root mean square distance to the coarser run; of a stored one as the suite says
+    double doubt;    ///< m, root mean square distance to the coarser run; of a stored one as the suite says
+    double parts_at; ///< s, when both runs are one percent of their size apart; INFINITY: they never are
+    int frame_count; ///< that are compared: those before, or all if there is none
     char description[200];
 } suite_reference;
 

@@ -32,6 +32,7 @@ typedef struct study
     double* dt; // [rows] s
     double longest_dt;
     bool measures[MEASURE_COUNT];
+    char note[480];
 } study;
 
 // ---- a sampled run ----
@@ -95,7 +96,9 @@ static wisp_status compare( const study* own, const suite_row* row, const suite_
 {
     suite_match match;
     const wisp_status status = suite_match_motions( motion, &own->reference.motion, row->name, &match, error );
-    out->error = status == WISP_OK ? 1e3 * suite_distance( &match, motion, &own->reference.motion ) : NAN;
+    out->error = status == WISP_OK
+                     ? 1e3 * suite_distance( &match, motion, &own->reference.motion, 0, own->reference.frame_count )
+                     : NAN;
     suite_match_release( &match );
     return status;
 }
@@ -277,6 +280,18 @@ static void describe( study* own, accuracy_scene* out )
         snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
         snprintf( out->error_unit, sizeof out->error_unit, "mm" );
         out->uncertainty = 1e3 * own->reference.doubt;
+        if ( isfinite( own->reference.parts_at ) )
+        {
+            const double until = own->reference.motion.times[own->reference.frame_count - 1];
+            const bool is_cut = until < own->reference.parts_at;
+            snprintf( own->note, sizeof own->note,
+                      is_cut ? "motion is compared up to %.3g s. After that two runs that should have converged are "
+                               "more than 1 %% of their size apart, and distances are chance. %.200s"
+                             : "two runs that should have converged are more than 1 %% of their size apart from %.3g "
+                               "s on: the reference is too coarse for errors to say much. %.200s",
+                      is_cut ? until : own->reference.parts_at, own->suite->note ? own->suite->note : "" );
+            out->note = own->note;
+        }
     }
 }
 

@@ -66,6 +66,7 @@ static void help_of_every_command_names_its_usage_and_the_exit_statuses( void** 
         { "run --help", "Usage: wisp run [OPTION...] SCENE" },
         { "plan --help", "Usage: wisp plan [OPTION...] SCENE" },
         { "bench --help", "Usage: wisp bench [OPTION...] [CASE|SUITE...]" },
+        { "accuracy --help", "Usage: wisp accuracy [OPTION...] SCENE" },
         { "info --help", "Usage: wisp info [OPTION...] FILE" },
         { "render --help", "Usage: wisp render [OPTION...] SCENE|RECORDING|MESH|GROOM" },
         { "tune --help", "Usage: wisp tune [OPTION...] SCENE" },

@@ -1,0 +1,11 @@
+/// Shared by the two commands of the program wisp-bench, `wisp bench` and `wisp accuracy`.
+#pragma once
+
+#include "machine.h"
+#include "wisp/base.h"
+
+/// `wisp accuracy`. @return exit status
+int bench_accuracy( int argc, char** argv );
+
+/// The machine, with the instruction set of the engine's kernels.
+wisp_status bench_describe_machine( machine_info* out, wisp_error* error );

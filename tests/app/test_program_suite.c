@@ -1,0 +1,225 @@
+// The program as a user meets it: suites in `wisp bench`, and `wisp accuracy`.
+#include "program_fixture.h"
+
+#include <jansson.h>
+#include <math.h>
+
+#define FALLING( columns, spacing )                                                                                  \
+    "wisp: 1\n"                                                                                                      \
+    "steps: 12\n"                                                                                                    \
+    "surfaces:\n"                                                                                                    \
+    "  - name: sheet\n"                                                                                              \
+    "    generate: { shape: plane, columns: " columns ", rows: " columns ", spacing: " spacing " }\n"                \
+    "    pin_box: { min: [-1, -1, -1], max: [-0.39, 1, 1] }\n"                                                       \
+    "    cloth: { warp_compliance: 1e-3, weft_compliance: 1e-3, shear_compliance: 1e-3, bending: none }\n"
+
+static const char suite[] = "wisp_suite: 1\n"
+                            "title: a sheet falls\n"
+                            "reference: { set: { substeps: 60, iterations: 4 }, check: { substeps: 30 } }\n"
+                            "scenes:\n"
+                            "  - { file: sheet.yaml, along: { substeps: [1, 2, 4, 8] }, order: 1 }\n"
+                            "  - { file: fine.yaml, name: fine, along: { substeps: [1, 8] } }\n";
+
+static int enter_folder( void** state )
+{
+    static const text_file files[] = { { "sheet.yaml", FALLING( "9", "0.1" ) },
+                                       { "fine.yaml", FALLING( "17", "0.05" ) },
+                                       { "suite.yaml", suite } };
+    setenv( "WISP_CACHE", "cache", 1 );
+    return enter_folder_with( state, files, WISP_COUNT( files ) );
+}
+
+// Run the suite and read what it measured.
+static json_t* measure( const char* command )
+{
+    run_ok( command );
+    json_t* root = json_load_file( "out.json", 0, NULL );
+    assert_non_null( root );
+    return root;
+}
+
+static double error_of( json_t* root, const char* variant )
+{
+    size_t i;
+    json_t* row;
+    json_array_foreach( json_object_get( root, "rows" ), i, row )
+    {
+        if ( strcmp( json_string_value( json_object_get( row, "variant" ) ), variant ) == 0 )
+        {
+            return json_number_value(
+                json_object_get( json_object_get( row, "error" ), "RMS_distance_to_the_reference_mm" ) );
+        }
+    }
+    fail_msg( "no row %s", variant );
+    return NAN;
+}
+
+// More substeps are nearer to the converged run, and the same motion on another mesh is comparable with it.
+static void errors_fall_along_a_series( void** state )
+{
+    (void)state;
+    json_t* root = measure( "bench suite.yaml --seconds 0.1 -f json -o out.json" );
+    const char* const names[] = { "sheet, substeps=1", "sheet, substeps=2", "sheet, substeps=4",
+                                  "sheet, substeps=8" };
+    for ( int i = 1; i < WISP_COUNT( names ); ++i )
+    {
+        assert_true( error_of( root, names[i] ) < error_of( root, names[i - 1] ) );
+    }
+    const double fine = error_of( root, "fine, substeps=8" );
+    assert_true( fine > 0.0 && fine < error_of( root, "fine, substeps=1" ) );
+    json_decref( root );
+}
+
+static void a_run_that_is_the_reference_has_no_error( void** state )
+{
+    (void)state;
+    write_text( "same.yaml", "wisp_suite: 1\n"
+                             "reference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
+                             "scenes:\n"
+                             "  - { file: sheet.yaml, along: { substeps: [10, 20] } }\n" );
+    json_t* root = measure( "bench same.yaml --seconds 0.1 -f json -o out.json" );
+    assert_true( error_of( root, "sheet, substeps=20" ) == 0.0 );
+    // the doubt of the reference is the distance of the run that is its check
+    const double doubt = error_of( root, "sheet, substeps=10" );
+    json_decref( root );
+    run_ok( "bench same.yaml --seconds 0.1" );
+    char text[64];
+    snprintf( text, sizeof text, "uncertain by %.3g mm", doubt );
+    assert_contains( result.out, text );
+}
+
+static int count_files( void )
+{
+    FILE* list = popen( "ls cache | wc -l", "r" );
+    int count = -1;
+    assert_int_equal( fscanf( list, "%d", &count ), 1 );
+    pclose( list );
+    return count;
+}
+
+// What is kept is found again, what is broken is made again, and another scene has a run of its own.
+static void references_are_kept( void** state )
+{
+    (void)state;
+    assert_int_equal( system( "rm -rf cache" ), 0 );
+    json_t* root = measure( "bench suite.yaml --seconds 0.1 -f json -o out.json" );
+    const double error = error_of( root, "sheet, substeps=4" );
+    json_decref( root );
+    assert_int_equal( count_files(), 2 );
+    assert_int_equal( system( "for f in cache/*; do head -c 100 $f > x && mv x $f; done" ), 0 );
+    root = measure( "bench suite.yaml --seconds 0.1 -f json -o out.json" );
+    assert_true( error_of( root, "sheet, substeps=4" ) == error );
+    json_decref( root );
+    assert_int_equal( count_files(), 2 );
+    write_text( "sheet.yaml", FALLING( "9", "0.11" ) );
+    run( "bench suite.yaml --seconds 0.1" );
+    assert_int_equal( count_files(), 4 );
+    write_text( "sheet.yaml", FALLING( "9", "0.1" ) );
+}
+
+static void a_suite_without_a_reference_is_a_table_of_times( void** state )
+{
+    (void)state;
+    write_text( "times.yaml", "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, vary: { iterations: [1, 2] } }\n" );
+    run_ok( "bench times.yaml --seconds 0.1" );
+    assert_contains( result.out, "Suite `times`: times, ms per step" );
+    assert_contains( result.out, "sheet, iterations=2" );
+    assert_contains( result.out, "ms of a step by pass, one worker" );
+    assert_contains( result.out, "links.xpbd" );
+    assert_null( strstr( result.out, "equal error" ) );
+}
+
+static void what_a_suite_gets_wrong_is_said( void** state )
+{
+    (void)state;
+    static const char* const bad[][2] = {
+        { "reference: { set: { substeps: 60 } }", "expected set, the fields of the converged run, and check" },
+        { "reference: { stored: nowhere.wisp }", "nowhere.wisp" },
+        { "reference: { kept: x }", "got key 'kept'" },
+        { "reference: { set: { \"surfaces[3].damping\": 1 }, check: {} }", "names nothing of the scene" },
+        { "seconds: -1", "expected seconds of simulated time" },
+        { "titel: x", "did you mean 'title'?" },
+    };
+    for ( int i = 0; i < WISP_COUNT( bad ); ++i )
+    {
+        char text[500];
+        snprintf( text, sizeof text, "wisp_suite: 1\n%s\nscenes:\n  - { file: sheet.yaml }\n", bad[i][0] );
+        write_text( "bad.yaml", text );
+        run( "bench bad.yaml" );
+        assert_int_equal( result.status, 2 );
+        assert_contains( result.err, bad[i][1] );
+    }
+    static const char* const entries[][2] = {
+        { "along: { dt: [0.01, 0.02] }", "needs seconds" },
+        { "along: { substeps: [1, 2], iterations: [1] }", "expected one field and its values" },
+        { "along: { substeps: [many] }", "expected a number above 0" },
+        { "along: { substeps: [1] }, order: 99", "expected an order" },
+        { "steps: 3, seconds: 1", "expected steps or seconds, not both" },
+    };
+    for ( int i = 0; i < WISP_COUNT( entries ); ++i )
+    {
+        char text[500];
+        snprintf( text, sizeof text, "wisp_suite: 1\nscenes:\n  - { file: sheet.yaml, %s }\n", entries[i][0] );
+        write_text( "bad.yaml", text );
+        run( "bench bad.yaml" );
+        assert_int_equal( result.status, 2 );
+        assert_contains( result.err, entries[i][1] );
+    }
+    run( "bench nowhere/suite.yaml" );
+    assert_int_equal( result.status, 2 );
+    run( "bench sheet.yaml" );
+    assert_int_equal( result.status, 2 );
+    assert_contains( result.err, "wisp_suite" );
+}
+
+// Times of rows need not agree with those of the reference only if their steps cannot.
+static void steps_that_end_at_other_times_are_refused( void** state )
+{
+    (void)state;
+    write_text( "odd.yaml", "wisp_suite: 1\nseconds: 0.2\n"
+                            "reference: { set: { substeps: 20 }, check: { substeps: 10 } }\n"
+                            "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01] } }\n" );
+    run( "bench odd.yaml --seconds 0.1" );
+    assert_int_equal( result.status, 2 );
+    assert_contains( result.err, "no step ends at" );
+    write_text( "even.yaml", "wisp_suite: 1\nseconds: 0.2\n"
+                             "reference: { set: { dt: 0.01, substeps: 20 }, check: { substeps: 10 } }\n"
+                             "scenes:\n  - { file: sheet.yaml, along: { dt: [0.02, 0.01, 0.005] } }\n" );
+    run_ok( "bench even.yaml --seconds 0.1" );
+    assert_contains( result.out, "ms per 0.02 s of motion" );
+}
+
+static void accuracy_of_a_scene( void** state )
+{
+    (void)state;
+    run_ok( "accuracy sheet.yaml --quick --seconds 0.2 --report page.html" );
+    assert_contains( result.out, "at equal error: the fastest setting" );
+    assert_contains( result.out, "observed order" );
+    assert_contains( result.out, "tethers, levels, substeps=1" );
+    assert_contains( result.out, "The reference is uncertain by" );
+    run_ok( "accuracy sheet.yaml --suite made.yaml" );
+    run_ok( "bench made.yaml --quick --seconds 0.2" );
+    assert_contains( result.out, "tethers, levels, substeps=1" );
+    run_ok( "gate record made.yaml --no-instructions" );
+    write_text( "still.yaml",
+                "wisp: 1\nsteps: 2\nstrands:\n  - { name: hair, generate: { strands: 3, vertices: 4 } }\n" );
+    run( "accuracy still.yaml" );
+    assert_int_equal( result.status, 2 );
+    assert_contains( result.err, "nothing in the scene is solved over time" );
+    run( "accuracy" );
+    assert_int_equal( result.status, 64 );
+}
+
+int main( int argc, char** argv )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( errors_fall_along_a_series ),
+        cmocka_unit_test( a_run_that_is_the_reference_has_no_error ),
+        cmocka_unit_test( references_are_kept ),
+        cmocka_unit_test( a_suite_without_a_reference_is_a_table_of_times ),
+        cmocka_unit_test( what_a_suite_gets_wrong_is_said ),
+        cmocka_unit_test( steps_that_end_at_other_times_are_refused ),
+        cmocka_unit_test( accuracy_of_a_scene ),
+    };
+    return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
+}
