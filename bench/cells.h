@@ -7,11 +7,11 @@
 
 typedef struct cells
 {
-    char text[CELLS_MAX][64];
+    char text[CELLS_MAX][192];
     int count;
 } cells;
 
-/// A cell of at most 63 bytes; longer ones are cut.
+/// A cell of at most 191 bytes; longer ones are cut.
 void cells_put( cells* row, const char* format, ... ) __attribute__( ( format( printf, 2, 3 ) ) );
 /// Put a number with the given decimals; "-" if it is not finite.
 void cells_put_number( cells* row, double value, int digits );

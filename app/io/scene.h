@@ -135,6 +135,25 @@ extern "C"
     } wisp_scene_box;
 
     /// One entry of `surfaces`. Texts and arrays belong to the scene.
+    /// Where a surface starts away from its placed rest shape. Pinned vertices are only scaled.
+    typedef enum wisp_scene_start_shape
+    {
+        WISP_SCENE_START_REST,
+        WISP_SCENE_START_RANDOM,     ///< every vertex at random in a cube as wide as the surface, about its centre
+        WISP_SCENE_START_PLANE,      ///< in the level plane through its centre
+        WISP_SCENE_START_POINT,      ///< at its centre
+        WISP_SCENE_START_INSIDE_OUT, ///< reflected in its centre; with pins, in the point at their height above it
+        WISP_SCENE_START_TWISTED,    ///< turned about the vertical, from nothing at the top to `turns` at the bottom
+    } wisp_scene_start_shape;
+
+    typedef struct wisp_scene_start
+    {
+        wisp_scene_start_shape shape;
+        wisp_vec3 scale; ///< along x, y and z about its centre, before the shape; default 1
+        float turns;
+        uint64_t seed; ///< of random places
+    } wisp_scene_start;
+
     typedef struct wisp_scene_surface
     {
         const char* name; ///< unique among strands, surfaces and colliders
@@ -143,6 +162,8 @@ extern "C"
         wisp_scene_mesh mesh; ///< of an instance nothing but the defaults
         int instance_of;      ///< index of the surface whose fabric this one shares, lower than its own; -1: none
         wisp_transform pose;  ///< where the scaled mesh starts
+        bool has_start;
+        wisp_scene_start start;
 
         float area_density, vertex_mass; ///< as in wisp_surface_def
 

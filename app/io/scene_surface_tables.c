@@ -219,6 +219,28 @@ static const scene_field TRANSFORM_FIELDS[] = {
 };
 static const scene_block TRANSFORM_BLOCK = BLOCK( TRANSFORM_FIELDS );
 
+#define START( member ) offsetof( wisp_scene_surface, start.member )
+
+static const scene_choice STARTS[] = {
+    { "rest", "as it was placed" },
+    { "random", "every vertex at random in a cube as wide as the surface" },
+    { "plane", "in the level plane through its centre" },
+    { "point", "all at its centre" },
+    { "inside_out", "reflected in its centre, or in the point above it at the height of its pins" },
+    { "twisted", "turned about the vertical, from nothing at the top to `turns` at the bottom" },
+    { NULL, NULL },
+};
+
+static const scene_field START_FIELDS[] = {
+    { "shape", SCENE_CHOICE, .at = START( shape ), .choices = STARTS, .help = "Where vertices start." },
+    { "scale", SCENE_VECTOR, .at = START( scale ), .range = RANGE( -1000, 1000 ),
+      .help = "Factors along x, y and z about the centre of the surface, before the shape." },
+    { "turns", SCENE_NUMBER, .at = START( turns ), .range = RANGE( -1000, 1000 ),
+      .help = "Full turns, with `shape: twisted`." },
+    { "seed", SCENE_SEED, .at = START( seed ), .help = "Seed of the places, with `shape: random`." },
+};
+static const scene_block START_BLOCK = BLOCK( START_FIELDS );
+
 #define COLLISION( member ) offsetof( wisp_scene_surface, collision.member )
 
 static const scene_field COLLISION_FIELDS[] = {
@@ -262,6 +284,8 @@ static const scene_field SURFACE_FIELDS[] = {
       .help = "Properties that the repaired mesh must have; a mesh without them is refused.", .form = "list of words",
       .initial = "none" },
     { "transform", SCENE_BLOCK, .block = &TRANSFORM_BLOCK, .help = "Scales, turns and moves the mesh." },
+    { "start", SCENE_BLOCK, .at = AT( has_start ), .block = &START_BLOCK,
+      .help = "Starts away from the rest shape; pinned vertices are only scaled." },
     { "area_density", SCENE_NUMBER, .at = AT( area_density ), .range = RANGE( 1e-12, 1e12 ), .unit = DENSITIES,
       .help = "Mass per area." },
     { "vertex_mass", SCENE_NUMBER, .at = AT( vertex_mass ), .range = RANGE( 1e-12, 1e12 ), .unit = MASSES,

@@ -26,7 +26,7 @@ typedef struct results_values
 typedef struct results_row
 {
     char name[64]; ///< the case, or the scene's name
-    char variant[64];
+    char variant[192];
     results_values size; ///< size of the problem; the first one names the row in google-benchmark's format
     int workers;         ///< 0: unknown
     double ms_median, ms_p10, ms_p90; ///< NaN: unknown
@@ -51,7 +51,7 @@ typedef struct results_point
 {
     double x, y;
     bool is_marked; ///< highlighted, such as a setting on the Pareto front
-    char label[64]; ///< text shown when a reader points at it; empty: none
+    char label[192]; ///< text shown when a reader points at it; empty: none
 } results_point;
 
 /// Points of one name and colour.

@@ -71,6 +71,7 @@ typedef struct wisp_suite
     /// The converged run that errors are measured against, and a coarser one whose distance to it is its doubt. Both have text, or
     /// neither has.
     suite_row reference, check;
+    bool compares_start; ///< errors are distances from where bodies start
     char* stored;        ///< recording that is the reference, in place of a run; null: none
     double stored_doubt; ///< m, how far it may be from the truth; 0: not said
 } wisp_suite;

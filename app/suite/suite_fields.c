@@ -25,7 +25,14 @@ static int set_path( text_node* at, char* rest, const text_node* value )
     int count = 0;
     if ( next == NULL && bracket == NULL )
     {
-        text_put( at, rest, text_copy( value ) );
+        if ( value->kind == TEXT_SCALAR && strcmp( value->text, "null" ) == 0 )
+        {
+            text_remove_key( at, rest );
+        }
+        else
+        {
+            text_put( at, rest, text_copy( value ) );
+        }
         count = 1;
     }
     else

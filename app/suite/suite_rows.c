@@ -152,29 +152,46 @@ static const scene_node* nth( const suite_reader* r, const scene_node* list, int
     return value;
 }
 
+// Give a field its value of number `which`: one of a list, or one of named bundles of fields, which change together.
+static wisp_status choose_value( const suite_reader* r, const scene_node* field, int which, text_node* scene,
+                                 suite_row* row, double* number )
+{
+    const scene_node* value = nth( r, field, which );
+    const size_t used = strlen( row->variant );
+    if ( field->kind == SCENE_LIST )
+    {
+        *number = number_of( r, value );
+        name_variant( r, field, value, row->variant, sizeof row->variant );
+        return set_field( r, scene, field, value );
+    }
+    *number = strtod( scene_key_of( &r->tree, value ), NULL );
+    snprintf( row->variant + used, sizeof row->variant - used, "%s%s=%s", used > 0 ? ", " : "",
+              scene_key_of( &r->tree, field ), scene_key_of( &r->tree, value ) );
+    return set_fields( r, scene, value );
+}
+
 // Fields that vary, of the product's setting number `which`.
 static wisp_status vary_fields( const suite_reader* r, const entry* e, int which, text_node* scene, suite_row* row )
 {
     wisp_status status = WISP_OK;
     const scene_node *vary = e->values[KEY_VARY], *along = e->values[KEY_ALONG];
+    const scene_node* last = along ? scene_first( &r->tree, along ) : NULL;
+    const int place = last ? which % last->count : 0;
+    which /= last ? last->count : 1;
     for ( const scene_node* n = vary ? scene_first( &r->tree, vary ) : NULL; n && status == WISP_OK;
           n = scene_next( &r->tree, n ) )
     {
-        const scene_node* value = nth( r, n, which % n->count );
+        double number;
+        status = choose_value( r, n, which % n->count, scene, row, &number );
         which /= n->count;
-        status = set_field( r, scene, n, value );
-        name_variant( r, n, value, row->variant, sizeof row->variant );
     }
-    if ( status == WISP_OK && along )
+    if ( status == WISP_OK && last )
     {
-        const scene_node *field = scene_first( &r->tree, along ), *value = nth( r, field, which );
-        snprintf( row->series, sizeof row->series, "%.40s%s%.20s", row->name, row->variant[0] ? ", " : "",
+        snprintf( row->series, sizeof row->series, "%.40s%s%.52s", row->name, row->variant[0] ? ", " : "",
                   row->variant );
-        snprintf( row->along, sizeof row->along, "%s", scene_key_of( &r->tree, field ) );
-        row->along_value = number_of( r, value );
+        snprintf( row->along, sizeof row->along, "%s", scene_key_of( &r->tree, last ) );
         row->order = e->order;
-        status = set_field( r, scene, field, value );
-        name_variant( r, field, value, row->variant, sizeof row->variant );
+        status = choose_value( r, last, place, scene, row, &row->along_value );
     }
     return status;
 }
@@ -249,9 +266,15 @@ static wisp_status check_lists( const suite_reader* r, const scene_node* fields,
 {
     for ( const scene_node* n = fields ? scene_first( &r->tree, fields ) : NULL; n; n = scene_next( &r->tree, n ) )
     {
-        if ( n->kind != SCENE_LIST || n->count == 0 )
+        bool has_bundles = n->kind == SCENE_MAP;
+        for ( const scene_node* b = has_bundles ? scene_first( &r->tree, n ) : NULL; b;
+              b = scene_next( &r->tree, b ) )
         {
-            return suite_refuse( r, n, "%s: expected a list of values, at least one",
+            has_bundles = has_bundles && b->kind == SCENE_MAP;
+        }
+        if ( ( n->kind != SCENE_LIST && !has_bundles ) || n->count == 0 )
+        {
+            return suite_refuse( r, n, "%s: expected a list of values, at least one, or names of bundles of fields",
                                  scene_shorten( scene_key_of( &r->tree, n ) ).text );
         }
         *rows = *rows > SUITE_MAX_ROWS / n->count ? SUITE_MAX_ROWS + 1 : *rows * n->count;
@@ -269,7 +292,9 @@ static wisp_status check_along( const suite_reader* r, const entry* e )
     const scene_node* field = along ? scene_first( &r->tree, along ) : NULL;
     for ( const scene_node* n = field ? scene_first( &r->tree, field ) : NULL; n; n = scene_next( &r->tree, n ) )
     {
-        if ( !( number_of( r, n ) > 0.0 ) || isinf( number_of( r, n ) ) )
+        const double value =
+            field->kind == SCENE_MAP ? strtod( scene_key_of( &r->tree, n ), NULL ) : number_of( r, n );
+        if ( !( value > 0.0 ) || isinf( value ) )
         {
             return suite_refuse( r, n, "expected a number above 0, which a series goes along" );
         }
@@ -379,6 +404,7 @@ wisp_status suite_read_entry( suite_reader* r, const scene_node* block )
 
 enum
 {
+    REFERENCE_START,
     REFERENCE_STORED,
     REFERENCE_DOUBT,
     REFERENCE_FILE,
@@ -387,7 +413,7 @@ enum
     REFERENCE_COUNT,
 };
 
-static const char* const reference_keys[REFERENCE_COUNT] = { "stored", "doubt", "file", "set", "check" };
+static const char* const reference_keys[REFERENCE_COUNT] = { "start", "stored", "doubt", "file", "set", "check" };
 
 static wisp_status read_run( const suite_reader* r, const entry* e, const scene_node* coarser, const char* name,
                              suite_row* out )
@@ -440,13 +466,20 @@ wisp_status suite_read_reference( suite_reader* r, const scene_node* block )
     }
     for ( int i = 0; i < REFERENCE_COUNT; ++i )
     {
-        const bool is_text = i == REFERENCE_STORED || i == REFERENCE_FILE || i == REFERENCE_DOUBT;
+        const bool is_text = i <= REFERENCE_FILE;
         if ( values[i] && values[i]->kind != ( is_text ? SCENE_SCALAR : SCENE_MAP ) )
         {
             return suite_refuse( r, values[i], "expected %s",
-                                 is_text ? "a path, or a number of metres"
+                                 is_text ? "a text or a number"
                                          : "fields and their values, such as { substeps: 320 }" );
         }
+    }
+    r->out->compares_start = values[REFERENCE_START] != NULL;
+    if ( r->out->compares_start )
+    {
+        return strcmp( scene_text_of( &r->tree, values[REFERENCE_START] ), "true" ) == 0 && block->count == 1
+                   ? WISP_OK
+                   : suite_refuse( r, block, "expected start: true alone" );
     }
     if ( values[REFERENCE_STORED] )
     {

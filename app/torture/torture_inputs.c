@@ -481,6 +481,11 @@ void torture_find_inputs( const scene_world* world, torture_trace* trace )
             add_balloon( world, i, trace );
         }
     }
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        // what a surface stores that starts away from its rest shape is not known
+        trace->inputs.rods += world->scene->surfaces[i].has_start ? INFINITY : 0.0;
+    }
     for ( int i = 0; i < scene->strands_count; ++i )
     {
         const wisp_scene_strands* s = &scene->strands[i];

@@ -42,7 +42,7 @@ typedef struct torture_inputs
     double path;              ///< m, that those move in all
     double wind;              ///< m/s, the strongest
     double gas;               ///< J, that gas and atmosphere can do
-    double rods;              ///< J, that bent hair stores; infinite: a grid pushes hair apart
+    double rods;              ///< J, that bent hair stores; infinite: a grid pushes hair apart, or a surface starts strained
     double lift;              ///< N, of buoyancy and outlets
     double drag;              ///< N, that the wind pushes with
     bool moves_pins;          ///< pins, heads or colliders move

@@ -31,6 +31,8 @@ wisp_status scene_mesh_load( const wisp_scene_mesh* source, const char* called, 
 
 /// Add all surfaces, then all colliders.
 wisp_status scene_surfaces_add( scene_world* world, wisp_error* error );
+/// Move the vertices of a placed surface to where its entry has them start.
+void scene_start_place( const wisp_scene_surface* entry, scene_world_surface* surface );
 void scene_surfaces_release( scene_world* world );
 /// Attach implicit cloth to a surface as its entry says, or restart it. On failure the message is the last one of the world.
 wisp_status scene_implicit_set( scene_world* world, int surface );

@@ -182,6 +182,10 @@ static wisp_status make_source( scene_world* world, int surface, unsigned char r
         status = scene_pins_find( scene, surface, s->repairs.kept, s->repairs.kept_count, s, error );
     }
     status = status == WISP_OK ? cook( scene, surface, required, rest, s, error ) : status;
+    if ( status == WISP_OK )
+    {
+        scene_start_place( &scene->surfaces[surface], s );
+    }
     free( rest );
     return status;
 }
@@ -205,7 +209,13 @@ static wisp_status make_instance( scene_world* world, int surface, wisp_error* e
     place( s->mesh.points, s->mesh.vertex_count, entry->pose );
     wisp_fabric_retain( source->fabric );
     s->fabric = source->fabric;
-    return scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
+    const wisp_status status =
+        scene_pins_find( world->scene, surface, source->repairs.kept, source->repairs.kept_count, s, error );
+    if ( status == WISP_OK )
+    {
+        scene_start_place( entry, s );
+    }
+    return status;
 }
 
 // ---- effects ----

@@ -166,9 +166,9 @@ static wisp_status refuse( const wisp_record_body* body, const char* name, const
 static wisp_status match_body( const wisp_record_body* coarse, const wisp_vec3* points, const wisp_record_body* fine,
                                const wisp_vec3* fine_points, const char* name, suite_place* out, wisp_error* error )
 {
-    if ( coarse->strand_count != fine->strand_count || strcmp( coarse->name, fine->name ) != 0 )
+    if ( coarse->strand_count != fine->strand_count )
     {
-        return refuse( coarse, name, "is not the same body as in", error );
+        return refuse( coarse, name, "has other strands than in", error );
     }
     for ( int s = 0; s < coarse->strand_count; ++s )
     {
@@ -202,15 +202,22 @@ static void shift( suite_place* places, int count, int first )
     }
 }
 
+static int find_body( const suite_motion* motion, const char* name )
+{
+    for ( int i = 0; i < motion->body_count; ++i )
+    {
+        if ( strcmp( motion->bodies[i].name, name ) == 0 )
+        {
+            return i;
+        }
+    }
+    return -1;
+}
+
 wisp_status suite_match_motions( const suite_motion* one, const suite_motion* other, const char* name,
                                  suite_match* out, wisp_error* error )
 {
     *out = ( suite_match ){ 0 };
-    if ( one->body_count != other->body_count )
-    {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: it has %d bodies that move, the reference has %d", name,
-                          one->body_count, other->body_count );
-    }
     const int n = suite_motion_points( one ), m = suite_motion_points( other );
     const size_t most = (size_t)( n < m ? m : n ) + 1;
     out->one = calloc( most, sizeof *out->one );
@@ -219,9 +226,14 @@ wisp_status suite_match_motions( const suite_motion* one, const suite_motion* ot
         out->one && out->other ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "no memory to match %d points", n );
     for ( int b = 0; b < one->body_count && status == WISP_OK; ++b )
     {
-        const wisp_record_body *x = &one->bodies[b], *y = &other->bodies[b];
+        const int c = find_body( other, one->bodies[b].name );
+        if ( c < 0 )
+        {
+            continue;
+        }
+        const wisp_record_body *x = &one->bodies[b], *y = &other->bodies[c];
         const bool is_one = x->vertex_count <= y->vertex_count;
-        const wisp_vec3 *p = one->start + one->first[b], *q = other->start + other->first[b];
+        const wisp_vec3 *p = one->start + one->first[b], *q = other->start + other->first[c];
         suite_place *on_one = out->one + out->count, *on_other = out->other + out->count;
         const int count = is_one ? x->vertex_count : y->vertex_count;
         status =
@@ -231,10 +243,12 @@ wisp_status suite_match_motions( const suite_motion* one, const suite_motion* ot
             *( is_one ? on_one + i : on_other + i ) = at_vertex( i );
         }
         shift( on_one, count, one->first[b] );
-        shift( on_other, count, other->first[b] );
+        shift( on_other, count, other->first[c] );
         out->count += count;
     }
-    return status;
+    return status != WISP_OK || out->count > 0
+               ? status
+               : wisp_fail( error, WISP_BAD_INPUT, "%s: it has no body of the reference", name );
 }
 
 static void take_place( const suite_place* place, const wisp_vec3* points, double out[3] )
@@ -273,4 +287,16 @@ double suite_distance( const suite_match* match, const suite_motion* one, const 
         }
     }
     return sqrt( sum / ( (double)frame_count * match->count ) );
+}
+
+double suite_drift( const suite_motion* motion )
+{
+    const size_t n = (size_t)suite_motion_points( motion );
+    double sum = 0.0;
+    for ( size_t i = 0; i < n * (size_t)motion->frame_count; ++i )
+    {
+        const double d = (double)distance_of( motion->points[i], motion->start[i % n] );
+        sum += d * d;
+    }
+    return sqrt( sum / ( (double)n * motion->frame_count ) );
 }

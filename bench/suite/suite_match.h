@@ -17,7 +17,7 @@ typedef struct suite_match
     int count;
 } suite_match;
 
-/// Match bodies by their order. A place of a surface is sought on the triangles of the other one, a place of a strand at the same part of its
+/// Match bodies by their names; those that only one motion has are left out. A place of a surface is sought on the triangles of the other one, a place of a strand at the same part of its
 /// length.
 /// @param out to be released, after a failure too
 /// @return WISP_BAD_INPUT the bodies are others, or start elsewhere (the message names the body); WISP_NO_MEMORY
@@ -28,6 +28,9 @@ void suite_match_release( suite_match* match );
 /// Root of the mean square distance over all places of some frames, m. NaN if a coordinate is.
 double suite_distance( const suite_match* match, const suite_motion* one, const suite_motion* other, int first_frame,
                        int frame_count );
+
+/// Root of the mean square distance of all points of all frames from their start, m.
+double suite_drift( const suite_motion* motion );
 
 /// The diagonal of the box around all points at the start, m.
 double suite_motion_size( const suite_motion* motion );

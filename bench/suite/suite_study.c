@@ -94,6 +94,11 @@ static void keep_measures( const study* own, const sampler* s, const suite_measu
 static wisp_status compare( const study* own, const suite_row* row, const suite_motion* motion, accuracy_run* out,
                             wisp_error* error )
 {
+    if ( own->suite->compares_start )
+    {
+        out->error = 1e3 * suite_drift( motion );
+        return WISP_OK;
+    }
     suite_match match;
     const wisp_status status = suite_match_motions( motion, &own->reference.motion, row->name, &match, error );
     out->error = status == WISP_OK
@@ -246,7 +251,7 @@ static void add_setting( const study* own, int row, accuracy_scene* out )
     const suite_row* r = own->suite->rows + row;
     char name[SUITE_MAX_NAME + 8];
     accuracy_setting* setting = accuracy_put_setting( out, "%s%s%s", r->name, r->variant[0] ? ", " : "", r->variant );
-    snprintf( setting->method, sizeof setting->method, "%.47s", r->name );
+    snprintf( setting->method, sizeof setting->method, "%s", r->name );
     if ( r->series[0] != '\0' )
     {
         const double parameter = parameter_of( own, row, name, sizeof name );
@@ -274,7 +279,13 @@ static void describe( study* own, accuracy_scene* out )
     }
     out->note = own->suite->note;
     out->has_no_rivals = !own->has_reference;
-    if ( own->has_reference )
+    if ( own->suite->compares_start )
+    {
+        snprintf( out->reference, sizeof out->reference, "where every vertex starts" );
+        snprintf( out->error_name, sizeof out->error_name, "RMS drift from the start" );
+        snprintf( out->error_unit, sizeof out->error_unit, "mm" );
+    }
+    else if ( own->has_reference )
     {
         snprintf( out->reference, sizeof out->reference, "%s", own->reference.description );
         snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
@@ -305,7 +316,10 @@ static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
     if ( status == WISP_OK && own->has_reference )
     {
         status = suite_choose_times( own->suite, &own->times, error );
-        status = status == WISP_OK ? suite_reference_make( own->suite, &own->times, &own->reference, error ) : status;
+        if ( status == WISP_OK && !own->suite->compares_start )
+        {
+            status = suite_reference_make( own->suite, &own->times, &own->reference, error );
+        }
     }
     for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
     {
@@ -326,7 +340,7 @@ wisp_status suite_study_make( const wisp_suite* suite, const bench_options* opti
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
     }
     own->suite = suite;
-    own->has_reference = suite->reference.text != NULL || suite->stored != NULL;
+    own->has_reference = suite->reference.text != NULL || suite->stored != NULL || suite->compares_start;
     own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
     wisp_status status = own->dt ? accuracy_reserve_settings( out, suite->row_count, error )
                                  : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
