@@ -38,7 +38,6 @@ enum
     KEY_LIST = 'l',
     KEY_SECONDS = 256,
     KEY_PICTURES,
-    KEY_COMPARE,
     KEY_REPORT,
     KEY_SCENE,
     KEY_LONG,
@@ -68,7 +67,6 @@ static const struct argp_option option_list[] = {
     { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts and pictures", 2 },
     { 0, 0, 0, 0, "Options of single cases:", 3 },
     { "pictures", KEY_PICTURES, "FOLDER", 0, "figures, boundary, contact: write pictures to FOLDER", 3 },
-    { "compare", KEY_COMPARE, NULL, 0, "cloth: compare pbd, xpbd and implicit with a reference", 3 },
     { "scene", KEY_SCENE, "NAME[,NAME...]", 0, "accuracy: only these scenes; can be repeated", 3 },
     { "long", KEY_LONG, NULL, 0, "stability: also a million steps at rest", 3 },
     { 0 },
@@ -171,9 +169,6 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_PICTURES:
             arguments->options.pictures = argument;
             return 0;
-        case KEY_COMPARE:
-            arguments->options.compare = true;
-            return 0;
         case KEY_SCENE:
             choose_scenes( state, arguments, argument );
             return 0;
@@ -184,10 +179,6 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             choose_case( state, arguments, argument );
             return 0;
         case ARGP_KEY_END:
-            if ( arguments->options.compare )
-            {
-                check_option( state, arguments, "--compare", " cloth ", "case 'cloth'" );
-            }
             if ( arguments->options.scenes != 0 )
             {
                 check_option( state, arguments, "--scene", " accuracy ", "case 'accuracy'" );
@@ -277,9 +268,8 @@ static wisp_status write_report( const bench_arguments* arguments, const results
     const bench_options* options = &arguments->options;
     char what[1000], how[200];
     name_cases( arguments, what, sizeof( what ) );
-    snprintf( how, sizeof( how ), "%s%sabout %g s per case, up to %d worker%s",
-              options->compare ? "solvers compared, " : "", options->quick ? "quick, " : "", bench_seconds( options ),
-              options->workers, options->workers == 1 ? "" : "s" );
+    snprintf( how, sizeof( how ), "%sabout %g s per case, up to %d worker%s", options->quick ? "quick, " : "",
+              bench_seconds( options ), options->workers, options->workers == 1 ? "" : "s" );
     const report_run run = { .what = what, .how = how };
     return report_write_file( out, &run, arguments->report, error );
 }

@@ -1,7 +1,5 @@
 #include "cloth_bench.h"
 
-#include "compare_bench.h"
-
 #include <math.h>
 
 // Below this time in seconds the largest comparison and levels are left out, the irregular mesh is coarser, fewer
@@ -58,11 +56,6 @@ wisp_status cloth_bench_run( const cloth_plan* plan, results* out, wisp_error* e
 
 wisp_status cloth_bench( const bench_options* options, results* out, wisp_error* error )
 {
-    if ( options->compare )
-    {
-        const compare_plan compared = compare_default_plan( options );
-        return compare_bench_run( &compared, out, error );
-    }
     cloth_plan plan = cloth_default_plan( options );
     const wisp_status status = cloth_bench_run( &plan, out, error );
     if ( status == WISP_OK && bench_seconds( options ) < FULL_SECONDS )

@@ -50,7 +50,7 @@ typedef struct results_table
 typedef struct results_point
 {
     double x, y;
-    bool is_marked; ///< highlighted, such as a setting on the Pareto front
+    bool is_marked;  ///< highlighted, such as a setting on the Pareto front
     char label[192]; ///< text shown when a reader points at it; empty: none
 } results_point;
 

@@ -187,7 +187,7 @@ static wisp_status vary_fields( const suite_reader* r, const entry* e, int which
     }
     if ( status == WISP_OK && last )
     {
-        snprintf( row->series, sizeof row->series, "%.40s%s%.52s", row->name, row->variant[0] ? ", " : "",
+        snprintf( row->series, sizeof row->series, "%.60s%s%.120s", row->name, row->variant[0] ? ", " : "",
                   row->variant );
         snprintf( row->along, sizeof row->along, "%s", scene_key_of( &r->tree, last ) );
         row->order = e->order;

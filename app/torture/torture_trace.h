@@ -37,15 +37,15 @@ typedef struct torture_body
 /// What the scene itself brings into motion.
 typedef struct torture_inputs
 {
-    double last;              ///< s, from here on nothing moves, blows, or fills any more; infinite: never
-    double speed;             ///< m/s, of the fastest pin, collider, head or event
-    double path;              ///< m, that those move in all
-    double wind;              ///< m/s, the strongest
-    double gas;               ///< J, that gas and atmosphere can do
-    double rods;              ///< J, that bent hair stores; infinite: a grid pushes hair apart, or a surface starts strained
-    double lift;              ///< N, of buoyancy and outlets
-    double drag;              ///< N, that the wind pushes with
-    bool moves_pins;          ///< pins, heads or colliders move
+    double last;     ///< s, from here on nothing moves, blows, or fills any more; infinite: never
+    double speed;    ///< m/s, of the fastest pin, collider, head or event
+    double path;     ///< m, that those move in all
+    double wind;     ///< m/s, the strongest
+    double gas;      ///< J, that gas and atmosphere can do
+    double rods;     ///< J, that bent hair stores; infinite: a grid pushes hair apart, or a surface starts strained
+    double lift;     ///< N, of buoyancy and outlets
+    double drag;     ///< N, that the wind pushes with
+    bool moves_pins; ///< pins, heads or colliders move
     bool may_intersect;       ///< contact leaves something out, or hair grows on a surface that it is in contact with
     bool has_colliders_close; ///< two colliders can squeeze what is between them
     bool gains_energy;        ///< documented: projection in the order of the list

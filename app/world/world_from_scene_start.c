@@ -56,8 +56,8 @@ static wisp_vec3 start_of( const wisp_scene_start* start, const start_box* box, 
         switch ( shape )
         {
             case WISP_SCENE_START_RANDOM:
-                p[k] = box->middle[k] +
-                       box->size * ( wisp_random_unit( key, (uint32_t)vertex, (uint32_t)k, 0 ) - 0.5 );
+                p[k] =
+                    box->middle[k] + box->size * ( wisp_random_unit( key, (uint32_t)vertex, (uint32_t)k, 0 ) - 0.5 );
                 break;
             case WISP_SCENE_START_PLANE:
                 p[k] = k == 1 ? box->middle[k] : p[k];

@@ -12,9 +12,10 @@
 /// Parameters of one setting, and its name. A scene has settings of any number of methods and parameters.
 typedef struct accuracy_setting
 {
-    char name[192]; ///< as in the table: "xpbd, 10 substeps, tethers"; unique within a scene
-    char series[96]; ///< settings that differ in `parameter` alone; empty: not in a series
-    char method[96]; ///< settings compared as one candidate at equal error and equal time; empty: its series, or name
+    char name[192];   ///< as in the table: "xpbd, 10 substeps, tethers"; unique within a scene
+    char series[192]; ///< settings that differ in `parameter` alone; empty: not in a series
+    char
+        method[192]; ///< settings compared as one candidate at equal error and equal time; empty: its series, or name
     char parameter_name[48]; ///< of a series: what tends to 0, with its unit: "substep, s", "spacing, m"
     double parameter;        ///< its value, above 0; the observed order is the slope of log error over log parameter
     double order;            ///< the order expected in theory; NaN: none

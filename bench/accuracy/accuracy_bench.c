@@ -2,24 +2,28 @@
 #include "accuracy_parts.h"
 
 #include "accuracy_compare.h"
+#include "bench_data.h"
 #include "suite/suite_study.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-// Every scene's function, then the table of them, from the same list. The last item only keeps the table from being
-// empty.
 #define ACCURACY_SCENE( name, title, function ) accuracy_scene_fn function;
+#define ACCURACY_SUITE( name, title )
 #include "scenes.inc"
 #undef ACCURACY_SCENE
+#undef ACCURACY_SUITE
 
+// The last item only keeps the table from being empty.
+#define ACCURACY_SUITE( name, title ) { name, title, NULL, NULL },
 #define ACCURACY_SCENE( name, title, function ) { name, title, function, NULL },
 static const accuracy_entry all_entries[] = {
 #include "scenes.inc"
     { NULL, NULL, NULL, NULL },
 };
 #undef ACCURACY_SCENE
+#undef ACCURACY_SUITE
 
 // Time of a scene unless the command line limits the case.
 #define SCENE_SECONDS 24.0
@@ -181,6 +185,25 @@ static wisp_status make_and_run( const accuracy_entry* entry, double seconds, co
     return status;
 }
 
+// A scene without a function is a suite among the project's data.
+static wisp_status run_entry( const accuracy_entry* entry, double seconds, const bench_options* options,
+                              const double fraction[2], results* out, wisp_error* error )
+{
+    if ( entry->make || entry->suite )
+    {
+        return make_and_run( entry, seconds, options, fraction, out, error );
+    }
+    char inner[128], path[1024];
+    wisp_suite suite;
+    snprintf( inner, sizeof inner, "suites/accuracy/%s.yaml", entry->name );
+    bench_data_path( inner, path, sizeof path );
+    wisp_status status = suite_read( path, &suite, error );
+    const accuracy_entry read = { entry->name, entry->title, NULL, &suite };
+    status = status == WISP_OK ? make_and_run( &read, seconds, options, fraction, out, error ) : status;
+    suite_release( &suite );
+    return status;
+}
+
 wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double seconds,
                                 const bench_options* options, results* out, wisp_error* error )
 {
@@ -188,7 +211,7 @@ wisp_status accuracy_bench_run( const accuracy_entry* entries, int count, double
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         const double fraction[2] = { (double)i / count, 1.0 / count };
-        status = make_and_run( &entries[i], seconds, options, fraction, out, error );
+        status = run_entry( &entries[i], seconds, options, fraction, out, error );
     }
     return status;
 }

@@ -87,7 +87,7 @@ static void forget_times( accuracy_run* run )
 static void show_progress( const contest* c, int setting, bool is_observed )
 {
     const accuracy_scene* scene = c->report->scene;
-    char what[160];
+    char what[256];
     snprintf( what, sizeof( what ), "%s: %s", c->report->entry->name, scene->settings[setting].name );
     const double observed = is_observed ? 0.0 : 1.0 / 3.0;
     const double part = observed + ( is_observed ? 1.0 : 2.0 ) / 3.0 * setting / scene->setting_count;

@@ -6,5 +6,4 @@
 /// Fill in all fields of a reference. @param out to be given to accuracy_reference_free() even after a failure
 typedef wisp_status accuracy_reference_fn( accuracy_reference* out, wisp_error* error );
 
-accuracy_reference_fn reference_of_hanging_cloth, reference_of_flag, reference_of_balloon_flight,
-    reference_of_balloon_meshes, reference_of_strands_swing, reference_of_strands_guides, reference_of_frozen_clumps;
+accuracy_reference_fn reference_of_balloon_flight, reference_of_balloon_meshes;

@@ -251,7 +251,6 @@ static void add_setting( const study* own, int row, accuracy_scene* out )
     const suite_row* r = own->suite->rows + row;
     char name[SUITE_MAX_NAME + 8];
     accuracy_setting* setting = accuracy_put_setting( out, "%s%s%s", r->name, r->variant[0] ? ", " : "", r->variant );
-    snprintf( setting->method, sizeof setting->method, "%s", r->name );
     if ( r->series[0] != '\0' )
     {
         const double parameter = parameter_of( own, row, name, sizeof name );

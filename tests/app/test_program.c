@@ -147,7 +147,6 @@ static void a_misspelt_word_of_an_option_is_answered_with_the_nearest( void** st
     assert_usage( "run good.yaml --isa quantum", "expected one of baseline, avx2, avx512" );
     assert_usage( "bench papre", "did you mean 'paper'?" );
     assert_usage( "bench --format xml", "--format" );
-    assert_usage( "bench paper --compare", "--compare is an option of the case 'cloth'" );
     assert_usage( "bench cloth --long", "--long is an option of the case 'stability'" );
     assert_usage( "bench accuracy --scene cloth_on_bal", "did you mean 'cloth_on_ball'?" );
     assert_usage( "bench accuracy --scene flag,volcano", "--scene: got 'volcano', expected one of hanging_cloth, " );

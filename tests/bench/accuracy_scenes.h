@@ -4,6 +4,21 @@
 #include "unit.h"
 
 #include "accuracy/accuracy.h"
+#include "bench_data.h"
+#include "suite/suite_study.h"
+
+/// The suite of that name among those of `accuracy`. @param suite to be released after the scene
+static inline void open_suite( const char* name, wisp_suite* suite, accuracy_scene* out )
+{
+    const bench_options options = { .quick = true, .workers = 2 };
+    char inner[128], path[1024];
+    wisp_error error = { 0 };
+    setenv( "WISP_CACHE", "suite-cache", 1 );
+    snprintf( inner, sizeof inner, "suites/accuracy/%s.yaml", name );
+    bench_data_path( inner, path, sizeof path );
+    assert_ok( suite_read( path, suite, &error ), error );
+    assert_ok( suite_study_make( suite, &options, out, &error ), error );
+}
 
 static inline void open_scene( accuracy_scene_fn* make, accuracy_scene* out )
 {
@@ -16,6 +31,12 @@ static inline void close_scene( accuracy_scene* scene )
 {
     scene->destroy( scene->context );
     free( scene->settings );
+}
+
+static inline void close_suite( wisp_suite* suite, accuracy_scene* scene )
+{
+    close_scene( scene );
+    suite_release( suite );
 }
 
 static inline accuracy_run run_setting( const accuracy_scene* scene, const char* name, int workers, bool is_observed )
@@ -39,10 +60,11 @@ static inline accuracy_run run_setting( const accuracy_scene* scene, const char*
     {
         fail_msg( "%s: %s", name, error.message );
     }
-    assert_true( run.ms_count > 0 );
+    assert_true( run.ms_count > 0 || is_observed );
     assert_int_equal( run.halted_at, 0 );
     free( run.ms );
     run.ms = NULL;
+    profile_samples_free( &run.profile );
     return run;
 }
 

@@ -1,4 +1,5 @@
 // The case `accuracy`: comparisons, the turns of runs, and the content of its tables.
+#include "accuracy_scenes.h"
 #include "bench_tables.h"
 
 #include "accuracy/accuracy.h"
@@ -527,95 +528,44 @@ static void a_quick_run_runs_the_settings_that_it_names_and_says_how_many_there_
     results_free( &all );
 }
 
-// ---- a few settings of a real scene ----
+// ---- a suite ----
 
-static const char* const few_names[] = { "xpbd 5", "xpbd 10", "implicit 1/100, Euler, 0.0001, 1",
-                                         "implicit 1/200, Euler, 0.0001, 1", "implicit 1/400, Euler, 0.0001, 1" };
-
-/// A scene with only some of its settings.
-typedef struct few_settings
-{
-    accuracy_scene all;
-    int number[WISP_COUNT( few_names )];
-} few_settings;
-
-static wisp_status run_few( void* context, int setting, int workers, bool is_observed, accuracy_run* out,
-                            wisp_error* error )
-{
-    const few_settings* few = context;
-    return few->all.run( few->all.context, few->number[setting], workers, is_observed, out, error );
-}
-
-static void destroy_few( void* context )
-{
-    few_settings* few = context;
-    few->all.destroy( few->all.context );
-    free( few->all.settings );
-    free( few );
-}
-
-static wisp_status make_few( const bench_options* options, double seconds, accuracy_scene* out, wisp_error* error )
-{
-    int count;
-    const accuracy_entry* entries = accuracy_entries( &count );
-    few_settings* few = checked_calloc( 1, sizeof( few_settings ) );
-    for ( int i = 0; i < count; ++i )
-    {
-        if ( strcmp( entries[i].name, "cloth_on_ball" ) == 0 )
-        {
-            assert_int_equal( entries[i].make( options, seconds, &few->all, error ), WISP_OK );
-        }
-    }
-    *out = few->all;
-    out->settings = checked_calloc( WISP_COUNT( few_names ), sizeof( accuracy_setting ) );
-    out->setting_count = WISP_COUNT( few_names );
-    out->context = few;
-    out->run = run_few;
-    out->destroy = destroy_few;
-    for ( int k = 0; k < WISP_COUNT( few_names ); ++k )
-    {
-        for ( int i = 0; i < few->all.setting_count; ++i )
-        {
-            if ( strcmp( few->all.settings[i].name, few_names[k] ) == 0 )
-            {
-                out->settings[k] = few->all.settings[i];
-                few->number[k] = i;
-            }
-        }
-        assert_string_equal( out->settings[k].name, few_names[k] );
-    }
-    return WISP_OK;
-}
-
+// Euler's steps are of first order, and every hash with one worker and with two is that of the sampled run.
 static void a_real_scene_comes_nearer_with_shorter_steps( void** state )
 {
     (void)state;
-    const accuracy_entry entry = { "cloth_on_ball", "a few of its settings", make_few, NULL };
-    const bench_options options = bench_default_options();
+    wisp_suite suite;
+    accuracy_scene scene;
     results all = { 0 };
     wisp_error error = { 0 };
+    const bench_options options = bench_default_options();
+    open_suite( "cloth_taut", &suite, &scene );
+    close_scene( &scene );
+    const int all_rows = suite.row_count;
+    suite.row_count = 6; // those of Euler's, and one of BDF2
+    const accuracy_entry entry = { "cloth_taut", "a few of its settings", NULL, &suite };
     assert_int_equal( accuracy_bench_run( &entry, 1, 1e-9, &options, &all, &error ), WISP_OK );
-
-    // every hash, with one worker and with two, was that of the sampled run
     assert_false( all.failed );
-    double errors[WISP_COUNT( few_names )];
+    double errors[6];
     int on_front = 0;
-    const results_table* table = find_table( &all, "Accuracy `cloth_on_ball`" );
-    for ( int k = 0; k < WISP_COUNT( few_names ); ++k )
+    const results_table* table = find_table( &all, "Accuracy `cloth_taut`" );
+    for ( int k = 0; k < 6; ++k )
     {
-        assert_string_equal( named_cell( table, 1 + k, "setting" ), few_names[k] );
         errors[k] = atof( named_cell( table, 1 + k, "RMS distance to the reference, mm" ) );
         on_front += strcmp( named_cell( table, 1 + k, "front" ), "front" ) == 0;
         assert_true( all.rows[2 * k].hash == all.rows[2 * k + 1].hash && all.rows[2 * k].ms_median > 0.0 );
     }
     assert_true( on_front >= 1 );
-    assert_true( errors[1] < errors[0] );
-    // at first order half the step is half the error in the end; here at most three quarters
-    assert_true( errors[3] < 0.75 * errors[2] && errors[4] < 0.75 * errors[3] );
-    const results_table* orders = find_table( &all, "Accuracy `cloth_on_ball`, observed order" );
-    const int euler = row_of( orders, "implicit Euler, 0.0001, 1" );
+    for ( int k = 1; k < 5; ++k )
+    {
+        assert_true( errors[k] < 0.75 * errors[k - 1] );
+    }
+    const results_table* orders = find_table( &all, "Accuracy `cloth_taut`, observed order" );
+    const int euler = row_of( orders, "implicit, integrator=euler, tolerance=1e-4, newton_iterations=1" );
     assert_true( fabs( atof( named_cell( orders, euler, "observed order" ) ) - 1.0 ) < 0.25 );
     results_free( &all );
+    suite.row_count = all_rows;
+    suite_release( &suite );
 }
 
 int main( void )

