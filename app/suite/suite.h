@@ -50,8 +50,8 @@ typedef struct suite_row
 {
     char name[SUITE_MAX_NAME];
     char variant[SUITE_MAX_VARIANT]; ///< the values that vary, such as `substeps=4`; empty: none do
-    char series[192]; ///< rows that differ from this one in `along` alone; empty: it is in no series
-    char along[SUITE_MAX_NAME]; ///< the field that a series varies
+    char series[192];                ///< rows that differ from this one in `along` alone; empty: it is in no series
+    char along[SUITE_MAX_NAME];      ///< the field that a series varies
     double along_value;
     double order; ///< at which errors of the series should fall; NaN: none is promised
     char* path;   ///< of the scene, whose folder its files are in

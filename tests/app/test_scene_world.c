@@ -117,6 +117,67 @@ static void a_plane_is_shown_as_a_square_that_looks_up( void** state )
 
 // ---- start positions and cooked data ----
 
+// An upright sheet of 2 m x 4 m about (0, 1, 0): vertex 0 is its upper left corner, 14 its lower right one.
+static void build_start( fixture* f, const char* start )
+{
+    char text[600];
+    snprintf( text, sizeof text,
+              "wisp: 1\nsurfaces:\n"
+              "  - name: sheet\n"
+              "    generate: { shape: plane, columns: 3, rows: 5, spacing: 1 }\n"
+              "    transform: { rotate: { degrees: [90, 0, 0] }, translate: [0, 1, 0] }\n"
+              "    pins: [0]\n"
+              "    start: { %s }\n"
+              "    cloth: {}\n",
+              start );
+    build( f, text );
+}
+
+static void a_surface_starts_away_from_rest_and_its_pins_are_only_scaled( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        const char* start;
+        float pin[3], corner[3];
+    } rows[] = {
+        { "scale: [1.5, 1, 2]", { -1.5f, 3.0f, 0.0f }, { 1.5f, -1.0f, 0.0f } },
+        { "shape: plane", { -1.0f, 3.0f, 0.0f }, { 1.0f, 1.0f, 0.0f } },
+        { "shape: point", { -1.0f, 3.0f, 0.0f }, { 0.0f, 1.0f, 0.0f } },
+        { "shape: inside_out", { -1.0f, 3.0f, 0.0f }, { -1.0f, 7.0f, 0.0f } },
+        { "shape: twisted, turns: 0.25", { -1.0f, 3.0f, 0.0f }, { 0.0f, -1.0f, -1.0f } },
+    };
+    for ( int i = 0; i < WISP_COUNT( rows ); ++i )
+    {
+        fixture f;
+        build_start( &f, rows[i].start );
+        assert_near( point_of( &f, 0, 0 ), rows[i].pin[0], rows[i].pin[1], rows[i].pin[2] );
+        assert_near( point_of( &f, 0, 14 ), rows[i].corner[0], rows[i].corner[1], rows[i].corner[2] );
+        // lengths at rest are those of the mesh
+        const wisp_fabric* fabric = f.world.surfaces[0].fabric;
+        const wisp_vec3 a = fabric->rest[fabric->edges[0]], b = fabric->rest[fabric->edges[1]];
+        assert_true( fabsf( hypotf( hypotf( a.x - b.x, a.y - b.y ), a.z - b.z ) - 1.0f ) < 1e-5f );
+        release( &f );
+    }
+}
+
+static void a_random_start_belongs_to_its_seed( void** state )
+{
+    (void)state;
+    wisp_vec3 corners[3];
+    for ( int i = 0; i < 3; ++i )
+    {
+        fixture f;
+        build_start( &f, i < 2 ? "shape: random, seed: 7" : "shape: random, seed: 8" );
+        corners[i] = point_of( &f, 0, 14 );
+        assert_true( fabsf( corners[i].x ) <= 2.0f && fabsf( corners[i].y - 1.0f ) <= 2.0f &&
+                     fabsf( corners[i].z ) <= 2.0f );
+        release( &f );
+    }
+    assert_memory_equal( &corners[0], &corners[1], sizeof corners[0] );
+    assert_memory_not_equal( &corners[0], &corners[2], sizeof corners[0] );
+}
+
 static void a_surface_starts_scaled_then_turned_then_moved( void** state )
 {
     (void)state;
@@ -496,6 +557,8 @@ int main( void )
         cmocka_unit_test( bodies_are_strands_then_surfaces_then_colliders ),
         cmocka_unit_test( meshes_of_colliders_look_outwards_and_have_their_size ),
         cmocka_unit_test( a_plane_is_shown_as_a_square_that_looks_up ),
+        cmocka_unit_test( a_surface_starts_away_from_rest_and_its_pins_are_only_scaled ),
+        cmocka_unit_test( a_random_start_belongs_to_its_seed ),
         cmocka_unit_test( a_surface_starts_scaled_then_turned_then_moved ),
         cmocka_unit_test( a_fabric_is_cooked_with_what_its_effects_need_and_nothing_else ),
         cmocka_unit_test( levels_begin_where_the_scene_says ),
