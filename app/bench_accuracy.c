@@ -44,7 +44,7 @@ static const struct argp_option option_list[] = {
     { "workers", 'w', "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
     { "quick", 'q', NULL, 0, "Fewer settings and samples", 1 },
     { 0, 0, 0, 0, "Output:", 2 },
-    { "format", 'f', "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { "format", 'f', "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine", 2 },
     { "output", 'o', "FILE", 0, "Write the results to FILE; default: standard output", 2 },
     { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts", 2 },
     { "suite", KEY_SUITE, "FILE", 0,
@@ -150,6 +150,7 @@ int bench_accuracy( int argc, char** argv )
     const struct argp parser = { option_list, parse, "SCENE", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &a );
     results out = { .is_result_first = true };
+    results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
     // A suite that is kept may be in another folder than the scene; one that is not is as if it were beside it.
     char absolute[PATH_MAX];

@@ -62,7 +62,8 @@ static const struct argp_option option_list[] = {
     { "seconds", KEY_SECONDS, "S", 0, "Approximate time limit per case", 1 },
     { "workers", KEY_WORKERS, "N", 0, "Workers of the parallel variant, 1 to 64, default 2", 1 },
     { 0, 0, 0, 0, "Output:", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      2 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the results to FILE; default: standard output", 2 },
     { "report", KEY_REPORT, "FILE", 0, "Also write an HTML page with charts and pictures", 2 },
     { 0, 0, 0, 0, "Options of single cases:", 3 },
@@ -307,6 +308,7 @@ int main( int argc, char** argv )
     }
 
     results out = { 0 };
+    results_put_options( &out, argc, argv );
     wisp_error error = { 0 };
     wisp_status status = bench_describe_machine( &out.machine, &error );
     status = status == WISP_OK ? command_check_writable( arguments.output, &error ) : status;

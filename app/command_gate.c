@@ -83,6 +83,8 @@ typedef struct gate_options
     int row, trials;
     double slow;
     results_format format;
+    int argc;
+    char** argv;
 } gate_options;
 
 static error_t parse( int key, char* argument, struct argp_state* state )
@@ -258,6 +260,7 @@ static wisp_status report( const wisp_suite* suite, const gate_options* o, const
         return wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
     }
     results out = { .machine = machine_describe( measured[0].isa ), .is_result_first = true };
+    results_put_options( &out, o->argc, o->argv );
     const bool compares = gate_counts_are_comparable( base );
     if ( !compares && !o->no_instructions )
     {
@@ -311,6 +314,7 @@ static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_e
 {
     gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
+    results_put_options( &out, o->argc, o->argv );
     wisp_status status = checks ? gate_compare_programs( suite, o->suite, o->paired, out.machine.isa, checks, error )
                                 : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
     bool is_worse = false;
@@ -331,6 +335,7 @@ static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_e
 static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_error* error )
 {
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
+    results_put_options( &out, o->argc, o->argv );
     wisp_status status =
         gate_self_test( suite, o->suite, o->row, out.machine.isa, o->trials > 0 ? o->trials : 10, &out, error );
     status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
@@ -388,7 +393,7 @@ static int run_action( const wisp_suite* suite, const gate_options* o, wisp_erro
 
 int command_gate( int argc, char** argv )
 {
-    gate_options options = { 0 };
+    gate_options options = { .argc = argc, .argv = argv };
     const struct argp parser = { option_list, parse, "ACTION SUITE", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &options );
     char* beside = options.base ? NULL : default_base( options.suite );

@@ -65,7 +65,8 @@ static const struct argp_option option_list[] = {
     { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 1 },
     { "isa", KEY_ISA, "SET", 0, "Use at most baseline, avx2 or avx512; default: the best available", 1 },
     { 0, 0, 0, 0, "Summary:", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      2 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the summary to FILE; default: standard output", 2 },
     { 0, 0, 0, 0, "Recording:", 3 },
     { "record", KEY_RECORD, "FILE", 0, "Record all vertices (.wisp, .pc2, .pvd, .obj, .usda)", 3 },
@@ -192,9 +193,10 @@ static wisp_status simulate( scene_world* world, int steps, run_recorder* record
     wisp_status status = run_recorder_step( recorder, error );
     while ( record->steps < steps && status == WISP_OK )
     {
-        double start = wisp_clock_seconds();
+        const double start = wisp_clock_seconds(), cpu_start = machine_cpu_seconds();
         status = scene_world_step( world, error );
         record->ms[record->steps] = 1e3 * ( wisp_clock_seconds() - start );
+        record->cpu_seconds += machine_cpu_seconds() - cpu_start;
         if ( status == WISP_OK )
         {
             ++record->steps;
@@ -310,6 +312,7 @@ int command_run( int argc, char** argv )
         return command_fail( &error );
     }
     results out = { 0 };
+    results_put_options( &out, argc, argv );
     wisp_status status = check_files( &options, &scene, &error );
     status = status == WISP_OK ? run_scene( &options, &scene, &out, &error ) : status;
     if ( status == WISP_OK )

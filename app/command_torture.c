@@ -68,7 +68,8 @@ static const struct argp_option option_list[] = {
     { 0, 0, 0, 0, "Output:", 2 },
     { "out", KEY_OUT, "FOLDER", 0, "Write scenes that break to FOLDER, default " DEFAULT_FOLDER, 2 },
     { "keep", KEY_KEEP, "N", 0, "Write the first N scenes of each kind, default 3", 2 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 2 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      2 },
     { 0 },
 };
 
@@ -182,6 +183,7 @@ int command_torture( int argc, char** argv )
     }
     wisp_error error = { 0 };
     results out = { .is_result_first = true };
+    results_put_options( &out, argc, argv );
     torture_found found;
     wisp_status status = options.file_count > 0 ? torture_replay( options.files, options.file_count,
                                                                   options.search.scene_seconds, &found, &out, &error )

@@ -57,7 +57,8 @@ static const struct argp_option option_list[] = {
     { "limit", KEY_LIMIT, "SECONDS", 0, "Start no run after this time, default 300", 2 },
     { "workers", KEY_WORKERS, "N", 0, "Use N workers, 1 to 64; default: the scene's, or one per core", 2 },
     { 0, 0, 0, 0, "Output:", 3 },
-    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json or gbench", 3 },
+    { "format", KEY_FORMAT, "FORMAT", 0, "text (default), markdown, csv, json, gbench, bencher, github or hyperfine",
+      3 },
     { "output", KEY_OUTPUT, "FILE", 0, "Write the tuned scene to FILE; default: not written", 3 },
     { 0 },
 };
@@ -238,6 +239,7 @@ int command_tune( int argc, char** argv )
     tune_parameters parameters;
     status = status == WISP_OK ? tune_parameters_find( &scene, &parameters, &error ) : status;
     results out = { 0 };
+    results_put_options( &out, argc, argv );
     bool meets_target = false;
     status = status == WISP_OK ? tune( &options, &scene, &parameters, &out, &meets_target, &error ) : status;
     status = status == WISP_OK ? results_write_file( &out, options.format, NULL, &error ) : status;

@@ -38,6 +38,7 @@ command_fn command_render;
 command_fn command_tune;
 command_fn command_torture;
 command_fn command_gate;
+command_fn command_compare;
 
 /// Print the message of a failure to stderr. @return STATUS_FAILED
 int command_fail( const wisp_error* error );

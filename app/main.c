@@ -15,6 +15,7 @@ static const program_command commands[] = {
     { "run", command_run },         { "plan", command_plan },     { "bench", command_bench },
     { "info", command_info },       { "render", command_render }, { "tune", command_tune },
     { "torture", command_torture }, { "gate", command_gate },     { "accuracy", command_bench },
+    { "compare", command_compare },
 };
 
 static const char program_doc[] =
@@ -30,6 +31,7 @@ static const char program_doc[] =
     "  accuracy SCENE show what accuracy costs in a scene\n"
     "  torture        search for scenes that break the engine, or judge scenes\n"
     "  gate ACTION    measure the scenes of a suite, and fail if one became worse\n"
+    "  compare A B    say what differs between two result files\n"
     "\v"
     "'wisp COMMAND --help' describes the arguments and options of a command.\n"
     "\n"
@@ -50,8 +52,9 @@ static error_t parse_program( int key, char* argument, struct argp_state* state 
             state->next = state->argc;
             return 0;
         case ARGP_KEY_NO_ARGS:
-            argp_error( state,
-                        "expected a command: run, render, info, plan, tune, bench, accuracy, torture or gate" );
+            argp_error(
+                state,
+                "expected a command: run, render, info, plan, tune, bench, accuracy, torture, gate or compare" );
             return 0;
         default:
             return ARGP_ERR_UNKNOWN;
@@ -73,7 +76,8 @@ static int unknown_command( const char* word )
     else
     {
         fprintf( stderr,
-                 "wisp: got command '%s', expected run, render, info, plan, tune, bench, accuracy, torture or gate\n",
+                 "wisp: got command '%s', expected run, render, info, plan, tune, bench, accuracy, torture, gate or "
+                 "compare\n",
                  word );
     }
     return STATUS_USAGE;

@@ -245,10 +245,7 @@ static void add_row( results* out, const scene_world* world, run_record* record,
         results_put( &row->size, "bytes_a_vertex", (double)wisp_world_memory( world->world ) / vertices );
     }
     row->workers = wisp_world_workers( world->world );
-    row->ms_median = times.median;
-    row->ms_p10 = times.p10;
-    row->ms_p90 = times.p90;
-    row->steps = record->steps;
+    results_put_times( row, &times );
     for ( int i = 0; i < record->profile.pass_count; ++i )
     {
         results_put( &row->stages, record->profile.passes[i].name,
@@ -266,6 +263,7 @@ void run_summarise( const scene_world* world, run_record* record, const run_reco
     out->machine = machine_describe( wisp_world_isa( world->world ) );
     out->is_result_first = true;
     stats_summary times = stats_summarise( record->ms, record->steps );
+    times.cpu_fraction = 1e3 * record->cpu_seconds / sum( record->ms, record->steps );
     add_row( out, world, record, times );
     add_head( out, world, record, times, recorder, counts );
     if ( record->steps > 0 )

@@ -14,6 +14,7 @@ typedef struct run_record
     profile_samples profile;
     double* ms; ///< [steps]
     int steps;
+    double cpu_seconds;       ///< processor time of all steps
     run_layers* layers;       ///< or null
     run_collision* collision; ///< or null
 } run_record;

@@ -129,7 +129,7 @@ static wisp_status run_line( const balloon_plan* plan, int level, double seconds
     }
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        line->ms[e] = stats_summarise( comparison->variants[e].samples, comparison->variants[e].sample_count );
+        line->ms[e] = bench_summarise( &comparison->variants[e] );
         line->volume_ms[e] = surface_implementation_pass_ms( &comparison->implementations[e], "balloon.volume" );
     }
     line->bytes = (double)wisp_world_memory( comparison->implementations[0].world ) / line->vertices;
@@ -169,10 +169,7 @@ static void add_rows( const balloon_plan* plan, const size_comparison* compariso
         results_put( &row->size, "triangles", line->triangles );
         results_put( &row->size, "bytes_a_vertex", line->bytes );
         row->workers = plan->workers[e];
-        row->ms_median = line->ms[e].median;
-        row->ms_p10 = line->ms[e].p10;
-        row->ms_p90 = line->ms[e].p90;
-        row->steps = line->ms[e].count;
+        results_put_times( row, &line->ms[e] );
         profile_samples profile = comparison->implementations[e].profile;
         for ( int i = 0; i < profile.pass_count; ++i )
         {

@@ -1,5 +1,7 @@
 #include "bench_timing.h"
 
+#include "machine.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -58,7 +60,10 @@ static wisp_status take_turn( bench_variant* variant, int samples_max, wisp_erro
     }
     for ( int i = 0; i < variant->turn_steps && variant->sample_count < samples_max; ++i )
     {
+        const double cpu_start = machine_cpu_seconds();
         wisp_status status = timed_step( variant, &ms, error );
+        variant->cpu_seconds += machine_cpu_seconds() - cpu_start;
+        variant->wall_seconds += 1e-3 * ms;
         if ( status == WISP_OK && variant->after )
         {
             status = variant->after( variant->context );
@@ -90,6 +95,7 @@ wisp_status bench_interleave( bench_variant* variants, int count, const bench_ef
     for ( int i = 0; i < count; ++i )
     {
         variants[i].sample_count = 0;
+        variants[i].wall_seconds = variants[i].cpu_seconds = 0.0;
         variants[i].samples = malloc( (size_t)effort->samples_max * sizeof( double ) );
         wisp_status status = variants[i].samples ? warm_up( &variants[i], error )
                                                  : wisp_fail( error, WISP_NO_MEMORY, "no memory for the samples" );
@@ -115,6 +121,13 @@ wisp_status bench_interleave( bench_variant* variants, int count, const bench_ef
         }
     }
     return WISP_OK;
+}
+
+stats_summary bench_summarise( bench_variant* variant )
+{
+    stats_summary out = stats_summarise( variant->samples, variant->sample_count );
+    out.cpu_fraction = variant->wall_seconds > 0.0 ? variant->cpu_seconds / variant->wall_seconds : NAN;
+    return out;
 }
 
 void bench_free_samples( bench_variant* variants, int count )

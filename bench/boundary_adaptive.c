@@ -193,10 +193,7 @@ static void add_row( layer_implementation* implementation, const char* name, con
     if ( line != NULL )
     {
         line->workers = 1;
-        line->ms_median = ms.median;
-        line->ms_p10 = ms.p10;
-        line->ms_p90 = ms.p90;
-        line->steps = ms.count;
+        results_put_times( line, &ms );
         results_put( &line->size, "points", stats->points );
         results_put( &line->size, "spacing_m", (double)implementation->def.spacing );
         results_put( &line->stages, "boundary.points", ms.median );

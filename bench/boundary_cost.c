@@ -143,10 +143,7 @@ static void add_rows( const cost_run* run, const layer_cost* cost, results* out 
         if ( row != NULL )
         {
             row->workers = run->plan->workers[i / WAYS];
-            row->ms_median = ms->median;
-            row->ms_p10 = ms->p10;
-            row->ms_p90 = ms->p90;
-            row->steps = ms->count;
+            results_put_times( row, ms );
             row->hash = cost->hash;
             row->has_hash = true;
             results_put( &row->size, "points", points_of( cost ) );

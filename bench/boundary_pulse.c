@@ -141,10 +141,7 @@ static void add_pulse_row( const pulse* p, const stats_summary* ms, int workers,
     if ( row != NULL )
     {
         row->workers = workers;
-        row->ms_median = ms->median;
-        row->ms_p10 = ms->p10;
-        row->ms_p90 = ms->p90;
-        row->steps = ms->count;
+        results_put_times( row, ms );
         row->hash = p->hash;
         row->has_hash = true;
         results_put( &row->size, "amplitude", p->amplitude );

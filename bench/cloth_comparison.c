@@ -283,7 +283,7 @@ static wisp_status run_line( const cloth_plan* plan, comparison* r, comparison_l
     status = bench_interleave( r->variants, count, &effort, error );
     for ( int v = 0; v < count && status == WISP_OK; ++v )
     {
-        line->ms[v] = stats_summarise( r->variants[v].samples, r->variants[v].sample_count );
+        line->ms[v] = bench_summarise( &r->variants[v] );
     }
     for ( int e = 0; e < plan->worker_count; ++e )
     {
@@ -304,10 +304,7 @@ static void put_times( const comparison_line* line, int v, results_row* row )
 {
     results_put( &row->size, "vertices", line->vertices );
     results_put( &row->size, "links", line->links );
-    row->ms_median = line->ms[v].median;
-    row->ms_p10 = line->ms[v].p10;
-    row->ms_p90 = line->ms[v].p90;
-    row->steps = line->ms[v].count;
+    results_put_times( row, &line->ms[v] );
 }
 
 static void add_rows( const cloth_plan* plan, const comparison* r, const comparison_line* line, results* out )

@@ -221,9 +221,8 @@ static void add_implementation_row( implementation* e, const wisp_mesh* mesh, bo
         }
         if ( row != NULL && k == NEAR )
         {
-            row->ms_median = scale * summary.median;
-            row->ms_p10 = scale * summary.p10;
-            row->ms_p90 = scale * summary.p90;
+            stats_scale( &summary, scale );
+            results_put_times( row, &summary );
         }
     }
     double bytes = (double)wisp_collision_mesh_bytes( e->tree );

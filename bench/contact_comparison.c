@@ -207,9 +207,7 @@ void contact_comparison_add_rows( const contact_comparison* comparison, const co
         }
         row->workers = comparison->teams->workers[i];
         row->steps = run->steps;
-        row->ms_median = run->time[i].median;
-        row->ms_p10 = run->time[i].p10;
-        row->ms_p90 = run->time[i].p90;
+        results_put_times( row, &run->time[i] );
         results_put( &row->stages, "mean", run->mean[i] );
         results_put( &row->stages, "worst", run->worst[i] );
         snprintf( row->error_reference, sizeof( row->error_reference ), "exact signs" );

@@ -217,7 +217,7 @@ static wisp_status time_comparison( const paper_table* table, paper_comparison* 
     }
     for ( int v = first; v < table->variant_count; ++v )
     {
-        line->ms[v] = stats_summarise( comparison->variants[v].samples, comparison->variants[v].sample_count );
+        line->ms[v] = bench_summarise( &comparison->variants[v] );
     }
     if ( line->plain_once )
     {
@@ -276,10 +276,7 @@ static void add_row( const paper_table* table, const paper_comparison* compariso
     results_put( &row->size, "vertices", line->vertices );
     results_put( &row->size, "neighbours_a_vertex", line->neighbours );
     row->workers = table->workers[v];
-    row->ms_median = line->ms[v].median;
-    row->ms_p10 = line->ms[v].p10;
-    row->ms_p90 = line->ms[v].p90;
-    row->steps = line->ms[v].count;
+    results_put_times( row, &line->ms[v] );
     if ( isfinite( line->error[v] ) )
     {
         snprintf( row->error_reference, sizeof( row->error_reference ), "%s", line->by_oracle ? "oracle" : "plain" );

@@ -310,10 +310,7 @@ static void add_row( const triangle_plan* plan, const triangle_line* line, const
     {
         results_put( &row->size, "ms_mean", line->mean_ms[w] );
         results_put( &row->size, "ns_a_vertex_and_iteration", line->iteration_ns[w] );
-        row->ms_median = line->ms[w].median;
-        row->ms_p10 = line->ms[w].p10;
-        row->ms_p90 = line->ms[w].p90;
-        row->steps = line->ms[w].count;
+        results_put_times( row, &line->ms[w] );
         for ( int i = 0; i < profile->pass_count; ++i )
         {
             results_put( &row->stages, profile->passes[i].name, 1e3 * profile_samples_median( profile, i ) );

@@ -223,10 +223,7 @@ static results_row* begin_row( const triangle_hang* hang, const char* variant, c
         results_put( &row->size, "iterations_mean", iterations );
         results_put( &row->size, "ms_mean", mean_ms );
         row->workers = 1;
-        row->ms_median = ms->median;
-        row->ms_p10 = ms->p10;
-        row->ms_p90 = ms->p90;
-        row->steps = ms->count;
+        results_put_times( row, ms );
     }
     return row;
 }

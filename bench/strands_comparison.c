@@ -264,13 +264,13 @@ static void conclude( const strands_plan* plan, comparison* r, strands_compariso
 {
     for ( int i = 0; i < size->plain_count; ++i )
     {
-        size->plain[i].ms[0] = stats_summarise( r->variants[i].samples, r->variants[i].sample_count );
+        size->plain[i].ms[0] = bench_summarise( &r->variants[i] );
     }
     for ( int i = 0; i < size->setting_count * plan->worker_count; ++i )
     {
         bench_variant* variant = &r->variants[size->plain_count + i];
         strands_line* line = &size->ours[i / plan->worker_count];
-        line->ms[i % plan->worker_count] = stats_summarise( variant->samples, variant->sample_count );
+        line->ms[i % plan->worker_count] = bench_summarise( variant );
         line->laid = wisp_world_counter( r->implementations[i].world, WISP_COUNT_STRAND_RESET );
         if ( r->implementations[i].halted_at > 0 )
         {

@@ -167,10 +167,7 @@ static void put_row( int strands, const char* variant, int substeps, const stran
     results_put( &row->size, "vertices", (double)strands * STRANDS_VERTICES );
     results_put( &row->size, "substeps", substeps );
     row->workers = workers;
-    row->ms_median = line->ms[w].median;
-    row->ms_p10 = line->ms[w].p10;
-    row->ms_p90 = line->ms[w].p90;
-    row->steps = line->ms[w].count;
+    results_put_times( row, &line->ms[w] );
     snprintf( row->error_reference, sizeof( row->error_reference ), "%d substeps", STRANDS_REFERENCE_SUBSTEPS );
     results_put( &row->error, "stretch_max", line->stretch_max );
     results_put( &row->error, "stretch_mean", line->stretch_mean );

@@ -157,8 +157,7 @@ static wisp_status measure( const strands_plan* plan, guides_run* run, wisp_erro
     for ( int i = 0; i < count && status == WISP_OK; ++i )
     {
         guides_row* row = &run->rows[i / run->worker_count];
-        row->ms[run->first_worker + i % run->worker_count] =
-            stats_summarise( variants[i].samples, variants[i].sample_count );
+        row->ms[run->first_worker + i % run->worker_count] = bench_summarise( &variants[i] );
         row->follow_ms[run->first_worker + i % run->worker_count] = follow_ms( &run->heads[i] );
     }
     bench_free_samples( variants, count );
@@ -215,10 +214,7 @@ static void add_line( const strands_plan* plan, const guides_run* run, const gui
         results_put( &machine->size, "strands", run->hair.strand_count );
         results_put( &machine->size, "ratio", row->ratio );
         machine->workers = plan->workers[w];
-        machine->ms_median = row->ms[w].median;
-        machine->ms_p10 = row->ms[w].p10;
-        machine->ms_p90 = row->ms[w].p90;
-        machine->steps = row->ms[w].count;
+        results_put_times( machine, &row->ms[w] );
         results_put( &machine->stages, "ghosts", row->follow_ms[w] );
         snprintf( machine->error_reference, sizeof( machine->error_reference ), "all simulated" );
         results_put( &machine->error, "rms_m", row->rms );

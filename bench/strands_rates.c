@@ -240,10 +240,7 @@ static void add_energy( int solver, int substeps, const energy_stats* f, int tab
     {
         results_put( &machine->size, "substeps", substeps );
         machine->workers = 1;
-        machine->ms_median = f->ms.median;
-        machine->ms_p10 = f->ms.p10;
-        machine->ms_p90 = f->ms.p90;
-        machine->steps = f->ms.count;
+        results_put_times( machine, &f->ms );
         snprintf( machine->error_reference, sizeof( machine->error_reference ), "%d substeps",
                   STRANDS_REFERENCE_SUBSTEPS );
         results_put( &machine->error, "stretch_max", f->stretch.max );

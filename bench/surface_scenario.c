@@ -260,10 +260,7 @@ void scenario_add_rows( const surface_implementation* implementations, int count
         results_put( &row->size, "substeps", generator->substeps );
         results_put( &row->size, "iterations", generator->iterations );
         row->workers = generator->workers;
-        row->ms_median = stats->ms[e].median;
-        row->ms_p10 = stats->ms[e].p10;
-        row->ms_p90 = stats->ms[e].p90;
-        row->steps = stats->ms[e].count;
+        results_put_times( row, &stats->ms[e] );
         profile_samples profile = implementations[e].profile;
         for ( int i = 0; i < profile.pass_count; ++i )
         {

@@ -1,6 +1,6 @@
 #include "info_results.h"
 
-#include "results.h"
+#include "results_json.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -43,7 +43,7 @@ static size_t read_capped( void* buffer, size_t size, void* user )
     return ferror( source->file ) ? (size_t)-1 : count;
 }
 
-static json_t* load( const char* path, wisp_error* error )
+static json_t* parse( const char* path, wisp_error* error )
 {
     capped_file source = { .file = fopen( path, "rb" ) };
     if ( !source.file )
@@ -125,6 +125,17 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
             return wrong( error, path, number, counts[i], "expected a whole number of at least 0" );
         }
     }
+    json_t* samples = json_object_get( row, "samples_ms" );
+    bool are_times = samples == NULL || json_is_array( samples ); // version 1 has none
+    for ( size_t i = 0; i < json_array_size( samples ) && are_times; ++i )
+    {
+        json_t* sample = json_array_get( samples, i );
+        are_times = json_is_number( sample ) && json_number_value( sample ) >= 0.0;
+    }
+    if ( !are_times )
+    {
+        return wrong( error, path, number, "samples_ms", "expected a list of times of at least 0" );
+    }
     json_t* errors = json_object_get( row, "error" );
     if ( !holds_numbers( json_object_get( row, "size" ) ) || !holds_numbers( json_object_get( row, "stages" ) ) ||
          ( !json_is_null( errors ) && !holds_numbers( errors ) ) )
@@ -139,9 +150,11 @@ static wisp_status check_row( const char* path, json_t* row, size_t number, wisp
 static wisp_status check( const char* path, json_t* root, wisp_error* error )
 {
     json_t* version = json_object_get( root, "wisp_results" );
-    if ( !json_is_integer( version ) || json_integer_value( version ) != 1 )
+    if ( !json_is_integer( version ) || json_integer_value( version ) < 1 ||
+         json_integer_value( version ) > RESULTS_JSON_VERSION )
     {
-        return wisp_fail( error, WISP_BAD_INPUT, "%s: wisp_results: expected version 1", path );
+        return wisp_fail( error, WISP_BAD_INPUT, "%s: wisp_results: expected version 1 or %d", path,
+                          RESULTS_JSON_VERSION );
     }
     if ( !json_is_object( json_object_get( root, "machine" ) ) ||
          !json_is_object( json_object_get( root, "build" ) ) )
@@ -215,26 +228,34 @@ static void print_row( json_t* row, FILE* out )
              json_is_string( hash ) ? json_string_value( hash ) : "-" );
 }
 
+json_t* results_json_load( const char* path, wisp_error* error )
+{
+    json_t* root = parse( path, error );
+    if ( root && check( path, root, error ) != WISP_OK )
+    {
+        json_decref( root );
+        root = NULL;
+    }
+    return root;
+}
+
 wisp_status info_results( const char* path, FILE* out, wisp_error* error )
 {
-    json_t* root = load( path, error );
+    json_t* root = results_json_load( path, error );
     if ( !root )
     {
         return error->status;
     }
-    wisp_status status = check( path, root, error );
-    if ( status == WISP_OK )
+    json_t* rows = json_object_get( root, "rows" );
+    fprintf( out, "%s: results, %zu rows\n", path, json_array_size( rows ) );
+    print_object( "measurement", root, out );
+    print_object( "machine", json_object_get( root, "machine" ), out );
+    print_object( "build", json_object_get( root, "build" ), out );
+    fputs( "rows\n", out );
+    for ( size_t i = 0; i < json_array_size( rows ); ++i )
     {
-        json_t* rows = json_object_get( root, "rows" );
-        fprintf( out, "%s: results, %zu rows\n", path, json_array_size( rows ) );
-        print_object( "machine", json_object_get( root, "machine" ), out );
-        print_object( "build", json_object_get( root, "build" ), out );
-        fputs( "rows\n", out );
-        for ( size_t i = 0; i < json_array_size( rows ); ++i )
-        {
-            print_row( json_array_get( rows, i ), out );
-        }
+        print_row( json_array_get( rows, i ), out );
     }
     json_decref( root );
-    return status;
+    return WISP_OK;
 }

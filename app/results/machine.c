@@ -4,10 +4,12 @@
 #include "build_facts.h"
 #include "wisp/base.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
+#include <time.h>
 #include <unistd.h>
 
 // The value of the first line "key<blanks>mark value" of a file, without quotes and the newline.
@@ -18,7 +20,7 @@ static bool read_value( const char* path, const char* key, char mark, char* out,
     {
         return false;
     }
-    char line[512];
+    char line[8192];
     bool found = false;
     while ( !found && fgets( line, sizeof( line ), file ) )
     {
@@ -49,6 +51,34 @@ static void describe_system( machine_info* info )
     }
 }
 
+// Vector instruction sets among all flags of the processor.
+static void describe_flags( machine_info* info )
+{
+    static const char* const beginnings[] = { "sse", "ssse", "avx", "fma", "f16c", "bmi", "asimd", "sve" };
+    char all[8192] = "";
+    read_value( "/proc/cpuinfo", "flags", ':', all, sizeof all );
+    char* rest = NULL;
+    for ( char* flag = strtok_r( all, " ", &rest ); flag; flag = strtok_r( NULL, " ", &rest ) )
+    {
+        for ( int i = 0; i < WISP_COUNT( beginnings ); ++i )
+        {
+            const size_t used = strlen( info->cpu_flags );
+            if ( strncmp( flag, beginnings[i], strlen( beginnings[i] ) ) == 0 &&
+                 used + strlen( flag ) + 2 < sizeof info->cpu_flags )
+            {
+                snprintf( info->cpu_flags + used, sizeof info->cpu_flags - used, "%s%s", used > 0 ? " " : "", flag );
+            }
+        }
+    }
+}
+
+double machine_cpu_seconds( void )
+{
+    struct timespec now;
+    return clock_gettime( CLOCK_PROCESS_CPUTIME_ID, &now ) == 0 ? (double)now.tv_sec + 1e-9 * (double)now.tv_nsec
+                                                                : NAN;
+}
+
 machine_info machine_describe( const char* isa )
 {
     machine_info info = {
@@ -63,6 +93,13 @@ machine_info machine_describe( const char* isa )
     };
     snprintf( info.isa, sizeof( info.isa ), "%s", isa );
     describe_system( &info );
+    describe_flags( &info );
+    const time_t now = time( NULL );
+    struct tm utc;
+    if ( gmtime_r( &now, &utc ) )
+    {
+        strftime( info.date, sizeof info.date, "%Y-%m-%dT%H:%M:%SZ", &utc );
+    }
     read_value( "/proc/cpuinfo", "model name", ':', info.cpu, sizeof( info.cpu ) );
 
     char mhz[32];

@@ -10,6 +10,8 @@ typedef struct machine_info
     double memory_bytes; ///< physical memory
     double mhz;          ///< of the first processor now; 0: unknown
     char isa[16];        ///< instruction set that the engine's kernels use
+    char cpu_flags[256]; ///< vector instruction sets of the processor, as the kernel names them
+    char date[24];       ///< of the description, in UTC as 2026-01-31T23:59:59Z
 
     const char* version;    ///< of this program
     const char* commit;     ///< "unknown" outside a git checkout
@@ -21,3 +23,6 @@ typedef struct machine_info
 /// Read the facts from the running system. Missing ones are "unknown" or 0.
 /// @param isa instruction set in use, as wisp_world_isa() names it
 machine_info machine_describe( const char* isa );
+
+/// Processor time that all threads of this process have taken. NaN: unknown.
+double machine_cpu_seconds( void );

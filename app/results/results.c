@@ -46,10 +46,31 @@ results_row* results_add_row( results* all, const char* name, const char* varian
         return NULL;
     }
     results_row* row = &all->rows[all->row_count++];
-    *row = ( results_row ){ .ms_median = NAN, .ms_p10 = NAN, .ms_p90 = NAN };
+    *row = ( results_row ){ .ms_median = NAN, .ms_p10 = NAN, .ms_p90 = NAN, .cpu_fraction = NAN };
     snprintf( row->name, sizeof( row->name ), "%s", name );
     snprintf( row->variant, sizeof( row->variant ), "%s", variant );
     return row;
+}
+
+void results_put_options( results* all, int argc, char* const* argv )
+{
+    size_t used = 0;
+    for ( int i = 0; i < argc && used < sizeof all->options; ++i )
+    {
+        used +=
+            (size_t)snprintf( all->options + used, sizeof all->options - used, "%s%s", i > 0 ? " " : "", argv[i] );
+    }
+}
+
+void results_put_times( results_row* row, const stats_summary* ms )
+{
+    row->ms_median = ms->median;
+    row->ms_p10 = ms->p10;
+    row->ms_p90 = ms->p90;
+    row->steps = ms->count;
+    row->cpu_fraction = ms->cpu_fraction;
+    row->sample_count = ms->kept_count;
+    memcpy( row->samples_ms, ms->kept, sizeof row->samples_ms );
 }
 
 void results_put( results_values* values, const char* name, double value )

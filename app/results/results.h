@@ -2,6 +2,7 @@
 #pragma once
 
 #include "machine.h"
+#include "stats.h"
 #include "wisp/base.h"
 
 #include <stdio.h>
@@ -29,10 +30,13 @@ typedef struct results_row
     char variant[192];
     results_values size; ///< size of the problem; the first one names the row in google-benchmark's format
     int workers;         ///< 0: unknown
-    double ms_median, ms_p10, ms_p90; ///< NaN: unknown
-    int steps;                        ///< number of samples in the times
-    results_values stages;            ///< ms, median of each pass
-    char error_reference[200];        ///< reference of the error; empty: no error was measured
+    double ms_median, ms_p10, ms_p90;  ///< NaN: unknown
+    int steps;                         ///< number of samples in the times
+    double samples_ms[STATS_MAX_KEPT]; ///< [sample_count] of the times, in the order of measurement
+    int sample_count;
+    double cpu_fraction;       ///< processor time over wall time; NaN: not measured
+    results_values stages;     ///< ms, median of each pass
+    char error_reference[200]; ///< reference of the error; empty: no error was measured
     results_values error;
     uint64_t hash;
     bool has_hash;
@@ -90,6 +94,7 @@ typedef struct results
     char headlines[RESULTS_MAX_HEADLINES][200]; ///< the result of each case in a line
     int headline_count;
     machine_info machine;
+    char options[400]; ///< of the command that measured, as words of a command line; empty: not said
     results_row* rows;
     int row_count, row_capacity;
     results_table* tables;
@@ -109,6 +114,12 @@ typedef struct results
 /// Add a row whose times are NaN until the caller fills them.
 /// @return the row, to be filled at once, since the next one may move it; null without memory
 results_row* results_add_row( results* all, const char* name, const char* variant );
+
+/// Keep the words of the command that measures.
+void results_put_options( results* all, int argc, char* const* argv );
+
+/// Give a row its times.
+void results_put_times( results_row* row, const stats_summary* ms );
 
 /// Put a named number into a row's size, stages or error. More than RESULTS_MAX_VALUES is an assert.
 void results_put( results_values* values, const char* name, double value );
@@ -150,7 +161,10 @@ typedef enum results_format
     RESULTS_MARKDOWN,
     RESULTS_CSV,
     RESULTS_JSON,
-    RESULTS_GBENCH, ///< google-benchmark's JSON, for its compare.py and for services that read it
+    RESULTS_GBENCH,    ///< google-benchmark's JSON, for its compare.py and for services that read it
+    RESULTS_BENCHER,   ///< Bencher's metric format
+    RESULTS_GITHUB,    ///< the custom format of github-action-benchmark, smaller is better
+    RESULTS_HYPERFINE, ///< hyperfine's export, for its scripts
     RESULTS_FORMAT_COUNT,
 } results_format;
 

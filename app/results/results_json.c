@@ -1,12 +1,10 @@
 #include "results_json.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 // JSON has no NaN: a number that nobody knows is null.
-static json_t* number_or_null( double value )
+json_t* results_json_number( double value )
 {
     return isfinite( value ) ? json_real( value ) : json_null();
 }
@@ -15,11 +13,11 @@ static json_t* number_or_null( double value )
 static json_t* count_or_real( double value )
 {
     return value == floor( value ) && fabs( value ) < 0x1p53 ? json_integer( (json_int_t)value )
-                                                             : number_or_null( value );
+                                                             : results_json_number( value );
 }
 
 // Text of unknown origin, such as a file's name, may not be UTF-8, which JSON refuses.
-static json_t* text( const char* value )
+json_t* results_json_text( const char* value )
 {
     json_t* string = json_string( value );
     return string ? string : json_string( "(not UTF-8)" );
@@ -42,12 +40,12 @@ static json_t* error_object( const results_row* row )
         return json_null();
     }
     json_t* object = values_object( &row->error );
-    json_object_set_new( object, "against", text( row->error_reference ) );
+    json_object_set_new( object, "against", results_json_text( row->error_reference ) );
     return object;
 }
 
 // A hash is 64 bits and a JSON integer 63, so it travels as sixteen hexadecimal digits.
-static json_t* hash_string( const results_row* row )
+json_t* results_json_hash( const results_row* row )
 {
     if ( !row->has_hash )
     {
@@ -58,47 +56,60 @@ static json_t* hash_string( const results_row* row )
     return json_string( digits );
 }
 
+static json_t* samples_array( const results_row* row )
+{
+    json_t* array = json_array();
+    for ( int i = 0; i < row->sample_count; ++i )
+    {
+        json_array_append_new( array, results_json_number( row->samples_ms[i] ) );
+    }
+    return array;
+}
+
 static json_t* row_object( const results_row* row )
 {
     json_t* object = json_object();
-    json_object_set_new( object, "case", text( row->name ) );
-    json_object_set_new( object, "variant", text( row->variant ) );
+    json_object_set_new( object, "case", results_json_text( row->name ) );
+    json_object_set_new( object, "variant", results_json_text( row->variant ) );
     json_object_set_new( object, "size", values_object( &row->size ) );
     json_object_set_new( object, "workers", json_integer( row->workers ) );
-    json_object_set_new( object, "ms_median", number_or_null( row->ms_median ) );
-    json_object_set_new( object, "ms_p10", number_or_null( row->ms_p10 ) );
-    json_object_set_new( object, "ms_p90", number_or_null( row->ms_p90 ) );
+    json_object_set_new( object, "ms_median", results_json_number( row->ms_median ) );
+    json_object_set_new( object, "ms_p10", results_json_number( row->ms_p10 ) );
+    json_object_set_new( object, "ms_p90", results_json_number( row->ms_p90 ) );
     json_object_set_new( object, "steps", json_integer( row->steps ) );
+    json_object_set_new( object, "samples_ms", samples_array( row ) );
+    json_object_set_new( object, "cpu_fraction", results_json_number( row->cpu_fraction ) );
     json_object_set_new( object, "stages", values_object( &row->stages ) );
     json_object_set_new( object, "error", error_object( row ) );
-    json_object_set_new( object, "hash", hash_string( row ) );
+    json_object_set_new( object, "hash", results_json_hash( row ) );
     return object;
 }
 
 static json_t* machine_object( const machine_info* machine )
 {
     json_t* object = json_object();
-    json_object_set_new( object, "cpu", text( machine->cpu ) );
+    json_object_set_new( object, "cpu", results_json_text( machine->cpu ) );
     json_object_set_new( object, "cores", json_integer( machine->cores ) );
     json_object_set_new( object, "memory_bytes", count_or_real( machine->memory_bytes ) );
-    json_object_set_new( object, "os", text( machine->os ) );
-    json_object_set_new( object, "isa", text( machine->isa ) );
+    json_object_set_new( object, "os", results_json_text( machine->os ) );
+    json_object_set_new( object, "isa", results_json_text( machine->isa ) );
+    json_object_set_new( object, "cpu_flags", results_json_text( machine->cpu_flags ) );
     return object;
 }
 
 static json_t* build_object( const machine_info* machine )
 {
     json_t* object = json_object();
-    json_object_set_new( object, "version", text( machine->version ) );
-    json_object_set_new( object, "commit", text( machine->commit ) );
-    json_object_set_new( object, "compiler", text( machine->compiler ) );
-    json_object_set_new( object, "flags", text( machine->flags ) );
-    json_object_set_new( object, "type", text( machine->build_type ) );
+    json_object_set_new( object, "version", results_json_text( machine->version ) );
+    json_object_set_new( object, "commit", results_json_text( machine->commit ) );
+    json_object_set_new( object, "compiler", results_json_text( machine->compiler ) );
+    json_object_set_new( object, "flags", results_json_text( machine->flags ) );
+    json_object_set_new( object, "type", results_json_text( machine->build_type ) );
     return object;
 }
 
 // jansson's constructors hand on the null of a failed allocation, so one look at the dump is enough.
-static wisp_status dump( json_t* root, FILE* stream, wisp_error* error )
+wisp_status results_json_dump( json_t* root, FILE* stream, wisp_error* error )
 {
     int failed = json_dumpf( root, stream, JSON_INDENT( 2 ) | JSON_REAL_PRECISION( 9 ) );
     json_decref( root );
@@ -116,7 +127,7 @@ static void add_labels( json_t* notes, const results_table* table )
     {
         char line[400];
         snprintf( line, sizeof( line ), "%s: %s", results_cell( table, row, 0 ), results_cell( table, row, 1 ) );
-        json_array_append_new( notes, text( line ) );
+        json_array_append_new( notes, results_json_text( line ) );
     }
 }
 
@@ -137,114 +148,15 @@ wisp_status results_write_json( const results* all, FILE* stream, wisp_error* er
     }
     for ( int i = 0; i < all->note_count; ++i )
     {
-        json_array_append_new( notes, text( all->notes[i] ) );
+        json_array_append_new( notes, results_json_text( all->notes[i] ) );
     }
     json_t* root = json_object();
-    json_object_set_new( root, "wisp_results", json_integer( 1 ) );
+    json_object_set_new( root, "wisp_results", json_integer( RESULTS_JSON_VERSION ) );
+    json_object_set_new( root, "date", results_json_text( all->machine.date ) );
+    json_object_set_new( root, "options", results_json_text( all->options ) );
     json_object_set_new( root, "machine", machine_object( &all->machine ) );
     json_object_set_new( root, "build", build_object( &all->machine ) );
     json_object_set_new( root, "rows", rows );
     json_object_set_new( root, "notes", notes );
-    return dump( root, stream, error );
-}
-
-// The keys that google-benchmark's own tools and Bencher's reader insist on.
-static json_t* context_object( const results* all )
-{
-    char date[40] = "";
-    time_t now = time( NULL );
-    struct tm utc;
-    if ( gmtime_r( &now, &utc ) )
-    {
-        strftime( date, sizeof( date ), "%Y-%m-%dT%H:%M:%S+00:00", &utc );
-    }
-    const machine_info* machine = &all->machine;
-    json_t* object = json_object();
-    json_object_set_new( object, "date", json_string( date ) );
-    json_object_set_new( object, "host_name", text( machine->host ) );
-    json_object_set_new( object, "executable", json_string( "wisp" ) );
-    json_object_set_new( object, "num_cpus", json_integer( machine->cores ) );
-    json_object_set_new( object, "mhz_per_cpu", json_integer( (json_int_t)lrint( machine->mhz ) ) );
-    json_object_set_new( object, "cpu_scaling_enabled", json_false() );
-    json_object_set_new( object, "caches", json_array() );
-    json_object_set_new( object, "load_avg", json_array() );
-    json_object_set_new( object, "library_build_type",
-                         json_string( strcmp( machine->build_type, "debug" ) == 0 ? "debug" : "release" ) );
-    json_object_set_new( object, "cpu_model", text( machine->cpu ) );
-    json_object_set_new( object, "wisp_version", text( machine->version ) );
-    json_object_set_new( object, "wisp_commit", text( machine->commit ) );
-    json_object_set_new( object, "wisp_isa", text( machine->isa ) );
-    return object;
-}
-
-static void benchmark_name( const results_row* row, char* name, size_t size )
-{
-    int used = snprintf( name, size, "%s/%s", row->name, row->variant );
-    if ( row->size.count > 0 )
-    {
-        const results_value* first = &row->size.items[0];
-        used += snprintf( name + used, size - (size_t)used, "/%s:%.0f", first->name, first->value );
-    }
-    if ( row->workers > 0 )
-    {
-        snprintf( name + used, size - (size_t)used, "/workers:%d", row->workers );
-    }
-}
-
-// In this format a counter is a key beside the times; the prefix keeps ours from meeting one of theirs.
-static void add_counters( json_t* object, const char* prefix, const results_values* values )
-{
-    for ( int i = 0; i < values->count; ++i )
-    {
-        char key[100];
-        snprintf( key, sizeof( key ), "%s%s", prefix, values->items[i].name );
-        json_object_set_new( object, key, number_or_null( values->items[i].value ) );
-    }
-}
-
-static json_t* benchmark_object( const results_row* row, int index )
-{
-    char name[320];
-    benchmark_name( row, name, sizeof( name ) );
-    json_t* object = json_object();
-    json_object_set_new( object, "name", text( name ) );
-    json_object_set_new( object, "family_index", json_integer( index ) );
-    json_object_set_new( object, "per_family_instance_index", json_integer( 0 ) );
-    json_object_set_new( object, "run_name", text( name ) );
-    json_object_set_new( object, "run_type", json_string( "iteration" ) );
-    json_object_set_new( object, "repetitions", json_integer( 1 ) );
-    json_object_set_new( object, "repetition_index", json_integer( 0 ) );
-    json_object_set_new( object, "threads", json_integer( row->workers > 0 ? row->workers : 1 ) );
-    json_object_set_new( object, "iterations", json_integer( row->steps ) );
-    json_object_set_new( object, "real_time", json_real( row->ms_median ) );
-    json_object_set_new( object, "cpu_time", json_real( row->ms_median ) );
-    json_object_set_new( object, "time_unit", json_string( "ms" ) );
-    json_object_set_new( object, "ms_p10", number_or_null( row->ms_p10 ) );
-    json_object_set_new( object, "ms_p90", number_or_null( row->ms_p90 ) );
-    add_counters( object, "size.", &row->size );
-    add_counters( object, "ms.", &row->stages );
-    add_counters( object, "error.", &row->error );
-    if ( row->has_hash )
-    {
-        json_object_set_new( object, "label", hash_string( row ) );
-    }
-    return object;
-}
-
-wisp_status results_write_gbench( const results* all, FILE* stream, wisp_error* error )
-{
-    json_t* benchmarks = json_array();
-    for ( int i = 0; i < all->row_count; ++i )
-    {
-        // Rows without samples, such as times printed in a paper, are not benchmark runs.
-        if ( all->rows[i].steps > 0 && isfinite( all->rows[i].ms_median ) )
-        {
-            int index = (int)json_array_size( benchmarks );
-            json_array_append_new( benchmarks, benchmark_object( &all->rows[i], index ) );
-        }
-    }
-    json_t* root = json_object();
-    json_object_set_new( root, "context", context_object( all ) );
-    json_object_set_new( root, "benchmarks", benchmarks );
-    return dump( root, stream, error );
+    return results_json_dump( root, stream, error );
 }

@@ -1,10 +1,38 @@
-/// The two JSON forms of results, apart from the other formats because only they need jansson.
+/// The JSON forms of results, apart from the other formats because only they need jansson.
 #pragma once
 
 #include "results.h"
 
-/// Our own schema: {"wisp_results":1, "machine":{..}, "build":{..}, "rows":[..], "notes":[..]}.
+#include <jansson.h>
+
+#define RESULTS_JSON_VERSION 2
+
+/// Our own schema: {"wisp_results":2, "date":.., "options":.., "machine":{..}, "build":{..}, "rows":[..], "notes":[..]}.
 wisp_status results_write_json( const results* all, FILE* stream, wisp_error* error );
 
-/// google-benchmark's schema: {"context":{..}, "benchmarks":[..]}, one entry a row that has a time.
+/// google-benchmark's schema: {"context":{..}, "benchmarks":[..]}, an entry for each sample of a row and one for each statistic.
 wisp_status results_write_gbench( const results* all, FILE* stream, wisp_error* error );
+
+/// Bencher's metric format: {"case/variant": {"latency": {"value": ns, "lower_value", "upper_value"}, ..}}.
+wisp_status results_write_bencher( const results* all, FILE* stream, wisp_error* error );
+
+/// What github-action-benchmark reads with the tool customSmallerIsBetter: [{"name", "unit", "value", "range", "extra"}].
+wisp_status results_write_github( const results* all, FILE* stream, wisp_error* error );
+
+/// What hyperfine exports: {"results": [{"command", "mean", "stddev", "median", "min", "max", "times", ..}]}, in seconds.
+wisp_status results_write_hyperfine( const results* all, FILE* stream, wisp_error* error );
+
+// ---- what both files of writers use ----
+
+/// null for NaN and infinity, which JSON does not have.
+json_t* results_json_number( double value );
+/// A string, also of bytes that are not UTF-8.
+json_t* results_json_text( const char* value );
+/// Sixteen hexadecimal digits, since a JSON integer has 63 bits; null without a hash.
+json_t* results_json_hash( const results_row* row );
+/// Write and release.
+wisp_status results_json_dump( json_t* root, FILE* stream, wisp_error* error );
+
+/// Read a file of our own schema and check it.
+/// @return to be released; null: the error says where the file is wrong
+json_t* results_json_load( const char* path, wisp_error* error );

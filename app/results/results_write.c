@@ -7,15 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text", "markdown", "csv", "json", "gbench" };
+const char* const results_format_names[RESULTS_FORMAT_COUNT] = { "text",   "markdown", "csv",    "json",
+                                                                 "gbench", "bencher",  "github", "hyperfine" };
 
 // ---- tables for people ----
 
 static void write_machine( const results* all, FILE* stream, const char* line_end )
 {
     const machine_info* machine = &all->machine;
-    fprintf( stream, "machine: %s, %d cores, %.1f GB, kernels for %s%s\n", machine->cpu, machine->cores,
-             machine->memory_bytes / 1e9, machine->isa, line_end );
+    fprintf( stream, "machine: %s, %d cores, %.1f GB%s%s%s\n", machine->cpu, machine->cores,
+             machine->memory_bytes / 1e9, machine->isa[0] ? ", kernels for " : "", machine->isa, line_end );
     fprintf( stream, "system: %s%s\n", machine->os, line_end );
     fprintf( stream, "build: wisp %s (%s), %s, %s%s\n", machine->version, machine->commit, machine->compiler,
              machine->build_type, line_end );
@@ -274,6 +275,15 @@ wisp_status results_write( const results* all, results_format format, FILE* stre
             break;
         case RESULTS_GBENCH:
             status = results_write_gbench( all, stream, error );
+            break;
+        case RESULTS_BENCHER:
+            status = results_write_bencher( all, stream, error );
+            break;
+        case RESULTS_GITHUB:
+            status = results_write_github( all, stream, error );
+            break;
+        case RESULTS_HYPERFINE:
+            status = results_write_hyperfine( all, stream, error );
             break;
         case RESULTS_TEXT:
         case RESULTS_FORMAT_COUNT:

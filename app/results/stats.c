@@ -23,17 +23,33 @@ double stats_quantile( const double* rising, int count, double q )
 
 stats_summary stats_summarise( double* samples, int count )
 {
+    stats_summary out = { .count = count, .cpu_fraction = NAN };
+    out.kept_count = count < STATS_MAX_KEPT ? count : STATS_MAX_KEPT;
+    for ( int i = 0; i < out.kept_count; ++i )
+    {
+        out.kept[i] = samples[(long long)i * count / out.kept_count];
+    }
     if ( count > 0 )
     {
         qsort( samples, (size_t)count, sizeof( double ), compare_doubles );
     }
-    return ( stats_summary ){
-        .count = count,
-        .median = stats_quantile( samples, count, 0.5 ),
-        .p10 = stats_quantile( samples, count, 0.1 ),
-        .p90 = stats_quantile( samples, count, 0.9 ),
-        .minimum = count > 0 ? samples[0] : NAN,
-    };
+    out.median = stats_quantile( samples, count, 0.5 );
+    out.p10 = stats_quantile( samples, count, 0.1 );
+    out.p90 = stats_quantile( samples, count, 0.9 );
+    out.minimum = count > 0 ? samples[0] : NAN;
+    return out;
+}
+
+void stats_scale( stats_summary* summary, double factor )
+{
+    summary->median *= factor;
+    summary->p10 *= factor;
+    summary->p90 *= factor;
+    summary->minimum *= factor;
+    for ( int i = 0; i < summary->kept_count; ++i )
+    {
+        summary->kept[i] *= factor;
+    }
 }
 
 stats_line stats_fit_line( const double* x, const double* y, int count )
@@ -63,4 +79,40 @@ stats_line stats_fit_line( const double* x, const double* y, int count )
     // Equal y all the way is a line that explains everything there is.
     double r_squared = yy > 0.0 ? xy * xy / ( xx * yy ) : 1.0;
     return ( stats_line ){ mean_y - slope * mean_x, slope, r_squared };
+}
+
+double stats_rank_sum( const double* a, int a_count, const double* b, int b_count )
+{
+    const double m = a_count, n = b_count, all = m + n;
+    if ( a_count < 4 || b_count < 4 )
+    {
+        return 1.0;
+    }
+    // pairs in which a is larger, halves for ties; sets are small, so that counting beats sorting in length of code
+    double larger = 0.0, ties = 0.0;
+    for ( int i = 0; i < a_count; ++i )
+    {
+        for ( int k = 0; k < b_count; ++k )
+        {
+            larger += a[i] > b[k] ? 1.0 : a[i] == b[k] ? 0.5 : 0.0;
+        }
+    }
+    // sum of t^3 - t over groups of t equal values is that of t^2 - 1 over values
+    for ( int i = 0; i < a_count + b_count; ++i )
+    {
+        const double value = i < a_count ? a[i] : b[i - a_count];
+        double equal = 0.0;
+        for ( int k = 0; k < a_count + b_count; ++k )
+        {
+            equal += value == ( k < a_count ? a[k] : b[k - a_count] ) ? 1.0 : 0.0;
+        }
+        ties += equal * equal - 1.0;
+    }
+    const double variance = m * n / 12.0 * ( all + 1.0 - ties / ( all * ( all - 1.0 ) ) );
+    if ( !( variance > 0.0 ) )
+    {
+        return 1.0;
+    }
+    const double distance = fmax( fabs( larger - 0.5 * m * n ) - 0.5, 0.0 );
+    return erfc( distance / sqrt( 2.0 * variance ) );
 }

@@ -1,15 +1,26 @@
-/// Order statistics and straight lines: what a benchmark says about its samples.
+/// Order statistics, straight lines and a test of ranks: what a benchmark says about its samples.
 #pragma once
+
+enum
+{
+    STATS_MAX_KEPT = 100, ///< samples that a summary keeps
+};
 
 /// What remains of a set of samples. The median is not moved by the few steps that another process disturbed.
 typedef struct stats_summary
 {
     int count;
     double median, p10, p90, minimum; ///< NaN without samples
+    double cpu_fraction;              ///< processor time over wall time; NaN: not measured
+    double kept[STATS_MAX_KEPT];      ///< [kept_count] samples at equal distances, in the order of measurement
+    int kept_count;
 } stats_summary;
 
 /// Sorts the samples in place.
 stats_summary stats_summarise( double* samples, int count );
+
+/// The same samples in another unit.
+void stats_scale( stats_summary* summary, double factor );
 
 /// The q-quantile of rising values, between neighbours by linear interpolation.
 /// @param q in [0, 1]
@@ -26,3 +37,9 @@ typedef struct stats_line
 /// @param x, y [count]
 /// @return all NaN with fewer than two different x
 stats_line stats_fit_line( const double* x, const double* y, int count );
+
+/// Whether two sets of samples are of one distribution: the rank sum test of Mann and Whitney (1947), by its normal approximation
+/// with a correction for ties.
+/// @param a [a_count], b [b_count]
+/// @return the two-sided p value, 1 with fewer than four samples on a side
+double stats_rank_sum( const double* a, int a_count, const double* b, int b_count );

@@ -146,10 +146,7 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
         put_finite( &row->size, what->parameter_name, what->parameter );
     }
     row->workers = report->workers[worker];
-    row->ms_median = f->ms[worker].median;
-    row->ms_p10 = f->ms[worker].p10;
-    row->ms_p90 = f->ms[worker].p90;
-    row->steps = f->ms[worker].count;
+    results_put_times( row, &f->ms[worker] );
     snprintf( row->error_reference, sizeof( row->error_reference ), "%s", scene->reference );
     accuracy_error_label( scene, text, sizeof( text ) );
     if ( scene->error_name[0] != '\0' )

@@ -158,10 +158,7 @@ static void add_rows_for_machines( const contest* c, results* out )
         results_put( &row->size, "bytes", (double)c->bytes[way] );
         results_put( &row->size, "registry_bytes", (double)c->worlds[way].registry_bytes );
         row->workers = 1;
-        row->ms_median = c->ms[way].median;
-        row->ms_p10 = c->ms[way].p10;
-        row->ms_p90 = c->ms[way].p90;
-        row->steps = c->ms[way].count;
+        results_put_times( row, &c->ms[way] );
         row->hash = c->hash[way];
         row->has_hash = true;
     }
@@ -219,7 +216,7 @@ static wisp_status run_contest( const effects_plan* plan, double seconds, contes
     status = status == WISP_OK ? bench_interleave( c->variants, WAYS, &effort, error ) : status;
     for ( int way = 0; way < WAYS && status == WISP_OK; ++way )
     {
-        c->ms[way] = stats_summarise( c->variants[way].samples, c->variants[way].sample_count );
+        c->ms[way] = bench_summarise( &c->variants[way] );
     }
     return status;
 }

@@ -110,10 +110,7 @@ static void add_line( gathering* g, int implementation, double sum, int table, r
         results_put( &record->size, "vertices", vertices );
         results_put( &record->size, "passes", g->passes[implementation] );
         record->workers = 1;
-        record->ms_median = g->ms[implementation].median;
-        record->ms_p10 = g->ms[implementation].p10;
-        record->ms_p90 = g->ms[implementation].p90;
-        record->steps = g->ms[implementation].count;
+        results_put_times( record, &g->ms[implementation] );
         record->hash = implementation == PARTS ? 0 : g->alone[implementation];
         record->has_hash = implementation < PARTS;
     }
@@ -174,7 +171,7 @@ wisp_status effects_together( const effects_plan* plan, results* out, wisp_error
     for ( int i = 0; i <= PARTS && status == WISP_OK; ++i )
     {
         const int kept = g.worlds[i].count < g.worlds[i].room ? g.worlds[i].count : g.worlds[i].room;
-        g.ms[i] = stats_summarise( g.variants[i].samples, g.variants[i].sample_count );
+        g.ms[i] = bench_summarise( &g.variants[i] );
         g.processor[i] = stats_summarise( g.worlds[i].ms, kept );
     }
     if ( status == WISP_OK )

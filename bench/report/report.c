@@ -58,7 +58,7 @@ static void put_fact( const char* name, const char* text, FILE* stream )
     fputs( "</dd>\n", stream );
 }
 
-// Nothing here changes between two runs of one build on one machine; the clock rate would.
+// Nothing but the date changes between two runs of one build on one machine; the clock rate would.
 static void put_info( const machine_info* machine, FILE* stream )
 {
     char text[512];
@@ -73,6 +73,7 @@ static void put_info( const machine_info* machine, FILE* stream )
               machine->commit ? machine->commit : "unknown", machine->compiler ? machine->compiler : "unknown",
               machine->build_type ? machine->build_type : "unknown" );
     put_fact( "build", text, stream );
+    put_fact( "date", machine->date[0] ? machine->date : "unknown", stream );
     put_fact( "flags", machine->flags ? machine->flags : "unknown", stream );
     fputs( "</dl>\n", stream );
 }
@@ -96,11 +97,24 @@ static void put_verdict( const results* all, FILE* stream )
         if ( is_failure( all->notes[i] ) )
         {
             fputs( "<li>", stream );
-            report_put_text( all->notes[i] + strlen( failure_mark ), stream );
+            report_put_prose( all->notes[i] + strlen( failure_mark ), stream );
             fputs( "</li>\n", stream );
         }
     }
     fputs( "</ul>\n</div>\n", stream );
+}
+
+// The results of the cases, a sentence each.
+static void put_conclusions( const results* all, FILE* stream )
+{
+    fputs( all->headline_count > 0 ? "<ul class=\"conclusions\">\n" : "", stream );
+    for ( int i = 0; i < all->headline_count; ++i )
+    {
+        fputs( "<li>", stream );
+        report_put_prose( all->headlines[i], stream );
+        fputs( "</li>\n", stream );
+    }
+    fputs( all->headline_count > 0 ? "</ul>\n" : "", stream );
 }
 
 static void put_head( const results* all, const report_run* run, FILE* stream )
@@ -119,8 +133,9 @@ static void put_head( const results* all, const report_run* run, FILE* stream )
     fputs( "</h1>\n<p class=\"how\">", stream );
     report_put_text( run->how, stream );
     fputs( "</p>\n", stream );
-    put_info( &all->machine, stream );
     put_verdict( all, stream );
+    put_conclusions( all, stream );
+    put_info( &all->machine, stream );
     fputs( "</header>\n", stream );
 }
 
@@ -224,7 +239,7 @@ static void put_notes( const results* all, FILE* stream )
             if ( is_shown_note( all, i ) )
             {
                 fputs( "<li>", stream );
-                report_put_text( all->notes[i], stream );
+                report_put_prose( all->notes[i], stream );
                 fputs( "</li>\n", stream );
             }
         }

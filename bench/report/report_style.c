@@ -48,6 +48,8 @@ static const char* const text[] = {
     ".verdict.failed strong{color:var(--bad)}",
     ".verdict ul{margin:.6rem 0 0;padding-left:1.2rem}",
     ".verdict li{margin:.3rem 0}",
+    ".conclusions{margin:.9rem 0;padding-left:1.2rem}",
+    ".conclusions li{margin:.3rem 0}",
     "nav{margin-top:1.75rem;font-size:.9rem}",
     "nav summary{cursor:pointer;color:var(--soft)}",
     "nav ul{columns:22rem;column-gap:2.5rem;margin:.75rem 0 0;padding:0;list-style:none}",

@@ -30,7 +30,7 @@ static void put_row( const results_table* table, int row, FILE* stream )
         fputs( row == 0 ? "<th scope=\"col\"" : "<td", stream );
         fputs( column_class( table, column ), stream );
         fputc( '>', stream );
-        report_put_text( results_cell( table, row, column ), stream );
+        report_put_prose( results_cell( table, row, column ), stream );
         fputs( row == 0 ? "</th>" : "</td>", stream );
     }
     fputs( "</tr>\n", stream );

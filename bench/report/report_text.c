@@ -64,10 +64,20 @@ static void put_character( const char* c, int size, FILE* stream )
     }
 }
 
-void report_put_text( const char* text, FILE* stream )
+// Backticks mark code in notes, which are Markdown. @param has_code write them as <code>; else they are left out
+static void put_text( const char* text, bool has_code, FILE* stream )
 {
+    bool is_open = false;
     while ( *text )
     {
+        if ( *text == '`' )
+        {
+            const bool ends = is_open || strchr( text + 1, '`' ) != NULL;
+            fputs( has_code && ends ? ( is_open ? "</code>" : "<code>" ) : "", stream );
+            is_open = ends && !is_open;
+            ++text;
+            continue;
+        }
         int size = character_size( (const unsigned char*)text );
         if ( is_forbidden( text, size ) )
         {
@@ -79,6 +89,16 @@ void report_put_text( const char* text, FILE* stream )
         }
         text += size > 0 ? size : 1;
     }
+}
+
+void report_put_text( const char* text, FILE* stream )
+{
+    put_text( text, false, stream );
+}
+
+void report_put_prose( const char* text, FILE* stream )
+{
+    put_text( text, true, stream );
 }
 
 int report_text_length( const char* text )

@@ -7,6 +7,8 @@
 /// Write text between tags or in a quoted attribute. Invalid UTF-8, and characters that no page may contain, become
 /// U+FFFD.
 void report_put_text( const char* text, FILE* stream );
+/// The same for text of a page, where backticks around words become <code>; report_put_text() leaves them out.
+void report_put_prose( const char* text, FILE* stream );
 /// Write a number with this many decimals, up to 9, rounded to the nearest.
 void report_put_fixed( double value, int digits, FILE* stream );
 /// Write up to four significant digits: 0.001234, 12.34, 12345; smaller or larger numbers times a power of ten; "-"

@@ -20,10 +20,10 @@ static void fill( results* all )
     results_put( &row->size, "strands", 500 );
     results_put( &row->size, "bytes_a_vertex", 566.25 );
     row->workers = 2;
-    row->ms_median = 0.75;
-    row->ms_p10 = 0.5;
-    row->ms_p90 = 1.25;
-    row->steps = 40;
+    double samples[] = { 0.75, 0.5, 1.25, 0.625, 1.0 };
+    stats_summary times = stats_summarise( samples, 5 );
+    times.cpu_fraction = 2.0;
+    results_put_times( row, &times );
     results_put( &row->stages, "frozen_hair.freeze", 0.25 );
     results_put( &row->stages, "frozen_hair.clump", 0.5 );
     snprintf( row->error_reference, sizeof( row->error_reference ), "oracle" );
@@ -75,11 +75,12 @@ static void json_has_the_keys_of_its_schema( void** state )
 {
     (void)state;
     json_t* root = parsed( RESULTS_JSON );
-    assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 1 );
-    static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa" };
+    assert_int_equal( json_integer_value( json_object_get( root, "wisp_results" ) ), 2 );
+    static const char* const machine[] = { "cpu", "cores", "memory_bytes", "os", "isa", "cpu_flags" };
     static const char* const build[] = { "version", "commit", "compiler", "flags", "type" };
-    static const char* const row_keys[] = { "case",   "variant", "size",   "workers", "ms_median", "ms_p10",
-                                            "ms_p90", "steps",   "stages", "error",   "hash" };
+    static const char* const row_keys[] = { "case",   "variant",    "size",        "workers", "ms_median",
+                                            "ms_p10", "ms_p90",     "steps",       "stages",  "error",
+                                            "hash",   "samples_ms", "cpu_fraction" };
     for ( int i = 0; i < WISP_COUNT( machine ); ++i )
     {
         assert_non_null( json_object_get( json_object_get( root, "machine" ), machine[i] ) );
@@ -110,7 +111,11 @@ static void json_keeps_every_number_of_a_row( void** state )
     assert_string_equal( json_string_value( json_object_get( row, "case" ) ), "comma, \"quote\"" );
     assert_true( json_number_value( json_object_get( row, "ms_median" ) ) == 0.75 );
     assert_int_equal( json_integer_value( json_object_get( row, "workers" ) ), 2 );
-    assert_int_equal( json_integer_value( json_object_get( row, "steps" ) ), 40 );
+    assert_int_equal( json_integer_value( json_object_get( row, "steps" ) ), 5 );
+    json_t* samples = json_object_get( row, "samples_ms" );
+    assert_int_equal( json_array_size( samples ), 5 );
+    assert_true( json_number_value( json_array_get( samples, 2 ) ) == 1.25 ); // in the order of measurement
+    assert_true( json_number_value( json_object_get( row, "cpu_fraction" ) ) == 2.0 );
     assert_true( json_number_value( json_object_get( json_object_get( row, "size" ), "bytes_a_vertex" ) ) == 566.25 );
     assert_true( json_number_value( json_object_get( json_object_get( row, "stages" ), "frozen_hair.clump" ) ) ==
                  0.5 );
@@ -163,7 +168,7 @@ static void gbench_has_the_keys_that_its_readers_need( void** state )
     json_t* benchmarks = json_object_get( root, "benchmarks" );
 
     // a time printed in a paper belongs to no run
-    assert_int_equal( json_array_size( benchmarks ), 1 );
+    assert_int_equal( json_array_size( benchmarks ), 5 + 3 );
     json_t* run = json_array_get( benchmarks, 0 );
     assert_string_equal( json_string_value( json_object_get( run, "name" ) ),
                          "comma, \"quote\"/wisp/strands:500/workers:2" );
@@ -171,11 +176,66 @@ static void gbench_has_the_keys_that_its_readers_need( void** state )
                          json_string_value( json_object_get( run, "name" ) ) );
     assert_string_equal( json_string_value( json_object_get( run, "run_type" ) ), "iteration" );
     assert_string_equal( json_string_value( json_object_get( run, "time_unit" ) ), "ms" );
-    assert_int_equal( json_integer_value( json_object_get( run, "iterations" ) ), 40 );
+    assert_int_equal( json_integer_value( json_object_get( run, "iterations" ) ), 1 );
+    assert_int_equal( json_integer_value( json_object_get( run, "repetitions" ) ), 5 );
     assert_int_equal( json_integer_value( json_object_get( run, "threads" ) ), 2 );
     assert_true( json_number_value( json_object_get( run, "real_time" ) ) == 0.75 );
-    assert_true( json_number_value( json_object_get( run, "cpu_time" ) ) == 0.75 );
+    assert_true( json_number_value( json_object_get( run, "cpu_time" ) ) == 1.5 );
     assert_true( json_number_value( json_object_get( run, "ms.frozen_hair.freeze" ) ) == 0.25 );
+    json_t* median = json_array_get( benchmarks, 6 );
+    assert_string_equal( json_string_value( json_object_get( median, "aggregate_name" ) ), "median" );
+    assert_true( json_number_value( json_object_get( median, "real_time" ) ) == 0.75 );
+    json_decref( root );
+}
+
+// ---- services ----
+
+static void bencher_has_latency_in_ns_and_errors_by_slug( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_BENCHER );
+    json_t* row = json_object_get( root, "comma, \"quote\"/wisp/strands:500/workers:2" );
+    json_t* latency = json_object_get( row, "latency" );
+    assert_true( json_number_value( json_object_get( latency, "value" ) ) == 0.75e6 );
+    assert_true( json_number_value( json_object_get( latency, "lower_value" ) ) < 0.75e6 );
+    assert_true( json_number_value( json_object_get( json_object_get( row, "error-max-m" ), "value" ) ) == 1.5e-7 );
+    json_decref( root );
+}
+
+static void rows_of_one_name_keep_apart_where_a_name_is_a_key( void** state )
+{
+    (void)state;
+    results all = { .machine = machine_describe( "avx2" ) };
+    for ( int i = 0; i < 3; ++i )
+    {
+        double ms = 1.0 + i;
+        const stats_summary times = stats_summarise( &ms, 1 );
+        results_put_times( results_add_row( &all, "a", "b" ), &times );
+    }
+    char* text = written( &all, RESULTS_BENCHER );
+    json_t* root = json_loads( text, JSON_REJECT_DUPLICATES, NULL );
+    assert_int_equal( json_object_size( root ), 3 );
+    assert_non_null( json_object_get( root, "a/b (3)" ) );
+    json_decref( root );
+    free( text );
+    results_free( &all );
+}
+
+static void github_and_hyperfine_have_their_units( void** state )
+{
+    (void)state;
+    json_t* root = parsed( RESULTS_GITHUB );
+    assert_int_equal( json_array_size( root ), 1 );
+    json_t* entry = json_array_get( root, 0 );
+    assert_string_equal( json_string_value( json_object_get( entry, "unit" ) ), "ms" );
+    assert_true( json_number_value( json_object_get( entry, "value" ) ) == 0.75 );
+    json_decref( root );
+
+    root = parsed( RESULTS_HYPERFINE );
+    entry = json_array_get( json_object_get( root, "results" ), 0 );
+    assert_float_equal( json_number_value( json_object_get( entry, "mean" ) ), 0.825e-3, 1e-9 );
+    assert_float_equal( json_number_value( json_object_get( entry, "max" ) ), 1.25e-3, 1e-9 );
+    assert_int_equal( json_array_size( json_object_get( entry, "times" ) ), 5 );
     json_decref( root );
 }
 
@@ -246,7 +306,7 @@ static void csv_has_one_line_a_row_and_the_same_columns_in_each( void** state )
     assert_string_equal( csv_field( header, wisp, columns, "case" ), "comma, \"quote\"" );
     assert_string_equal( csv_field( header, wisp, columns, "variant" ), "wisp" );
     assert_string_equal( csv_field( header, wisp, columns, "hash" ), "fedcba9876543210" );
-    assert_true( strtod( csv_field( header, wisp, columns, "ms_p90" ), NULL ) == 1.25 );
+    assert_true( fabs( strtod( csv_field( header, wisp, columns, "ms_p90" ), NULL ) - 1.15 ) < 1e-9 );
     assert_true( strtod( csv_field( header, wisp, columns, "size.bytes_a_vertex" ), NULL ) == 566.25 );
     assert_true( strtod( csv_field( header, wisp, columns, "stages.frozen_hair.clump" ), NULL ) == 0.5 );
     assert_true( strtod( csv_field( header, wisp, columns, "error.max_m" ), NULL ) == 1.5e-7 );
@@ -363,7 +423,7 @@ static void info_names_what_is_wrong_with_a_result( void** state )
         { "", "1:0" },
         { "{\"wisp_results\":1,", "1:1" },
         { "[]", "wisp_results" },
-        { "{\"wisp_results\":2,\"machine\":{},\"build\":{},\"rows\":[]}", "wisp_results" },
+        { "{\"wisp_results\":3,\"machine\":{},\"build\":{},\"rows\":[]}", "wisp_results" },
         { "{\"wisp_results\":1,\"build\":{},\"rows\":[]}", "machine" },
         { "{\"wisp_results\":1,\"machine\":{},\"build\":{}}", "rows" },
         { HEAD "3]}", "rows[0]" },
@@ -372,6 +432,7 @@ static void info_names_what_is_wrong_with_a_result( void** state )
         { HEAD ROW( "-1", "1", "null" ) "]}", "rows[0].ms_median" },
         { HEAD ROW( "1", "1", "null" ) "," ROW( "1", "1.5", "null" ) "]}", "rows[1].workers" },
         { HEAD ROW( "1", "1", "\"xyz\"" ) "]}", "rows[0].hash" },
+        { HEAD ROW( "1", "1", "null,\"samples_ms\":[1,-1]" ) "]}", "rows[0].samples_ms" },
         { HEAD ROW( "1", "1", "null" ) "],\"rows\":[]}", "duplicate" },
     };
     for ( int i = 0; i < WISP_COUNT( wrong ); ++i )
@@ -392,6 +453,9 @@ int main( void )
         cmocka_unit_test( json_says_null_where_nothing_is_known ),
         cmocka_unit_test( text_that_is_not_utf8_does_not_break_json ),
         cmocka_unit_test( gbench_has_the_keys_that_its_readers_need ),
+        cmocka_unit_test( bencher_has_latency_in_ns_and_errors_by_slug ),
+        cmocka_unit_test( rows_of_one_name_keep_apart_where_a_name_is_a_key ),
+        cmocka_unit_test( github_and_hyperfine_have_their_units ),
         cmocka_unit_test( csv_has_one_line_a_row_and_the_same_columns_in_each ),
         cmocka_unit_test( text_aligns_numbers_to_the_right_and_names_to_the_left ),
         cmocka_unit_test( markdown_escapes_the_bar_that_would_end_a_cell ),

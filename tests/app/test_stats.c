@@ -117,9 +117,23 @@ static void passes_keep_their_own_samples_when_the_plan_changes( void** state )
     assert_int_equal( samples.pass_count, 0 );
 }
 
+static void a_test_of_ranks_has_the_p_value_of_its_formula( void** state )
+{
+    (void)state;
+    // U = 8, by ranks; its variance is 64 / 12 (17 - 24 / 240) with four ties of two
+    const double a[] = { 1, 2, 3, 4, 5, 6, 7, 8 }, b[] = { 5, 6, 7, 8, 9, 10, 11, 12 };
+    assert_float_equal( stats_rank_sum( a, 8, b, 8 ), 0.013313003, 1e-6 );
+    assert_float_equal( stats_rank_sum( b, 8, a, 8 ), 0.013313003, 1e-6 );
+    assert_true( stats_rank_sum( a, 8, a, 8 ) == 1.0 );
+    assert_true( stats_rank_sum( a, 3, b, 3 ) == 1.0 );
+    const double equal[] = { 2, 2, 2, 2, 2 };
+    assert_true( stats_rank_sum( equal, 5, equal, 5 ) == 1.0 );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( a_test_of_ranks_has_the_p_value_of_its_formula ),
         cmocka_unit_test( the_median_of_an_odd_count_is_the_middle_one ),
         cmocka_unit_test( the_median_of_an_even_count_lies_between_the_middle_two ),
         cmocka_unit_test( percentiles_interpolate_between_neighbours ),
