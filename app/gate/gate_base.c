@@ -84,13 +84,34 @@ static bool take_values( const json_t* row, suite_measurement* out )
     return is_whole;
 }
 
+static bool take_passes( const json_t* row, suite_measurement* out )
+{
+    json_t* passes = json_object_get( row, "passes" );
+    const char* name;
+    json_t* value;
+    bool is_whole = json_is_object( passes ) && json_object_size( passes ) <= SUITE_MAX_PASSES;
+    if ( is_whole )
+    {
+        json_object_foreach( passes, name, value )
+        {
+            suite_pass* pass = &out->passes[out->pass_count++];
+            is_whole = is_whole && strlen( name ) < sizeof pass->name && json_is_number( value ) &&
+                       json_number_value( value ) >= 0.0;
+            snprintf( pass->name, sizeof pass->name, "%s", name );
+            pass->instructions = json_number_value( value );
+        }
+    }
+    return is_whole;
+}
+
 static bool take_row( const json_t* row, gate_base_row* out )
 {
     const json_t* steps = json_object_get( row, "steps" );
     out->measured.steps = (int)json_integer_value( steps );
     return take_text( row, "name", out->name, sizeof out->name ) &&
            take_text( row, "variant", out->variant, sizeof out->variant ) && json_is_integer( steps ) &&
-           take_hash( row, &out->measured.hash ) && take_values( row, &out->measured );
+           take_hash( row, &out->measured.hash ) && take_values( row, &out->measured ) &&
+           take_passes( row, &out->measured );
 }
 
 static bool take_reason( const json_t* reason, gate_reason* out )
@@ -151,6 +172,18 @@ static wisp_status take_base( const json_t* root, const char* path, gate_base* o
     return WISP_OK;
 }
 
+wisp_status gate_base_parse( const char* bytes, size_t size, const char* path, gate_base* out, wisp_error* error )
+{
+    *out = ( gate_base ){ 0 };
+    json_error_t place = { 0 };
+    json_t* root = json_loadb( bytes, size, JSON_REJECT_DUPLICATES, &place );
+    wisp_status status = root ? take_base( root, path, out, error )
+                              : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s", io_short_name( path ),
+                                           place.line, place.column, place.text );
+    json_decref( root );
+    return status;
+}
+
 wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error )
 {
     *out = ( gate_base ){ 0 };
@@ -161,12 +194,7 @@ wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error 
     {
         return status;
     }
-    json_error_t place = { 0 };
-    json_t* root = json_loadb( (const char*)bytes, size, JSON_REJECT_DUPLICATES, &place );
-    status = root ? take_base( root, path, out, error )
-                  : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s", io_short_name( path ), place.line,
-                               place.column, place.text );
-    json_decref( root );
+    status = gate_base_parse( (const char*)bytes, size, path, out, error );
     free( bytes );
     return status;
 }
@@ -194,6 +222,16 @@ static json_t* row_of( const gate_base_row* row )
         json_object_set_new( values, suite_measures[m].name, value_of( row->measured.values[m] ) );
     }
     json_object_set_new( out, "values", values );
+    json_t* passes = json_object();
+    for ( int i = 0; i < row->measured.pass_count; ++i )
+    {
+        if ( isfinite( row->measured.passes[i].instructions ) )
+        {
+            json_object_set_new( passes, row->measured.passes[i].name,
+                                 value_of( row->measured.passes[i].instructions ) );
+        }
+    }
+    json_object_set_new( out, "passes", passes );
     return out;
 }
 

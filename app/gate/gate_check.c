@@ -26,6 +26,54 @@ static void add_message( gate_row_check* out, suite_measure m, double base, doub
               used > 0 ? "; " : "", suite_measures[m].name, now, base, change, most );
 }
 
+double gate_pass_instructions( const suite_measurement* m, const char* name )
+{
+    for ( int i = 0; i < m->pass_count; ++i )
+    {
+        if ( strcmp( m->passes[i].name, name ) == 0 )
+        {
+            return isfinite( m->passes[i].instructions ) ? m->passes[i].instructions : 0.0;
+        }
+    }
+    return 0.0;
+}
+
+// Name the passes behind a growth of instructions: those with a tenth of it or more, at most three, the largest first.
+static void add_passes( gate_row_check* out, const suite_measurement* was )
+{
+    const suite_measurement* now = &out->now;
+    const double growth = now->values[SUITE_INSTRUCTIONS] - was->values[SUITE_INSTRUCTIONS];
+    double last = INFINITY;
+    for ( int place = 0; place < 3; ++place )
+    {
+        double most = 0.1 * growth;
+        const char* name = NULL;
+        for ( int i = 0; i < now->pass_count; ++i )
+        {
+            const double more = gate_pass_instructions( now, now->passes[i].name ) -
+                                gate_pass_instructions( was, now->passes[i].name );
+            if ( more >= most && more < last )
+            {
+                most = more;
+                name = now->passes[i].name;
+            }
+        }
+        const size_t used = strlen( out->message );
+        if ( name )
+        {
+            const double base = gate_pass_instructions( was, name );
+            char change[32] = "which is new";
+            if ( base > 0.0 )
+            {
+                snprintf( change, sizeof change, "%+.2f %%", 100.0 * most / base );
+            }
+            snprintf( out->message + used, sizeof out->message - used, "%s %s %s", place == 0 ? ", of passes" : ",",
+                      name, change );
+            last = most;
+        }
+    }
+}
+
 void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out )
 {
@@ -46,6 +94,10 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
             out->worse[m] = true;
             out->state = GATE_WORSE;
             add_message( out, (suite_measure)m, was->values[m], now->values[m], most );
+            if ( m == SUITE_INSTRUCTIONS )
+            {
+                add_passes( out, was );
+            }
         }
     }
 }

@@ -23,7 +23,7 @@ typedef struct gate_row_check
     suite_measurement now;
     const gate_base_row* base;       ///< null: new
     bool worse[SUITE_MEASURE_COUNT]; ///< which values
-    char message[300];               ///< a sentence about them; empty if none is
+    char message[500];               ///< a sentence about them; empty if none is
 } gate_row_check;
 
 /// Whether instructions can be compared: both programs have one compiler and its flags.
@@ -32,6 +32,9 @@ bool gate_counts_are_comparable( const gate_base* base );
 /// @param compares_counts instructions too
 void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out );
+
+/// Instructions of a pass; 0 if it did not run or was not counted.
+double gate_pass_instructions( const suite_measurement* measurement, const char* name );
 
 /// Rows of the base that the suite does not have.
 int gate_count_missing( const gate_base* base, const suite_row* rows, int row_count );

@@ -1,13 +1,11 @@
 // A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
-#include "suite_measure.h"
+#include "suite_callgrind.h"
 
-#include <errno.h>
-#include <fcntl.h>
+#include "wisp/explain.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 // ---- in this process ----
 
@@ -127,6 +125,41 @@ static void finish( const scene_world* world, suite_measurement* out )
     }
 }
 
+static void add_pass( const char* name, uintptr_t code, suite_measurement* out )
+{
+    for ( int i = 0; i < out->pass_count; ++i )
+    {
+        if ( out->passes[i].code == code )
+        {
+            return;
+        }
+    }
+    if ( out->pass_count < SUITE_MAX_PASSES )
+    {
+        suite_pass* pass = &out->passes[out->pass_count++];
+        *pass = ( suite_pass ){ .code = code, .instructions = NAN };
+        snprintf( pass->name, sizeof pass->name, "%s", name );
+    }
+}
+
+// The passes that ran, and the functions that run several of them together.
+static void gather_passes( const scene_world* world, suite_measurement* out )
+{
+    wisp_plan_info* info = NULL;
+    if ( wisp_world_explain( world->world, &info ) == WISP_OK )
+    {
+        for ( int i = 0; i < info->active_count; ++i )
+        {
+            add_pass( info->passes[i].name, info->passes[i].code, out );
+            if ( info->passes[i].fusion )
+            {
+                add_pass( info->passes[i].fusion, info->passes[i].fusion_code, out );
+            }
+        }
+    }
+    wisp_plan_info_release( info );
+}
+
 static wisp_status run_steps( scene_world* world, int steps, const double* allocations,
                               const suite_observer* observer, suite_measurement* out, wisp_error* error )
 {
@@ -182,96 +215,14 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
         snprintf( out->isa, sizeof out->isa, "%s", wisp_world_isa( world.world ) );
         status = run_steps( &world, row->steps > 0 ? row->steps : scene.steps, &allocations, observer, out, error );
         finish( &world, out );
+        gather_passes( &world, out );
         scene_world_destroy( &world );
     }
     wisp_scene_release( &scene );
     return status;
 }
 
-// ---- instructions ----
-
-enum
-{
-    MAX_PATH = 4096,
-};
-
-// Run `wisp gate step` under callgrind, which counts inside of wisp_world_step(). Its environment is empty, because the C library
-// and the place of the stack depend on it.
-static _Noreturn void be_child( const char* program, const char* suite, int number, const char* out )
-{
-    char row[16], file[MAX_PATH + 32];
-    snprintf( row, sizeof row, "--row=%d", number );
-    snprintf( file, sizeof file, "--callgrind-out-file=%s", out );
-    char* const arguments[] = { "valgrind",
-                                "--tool=callgrind",
-                                "--toggle-collect=wisp_world_step",
-                                file,
-                                "--",
-                                (char*)(uintptr_t)program,
-                                "gate",
-                                "step",
-                                row,
-                                "--isa=avx2",
-                                (char*)(uintptr_t)suite,
-                                NULL };
-    char* const environment[] = { "PATH=/usr/local/bin:/usr/bin:/bin", "LC_ALL=C", NULL };
-    const int nothing = open( "/dev/null", O_RDWR );
-    dup2( nothing, STDIN_FILENO );
-    dup2( nothing, STDOUT_FILENO );
-    dup2( nothing, STDERR_FILENO );
-    execvpe( "valgrind", arguments, environment );
-    _exit( 127 );
-}
-
-static double read_total( const char* path )
-{
-    double total = NAN;
-    char line[512];
-    FILE* file = fopen( path, "r" );
-    while ( file && fgets( line, sizeof line, file ) )
-    {
-        if ( strncmp( line, "totals:", 7 ) == 0 )
-        {
-            total = strtod( line + 7, NULL );
-        }
-    }
-    if ( file )
-    {
-        fclose( file );
-    }
-    return total;
-}
-
-static wisp_status count_instructions( const char* suite, int number, double* out, wisp_error* error )
-{
-    char program[MAX_PATH], path[] = "/tmp/wisp-gate-XXXXXX";
-    const ssize_t length = readlink( "/proc/self/exe", program, sizeof program - 1 );
-    const int file = length > 0 ? mkstemp( path ) : -1;
-    if ( file < 0 )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "gate: no file for counts of instructions: %s", strerror( errno ) );
-    }
-    close( file );
-    program[length] = '\0';
-    fflush( NULL );
-    const pid_t child = fork();
-    if ( child == 0 )
-    {
-        be_child( program, suite, number, path );
-    }
-    int ended = -1;
-    const bool is_over = child > 0 && waitpid( child, &ended, 0 ) == child;
-    *out = is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 0 ? read_total( path ) : NAN;
-    unlink( path );
-    if ( !( *out > 0.0 ) )
-    {
-        return wisp_fail( error, WISP_IO_ERROR, "gate: valgrind %s",
-                          is_over && WIFEXITED( ended ) && WEXITSTATUS( ended ) == 127
-                              ? "is not installed; --no-instructions gates without it"
-                              : "counted no instructions of this row" );
-    }
-    return WISP_OK;
-}
+// ---- with its instructions ----
 
 wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_measure_options* options,
                                suite_measurement* out, wisp_error* error )
@@ -279,7 +230,7 @@ wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_
     wisp_status status = suite_run_row( suite->rows + number, options->isa, NULL, out, error );
     if ( status == WISP_OK && options->counts )
     {
-        status = count_instructions( options->suite_path, number, &out->values[SUITE_INSTRUCTIONS], error );
+        status = suite_count_instructions( options->suite_path, number, out, error );
     }
     return status;
 }

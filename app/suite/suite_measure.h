@@ -12,12 +12,27 @@ typedef struct suite_measure_options
     const char* suite_path; ///< that the measured program reads again
 } suite_measure_options;
 
+enum
+{
+    SUITE_MAX_PASSES = 64,
+};
+
+/// A pass of the engine that ran, or several that one function runs together.
+typedef struct suite_pass
+{
+    char name[48];       ///< "module.verb"
+    uintptr_t code;      ///< address of its function in this process; 0 in base files
+    double instructions; ///< of all steps; NaN: not counted
+} suite_pass;
+
 typedef struct suite_measurement
 {
     uint64_t hash;                      ///< of the states after all steps
     double values[SUITE_MEASURE_COUNT]; ///< NaN: not measured
     int steps;
     char isa[16]; ///< instruction set that the kernels used
+    suite_pass passes[SUITE_MAX_PASSES];
+    int pass_count;
 } suite_measurement;
 
 /// Told of a run before its first step and after every step.

@@ -95,7 +95,11 @@ static void count_work( const writer* w, const plan_node* node, int i, wisp_plan
             const store_entity* e = s->entities + target->slot;
             const int items = plan_item_count( e, node->domain );
             p->entities += 1;
-            p->fusion = target->join >= 0 && w->iterations == 1 ? w->registry->joins[target->join].name : p->fusion;
+            if ( target->join >= 0 && w->iterations == 1 )
+            {
+                p->fusion = w->registry->joins[target->join].name;
+                p->fusion_code = (uintptr_t)w->registry->joins[target->join].run;
+            }
             p->items += items;
             p->blocks += ( items + node->grain - 1 ) / node->grain;
             p->bytes += row_bytes( s, e, pass->reads ) + row_bytes( s, e, pass->writes ) + across_bytes( s, pass );
@@ -130,6 +134,7 @@ static wisp_plan_pass* begin_pass( writer* w, wisp_plan_info* report, int number
         .module = w->registry->pass_modules[number],
         .stage = STAGES[pass->stage],
         .domain = DOMAINS[pass->domain],
+        .code = (uintptr_t)pass->run,
         .wave = -1,
         .node = -1,
         .fraction = (double)NAN,

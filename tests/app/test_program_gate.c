@@ -188,7 +188,7 @@ static void bad_bases_are_refused_and_stay( void** state )
     free( good );
     write_text( "other.json", "{ \"wisp_gate\": 99 }" );
     assert_refused( "gate check suite.yaml --base other.json", "version 99" );
-    write_text( "other.json", "{ \"wisp_gate\": 1, \"suite\": \"suite\" }" );
+    write_text( "other.json", "{ \"wisp_gate\":2, \"suite\": \"suite\" }" );
     assert_refused( "gate check suite.yaml --base other.json", "the file was edited" );
     write_text( "other.json", "[]" );
     assert_refused( "gate check suite.yaml --base other.json", "expected a base file" );

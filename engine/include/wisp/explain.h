@@ -43,6 +43,7 @@ typedef struct wisp_plan_pass
         stage; ///< "input", "force", "predict", "contact", "project", "velocity", "check", "derive", "shape", "observe"
     const char* domain; ///< what it runs over: "entity", "strand group" or "particle block"
     wisp_plan_state state;
+    uintptr_t code; ///< address of the function that runs it, for profilers
 
     // Declared components. Lists end with null.
     const char* required[WISP_PLAN_USES + 1];
@@ -58,11 +59,12 @@ typedef struct wisp_plan_pass
     int node;         ///< passes of one node run item by item together
     bool is_fused;    ///< it follows another pass of its node
     const char*
-        fusion;   ///< the fusion that runs it together with others on at least one entity, "module.noun"; or null
-    int entities; ///< that it runs on
-    int items;    ///< of all of these entities: groups of strands, blocks of particles, or entities
-    int blocks;   ///< units of work that workers draw, each some items of one entity
-    int runs;     ///< per step, from substeps and iterations
+        fusion; ///< the fusion that runs it together with others on at least one entity, "module.noun"; or null
+    uintptr_t fusion_code; ///< address of its function; 0 without one
+    int entities;          ///< that it runs on
+    int items;             ///< of all of these entities: groups of strands, blocks of particles, or entities
+    int blocks;            ///< units of work that workers draw, each some items of one entity
+    int runs;              ///< per step, from substeps and iterations
 
     /// Bytes that one run reads and writes: rows of every component it reads, and again of every one it writes.
     uint64_t bytes;
