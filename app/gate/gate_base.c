@@ -172,18 +172,6 @@ static wisp_status take_base( const json_t* root, const char* path, gate_base* o
     return WISP_OK;
 }
 
-wisp_status gate_base_parse( const char* bytes, size_t size, const char* path, gate_base* out, wisp_error* error )
-{
-    *out = ( gate_base ){ 0 };
-    json_error_t place = { 0 };
-    json_t* root = json_loadb( bytes, size, JSON_REJECT_DUPLICATES, &place );
-    wisp_status status = root ? take_base( root, path, out, error )
-                              : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s", io_short_name( path ),
-                                           place.line, place.column, place.text );
-    json_decref( root );
-    return status;
-}
-
 wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error )
 {
     *out = ( gate_base ){ 0 };
@@ -194,7 +182,12 @@ wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error 
     {
         return status;
     }
-    status = gate_base_parse( (const char*)bytes, size, path, out, error );
+    json_error_t place = { 0 };
+    json_t* root = json_loadb( (const char*)bytes, size, JSON_REJECT_DUPLICATES, &place );
+    status = root ? take_base( root, path, out, error )
+                  : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s", io_short_name( path ), place.line,
+                               place.column, place.text );
+    json_decref( root );
     free( bytes );
     return status;
 }

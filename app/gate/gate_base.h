@@ -37,9 +37,6 @@ typedef struct gate_base
 /// @return WISP_BAD_INPUT no base file, cut or edited, or of another version; WISP_IO_ERROR
 wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error );
 
-/// The same from bytes. @param path for messages
-wisp_status gate_base_parse( const char* bytes, size_t size, const char* path, gate_base* out, wisp_error* error );
-
 /// Replace the file as a whole, or leave it as it was.
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error );
 void gate_base_release( gate_base* base );

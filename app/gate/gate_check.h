@@ -33,9 +33,6 @@ bool gate_counts_are_comparable( const gate_base* base );
 void gate_check_row( const suite_row* row, const gate_base* base, bool compares_counts, const suite_measurement* now,
                      gate_row_check* out );
 
-/// Instructions of a pass; 0 if it did not run or was not counted.
-double gate_pass_instructions( const suite_measurement* measurement, const char* name );
-
 /// Rows of the base that the suite does not have.
 int gate_count_missing( const gate_base* base, const suite_row* rows, int row_count );
 

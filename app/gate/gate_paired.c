@@ -3,6 +3,7 @@
 // by all rows (Holm 1979).
 #include "gate_paired.h"
 
+#include "stats.h"
 #include "world_from_scene.h"
 
 #include <errno.h>
@@ -244,26 +245,21 @@ static wisp_status compare_row( int number, const timed_program programs[2], con
     return status;
 }
 
-// The smallest p of all rows has to pass the strictest level, the next one that of one row less, and so on (Holm 1979).
+// Rows in doubt are slower if their p holds at the level that all rows share.
 static void decide( int count, gate_pair_check* checks )
 {
+    double p[SUITE_MAX_ROWS];
+    bool is_slower[SUITE_MAX_ROWS];
     for ( int i = 0; i < count; ++i )
     {
         const bool is_fine = checks[i].upper < log1p( ALLOWED );
         checks[i].pace = is_fine ? PACE_FINE : checks[i].noise > MOST_NOISE ? PACE_NOT_MEASURABLE : PACE_DOUBT;
+        p[i] = checks[i].pace == PACE_DOUBT ? checks[i].p : NAN;
     }
-    for ( int left = count; left > 0; --left )
+    stats_holm( p, count, count, LEVEL, is_slower );
+    for ( int i = 0; i < count; ++i )
     {
-        int best = -1;
-        for ( int i = 0; i < count; ++i )
-        {
-            best = checks[i].pace == PACE_DOUBT && ( best < 0 || checks[i].p < checks[best].p ) ? i : best;
-        }
-        if ( best < 0 || checks[best].p > LEVEL / left )
-        {
-            return;
-        }
-        checks[best].pace = PACE_SLOWER;
+        checks[i].pace = is_slower[i] ? PACE_SLOWER : checks[i].pace;
     }
 }
 

@@ -174,6 +174,17 @@ static wisp_status check( const char* path, json_t* root, wisp_error* error )
     return status;
 }
 
+json_t* results_json_load( const char* path, wisp_error* error )
+{
+    json_t* root = parse( path, error );
+    if ( root && check( path, root, error ) != WISP_OK )
+    {
+        json_decref( root );
+        root = NULL;
+    }
+    return root;
+}
+
 // ---- printing ----
 
 static void print_object( const char* title, json_t* object, FILE* out )
@@ -226,17 +237,6 @@ static void print_row( json_t* row, FILE* out )
              time_text( json_object_get( row, "ms_p90" ), upper, sizeof( upper ) ),
              (long long)json_integer_value( json_object_get( row, "steps" ) ),
              json_is_string( hash ) ? json_string_value( hash ) : "-" );
-}
-
-json_t* results_json_load( const char* path, wisp_error* error )
-{
-    json_t* root = parse( path, error );
-    if ( root && check( path, root, error ) != WISP_OK )
-    {
-        json_decref( root );
-        root = NULL;
-    }
-    return root;
 }
 
 wisp_status info_results( const char* path, FILE* out, wisp_error* error )

@@ -6,9 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define LEVEL 0.01             // of all tests of times together
-#define LEAST_NUMBER 0.005     // errors and counts that differ by less are the same
-#define CHANGES_PER_ROW_MAX 64 // numbers of a row that are listed
+#define LEVEL 0.01         // of all tests of times together
+#define LEAST_NUMBER 0.005 // errors and counts that differ by less are the same
 
 typedef enum verdict
 {
@@ -54,6 +53,11 @@ static double number_of( const json_t* object, const char* key )
 {
     const json_t* value = json_object_get( object, key );
     return json_is_number( value ) ? json_number_value( value ) : NAN;
+}
+
+static void label( const json_t* row, char* out, size_t size )
+{
+    snprintf( out, size, "%s/%s", text_of( row, "case" ), text_of( row, "variant" ) );
 }
 
 static bool are_partners( json_t* a, json_t* b )
@@ -129,12 +133,6 @@ static void test_times( pair* p )
     }
 }
 
-static int compare_p( const void* a, const void* b )
-{
-    const double x = ( *(pair*const*)a )->p, y = ( *(pair*const*)b )->p;
-    return ( x > y ) - ( x < y );
-}
-
 static void judge( const comparison* c, pair* p, bool is_significant )
 {
     const bool is_large = fabs( log( p->ratio ) ) >= log1p( c->least );
@@ -145,36 +143,32 @@ static void judge( const comparison* c, pair* p, bool is_significant )
                                               : FASTER;
 }
 
-// Holm's steps: the smallest p value against the level over all tests, the next one against that over all but one, until one fails.
 static wisp_status judge_times( comparison* c, wisp_error* error )
 {
-    pair** tested = malloc( ( (size_t)c->count + 1 ) * sizeof( pair* ) );
-    if ( !tested )
-    {
-        return wisp_fail( error, WISP_NO_MEMORY, "compare: out of memory for %d rows", c->count );
-    }
-    int count = 0;
-    for ( int i = 0; i < c->count; ++i )
+    double* p = malloc( ( (size_t)c->count + 1 ) * sizeof *p );
+    bool* is_significant = malloc( (size_t)c->count + 1 );
+    int tests = 0;
+    for ( int i = 0; i < c->count && p && is_significant; ++i )
     {
         if ( c->pairs[i].before )
         {
             test_times( &c->pairs[i] );
-            judge( c, &c->pairs[i], isnan( c->pairs[i].p ) );
         }
-        if ( isfinite( c->pairs[i].p ) )
-        {
-            tested[count++] = &c->pairs[i];
-        }
+        p[i] = c->pairs[i].p;
+        tests += isfinite( p[i] ) ? 1 : 0;
     }
-    qsort( tested, (size_t)count, sizeof( pair* ), compare_p );
-    bool holds = true;
-    for ( int i = 0; i < count; ++i )
+    if ( p && is_significant )
     {
-        holds = holds && tested[i]->p <= LEVEL / ( count - i );
-        judge( c, tested[i], holds );
+        stats_holm( p, c->count, tests, LEVEL, is_significant );
+        for ( int i = 0; i < c->count; ++i )
+        {
+            judge( c, &c->pairs[i], is_significant[i] || isnan( p[i] ) );
+        }
     }
-    free( tested );
-    return WISP_OK;
+    const bool is_done = p && is_significant;
+    free( p );
+    free( is_significant );
+    return is_done ? WISP_OK : wisp_fail( error, WISP_NO_MEMORY, "compare: out of memory for %d rows", c->count );
 }
 
 // ---- numbers that do not depend on time ----
@@ -187,7 +181,7 @@ static void add_number( comparison* c, json_t* row, const char* group, const cha
         c->number_table = results_add_table( c->out, "Numbers that differ", WISP_COUNT( header ), header );
     }
     char name[300], names[200], cells[3][40];
-    snprintf( name, sizeof name, "%s/%s", text_of( row, "case" ), text_of( row, "variant" ) );
+    label( row, name, sizeof name );
     snprintf( names, sizeof names, "%s.%s", group, key );
     snprintf( cells[0], sizeof cells[0], isfinite( before ) ? "%.6g" : "-", before );
     snprintf( cells[1], sizeof cells[1], isfinite( after ) ? "%.6g" : "-", after );
@@ -227,7 +221,7 @@ static int compare_numbers( comparison* c, const pair* p, const char* group )
     {
         const double a = number_of( before, key ), b = json_is_number( value ) ? json_number_value( value ) : NAN;
         const bool is_same = ( isnan( a ) && isnan( b ) ) || fabs( b - a ) <= LEAST_NUMBER * fabs( a );
-        if ( !is_of_time( key ) && !is_same && count < CHANGES_PER_ROW_MAX )
+        if ( !is_of_time( key ) && !is_same )
         {
             add_number( c, p->after, group, key, a, b );
             ++count;
@@ -243,7 +237,7 @@ static void add_time_line( comparison* c, int table, const pair* p )
     char name[300], cells[5][40];
     const double before = number_of( p->before, "ms_median" ), after = number_of( p->after, "ms_median" );
     const int workers = (int)json_integer_value( json_object_get( p->after, "workers" ) );
-    snprintf( name, sizeof name, "%s/%s", text_of( p->after, "case" ), text_of( p->after, "variant" ) );
+    label( p->after, name, sizeof name );
     snprintf( cells[0], sizeof cells[0], workers > 0 ? "%d" : "-", workers );
     snprintf( cells[1], sizeof cells[1], isfinite( before ) ? "%.4g" : "-", before );
     snprintf( cells[2], sizeof cells[2], isfinite( after ) ? "%.4g" : "-", after );

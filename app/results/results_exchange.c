@@ -53,32 +53,6 @@ static void add_counters( json_t* object, const char* prefix, const results_valu
     }
 }
 
-typedef struct statistics
-{
-    double mean, median, deviation, least, most; // ms
-} statistics;
-
-static statistics take_statistics( const results_row* row )
-{
-    statistics s = { .mean = row->ms_median,
-                     .median = row->ms_median,
-                     .least = row->sample_count > 0 ? row->samples_ms[0] : row->ms_median,
-                     .most = row->sample_count > 0 ? row->samples_ms[0] : row->ms_median };
-    const int n = row->sample_count;
-    for ( int i = 0; i < n; ++i )
-    {
-        s.mean = i == 0 ? row->samples_ms[0] / n : s.mean + row->samples_ms[i] / n;
-        s.least = fmin( s.least, row->samples_ms[i] );
-        s.most = fmax( s.most, row->samples_ms[i] );
-    }
-    for ( int i = 0; i < n; ++i )
-    {
-        s.deviation += ( row->samples_ms[i] - s.mean ) * ( row->samples_ms[i] - s.mean );
-    }
-    s.deviation = n > 1 ? sqrt( s.deviation / ( n - 1 ) ) : 0.0;
-    return s;
-}
-
 // Rows without samples, such as times printed in a paper, are not benchmark runs.
 static bool is_timed( const results_row* row )
 {
@@ -94,6 +68,36 @@ static double cpu_time( const results_row* row, double ms )
 static int repetitions( const results_row* row )
 {
     return row->sample_count > 0 ? row->sample_count : 1;
+}
+
+// A row without samples of its own has its median as the only one.
+static double sample_ms( const results_row* row, int i )
+{
+    return row->sample_count > 0 ? row->samples_ms[i] : row->ms_median;
+}
+
+typedef struct statistics
+{
+    double mean, deviation, least, most; // ms
+} statistics;
+
+static statistics take_statistics( const results_row* row )
+{
+    const int count = repetitions( row );
+    statistics s = { .least = sample_ms( row, 0 ), .most = sample_ms( row, 0 ) };
+    for ( int i = 0; i < count; ++i )
+    {
+        s.mean += sample_ms( row, i ) / count;
+        s.least = fmin( s.least, sample_ms( row, i ) );
+        s.most = fmax( s.most, sample_ms( row, i ) );
+    }
+    for ( int i = 0; i < count && count > 1; ++i )
+    {
+        const double away = sample_ms( row, i ) - s.mean;
+        s.deviation += away * away / ( count - 1 );
+    }
+    s.deviation = sqrt( s.deviation );
+    return s;
 }
 
 static json_t* benchmark_head( const results_row* row, int family, const char* suffix, double ms )
@@ -118,8 +122,7 @@ static void add_samples( json_t* benchmarks, const results_row* row, int family 
 {
     for ( int i = 0; i < repetitions( row ); ++i )
     {
-        json_t* object =
-            benchmark_head( row, family, "", row->sample_count > 0 ? row->samples_ms[i] : row->ms_median );
+        json_t* object = benchmark_head( row, family, "", sample_ms( row, i ) );
         json_object_set_new( object, "run_type", json_string( "iteration" ) );
         json_object_set_new( object, "repetition_index", json_integer( i ) );
         json_object_set_new( object, "iterations", json_integer( row->sample_count > 0 ? 1 : row->steps ) );
@@ -144,7 +147,7 @@ static void add_aggregates( json_t* benchmarks, const results_row* row, int fami
     {
         const char* name;
         double value;
-    } all[] = { { "mean", s.mean }, { "median", s.median }, { "stddev", s.deviation } };
+    } all[] = { { "mean", s.mean }, { "median", row->ms_median }, { "stddev", s.deviation } };
     for ( int i = 0; i < WISP_COUNT( all ) && row->sample_count > 1; ++i )
     {
         char suffix[16];
@@ -271,8 +274,7 @@ static json_t* seconds_array( const results_row* row )
     json_t* array = json_array();
     for ( int i = 0; i < repetitions( row ); ++i )
     {
-        json_array_append_new(
-            array, results_json_number( 1e-3 * ( row->sample_count > 0 ? row->samples_ms[i] : row->ms_median ) ) );
+        json_array_append_new( array, results_json_number( 1e-3 * sample_ms( row, i ) ) );
     }
     return array;
 }
@@ -294,7 +296,7 @@ wisp_status results_write_hyperfine( const results* all, FILE* stream, wisp_erro
         json_object_set_new( object, "command", results_json_text( name ) );
         json_object_set_new( object, "mean", results_json_number( 1e-3 * s.mean ) );
         json_object_set_new( object, "stddev", results_json_number( 1e-3 * s.deviation ) );
-        json_object_set_new( object, "median", results_json_number( 1e-3 * s.median ) );
+        json_object_set_new( object, "median", results_json_number( 1e-3 * row->ms_median ) );
         json_object_set_new( object, "user", results_json_number( 1e-3 * cpu_time( row, s.mean ) ) );
         json_object_set_new( object, "system", json_real( 0.0 ) ); // steps make no system calls to speak of
         json_object_set_new( object, "min", results_json_number( 1e-3 * s.least ) );

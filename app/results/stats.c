@@ -116,3 +116,25 @@ double stats_rank_sum( const double* a, int a_count, const double* b, int b_coun
     const double distance = fmax( fabs( larger - 0.5 * m * n ) - 0.5, 0.0 );
     return erfc( distance / sqrt( 2.0 * variance ) );
 }
+
+void stats_holm( const double* p, int count, int tests, double level, bool* is_rejected )
+{
+    for ( int i = 0; i < count; ++i )
+    {
+        is_rejected[i] = false;
+    }
+    for ( int left = tests; left > 0; --left )
+    {
+        int best = -1;
+        for ( int i = 0; i < count; ++i )
+        {
+            const bool takes_part = !isnan( p[i] ) && !is_rejected[i];
+            best = takes_part && ( best < 0 || p[i] < p[best] ) ? i : best;
+        }
+        if ( best < 0 || p[best] > level / left )
+        {
+            return;
+        }
+        is_rejected[best] = true;
+    }
+}

@@ -1,6 +1,8 @@
 /// Order statistics, straight lines and a test of ranks: what a benchmark says about its samples.
 #pragma once
 
+#include <stdbool.h>
+
 enum
 {
     STATS_MAX_KEPT = 100, ///< samples that a summary keeps
@@ -43,3 +45,10 @@ stats_line stats_fit_line( const double* x, const double* y, int count );
 /// @param a [a_count], b [b_count]
 /// @return the two-sided p value, 1 with fewer than four samples on a side
 double stats_rank_sum( const double* a, int a_count, const double* b, int b_count );
+
+/// Which of several tests reject at a level that all of them share (Holm 1979): the smallest p has to be at most the level over
+/// their number, the next one at most that over one less, and so on until one is not.
+/// @param p [count] p values; NaN takes no part
+/// @param tests number that the level is divided by at first
+/// @param is_rejected [count] receives the verdicts
+void stats_holm( const double* p, int count, int tests, double level, bool* is_rejected );

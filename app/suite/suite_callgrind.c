@@ -100,13 +100,11 @@ static int keep_bias( struct dl_phdr_info* info, size_t size, void* user )
     return 1; // the first is the program
 }
 
-static suite_pass* pass_of( suite_measurement* m, uintptr_t code )
+static suite_pass* pass_at( suite_measurement* m, uintptr_t code )
 {
-    uintptr_t bias = 0;
-    dl_iterate_phdr( keep_bias, &bias );
     for ( int i = 0; i < m->pass_count; ++i )
     {
-        if ( m->passes[i].code == code + bias )
+        if ( m->passes[i].code == code )
         {
             return &m->passes[i];
         }
@@ -119,6 +117,8 @@ static double read_counts( const char* path, suite_measurement* out )
 {
     char names[SUITE_MAX_PASSES][160] = { "" };
     double total = NAN;
+    uintptr_t bias = 0;
+    dl_iterate_phdr( keep_bias, &bias );
     FILE* file = fopen( path, "r" );
     for ( int round = 0; round < 2 && file; ++round )
     {
@@ -126,7 +126,7 @@ static double read_counts( const char* path, suite_measurement* out )
         rewind( file );
         while ( next_call( file, &c, &total ) )
         {
-            suite_pass* pass = pass_of( out, c.code );
+            suite_pass* pass = pass_at( out, c.code + bias );
             bool is_inside = false;
             for ( int i = 0; i < out->pass_count; ++i )
             {

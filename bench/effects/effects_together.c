@@ -2,12 +2,12 @@
 #include "effects/effects_bench.h"
 
 #include "cells.h"
+#include "machine.h"
 #include "stats.h"
 #include "bench_timing.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define PARTS 4
 #define TOLERANCE 0.10 ///< tolerance relative to the sum
@@ -37,10 +37,9 @@ typedef struct gathering
 static wisp_status timed_step( void* context, wisp_error* error )
 {
     implementation_world* implementation = context;
-    const clock_t start = clock();
+    const double start = machine_cpu_seconds();
     const wisp_status status = effect_world_step( &implementation->world, error );
-    implementation->ms[implementation->count++ % implementation->room] =
-        1e3 * (double)( clock() - start ) / CLOCKS_PER_SEC;
+    implementation->ms[implementation->count++ % implementation->room] = 1e3 * ( machine_cpu_seconds() - start );
     return status;
 }
 

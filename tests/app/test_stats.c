@@ -130,9 +130,23 @@ static void a_test_of_ranks_has_the_p_value_of_its_formula( void** state )
     assert_true( stats_rank_sum( equal, 5, equal, 5 ) == 1.0 );
 }
 
+static void tests_share_their_level( void** state )
+{
+    (void)state;
+    // against 0.05 / 4, / 3, / 2, / 1: the third fails, so the fourth is not asked
+    const double p[] = { 0.045, 0.012, NAN, 0.016, 0.03 };
+    bool is_rejected[5];
+    stats_holm( p, 5, 4, 0.05, is_rejected );
+    assert_true( is_rejected[1] && is_rejected[3] );
+    assert_false( is_rejected[0] || is_rejected[2] || is_rejected[4] );
+    stats_holm( p, 5, 5, 0.05, is_rejected ); // a level over five tests rejects none
+    assert_false( is_rejected[1] );
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test( tests_share_their_level ),
         cmocka_unit_test( a_test_of_ranks_has_the_p_value_of_its_formula ),
         cmocka_unit_test( the_median_of_an_odd_count_is_the_middle_one ),
         cmocka_unit_test( the_median_of_an_even_count_lies_between_the_middle_two ),

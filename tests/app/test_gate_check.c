@@ -1,0 +1,56 @@
+// What the gate says of a row beside its base.
+#include "unit.h"
+
+#include "gate_check.h"
+
+#include <math.h>
+
+// A measurement of 1000 instructions and more in one of three passes.
+static suite_measurement measured( double more )
+{
+    suite_measurement m = { .hash = 1, .steps = 10, .pass_count = 3 };
+    m.values[SUITE_INSTRUCTIONS] = 1000.0 + more;
+    m.passes[0] = ( suite_pass ){ .name = "cloth.air", .instructions = 400.0 };
+    m.passes[1] = ( suite_pass ){ .name = "cloth.bending", .instructions = 500.0 + more };
+    m.passes[2] = ( suite_pass ){ .name = "links.xpbd", .instructions = 100.0 };
+    return m;
+}
+
+static gate_row_check check( double more, bool compares_counts )
+{
+    suite_row row = { .name = "flag" };
+    row.budgets[SUITE_INSTRUCTIONS].relative = 0.005;
+    static gate_base_row base_row;
+    base_row = ( gate_base_row ){ .name = "flag", .measured = measured( 0.0 ) };
+    const gate_base base = { .rows = &base_row, .row_count = 1 };
+    const suite_measurement now = measured( more );
+    gate_row_check out;
+    gate_check_row( &row, &base, compares_counts, &now, &out );
+    return out;
+}
+
+static void the_pass_that_grew_is_named( void** state )
+{
+    (void)state;
+    const gate_row_check out = check( 50.0, true );
+    assert_int_equal( out.state, GATE_WORSE );
+    assert_non_null( strstr( out.message, "cloth.bending +10.00 %" ) );
+    assert_null( strstr( out.message, "cloth.air" ) );
+}
+
+static void growth_within_the_budget_passes( void** state )
+{
+    (void)state;
+    assert_int_equal( check( 4.0, true ).state, GATE_SAME );
+    assert_int_equal( check( -500.0, true ).state, GATE_SAME );
+    assert_int_equal( check( 50.0, false ).state, GATE_SAME ); // of another compiler
+}
+
+int main( void )
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test( the_pass_that_grew_is_named ),
+        cmocka_unit_test( growth_within_the_budget_passes ),
+    };
+    return cmocka_run_group_tests( tests, NULL, NULL );
+}
