@@ -6,7 +6,7 @@
 #include "accuracy/accuracy.h"
 #include "io_file.h"
 #include "progress.h"
-#include "report/report.h"
+#include "report.h"
 #include "suite/suite_of_scene.h"
 #include "wisp/wisp.h"
 

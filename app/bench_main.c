@@ -7,7 +7,7 @@
 #include "io_file.h"
 #include "nearest.h"
 #include "progress.h"
-#include "report/report.h"
+#include "report.h"
 #include "wisp/wisp.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 #include "commands.h"
 
-#include "gate_check.h"
+#include "gate_page.h"
 #include "gate_paired.h"
 #include "machine.h"
 
@@ -11,6 +11,8 @@ enum
 {
     KEY_NO_INSTRUCTIONS = 0x100,
     KEY_JUNIT,
+    KEY_HTML,
+    KEY_BADGE,
     KEY_GITHUB,
     KEY_STRICT,
     KEY_ROW,
@@ -39,6 +41,8 @@ static const struct argp_option option_list[] = {
     { NULL, 0, NULL, 0, "Output:", 4 },
     { "format", 'f', "FORMAT", 0, "text (default), markdown, csv or json", 0 },
     { "junit", KEY_JUNIT, "FILE", 0, "Write JUnit's XML too, a test case for each row", 0 },
+    { "html", KEY_HTML, "FILE", 0, "Write one HTML page too, with charts of before and after", 0 },
+    { "badge", KEY_BADGE, "FILE", 0, "Write an SVG picture of the verdict too, for a README", 0 },
     { "github", KEY_GITHUB, 0, 0, "Print annotations for GitHub before the report", 0 },
     { 0 },
 };
@@ -78,7 +82,7 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *paired;
+    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired;
     bool no_instructions, is_strict, prints_annotations, has_times;
     int row, trials;
     double slow;
@@ -129,6 +133,12 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             return 0;
         case KEY_JUNIT:
             o->junit = argument;
+            return 0;
+        case KEY_HTML:
+            o->html = argument;
+            return 0;
+        case KEY_BADGE:
+            o->badge = argument;
             return 0;
         case KEY_GITHUB:
             o->prints_annotations = true;
@@ -283,8 +293,10 @@ static wisp_status report( const wisp_suite* suite, const gate_options* o, const
     {
         gate_print_annotations( suite, checks, o->suite );
     }
-    wisp_status status = o->junit ? gate_write_junit( suite, checks, o->junit, error ) : WISP_OK;
-    status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
+    wisp_status status = results_write_file( &out, o->format, NULL, error );
+    status = status == WISP_OK && o->junit ? gate_write_junit( suite, checks, o->junit, error ) : status;
+    status = status == WISP_OK && o->badge ? gate_write_badge( suite, checks, o->badge, error ) : status;
+    status = status == WISP_OK && o->html ? gate_write_page( suite, checks, &out, o->html, error ) : status;
     results_free( &out );
     free( checks );
     return status;

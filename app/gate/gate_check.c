@@ -6,6 +6,7 @@
 #include <string.h>
 
 const char* const gate_state_names[GATE_STATE_COUNT] = { "same", "moved", "worse", "new" };
+const char* const gate_verdict_names[GATE_VERDICT_COUNT] = { "pass", "inconclusive", "regression" };
 
 bool gate_counts_are_comparable( const gate_base* base )
 {
@@ -158,9 +159,22 @@ static void format_accuracy( const gate_row_check* check, char* out, size_t size
     }
 }
 
-static void label( const suite_row* row, char* out, size_t size )
+void gate_row_label( const suite_row* row, char* out, size_t size )
 {
     snprintf( out, size, "%s%s%s", row->name, row->variant[0] ? ", " : "", row->variant );
+}
+
+gate_verdict gate_verdict_of( const wisp_suite* suite, const gate_row_check* checks )
+{
+    gate_verdict verdict = GATE_PASS;
+    for ( int i = 0; i < suite->row_count; ++i )
+    {
+        const gate_verdict one = checks[i].state == GATE_WORSE ? GATE_REGRESSION
+                                 : checks[i].state == GATE_NEW ? GATE_INCONCLUSIVE
+                                                               : GATE_PASS;
+        verdict = one > verdict ? one : verdict;
+    }
+    return verdict;
 }
 
 // A row for machines: values, the base's with `base_` before their names, and whether one is worse.
@@ -195,7 +209,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     for ( int i = 0; i < suite->row_count; ++i )
     {
         char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[3][40], accuracy[64];
-        label( suite->rows + i, name, sizeof name );
+        gate_row_label( suite->rows + i, name, sizeof name );
         for ( int m = SUITE_INSTRUCTIONS; m <= SUITE_ALLOCATIONS; ++m )
         {
             format_value( checks + i, (suite_measure)m, cells[m], sizeof cells[m] );
@@ -210,17 +224,19 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
     for ( int i = 0; i < suite->row_count; ++i )
     {
         char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-        label( suite->rows + i, name, sizeof name );
-        if ( checks[i].message[0] )
+        gate_row_label( suite->rows + i, name, sizeof name );
+        if ( checks[i].state == GATE_WORSE )
+        {
+            results_add_failure( out, "%s: %s", name, checks[i].message );
+        }
+        else if ( checks[i].message[0] )
         {
             results_add_note( out, "%s: %s", name, checks[i].message );
         }
     }
     results_add_note( out, "gate %s: %s: %d rows, %d the same, %d moved, %d worse, %d new", suite->name,
-                      counts[GATE_WORSE] > 0 ? "regression"
-                      : counts[GATE_NEW] > 0 ? "inconclusive"
-                                             : "pass",
-                      suite->row_count, counts[GATE_SAME], counts[GATE_MOVED], counts[GATE_WORSE], counts[GATE_NEW] );
+                      gate_verdict_names[gate_verdict_of( suite, checks )], suite->row_count, counts[GATE_SAME],
+                      counts[GATE_MOVED], counts[GATE_WORSE], counts[GATE_NEW] );
 }
 
 // ---- JUnit ----
@@ -248,7 +264,7 @@ static void write_escaped( FILE* out, const char* text )
 static void write_case( FILE* out, const wisp_suite* suite, int i, const gate_row_check* check )
 {
     char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-    label( suite->rows + i, name, sizeof name );
+    gate_row_label( suite->rows + i, name, sizeof name );
     fputs( "    <testcase classname=\"wisp.gate.", out );
     write_escaped( out, suite->name );
     fputs( "\" name=\"", out );
@@ -316,7 +332,7 @@ void gate_print_annotations( const wisp_suite* suite, const gate_row_check* chec
         if ( checks[i].state == GATE_WORSE || checks[i].state == GATE_NEW )
         {
             char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2];
-            label( suite->rows + i, name, sizeof name );
+            gate_row_label( suite->rows + i, name, sizeof name );
             printf( "::%s file=", checks[i].state == GATE_WORSE ? "error" : "warning" );
             print_escaped( path );
             printf( ",title=wisp gate::" );

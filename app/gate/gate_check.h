@@ -16,6 +16,17 @@ typedef enum gate_state
 
 extern const char* const gate_state_names[GATE_STATE_COUNT];
 
+/// What all rows say together.
+typedef enum gate_verdict
+{
+    GATE_PASS,
+    GATE_INCONCLUSIVE, ///< no row is worse, and the base does not have one
+    GATE_REGRESSION,   ///< a row is worse
+    GATE_VERDICT_COUNT,
+} gate_verdict;
+
+extern const char* const gate_verdict_names[GATE_VERDICT_COUNT];
+
 /// A row compared.
 typedef struct gate_row_check
 {
@@ -35,6 +46,11 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
 
 /// Rows of the base that the suite does not have.
 int gate_count_missing( const gate_base* base, const suite_row* rows, int row_count );
+
+gate_verdict gate_verdict_of( const wisp_suite* suite, const gate_row_check* checks );
+
+/// The name and the settings of a row, as reports have them.
+void gate_row_label( const suite_row* row, char* out, size_t size );
 
 /// A line for each row, what is worse, and the verdict last.
 void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out );

@@ -3,7 +3,7 @@
 
 #include "unit.h"
 
-#include "report/report.h"
+#include "report.h"
 
 #include <ctype.h>
 

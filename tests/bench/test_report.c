@@ -2,7 +2,7 @@
 #include "files.h"
 #include "report_fixture.h"
 
-#include "report/report_text.h"
+#include "report_text.h"
 
 #include <locale.h>
 #include <sys/stat.h>

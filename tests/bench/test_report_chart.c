@@ -2,9 +2,9 @@
 // are left out and counted.
 #include "report_fixture.h"
 
-#include "report/report_axis.h"
-#include "report/report_chart.h"
-#include "report/report_drawing.h"
+#include "report_axis.h"
+#include "report_chart.h"
+#include "report_drawing.h"
 
 // coordinates have two digits
 #define ROUNDED 0.0101
