@@ -3,6 +3,8 @@
 #include "gate_page.h"
 #include "gate_paired.h"
 #include "machine.h"
+#include "suite_callgrind.h"
+#include "suite_reference.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -184,12 +186,15 @@ static char* default_base( const char* suite )
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out,
                                 wisp_error* error )
 {
-    const suite_measure_options options = { .isa = o->isa, .counts = !o->no_instructions, .suite_path = o->suite };
-    wisp_status status = WISP_OK;
+    suite_reference reference;
+    wisp_status status = suite_reference_make( suite, &reference, error );
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
-        status = suite_measure_row( suite, i, &options, out + i, error );
+        status = suite_reference_run( &reference, suite->rows + i, o->isa, NULL, out + i, error );
+        status = status == WISP_OK && !o->no_instructions ? suite_count_instructions( o->suite, i, out + i, error )
+                                                          : status;
     }
+    suite_reference_release( &reference );
     return status;
 }
 

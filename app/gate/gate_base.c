@@ -172,22 +172,25 @@ static wisp_status take_base( const json_t* root, const char* path, gate_base* o
     return WISP_OK;
 }
 
+wisp_status gate_base_parse( const char* text, size_t size, const char* path, gate_base* out, wisp_error* error )
+{
+    *out = ( gate_base ){ 0 };
+    json_error_t place = { 0 };
+    json_t* root = json_loadb( text, size, JSON_REJECT_DUPLICATES, &place );
+    const wisp_status status = root ? take_base( root, path, out, error )
+                                    : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s",
+                                                 io_short_name( path ), place.line, place.column, place.text );
+    json_decref( root );
+    return status;
+}
+
 wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error )
 {
     *out = ( gate_base ){ 0 };
     unsigned char* bytes = NULL;
     size_t size = 0;
     wisp_status status = io_file_read( path, MAX_BYTES, &bytes, &size, error );
-    if ( status != WISP_OK )
-    {
-        return status;
-    }
-    json_error_t place = { 0 };
-    json_t* root = json_loadb( (const char*)bytes, size, JSON_REJECT_DUPLICATES, &place );
-    status = root ? take_base( root, path, out, error )
-                  : wisp_fail( error, WISP_BAD_INPUT, "%s:%d:%d: no JSON: %.160s", io_short_name( path ), place.line,
-                               place.column, place.text );
-    json_decref( root );
+    status = status == WISP_OK ? gate_base_parse( (const char*)bytes, size, path, out, error ) : status;
     free( bytes );
     return status;
 }

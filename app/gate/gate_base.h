@@ -5,7 +5,7 @@
 
 enum
 {
-    GATE_VERSION = 2, ///< 2: instructions by pass
+    GATE_VERSION = 3, ///< 2: instructions by pass; 3: errors
     GATE_MAX_REASON = 200,
 };
 
@@ -36,6 +36,8 @@ typedef struct gate_base
 /// @param out to be released, also after a failure
 /// @return WISP_BAD_INPUT no base file, cut or edited, or of another version; WISP_IO_ERROR
 wisp_status gate_base_read( const char* path, gate_base* out, wisp_error* error );
+/// The same from a text. @param path that messages name
+wisp_status gate_base_parse( const char* text, size_t size, const char* path, gate_base* out, wisp_error* error );
 
 /// Replace the file as a whole, or leave it as it was.
 wisp_status gate_base_write( const gate_base* base, const char* path, wisp_error* error );

@@ -90,7 +90,7 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
     for ( int m = 0; m < SUITE_MEASURE_COUNT; ++m )
     {
         const double most = was->values[m] * ( 1.0 + row->budgets[m].relative ) + row->budgets[m].absolute;
-        const bool is_known = isfinite( was->values[m] ) && isfinite( now->values[m] );
+        const bool is_known = isfinite( was->values[m] ) && !isnan( now->values[m] );
         if ( is_known && ( m != SUITE_INSTRUCTIONS || compares_counts ) && now->values[m] > most )
         {
             out->worse[m] = true;
@@ -146,7 +146,7 @@ static void format_accuracy( const gate_row_check* check, char* out, size_t size
 {
     double most = 0.0;
     snprintf( out, size, "as in the base" );
-    for ( int m = SUITE_STRETCH; m < SUITE_MEASURE_COUNT; ++m )
+    for ( int m = SUITE_ERROR; m < SUITE_MEASURE_COUNT; ++m )
     {
         const double change = change_of( check, (suite_measure)m );
         const bool is_from_zero = check->base && check->base->measured.values[m] == 0.0 && check->now.values[m] > 0.0;

@@ -13,6 +13,7 @@ const suite_measure_info suite_measures[SUITE_MEASURE_COUNT] = {
     [SUITE_INSTRUCTIONS] = { "instructions", { 0.005, 0.0 } },
     [SUITE_BYTES] = { "bytes", { 0.01, 0.0 } },
     [SUITE_ALLOCATIONS] = { "allocations", { 0.0, 0.0 } },
+    [SUITE_ERROR] = { "error", { 0.05, 1e-6 } },
     [SUITE_STRETCH] = { "stretch", { 0.05, 1e-4 } },
     [SUITE_ENERGY] = { "energy", { 0.05, 1e-9 } },
     [SUITE_PENETRATION] = { "penetration", { 0.05, 1e-5 } },

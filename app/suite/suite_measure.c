@@ -1,5 +1,5 @@
 // A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
-#include "suite_callgrind.h"
+#include "suite_measure.h"
 
 #include "wisp/explain.h"
 
@@ -197,7 +197,7 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
                            suite_measurement* out, wisp_error* error )
 {
     *out = ( suite_measurement ){ .hash = SUITE_HASH_BEGIN };
-    out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_INTERSECTIONS] = NAN;
+    out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_ERROR] = out->values[SUITE_INTERSECTIONS] = NAN;
     wisp_scene scene;
     wisp_status status = suite_scene( row, &scene, error );
     if ( status != WISP_OK )
@@ -219,18 +219,5 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
         scene_world_destroy( &world );
     }
     wisp_scene_release( &scene );
-    return status;
-}
-
-// ---- with its instructions ----
-
-wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_measure_options* options,
-                               suite_measurement* out, wisp_error* error )
-{
-    wisp_status status = suite_run_row( suite->rows + number, options->isa, NULL, out, error );
-    if ( status == WISP_OK && options->counts )
-    {
-        status = suite_count_instructions( options->suite_path, number, out, error );
-    }
     return status;
 }

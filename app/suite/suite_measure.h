@@ -4,14 +4,6 @@
 #include "suite.h"
 #include "world_from_scene.h"
 
-/// How rows are measured.
-typedef struct suite_measure_options
-{
-    const char* isa;        ///< of kernels; bits are the same for all of them
-    bool counts;            ///< count instructions, with valgrind
-    const char* suite_path; ///< that the measured program reads again
-} suite_measure_options;
-
 enum
 {
     SUITE_MAX_PASSES = 64,
@@ -42,7 +34,7 @@ typedef struct suite_observer
     void* user;
 } suite_observer;
 
-/// Run a row in this process. Instructions are not counted.
+/// Run a row in this process. Instructions are not counted, and there is no error.
 /// @param observer may be null
 wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_observer* observer,
                            suite_measurement* out, wisp_error* error );
@@ -51,9 +43,3 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
 uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_t hash );
 /// What it begins with.
 #define SUITE_HASH_BEGIN 0xcbf29ce484222325u
-
-/// The same, with its instructions if the options ask for them.
-/// @param number of the row
-/// @return WISP_IO_ERROR valgrind is missing or counted nothing (the message says why)
-wisp_status suite_measure_row( const wisp_suite* suite, int number, const suite_measure_options* options,
-                               suite_measurement* out, wisp_error* error );

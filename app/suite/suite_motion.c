@@ -30,44 +30,63 @@ void suite_motion_release( suite_motion* motion )
 
 // ---- when ----
 
-typedef struct row_length
-{
-    double dt, seconds;
-} row_length;
-
-static wisp_status length_of( const suite_row* row, row_length* out, wisp_error* error )
+// How a row divides time into steps.
+typedef struct row_steps
 {
     wisp_scene scene;
-    const wisp_status status = suite_scene( row, &scene, error );
-    *out = ( row_length ){ 0 };
+    int count;
+    double seconds; // of all of them
+} row_steps;
+
+static wisp_status steps_of( const suite_row* row, row_steps* out, wisp_error* error )
+{
+    const wisp_status status = suite_scene( row, &out->scene, error );
     if ( status == WISP_OK )
     {
-        out->dt = (double)scene.dt;
-        out->seconds = out->dt * ( row->steps > 0 ? row->steps : scene.steps );
-        wisp_scene_release( &scene );
+        out->count = row->steps > 0 ? row->steps : out->scene.steps;
+        out->seconds = wisp_scene_step_time( &out->scene, out->count );
     }
     return status;
 }
 
-wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_error* error )
+// The ends of some steps, evenly, up to a time.
+static void spread( const row_steps* row, double end, suite_times* out )
 {
-    double longest = 0.0, end = INFINITY;
-    wisp_status status = WISP_OK;
-    for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+    int steps = row->count;
+    while ( steps > 0 && wisp_scene_step_time( &row->scene, steps ) > end + SAME_TIME * (double)row->scene.dt )
     {
-        row_length length = { 0.0, INFINITY };
-        const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
-        status = row->text ? length_of( row, &length, error ) : WISP_OK;
-        longest = fmax( longest, length.dt );
-        end = fmin( end, length.seconds );
+        --steps;
     }
-    const int steps = longest > 0.0 ? (int)floor( end / longest + SAME_TIME ) : 0;
     const int stride = ( steps + SUITE_MAX_FRAMES - 2 ) / ( SUITE_MAX_FRAMES - 1 );
     out->count = 0;
     for ( int step = stride; stride > 0 && step <= steps; step += stride )
     {
-        out->at[out->count++] = step * longest;
+        out->at[out->count++] = wisp_scene_step_time( &row->scene, step );
     }
+}
+
+wisp_status suite_choose_times( const wisp_suite* suite, suite_times* out, wisp_error* error )
+{
+    double end = INFINITY;
+    row_steps longest = { .count = 0 };
+    wisp_status status = WISP_OK;
+    for ( int i = -1; i < suite->row_count && status == WISP_OK; ++i )
+    {
+        row_steps next = { .count = 0 };
+        const suite_row* row = i < 0 ? &suite->reference : suite->rows + i;
+        status = row->text ? steps_of( row, &next, error ) : WISP_OK;
+        if ( status != WISP_OK || next.count == 0 )
+        {
+            wisp_scene_release( &next.scene );
+            continue;
+        }
+        end = fmin( end, next.seconds );
+        const bool is_longer = longest.count == 0 || next.seconds / next.count > longest.seconds / longest.count;
+        wisp_scene_release( is_longer ? &longest.scene : &next.scene );
+        longest = is_longer ? next : longest;
+    }
+    spread( &longest, end, out );
+    wisp_scene_release( &longest.scene );
     return status;
 }
 

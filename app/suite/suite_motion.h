@@ -24,8 +24,8 @@ typedef struct suite_motion
 void suite_motion_release( suite_motion* motion );
 int suite_motion_points( const suite_motion* motion );
 
-/// When motions are compared: at most SUITE_MAX_FRAMES - 1 times, evenly, up to the end of the shortest row. Steps of all rows end at
-/// these times if the longest step is a multiple of each.
+/// When motions are compared: at most SUITE_MAX_FRAMES - 1 times, at the ends of the steps of the row with the longest ones, evenly, up to the
+/// end of the shortest row. Steps of all rows have to end at these times.
 typedef struct suite_times
 {
     double at[SUITE_MAX_FRAMES];

@@ -126,12 +126,11 @@ static wisp_status find_run( const wisp_suite* suite, const suite_row* row, cons
 
 // ---- both kinds ----
 
-static wisp_status read_stored( const wisp_suite* suite, const suite_times* times, suite_reference* out,
-                                wisp_error* error )
+static wisp_status read_stored( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
     out->doubt = suite->stored_doubt;
     snprintf( out->description, sizeof out->description, "the stored motion %s", io_short_name( suite->stored ) );
-    const wisp_status status = suite_motion_read( suite->stored, times, &out->motion, error );
+    const wisp_status status = suite_motion_read( suite->stored, &out->times, &out->motion, error );
     out->frame_count = out->motion.frame_count;
     return status;
 }
@@ -149,13 +148,12 @@ static void find_chaos( const suite_match* match, const suite_motion* check, sui
     out->frame_count = frame > 0 ? frame : check->frame_count;
 }
 
-static wisp_status make_runs( const wisp_suite* suite, const suite_times* times, suite_reference* out,
-                              wisp_error* error )
+static wisp_status make_runs( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
     suite_motion check = { 0 };
     suite_match match = { 0 };
-    wisp_status status = find_run( suite, &suite->reference, times, &out->motion, error );
-    status = status == WISP_OK ? find_run( suite, &suite->check, times, &check, error ) : status;
+    wisp_status status = find_run( suite, &suite->reference, &out->times, &out->motion, error );
+    status = status == WISP_OK ? find_run( suite, &suite->check, &out->times, &check, error ) : status;
     status = status == WISP_OK ? suite_match_motions( &check, &out->motion, "the coarser reference", &match, error )
                                : status;
     if ( status == WISP_OK )
@@ -169,9 +167,54 @@ static wisp_status make_runs( const wisp_suite* suite, const suite_times* times,
     return status;
 }
 
-wisp_status suite_reference_make( const wisp_suite* suite, const suite_times* times, suite_reference* out,
-                                  wisp_error* error )
+wisp_status suite_reference_make( const wisp_suite* suite, suite_reference* out, wisp_error* error )
 {
-    *out = ( suite_reference ){ .parts_at = INFINITY };
-    return suite->stored ? read_stored( suite, times, out, error ) : make_runs( suite, times, out, error );
+    *out = ( suite_reference ){ .parts_at = INFINITY, .is_start = suite->compares_start };
+    out->exists = suite->reference.text != NULL || suite->stored != NULL || suite->compares_start;
+    const wisp_status status = out->exists ? suite_choose_times( suite, &out->times, error ) : WISP_OK;
+    return status != WISP_OK || !out->exists || out->is_start ? status
+           : suite->stored                                    ? read_stored( suite, out, error )
+                                                              : make_runs( suite, out, error );
+}
+
+// ---- errors ----
+
+static wisp_status compare( const suite_reference* reference, const suite_row* row, const suite_motion* motion,
+                            double* out, wisp_error* error )
+{
+    suite_match match = { 0 };
+    wisp_status status = WISP_OK;
+    if ( reference->is_start )
+    {
+        *out = suite_drift( motion );
+    }
+    else
+    {
+        status = suite_match_motions( motion, &reference->motion, row->name, &match, error );
+        *out =
+            status == WISP_OK ? suite_distance( &match, motion, &reference->motion, 0, reference->frame_count ) : NAN;
+    }
+    *out = status == WISP_OK && !isfinite( *out ) ? INFINITY : *out;
+    suite_match_release( &match );
+    return status;
+}
+
+wisp_status suite_reference_run( const suite_reference* reference, const suite_row* row, const char* isa,
+                                 const suite_observer* observer, suite_measurement* out, wisp_error* error )
+{
+    if ( !reference->exists )
+    {
+        return suite_run_row( row, isa, observer, out, error );
+    }
+    suite_motion motion = { 0 };
+    wisp_status status = suite_motion_run( row, isa, &reference->times, observer, &motion, out, error );
+    if ( status == WISP_OK )
+    {
+        out->values[SUITE_ERROR] = INFINITY;
+        status = out->values[SUITE_HALTED] > 0.0
+                     ? WISP_OK
+                     : compare( reference, row, &motion, &out->values[SUITE_ERROR], error );
+    }
+    suite_motion_release( &motion );
+    return status;
 }

@@ -1,7 +1,6 @@
 #include "suite_study.h"
 
 #include "accuracy/scene_tools.h"
-#include "suite_match.h"
 #include "suite_reference.h"
 
 #include <math.h>
@@ -26,9 +25,7 @@ static const char* const measure_names[MEASURE_COUNT] = { "stretch max, %",  "st
 typedef struct study
 {
     const wisp_suite* suite;
-    bool has_reference;
     suite_reference reference;
-    suite_times times;
     double* dt; // [rows] s
     double longest_dt;
     bool measures[MEASURE_COUNT];
@@ -91,39 +88,18 @@ static void keep_measures( const study* own, const sampler* s, const suite_measu
     out->halted_at = measured->values[SUITE_HALTED] > 0.0 ? measured->steps : 0;
 }
 
-static wisp_status compare( const study* own, const suite_row* row, const suite_motion* motion, accuracy_run* out,
-                            wisp_error* error )
-{
-    if ( own->suite->compares_start )
-    {
-        out->error = 1e3 * suite_drift( motion );
-        return WISP_OK;
-    }
-    suite_match match;
-    const wisp_status status = suite_match_motions( motion, &own->reference.motion, row->name, &match, error );
-    out->error = status == WISP_OK
-                     ? 1e3 * suite_distance( &match, motion, &own->reference.motion, 0, own->reference.frame_count )
-                     : NAN;
-    suite_match_release( &match );
-    return status;
-}
-
 static wisp_status observe_row( const study* own, int row, accuracy_run* out, wisp_error* error )
 {
     const suite_row* r = own->suite->rows + row;
     sampler s = { 0 };
     const suite_observer observer = { sample, &s };
     suite_measurement measured;
-    suite_motion motion = { 0 };
-    wisp_status status = own->has_reference
-                             ? suite_motion_run( r, NULL, &own->times, &observer, &motion, &measured, error )
-                             : suite_run_row( r, NULL, &observer, &measured, error );
+    const wisp_status status = suite_reference_run( &own->reference, r, NULL, &observer, &measured, error );
     if ( status == WISP_OK )
     {
         keep_measures( own, &s, &measured, out );
-        status = own->has_reference && out->halted_at == 0 ? compare( own, r, &motion, out, error ) : WISP_OK;
+        out->error = own->reference.exists && out->halted_at == 0 ? 1e3 * measured.values[SUITE_ERROR] : out->error;
     }
-    suite_motion_release( &motion );
     return status;
 }
 
@@ -211,7 +187,8 @@ static wisp_status look_at_row( study* own, int row, wisp_error* error )
     {
         return status;
     }
-    own->dt[row] = (double)scene.dt;
+    const int round = scene.dt_factor_count > 0 ? scene.dt_factor_count : 1;
+    own->dt[row] = wisp_scene_step_time( &scene, round ) / round;
     own->longest_dt = fmax( own->longest_dt, own->dt[row] );
     for ( int i = 0; i < scene.surface_count; ++i )
     {
@@ -277,14 +254,14 @@ static void describe( study* own, accuracy_scene* out )
         snprintf( out->ms_name, sizeof out->ms_name, "%.4g s of motion", own->longest_dt );
     }
     out->note = own->suite->note;
-    out->has_no_rivals = !own->has_reference;
-    if ( own->suite->compares_start )
+    out->has_no_rivals = !own->reference.exists;
+    if ( own->reference.is_start )
     {
         snprintf( out->reference, sizeof out->reference, "where every vertex starts" );
         snprintf( out->error_name, sizeof out->error_name, "RMS drift from the start" );
         snprintf( out->error_unit, sizeof out->error_unit, "mm" );
     }
-    else if ( own->has_reference )
+    else if ( own->reference.exists )
     {
         snprintf( out->reference, sizeof out->reference, "%s", own->reference.description );
         snprintf( out->error_name, sizeof out->error_name, "RMS distance to the reference" );
@@ -312,14 +289,7 @@ static wisp_status fill( study* own, accuracy_scene* out, wisp_error* error )
     {
         status = look_at_row( own, i, error );
     }
-    if ( status == WISP_OK && own->has_reference )
-    {
-        status = suite_choose_times( own->suite, &own->times, error );
-        if ( status == WISP_OK && !own->suite->compares_start )
-        {
-            status = suite_reference_make( own->suite, &own->times, &own->reference, error );
-        }
-    }
+    status = status == WISP_OK ? suite_reference_make( own->suite, &own->reference, error ) : status;
     for ( int i = 0; i < own->suite->row_count && status == WISP_OK; ++i )
     {
         add_setting( own, i, out );
@@ -339,7 +309,6 @@ wisp_status suite_study_make( const wisp_suite* suite, const bench_options* opti
         return wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );
     }
     own->suite = suite;
-    own->has_reference = suite->reference.text != NULL || suite->stored != NULL || suite->compares_start;
     own->dt = calloc( (size_t)suite->row_count, sizeof *own->dt );
     wisp_status status = own->dt ? accuracy_reserve_settings( out, suite->row_count, error )
                                  : wisp_fail( error, WISP_NO_MEMORY, "no memory for a suite" );

@@ -46,11 +46,37 @@ static void growth_within_the_budget_passes( void** state )
     assert_int_equal( check( 50.0, false ).state, GATE_SAME ); // of another compiler
 }
 
+// An error that is not finite is worse than any.
+static void errors_have_a_budget( void** state )
+{
+    (void)state;
+    static const struct
+    {
+        double now;
+        gate_state expected;
+    } all[] = { { 1e-3, GATE_SAME }, { 1.04e-3, GATE_SAME },   { 1.06e-3, GATE_WORSE },
+                { 1e-4, GATE_SAME }, { INFINITY, GATE_WORSE }, { NAN, GATE_SAME } };
+    for ( size_t i = 0; i < WISP_COUNT( all ); ++i )
+    {
+        suite_row row = { .name = "flag" };
+        row.budgets[SUITE_ERROR].relative = 0.05;
+        gate_base_row base_row = { .name = "flag", .measured = measured( 0.0 ) };
+        base_row.measured.values[SUITE_ERROR] = 1e-3;
+        const gate_base base = { .rows = &base_row, .row_count = 1 };
+        suite_measurement now = measured( 0.0 );
+        now.values[SUITE_ERROR] = all[i].now;
+        gate_row_check out;
+        gate_check_row( &row, &base, true, &now, &out );
+        assert_int_equal( out.state, all[i].expected );
+    }
+}
+
 int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_pass_that_grew_is_named ),
         cmocka_unit_test( growth_within_the_budget_passes ),
+        cmocka_unit_test( errors_have_a_budget ),
     };
     return cmocka_run_group_tests( tests, NULL, NULL );
 }

@@ -118,6 +118,34 @@ static void rows_that_only_one_side_has_are_told( void** state )
     assert_int_equal( result.status, 1 );
 }
 
+// With a reference a row that is farther from it than before is worse.
+static void errors_are_compared( void** state )
+{
+    (void)state;
+    static const char with[] =
+        "reference: { set: { substeps: 40 }, check: { substeps: 20 } }\nwisp_suite: 1\nscenes: [{ file: cloth.yaml, "
+        "set: { substeps: %d }, steps: 10 }]\nbudgets: { stretch: 100, energy: 100, bytes: 100 }\n";
+    char text[400];
+    setenv( "WISP_CACHE", "references", 1 );
+    snprintf( text, sizeof text, with, 10 );
+    write_text( "suite.yaml", text );
+    run_ok( "gate record suite.yaml --no-instructions" );
+    json_t* base = json_load_file( "suite-base.json", 0, NULL );
+    const json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
+    const double error = json_number_value( json_object_get( values, "error" ) );
+    assert_true( error > 1e-5 && error < 0.1 );
+    json_decref( base );
+    snprintf( text, sizeof text, with, 20 );
+    write_text( "suite.yaml", text );
+    run_ok( "gate check suite.yaml --no-instructions" );
+    snprintf( text, sizeof text, with, 4 );
+    write_text( "suite.yaml", text );
+    run( "gate check suite.yaml --no-instructions" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "error is " );
+    unsetenv( "WISP_CACHE" );
+}
+
 // Where valgrind is installed: the same counts in every run, and one percent more is too much.
 static void instructions_repeat( void** state )
 {
@@ -195,7 +223,7 @@ static void bad_bases_are_refused_and_stay( void** state )
     free( good );
     write_text( "other.json", "{ \"wisp_gate\": 99 }" );
     assert_refused( "gate check suite.yaml --base other.json", "version 99" );
-    write_text( "other.json", "{ \"wisp_gate\":2, \"suite\": \"suite\" }" );
+    write_text( "other.json", "{ \"wisp_gate\":3, \"suite\": \"suite\" }" );
     assert_refused( "gate check suite.yaml --base other.json", "the file was edited" );
     write_text( "other.json", "[]" );
     assert_refused( "gate check suite.yaml --base other.json", "expected a base file" );
@@ -239,6 +267,7 @@ int main( int argc, char** argv )
         cmocka_unit_test_setup( other_bits_without_a_worse_value_are_moved_and_pass, fresh ),
         cmocka_unit_test_setup( a_worse_value_is_status_1_with_a_sentence, fresh ),
         cmocka_unit_test_setup( budgets_decide, fresh ),
+        cmocka_unit_test_setup( errors_are_compared, fresh ),
         cmocka_unit_test_setup( rows_that_only_one_side_has_are_told, fresh ),
         cmocka_unit_test_setup( instructions_repeat, fresh ),
         cmocka_unit_test_setup( bad_suites_are_refused_in_a_sentence, fresh ),
