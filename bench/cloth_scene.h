@@ -65,7 +65,3 @@ void cloth_reference_soften( cloth_reference* reference, double stretch, double 
 void cloth_reference_step( cloth_reference* reference, int substeps );
 /// Largest distance of a vertex to the reference's, m; NaN if a coordinate is.
 double cloth_reference_distance( const cloth_reference* reference, const wisp_vec3* points );
-/// Step through the warm-up of a scenario and record the path at its samples.
-/// @param energy_lost as in scenario_stats
-void cloth_reference_run( cloth_reference* reference, int substeps, const scenario_plan* plan, path_record* record,
-                          double* energy_lost );

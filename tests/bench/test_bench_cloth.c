@@ -5,6 +5,8 @@
 #include "balloon_bench.h"
 #include "cloth_bench.h"
 #include "figures_bench.h"
+#include "suite.h"
+#include "suite/suite_folder.h"
 #include "oracle/constraint_oracle.h"
 #include "wisp/module/module.h"
 
@@ -16,16 +18,8 @@ static cloth_plan small_plan( void )
     plan.comparison_sizes[0] = 8;
     plan.comparison_sizes[1] = 12;
     plan.comparison_count = 2;
-    plan.hang_sizes[0] = 12;
-    plan.hang_count = 1;
-    plan.level_sizes[0] = 12;
-    plan.level_count = 1;
-    plan.irregular_size = 12;
-    plan.has_balloon = false;
-    plan.sweep_size = 12;
     plan.scenario = ( scenario_plan ){ .warm_steps = 6, .measured_steps = 10, .turn_steps = 3 };
     plan.comparison_seconds = 0.0;
-    plan.reference_factor = 16;
     return plan;
 }
 
@@ -58,87 +52,38 @@ static void the_comparison_has_a_line_a_size_with_an_error_and_a_hash( void** st
     results_free( &all );
 }
 
-static void other_engines_stand_beside_only_where_they_were_measured( void** state )
+// ---- its suites ----
+
+static int count_suite_rows( const char* path )
 {
-    (void)state;
-    cloth_plan plan = small_plan();
-    plan.hang_sizes[1] = 32;
-    plan.hang_count = 2;
-    plan.worker_count = 1;
-    results all = { 0 };
+    wisp_suite suite;
     wisp_error error = { 0 };
-    assert_ok( cloth_hang( &plan, &all, &error ), error );
-    assert_false( all.failed );
-    const results_table* table = find_table( &all, "Hanging cloth" );
-    int first_peer = table->column_count - 5;
-    assert_string_equal( cell( table, 1, first_peer ), "-" );
-    assert_string_equal( cell( table, 2, first_peer ), "0.165 / 0.109" );
-    assert_true( has_note( &all, "on the reference machine" ) );
-    assert_int_equal( all.chart_count, 1 );
-    assert_int_equal( all.charts[0].series[0].count, 2 );
-    results_free( &all );
+    assert_ok( suite_read( path, &suite, &error ), error );
+    const int count = suite.row_count;
+    suite_release( &suite );
+    return count;
 }
 
-static void levels_are_compared_with_a_converged_run_on_both_meshes( void** state )
+static void suites_of_the_case_are_read( void** state )
 {
     (void)state;
-    cloth_plan plan = small_plan();
-    results all = { 0 };
-    wisp_error error = { 0 };
-    assert_ok( cloth_levels( &plan, &all, &error ), error );
-    assert_false( all.failed );
-    const results_table* grid = find_table( &all, "Levels and tethers, alternating" );
-    find_table( &all, "Levels and tethers, irregular" );
-    assert_string_equal( cell( grid, grid->row_count - 1, 0 ), "160 in double" );
-    assert_string_equal( cell( grid, 1, 0 ), "10" );
-    for ( int r = 0; r < all.row_count; ++r )
+    static const char* const names[] = { "hang", "levels_64", "levels_128", "levels_irregular", "passes" };
+    for ( size_t i = 0; i < WISP_COUNT( names ); ++i )
     {
-        assert_string_equal( all.rows[r].error_reference, "160 in double" );
-        assert_true( all.rows[r].has_hash );
+        char path[500];
+        snprintf( path, sizeof path, "%s/data/suites/cloth/%s.yaml", WISP_SOURCE_ROOT, names[i] );
+        assert_true( count_suite_rows( path ) >= 4 );
     }
-    // more substeps are closer to the converged run
-    double path_10 = NAN, path_40 = NAN;
-    for ( int r = 0; r < all.row_count; ++r )
-    {
-        const results_row* row = &all.rows[r];
-        double path = row->error.items[row->error.count - 1].value;
-        bool is_grid = strcmp( row->name, "cloth.levels.grid" ) == 0;
-        path_10 = is_grid && strcmp( row->variant, "10" ) == 0 ? path : path_10;
-        path_40 = is_grid && strcmp( row->variant, "40" ) == 0 ? path : path_40;
-    }
-    assert_true( path_40 < path_10 );
-
-    // mean stretch and path of both meshes, and each front has a member
-    assert_int_equal( all.chart_count, 4 );
-    for ( int c = 0; c < all.chart_count; ++c )
-    {
-        int marked = 0;
-        assert_int_equal( all.charts[c].series_count, 1 );
-        for ( int i = 0; i < all.charts[c].series[0].count; ++i )
-        {
-            marked += all.charts[c].series[0].points[i].is_marked;
-        }
-        assert_true( marked > 0 && marked < all.charts[c].series[0].count );
-    }
-    results_free( &all );
 }
 
-static void residuals_fall_with_passes_in_every_order( void** state )
+static void a_folder_without_suites_is_an_error( void** state )
 {
     (void)state;
-    cloth_plan plan = small_plan();
     results all = { 0 };
     wisp_error error = { 0 };
-    assert_ok( cloth_sweeps( &plan, &all, &error ), error );
-    const results_table* table = find_table( &all, "Residual after k passes" );
-    for ( int order = 0; order < 3; ++order )
-    {
-        const char* one = strchr( cell( table, 1, 2 * order + 2 ), '/' );
-        const char* many = strchr( cell( table, table->row_count - 1, 2 * order + 2 ), '/' );
-        assert_non_null( one );
-        assert_non_null( many );
-        assert_true( atof( many + 1 ) < 0.5 * atof( one + 1 ) );
-    }
+    assert_int_equal( suite_bench_folder( "nowhere", 1.0, &quick, &all, &error ), WISP_IO_ERROR );
+    assert_non_null( strstr( error.message, "nowhere" ) );
+    assert_int_equal( suite_bench_folder( "scenes", 1.0, &quick, &all, &error ), WISP_BAD_INPUT );
     results_free( &all );
 }
 
@@ -300,9 +245,8 @@ int main( void )
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test( the_comparison_has_a_line_a_size_with_an_error_and_a_hash ),
-        cmocka_unit_test( other_engines_stand_beside_only_where_they_were_measured ),
-        cmocka_unit_test( levels_are_compared_with_a_converged_run_on_both_meshes ),
-        cmocka_unit_test( residuals_fall_with_passes_in_every_order ),
+        cmocka_unit_test( suites_of_the_case_are_read ),
+        cmocka_unit_test( a_folder_without_suites_is_an_error ),
         cmocka_unit_test( the_reference_projects_as_the_oracle_does ),
         cmocka_unit_test( a_hash_of_its_own_fails_the_run ),
         cmocka_unit_test( an_error_above_its_tolerance_or_without_a_number_fails_the_run ),
