@@ -3,6 +3,7 @@
 #include "gate_page.h"
 #include "gate_paired.h"
 #include "machine.h"
+#include "progress.h"
 #include "suite_callgrind.h"
 #include "suite_reference.h"
 
@@ -187,14 +188,18 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
                                 wisp_error* error )
 {
     suite_reference reference;
+    progress bar = progress_begin();
+    progress_show( &bar, 0.0, "the reference" );
     wisp_status status = suite_reference_make( suite, &reference, error );
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
+        progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
         status = suite_reference_run( &reference, suite->rows + i, o->isa, NULL, out + i, error );
         status = status == WISP_OK && !o->no_instructions ? suite_count_instructions( o->suite, i, out + i, error )
                                                           : status;
     }
     suite_reference_release( &reference );
+    progress_end( &bar );
     return status;
 }
 
@@ -332,8 +337,11 @@ static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_e
     gate_pair_check* checks = calloc( (size_t)suite->row_count, sizeof *checks );
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
-    wisp_status status = checks ? gate_compare_programs( suite, o->suite, o->paired, out.machine.isa, checks, error )
-                                : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    progress bar = progress_begin();
+    wisp_status status =
+        checks ? gate_compare_programs( suite, o->suite, o->paired, out.machine.isa, &bar, checks, error )
+               : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    progress_end( &bar );
     bool is_worse = false;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
@@ -353,8 +361,10 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
 {
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
+    progress bar = progress_begin();
     wisp_status status =
-        gate_self_test( suite, o->suite, o->row, out.machine.isa, o->trials > 0 ? o->trials : 10, &out, error );
+        gate_self_test( suite, o->suite, o->row, out.machine.isa, o->trials > 0 ? o->trials : 10, &bar, &out, error );
+    progress_end( &bar );
     status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
     results_free( &out );
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );

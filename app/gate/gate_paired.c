@@ -272,13 +272,14 @@ static wisp_status find_own_path( char* out, size_t size, wisp_error* error )
 }
 
 wisp_status gate_compare_programs( const wisp_suite* suite, const char* suite_path, const char* old_program,
-                                   const char* isa, gate_pair_check* out, wisp_error* error )
+                                   const char* isa, progress* bar, gate_pair_check* out, wisp_error* error )
 {
     char own[4096];
     wisp_status status = find_own_path( own, sizeof own, error );
     const timed_program programs[] = { { old_program, 0.0 }, { own, 0.0 } };
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
     {
+        progress_show( bar, (double)i / suite->row_count, suite->rows[i].name );
         status = compare_row( i, programs, suite_path, isa, out + i, error );
     }
     if ( status == WISP_OK )
@@ -300,7 +301,7 @@ static void bound_rate( int found, int trials, double* lower, double* upper )
 }
 
 wisp_status gate_self_test( const wisp_suite* suite, const char* suite_path, int number, const char* isa, int trials,
-                            results* out, wisp_error* error )
+                            progress* bar, results* out, wisp_error* error )
 {
     static const double slow[] = { 0.0, 0.02, 0.03, 0.05 };
     const char* const header[] = { "slower by", "gates", "found", "rate", "from", "to", "not measurable" };
@@ -314,6 +315,9 @@ wisp_status gate_self_test( const wisp_suite* suite, const char* suite_path, int
         for ( int t = 0; t < trials && status == WISP_OK; ++t )
         {
             gate_pair_check check = { 0 };
+            char what[64];
+            snprintf( what, sizeof what, "%.0f %% slower, gate %d of %d", 100.0 * slow[k], t + 1, trials );
+            progress_show( bar, ( k + (double)t / trials ) / WISP_COUNT( slow ), what );
             status = compare_row( number, programs, suite_path, isa, &check, error );
             decide( 1, &check );
             found += status == WISP_OK && check.pace == PACE_SLOWER ? 1 : 0;

@@ -3,6 +3,7 @@
 
 #include "suite.h"
 
+#include "progress.h"
 #include "results.h"
 
 typedef enum gate_pace
@@ -31,16 +32,17 @@ wisp_status gate_time_row( const suite_row* row, const char* isa, double slow, d
 
 /// Compare all rows. @param old_program a Wisp that knows `gate step --times`
 /// @param out [row_count]
+/// @param bar that shows how far it is
 /// @return WISP_BAD_INPUT the other program cannot time a row of this suite
 wisp_status gate_compare_programs( const wisp_suite* suite, const char* suite_path, const char* old_program,
-                                   const char* isa, gate_pair_check* out, wisp_error* error );
+                                   const char* isa, progress* bar, gate_pair_check* out, wisp_error* error );
 
 void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out );
 
 /// Compare this program with itself, slowed down by 0, 2, 3 and 5 %, and report how often that was found.
 /// @param trials of each
 wisp_status gate_self_test( const wisp_suite* suite, const char* suite_path, int number, const char* isa, int trials,
-                            results* out, wisp_error* error );
+                            progress* bar, results* out, wisp_error* error );
 
 /// Probability of a mean at least as large if each value had a random sign, exactly for up to 16 values.
 double gate_sign_flip( const double* values, int count );

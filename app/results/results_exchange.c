@@ -112,9 +112,10 @@ static json_t* benchmark_head( const results_row* row, int family, const char* s
     json_object_set_new( object, "run_name", results_json_text( run_name ) );
     json_object_set_new( object, "repetitions", json_integer( repetitions( row ) ) );
     json_object_set_new( object, "threads", json_integer( row->workers > 0 ? row->workers : 1 ) );
-    json_object_set_new( object, "real_time", results_json_number( ms ) );
-    json_object_set_new( object, "cpu_time", results_json_number( cpu_time( row, ms ) ) );
-    json_object_set_new( object, "time_unit", json_string( "ms" ) );
+    json_object_set_new( object, "real_time", results_json_number( 1e6 * ms ) );
+    json_object_set_new( object, "cpu_time", results_json_number( 1e6 * cpu_time( row, ms ) ) );
+    // compare.py prints whole numbers
+    json_object_set_new( object, "time_unit", json_string( "ns" ) );
     return object;
 }
 

@@ -175,16 +175,16 @@ static void gbench_has_the_keys_that_its_readers_need( void** state )
     assert_string_equal( json_string_value( json_object_get( run, "run_name" ) ),
                          json_string_value( json_object_get( run, "name" ) ) );
     assert_string_equal( json_string_value( json_object_get( run, "run_type" ) ), "iteration" );
-    assert_string_equal( json_string_value( json_object_get( run, "time_unit" ) ), "ms" );
+    assert_string_equal( json_string_value( json_object_get( run, "time_unit" ) ), "ns" );
     assert_int_equal( json_integer_value( json_object_get( run, "iterations" ) ), 1 );
     assert_int_equal( json_integer_value( json_object_get( run, "repetitions" ) ), 5 );
     assert_int_equal( json_integer_value( json_object_get( run, "threads" ) ), 2 );
-    assert_true( json_number_value( json_object_get( run, "real_time" ) ) == 0.75 );
-    assert_true( json_number_value( json_object_get( run, "cpu_time" ) ) == 1.5 );
+    assert_true( json_number_value( json_object_get( run, "real_time" ) ) == 0.75e6 );
+    assert_true( json_number_value( json_object_get( run, "cpu_time" ) ) == 1.5e6 );
     assert_true( json_number_value( json_object_get( run, "ms.frozen_hair.freeze" ) ) == 0.25 );
     json_t* median = json_array_get( benchmarks, 6 );
     assert_string_equal( json_string_value( json_object_get( median, "aggregate_name" ) ), "median" );
-    assert_true( json_number_value( json_object_get( median, "real_time" ) ) == 0.75 );
+    assert_true( json_number_value( json_object_get( median, "real_time" ) ) == 0.75e6 );
     json_decref( root );
 }
 
