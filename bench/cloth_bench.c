@@ -2,8 +2,6 @@
 
 #include "suite/suite_folder.h"
 
-#include <math.h>
-
 // Below this time in seconds the largest comparison is left out, and fewer steps are measured.
 #define FULL_SECONDS 40.0
 

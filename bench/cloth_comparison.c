@@ -27,7 +27,7 @@ enum
     VARIANTS_MAX = OURS + SCENARIO_IMPLEMENTATIONS_MAX,
 };
 
-static const cloth_setting setting = { "10 substeps", 10, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
+static const cloth_setting setting = { 10, 1 };
 
 /// Scalar C, and the state that each of its steps starts from.
 typedef struct plain_comparison
@@ -128,10 +128,10 @@ static bool is_plain_finite( const plain_comparison* plain )
 static wisp_status enter( const cloth_plan* plan, int n, comparison* r, wisp_error* error )
 {
     wisp_status status = cloth_scene_make( n, false, &r->scene, error );
-    status = status == WISP_OK ? cloth_cook( &r->scene, &setting, &r->fabric, error ) : status;
+    status = status == WISP_OK ? cloth_cook( &r->scene, &r->fabric, error ) : status;
     for ( int e = 0; e < plan->worker_count && status == WISP_OK; ++e )
     {
-        status = cloth_implementation_create( &r->scene, r->fabric, &setting, NULL, plan->workers[e],
+        status = cloth_implementation_create( &r->scene, r->fabric, &setting, plan->workers[e],
                                               &r->implementations[e], error );
         r->variants[OURS + e] = ( bench_variant ){ .name = "wisp",
                                                    .step = surface_implementation_step,

@@ -129,9 +129,9 @@ static wisp_status run_setting( const cloth_plan* plan, const held_figure* figur
 static wisp_status compare( const cloth_plan* plan, const held_figure* figure, results* out, wisp_error* error )
 {
     path_record reference = { 0 };
-    level_table table = { .has_volume = true, .reference_energy_lost = NAN };
     const int first_row = out->row_count;
     char reference_name[40], title[160];
+    level_table table = { .reference_name = reference_name };
     skin_setting converged = settings[0];
     converged.substeps *= REFERENCE_FACTOR;
     snprintf( reference_name, sizeof( reference_name ), "%d x 2, engine", converged.substeps );
@@ -143,10 +143,6 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
     {
         status = run_setting( plan, figure, &converged, 1, NULL, &reference, &line, out, error );
     }
-    if ( status == WISP_OK )
-    {
-        table.reference_name = reference_name;
-    }
     for ( int i = 0; i < WISP_COUNT( settings ) && status == WISP_OK; ++i )
     {
         status = run_setting( plan, figure, &settings[i], plan->worker_count, &reference, NULL,
@@ -157,7 +153,7 @@ static wisp_status compare( const cloth_plan* plan, const held_figure* figure, r
         snprintf( title, sizeof( title ), "Levels on a balloon: %s, %d vertices, filled to %.1f times its volume",
                   figure->name, figure->mesh.vertex_count, (double)FILL );
         level_table_write( plan, &table, title, out );
-        level_table_charts( plan, &table, "cloth.levels.balloon", first_row, figure->name, out );
+        level_table_chart( plan, "cloth.levels.balloon", first_row, figure->name, out );
         results_add_note( out,
                           "Levels on a balloon: the reference is Wisp with %d substeps; its volume differs by %.3f "
                           "%% from the gas's volume V_0, as it should, because the skin resists.",

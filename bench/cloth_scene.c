@@ -1,6 +1,5 @@
 #include "cloth_scene.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 wisp_status cloth_scene_make( int n, bool is_irregular, cloth_scene* out, wisp_error* error )
@@ -19,24 +18,18 @@ void cloth_scene_free( cloth_scene* scene )
     wisp_mesh_release( &scene->mesh );
 }
 
-wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out, wisp_error* error )
+wisp_status cloth_cook( const cloth_scene* scene, wisp_fabric** out, wisp_error* error )
 {
     wisp_fabric_def def = wisp_default_fabric_def();
     def.attachments = scene->pins;
     def.attachment_count = WISP_COUNT( scene->pins );
-    def.tethers = setting->tethers;
-    def.levels = setting->levels ? WISP_FABRIC_MAX_LEVELS : 0;
-    def.finest_level = setting->finest_level > 0 ? setting->finest_level : def.finest_level;
-    def.solve_order = setting->solve_order;
     return surface_cook( &scene->mesh, def, out, error );
 }
 
 wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
-                                         const wisp_vec3* points, int workers, surface_implementation* out,
-                                         wisp_error* error )
+                                         int workers, surface_implementation* out, wisp_error* error )
 {
     surface_generator generator = surface_default_generator( &wisp_cloth_module, fabric );
-    generator.points = points;
     generator.pins = scene->pins;
     generator.pin_count = WISP_COUNT( scene->pins );
     generator.vertex_mass = 1.0f;
@@ -52,8 +45,6 @@ wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* 
     wisp_cloth_def def = wisp_default_cloth_def();
     def.solver = WISP_SOLVER_PBD;
     def.bend_stiffness = CLOTH_BEND_STIFFNESS;
-    def.tethers = setting->tethers;
-    def.level_passes = setting->levels ? 1 : 0;
     status = wisp_set_cloth( out->world, out->entity, &def );
     if ( status != WISP_OK )
     {

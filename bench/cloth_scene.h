@@ -26,20 +26,12 @@ void cloth_scene_free( cloth_scene* scene );
 /// A solver setting.
 typedef struct cloth_setting
 {
-    const char* name;
     int substeps, iterations;
-    bool tethers, levels;
-    wisp_solve_order solve_order;
-    int finest_level; ///< as in wisp_fabric_def; 0: its default
 } cloth_setting;
 
-/// Cook the scene with the data that a setting needs.
-wisp_status cloth_cook( const cloth_scene* scene, const cloth_setting* setting, wisp_fabric** out,
-                        wisp_error* error );
-/// @param points start positions of the vertices, null: the rest shape
+wisp_status cloth_cook( const cloth_scene* scene, wisp_fabric** out, wisp_error* error );
 wisp_status cloth_implementation_create( const cloth_scene* scene, wisp_fabric* fabric, const cloth_setting* setting,
-                                         const wisp_vec3* points, int workers, surface_implementation* out,
-                                         wisp_error* error );
+                                         int workers, surface_implementation* out, wisp_error* error );
 
 // ---- the same cloth in double precision ----
 

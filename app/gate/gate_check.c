@@ -27,8 +27,7 @@ static void add_message( gate_row_check* out, suite_measure m, double base, doub
               used > 0 ? "; " : "", suite_measures[m].name, now, base, change, most );
 }
 
-// 0 if the pass did not run or was not counted.
-static double pass_instructions( const suite_measurement* m, const char* name )
+double gate_pass_instructions( const suite_measurement* m, const char* name )
 {
     for ( int i = 0; i < m->pass_count; ++i )
     {
@@ -52,8 +51,8 @@ static void add_passes( gate_row_check* out, const suite_measurement* was )
         const char* name = NULL;
         for ( int i = 0; i < now->pass_count; ++i )
         {
-            const double more =
-                pass_instructions( now, now->passes[i].name ) - pass_instructions( was, now->passes[i].name );
+            const double more = gate_pass_instructions( now, now->passes[i].name ) -
+                                gate_pass_instructions( was, now->passes[i].name );
             if ( more >= most && more < last )
             {
                 most = more;
@@ -63,7 +62,7 @@ static void add_passes( gate_row_check* out, const suite_measurement* was )
         const size_t used = strlen( out->message );
         if ( name )
         {
-            const double base = pass_instructions( was, name );
+            const double base = gate_pass_instructions( was, name );
             char change[32] = "which is new";
             if ( base > 0.0 )
             {

@@ -49,6 +49,9 @@ int gate_count_missing( const gate_base* base, const suite_row* rows, int row_co
 
 gate_verdict gate_verdict_of( const wisp_suite* suite, const gate_row_check* checks );
 
+/// @return instructions of a pass; 0: it did not run or was not counted
+double gate_pass_instructions( const suite_measurement* m, const char* name );
+
 /// The name and the settings of a row, as reports have them.
 void gate_row_label( const suite_row* row, char* out, size_t size );
 

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <string.h>
 
 enum
 {
@@ -14,26 +13,14 @@ enum
 
 static const char* const sides[] = { "before", "after" };
 
-static double instructions_of( const suite_measurement* m, const char* pass )
-{
-    for ( int i = 0; i < m->pass_count; ++i )
-    {
-        if ( strcmp( m->passes[i].name, pass ) == 0 )
-        {
-            return m->passes[i].instructions;
-        }
-    }
-    return NAN;
-}
-
-// Add a line of bars, before and after, in millions. A side without a number has no bar.
+// Add a line of bars, before and after, in millions.
 static void add_bars( results* out, int chart, const int series[2], int line, const char* label, double before,
                       double after )
 {
     const double values[] = { before, after };
     for ( int side = 0; side < 2; ++side )
     {
-        results_point point = { .x = line, .y = 1e-6 * ( isfinite( values[side] ) ? values[side] : 0.0 ) };
+        results_point point = { .x = line, .y = 1e-6 * values[side] };
         snprintf( point.label, sizeof point.label, "%.191s", label );
         results_add_point( out, chart, series[side], point );
     }
@@ -108,8 +95,8 @@ static void add_pass_chart( const suite_row* row, const gate_row_check* check, r
           i = next_pass( &check->now, is_done ) )
     {
         const suite_pass* pass = &check->now.passes[i];
-        add_bars( out, chart, series, line++, pass->name, instructions_of( &check->base->measured, pass->name ),
-                  pass->instructions );
+        add_bars( out, chart, series, line++, pass->name,
+                  gate_pass_instructions( &check->base->measured, pass->name ), pass->instructions );
         is_done[i] = true;
     }
 }

@@ -96,9 +96,8 @@ static void the_reference_projects_as_the_oracle_does( void** state )
     wisp_fabric* fabric;
     cloth_reference reference;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
     assert_ok( cloth_scene_make( 6, true, &scene, &error ), error );
-    assert_ok( cloth_cook( &scene, &setting, &fabric, &error ), error );
+    assert_ok( cloth_cook( &scene, &fabric, &error ), error );
     assert_ok( cloth_reference_create( &scene, fabric, &reference, &error ), error );
     assert_int_equal( reference.link_count, fabric->link_count );
     double3* p = checked_calloc( (size_t)reference.slot_count, sizeof( double3 ) );
@@ -181,11 +180,11 @@ static void a_cloth_that_leaves_its_bounds_is_shown_as_halted( void** state )
     surface_implementation implementation;
     scenario_stats stats;
     wisp_error error = { 0 };
-    const cloth_setting setting = { "one", 1, 1, false, false, WISP_SOLVE_ORDER_COLOUR, 0 };
+    const cloth_setting setting = { 1, 1 };
     const scenario_plan plan = { .warm_steps = 3, .measured_steps = 6, .turn_steps = 3 };
     assert_ok( cloth_scene_make( 6, false, &scene, &error ), error );
-    assert_ok( cloth_cook( &scene, &setting, &fabric, &error ), error );
-    assert_ok( cloth_implementation_create( &scene, fabric, &setting, NULL, 1, &implementation, &error ), error );
+    assert_ok( cloth_cook( &scene, &fabric, &error ), error );
+    assert_ok( cloth_implementation_create( &scene, fabric, &setting, 1, &implementation, &error ), error );
     assert_ok( surface_implementation_step( &implementation, &error ), error );
     float* position = wisp_world_column( implementation.world, implementation.entity, WISP_PARTICLE_POSITION, 0 );
     position[4 * fabric->vertex_slot[17]] = NAN;
