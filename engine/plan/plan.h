@@ -21,6 +21,7 @@ enum
     PLAN_MAX_FUSIONS = 8,
     PLAN_MAX_STATES = 32,
     PLAN_MAX_WORKSPACES = 16,
+    PLAN_MAX_AROUNDS = 8,
 };
 
 typedef struct plan_workspace
@@ -46,6 +47,16 @@ typedef struct plan_fusion
     void* user;
 } plan_fusion;
 
+/// A function around a pass or a fusion, and what it surrounds.
+typedef struct plan_around
+{
+    wisp_pass_fn* run;        // null: it surrounds a fusion
+    wisp_fused_fn* run_fused; // null: it surrounds a pass
+    void* user;               // of either
+    wisp_around_fn* around;
+    void* around_user;
+} plan_around;
+
 struct wisp_registry
 {
     store* store;
@@ -59,6 +70,8 @@ struct wisp_registry
     int state_count;
     plan_workspace workspaces[PLAN_MAX_WORKSPACES];
     int workspace_count;
+    plan_around arounds[PLAN_MAX_AROUNDS];
+    int around_count;
     const char* module; // module whose declare() is running
     wisp_error error;   // of the first invalid declaration
 };
@@ -74,6 +87,10 @@ void plan_registry_removed( const wisp_registry* r, wisp_world* world, wisp_enti
 /// Call the hooks of teleports. The first failure ends it. @param is_moved set if a module moves the entity
 wisp_status plan_registry_teleported( const wisp_registry* r, wisp_world* world, wisp_entity entity,
                                       const wisp_teleport_motion* teleport, bool* is_moved );
+
+/// Have a function run around a pass or a fusion.
+/// @return false if none of that name is without one, or if there are PLAN_MAX_AROUNDS already
+bool plan_surround( wisp_registry* r, const char* name, wisp_around_fn* around, void* user );
 
 /// Where a node runs: loops are sections, and a section without nodes does not exist.
 typedef enum plan_section

@@ -232,6 +232,17 @@ WISP_API void wisp_frame_fail( wisp_frame* frame, wisp_status status, const char
 /// Add to a counter of the world. Thread-safe; sums are order-free.
 WISP_API void wisp_frame_count( wisp_frame* frame, wisp_counter counter, uint64_t amount );
 
+// ---- around passes ----
+
+/// Runs around a pass: calls `run( call )` exactly once, between work of its own. Any worker calls it, for each span of items.
+typedef void wisp_around_fn( void* user, void ( *run )( void* call ), void* call );
+/// Have a function run around a pass, to trace it or, in tests, to slow it down. A pass without one costs what it did before.
+/// A fusion has a name of its own; it runs its passes without what is around them.
+/// @param name of a pass or of a fusion, "module.verb"
+/// @param user is passed on, and must live as long as the world
+/// @return WISP_CONFLICT there is no such pass, it has a function around it already, or eight others have
+WISP_API wisp_status wisp_world_surround( wisp_world* world, const char* name, wisp_around_fn* around, void* user );
+
 // ---- between steps, for a module's public functions ----
 
 /// Add an entity that is neither strands nor a surface: it has rows in WISP_TABLE_ENTITY alone, for what a module
