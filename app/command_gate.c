@@ -7,12 +7,15 @@
 #include "suite_callgrind.h"
 #include "suite_reference.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum
 {
     KEY_NO_INSTRUCTIONS = 0x100,
+    KEY_CYCLES,
     KEY_JUNIT,
     KEY_HTML,
     KEY_BADGE,
@@ -21,9 +24,11 @@ enum
     KEY_ROW,
     KEY_ISA,
     KEY_PAIRED,
-    KEY_TIMES,
+    KEY_TURNS,
     KEY_SLOW,
+    KEY_PASS,
     KEY_TRIALS,
+    KEY_PATIENCE,
 };
 
 static const struct argp_option option_list[] = {
@@ -32,12 +37,16 @@ static const struct argp_option option_list[] = {
     { "output", 'o', "FILE", 0, "record: the base file, as --base", 0 },
     { NULL, 0, NULL, 0, "Measuring:", 2 },
     { "no-instructions", KEY_NO_INSTRUCTIONS, 0, 0, "Do not count instructions, for which valgrind is needed", 0 },
+    { "cycles", KEY_CYCLES, 0, 0, "record, accept: estimate cycles too, with a model of caches; three times as slow",
+      0 },
     { "isa", KEY_ISA, "SET", 0, "Kernels: baseline, avx2 or avx512; default: the best, whose bits are the same", 0 },
     { "row", KEY_ROW, "N", 0, "step, self-test: number of the row, counted from 0", 0 },
-    { "times", KEY_TIMES, 0, 0, "step: repeat the row and print its time", 0 },
-    { "slow", KEY_SLOW, "F", OPTION_HIDDEN, "step: waste this fraction of each step's time", 0 },
+    { "turns", KEY_TURNS, 0, OPTION_HIDDEN, "step: run the row for each byte of input and print its time", 0 },
+    { "slow", KEY_SLOW, "N", OPTION_HIDDEN, "step: slow the pass down by work of N loops for each call", 0 },
+    { "pass", KEY_PASS, "NAME", 0, "self-test: the pass to slow down; default: the one that takes most time", 0 },
     { "trials", KEY_TRIALS, "N", 0, "self-test: gates of each slow-down, default 10", 0 },
     { "paired", KEY_PAIRED, "WISP", 0, "check: compare times with another program, instead of a base file", 0 },
+    { "patience", KEY_PATIENCE, "S", 0, "check --paired: longest time of one run of a row, default 120 s", 0 },
     { NULL, 0, NULL, 0, "Verdict:", 3 },
     { "reason", 'r', "TEXT", 0, "accept: why the new values are right; it is kept in the base file", 0 },
     { "strict", KEY_STRICT, 0, 0, "check: rows that only the suite or only the base has fail, too", 0 },
@@ -85,10 +94,11 @@ typedef struct gate_options
 {
     bool has_action;
     gate_action action;
-    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired;
-    bool no_instructions, is_strict, prints_annotations, has_times;
+    const char *suite, *base, *isa, *reason, *junit, *html, *badge, *paired, *pass;
+    bool no_instructions, has_cycles, is_strict, prints_annotations, takes_turns;
     int row, trials;
-    double slow;
+    gate_slow slow; // step: what is slowed down
+    double patience;
     results_format format;
     int argc;
     char** argv;
@@ -113,6 +123,9 @@ static error_t parse( int key, char* argument, struct argp_state* state )
         case KEY_NO_INSTRUCTIONS:
             o->no_instructions = true;
             return 0;
+        case KEY_CYCLES:
+            o->has_cycles = true;
+            return 0;
         case KEY_ISA:
             o->isa = option_isa_words[option_word( state, "--isa", argument, option_isa_words, 3 )];
             return 0;
@@ -123,13 +136,20 @@ static error_t parse( int key, char* argument, struct argp_state* state )
             o->paired = argument;
             return 0;
         case KEY_SLOW:
-            o->slow = option_positive( state, "--slow", argument, 10.0 );
+            o->slow.loops = option_whole( state, "--slow", argument, 0, INT_MAX );
             return 0;
         case KEY_TRIALS:
             o->trials = option_whole( state, "--trials", argument, 1, 100000 );
             return 0;
-        case KEY_TIMES:
-            o->has_times = true;
+        case KEY_TURNS:
+            o->takes_turns = true;
+            return 0;
+        case KEY_PASS:
+            o->pass = argument;
+            snprintf( o->slow.pass, sizeof o->slow.pass, "%s", argument );
+            return 0;
+        case KEY_PATIENCE:
+            o->patience = option_positive( state, "--patience", argument, 1e6 );
             return 0;
         case KEY_STRICT:
             o->is_strict = true;
@@ -187,6 +207,7 @@ static char* default_base( const char* suite )
 static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, suite_measurement* out,
                                 wisp_error* error )
 {
+    const suite_count_options counts = { .has_cycles = o->has_cycles };
     suite_reference reference;
     progress bar = progress_begin();
     progress_show( &bar, 0.0, "the reference" );
@@ -195,8 +216,9 @@ static wisp_status measure_all( const wisp_suite* suite, const gate_options* o, 
     {
         progress_show( &bar, (double)i / suite->row_count, suite->rows[i].name );
         status = suite_reference_run( &reference, suite->rows + i, o->isa, NULL, out + i, error );
-        status = status == WISP_OK && !o->no_instructions ? suite_count_instructions( o->suite, i, out + i, error )
-                                                          : status;
+        status = status == WISP_OK && !o->no_instructions
+                     ? suite_count_instructions( o->suite, i, &counts, out + i, error )
+                     : status;
     }
     suite_reference_release( &reference );
     progress_end( &bar );
@@ -312,7 +334,18 @@ static wisp_status report( const wisp_suite* suite, const gate_options* o, const
     return status;
 }
 
-static int check( const wisp_suite* suite, const gate_options* o, wisp_error* error )
+static bool base_has( const gate_base* base, suite_measure m )
+{
+    bool any = false;
+    for ( int i = 0; i < base->row_count; ++i )
+    {
+        any = any || isfinite( base->rows[i].measured.values[m] );
+    }
+    return any;
+}
+
+// Counts what the base has, if its counts can be compared.
+static int check( const wisp_suite* suite, gate_options* o, wisp_error* error )
 {
     gate_base base;
     bool is_worse = false;
@@ -321,6 +354,8 @@ static int check( const wisp_suite* suite, const gate_options* o, wisp_error* er
     suite_measurement* measured = calloc( (size_t)suite->row_count, sizeof *measured );
     if ( status == WISP_OK )
     {
+        o->has_cycles = base_has( &base, SUITE_CYCLES ) && gate_counts_are_comparable( &base );
+        o->no_instructions = o->no_instructions || !base_has( &base, SUITE_INSTRUCTIONS );
         status = measured ? measure_all( suite, o, measured, error )
                           : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
     }
@@ -338,9 +373,9 @@ static int compare_times( const wisp_suite* suite, const gate_options* o, wisp_e
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
     progress bar = progress_begin();
-    wisp_status status =
-        checks ? gate_compare_programs( suite, o->suite, o->paired, out.machine.isa, &bar, checks, error )
-               : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
+    const gate_turns turns = { .suite = o->suite, .isa = out.machine.isa, .patience = o->patience };
+    wisp_status status = checks ? gate_compare_programs( suite, o->paired, turns, &bar, checks, error )
+                                : wisp_fail( error, WISP_NO_MEMORY, "gate: out of memory for rows" );
     progress_end( &bar );
     bool is_worse = false;
     for ( int i = 0; i < suite->row_count && status == WISP_OK; ++i )
@@ -362,24 +397,30 @@ static int test_itself( const wisp_suite* suite, const gate_options* o, wisp_err
     results out = { .machine = machine_describe( o->isa ? o->isa : "avx2" ), .is_result_first = true };
     results_put_options( &out, o->argc, o->argv );
     progress bar = progress_begin();
-    wisp_status status =
-        gate_self_test( suite, o->suite, o->row, out.machine.isa, o->trials > 0 ? o->trials : 10, &bar, &out, error );
+    const gate_turns turns = { .suite = o->suite, .isa = out.machine.isa, .row = o->row, .patience = o->patience };
+    const gate_self_test_options options = { o->pass, o->trials > 0 ? o->trials : 10, !o->no_instructions };
+    wisp_status status = gate_self_test( suite, &turns, &options, &bar, &out, error );
     progress_end( &bar );
     status = status == WISP_OK ? results_write_file( &out, o->format, NULL, error ) : status;
     results_free( &out );
     return status == WISP_OK ? STATUS_GOOD : command_fail( error );
 }
 
-static int step_row( const wisp_suite* suite, const gate_options* o, wisp_error* error )
+static wisp_status slow_down( void* user, const scene_world* world, wisp_error* error )
 {
+    return world->next_step == 0 ? gate_slow_apply( user, world->world, error ) : WISP_OK;
+}
+
+static int step_row( const wisp_suite* suite, gate_options* o, wisp_error* error )
+{
+    const suite_row* row = suite->rows + o->row;
+    const suite_observer observer = { slow_down, &o->slow };
     suite_measurement measured;
-    double ns;
-    if ( o->has_times && gate_time_row( suite->rows + o->row, o->isa, o->slow, &ns, error ) == WISP_OK )
+    if ( o->takes_turns )
     {
-        printf( "wisp_gate_ns 1 %.0f\n", ns );
-        return STATUS_GOOD;
+        return gate_answer_turns( row, &o->slow, o->isa, error ) == WISP_OK ? STATUS_GOOD : command_fail( error );
     }
-    if ( o->has_times || suite_run_row( suite->rows + o->row, o->isa, NULL, &measured, error ) != WISP_OK )
+    if ( suite_run_row( row, o->isa, &observer, &measured, error ) != WISP_OK )
     {
         return command_fail( error );
     }
@@ -387,7 +428,7 @@ static int step_row( const wisp_suite* suite, const gate_options* o, wisp_error*
     return STATUS_GOOD;
 }
 
-static int run_action( const wisp_suite* suite, const gate_options* o, wisp_error* error )
+static int run_action( const wisp_suite* suite, gate_options* o, wisp_error* error )
 {
     if ( o->row >= suite->row_count )
     {
@@ -420,7 +461,7 @@ static int run_action( const wisp_suite* suite, const gate_options* o, wisp_erro
 
 int command_gate( int argc, char** argv )
 {
-    gate_options options = { .argc = argc, .argv = argv };
+    gate_options options = { .argc = argc, .argv = argv, .patience = 120.0 };
     const struct argp parser = { option_list, parse, "ACTION SUITE", doc, NULL, NULL, NULL };
     argp_parse( &parser, argc, argv, 0, NULL, &options );
     char* beside = options.base ? NULL : default_base( options.suite );

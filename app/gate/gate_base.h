@@ -5,7 +5,7 @@
 
 enum
 {
-    GATE_VERSION = 3, ///< 2: instructions by pass; 3: errors
+    GATE_VERSION = 4, ///< 2: instructions by pass; 3: errors; 4: cycles, iterations of solvers
     GATE_MAX_REASON = 200,
 };
 

@@ -90,7 +90,8 @@ void gate_check_row( const suite_row* row, const gate_base* base, bool compares_
     {
         const double most = was->values[m] * ( 1.0 + row->budgets[m].relative ) + row->budgets[m].absolute;
         const bool is_known = isfinite( was->values[m] ) && !isnan( now->values[m] );
-        if ( is_known && ( m != SUITE_INSTRUCTIONS || compares_counts ) && now->values[m] > most )
+        const bool is_counted = m == SUITE_INSTRUCTIONS || m == SUITE_CYCLES;
+        if ( is_known && ( !is_counted || compares_counts ) && now->values[m] > most )
         {
             out->worse[m] = true;
             out->state = GATE_WORSE;
@@ -202,12 +203,12 @@ static void add_row( const suite_row* row, const gate_row_check* check, results*
 
 void gate_report( const wisp_suite* suite, const gate_row_check* checks, results* out )
 {
-    const char* const header[] = { "row", "verdict", "instructions", "bytes", "allocations", "accuracy" };
+    const char* const header[] = { "row", "verdict", "instructions", "cycles", "bytes", "allocations", "accuracy" };
     int counts[GATE_STATE_COUNT] = { 0 };
     const int table = results_add_table( out, "Rows", WISP_COUNT( header ), header );
     for ( int i = 0; i < suite->row_count; ++i )
     {
-        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[3][40], accuracy[64];
+        char name[SUITE_MAX_NAME + SUITE_MAX_VARIANT + 2], cells[4][40], accuracy[64];
         gate_row_label( suite->rows + i, name, sizeof name );
         for ( int m = SUITE_INSTRUCTIONS; m <= SUITE_ALLOCATIONS; ++m )
         {
@@ -216,7 +217,7 @@ void gate_report( const wisp_suite* suite, const gate_row_check* checks, results
         format_accuracy( checks + i, accuracy, sizeof accuracy );
         results_add_cells( out, table,
                            ( const char* const[] ){ name, gate_state_names[checks[i].state], cells[0], cells[1],
-                                                    cells[2], checks[i].base ? accuracy : "-" } );
+                                                    cells[2], cells[3], checks[i].base ? accuracy : "-" } );
         counts[checks[i].state] += 1;
         add_row( suite->rows + i, checks + i, out );
     }

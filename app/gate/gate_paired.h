@@ -1,7 +1,7 @@
 /// Times of two programs, compared in pairs: both run a row by turns, so that what slows one down slows the other down too.
 #pragma once
 
-#include "suite.h"
+#include "gate_turns.h"
 
 #include "progress.h"
 #include "results.h"
@@ -25,24 +25,34 @@ typedef struct gate_pair_check
     double p;            ///< of a slow-down beyond what is allowed, by flipping signs
 } gate_pair_check;
 
-/// Time a row in this process.
-/// @param slow fraction of each step's time that is wasted after it, to see whether that is found
-/// @param out ns of processor time of all steps, the 10th percentile of repeated runs
-wisp_status gate_time_row( const suite_row* row, const char* isa, double slow, double* out, wisp_error* error );
-
-/// Compare all rows. @param old_program a Wisp that knows `gate step --times`
-/// @param out [row_count]
+/// Compare all rows. @param old_program a Wisp that knows `gate step --turns`
+/// @param turns its row is that of each turn
 /// @param bar that shows how far it is
+/// @param out [row_count]
 /// @return WISP_BAD_INPUT the other program cannot time a row of this suite
-wisp_status gate_compare_programs( const wisp_suite* suite, const char* suite_path, const char* old_program,
-                                   const char* isa, progress* bar, gate_pair_check* out, wisp_error* error );
+wisp_status gate_compare_programs( const wisp_suite* suite, const char* old_program, gate_turns turns, progress* bar,
+                                   gate_pair_check* out, wisp_error* error );
+
+/// Compare one row as one of a gate of `row_count` rows, which share the level of false alarms.
+wisp_status gate_compare_row( const gate_program programs[2], const gate_turns* turns, int row_count,
+                              gate_pair_check* out, wisp_error* error );
+
+/// The path of this program.
+wisp_status gate_own_path( char* out, size_t size, wisp_error* error );
 
 void gate_report_pairs( const wisp_suite* suite, const gate_pair_check* checks, results* out );
 
-/// Compare this program with itself, slowed down by 0, 2, 3 and 5 %, and report how often that was found.
-/// @param trials of each
-wisp_status gate_self_test( const wisp_suite* suite, const char* suite_path, int number, const char* isa, int trials,
+typedef struct gate_self_test_options
+{
+    const char* pass;         ///< that is slowed down; null: the one that takes most time
+    int trials;               ///< gates of each slow-down
+    bool counts_instructions; ///< too, with valgrind
+} gate_self_test_options;
+
+/// Compare this program with itself, one of its passes slowed down so that steps take 0, 2, 3 and 5 % longer, and report how often
+/// that was found.
+wisp_status gate_self_test( const wisp_suite* suite, const gate_turns* turns, const gate_self_test_options* options,
                             progress* bar, results* out, wisp_error* error );
 
-/// Probability of a mean at least as large if each value had a random sign, exactly for up to 16 values.
+/// Probability of a mean at least as large if each value had a random sign, exactly for up to 24 values.
 double gate_sign_flip( const double* values, int count );

@@ -11,6 +11,7 @@
 
 const suite_measure_info suite_measures[SUITE_MEASURE_COUNT] = {
     [SUITE_INSTRUCTIONS] = { "instructions", { 0.005, 0.0 } },
+    [SUITE_CYCLES] = { "cycles", { 0.02, 0.0 } },
     [SUITE_BYTES] = { "bytes", { 0.01, 0.0 } },
     [SUITE_ALLOCATIONS] = { "allocations", { 0.0, 0.0 } },
     [SUITE_ERROR] = { "error", { 0.05, 1e-6 } },
@@ -18,6 +19,7 @@ const suite_measure_info suite_measures[SUITE_MEASURE_COUNT] = {
     [SUITE_ENERGY] = { "energy", { 0.05, 1e-9 } },
     [SUITE_PENETRATION] = { "penetration", { 0.05, 1e-5 } },
     [SUITE_INTERSECTIONS] = { "intersections", { 0.0, 0.0 } },
+    [SUITE_SOLVER_ITERATIONS] = { "solver_iterations", { 0.05, 0.0 } },
     [SUITE_RESETS] = { "resets", { 0.0, 0.0 } },
     [SUITE_NOT_CONVERGED] = { "not_converged", { 0.0, 0.0 } },
     [SUITE_HALTED] = { "halted", { 0.0, 0.0 } },

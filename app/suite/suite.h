@@ -18,16 +18,18 @@ enum
 typedef enum suite_measure
 {
     SUITE_INSTRUCTIONS, ///< of all steps; NaN where they were not counted
+    SUITE_CYCLES,       ///< estimated: instructions, misses of caches, divisions and roots; NaN as above
     SUITE_BYTES,        ///< of the world at the end
     SUITE_ALLOCATIONS,  ///< in the second half of the steps
     SUITE_ERROR,   ///< m, root mean square distance to the reference; NaN without one, infinity if it is not finite
     SUITE_STRETCH, ///< the largest mean of an entity's |l / l0 - 1| after any step
     SUITE_ENERGY,  ///< J, the largest sum of all entities above the start
-    SUITE_PENETRATION,   ///< m, of the deepest vertex below what a collider keeps, after any step
-    SUITE_INTERSECTIONS, ///< edges through triangles at the end, where the scene counts them
-    SUITE_RESETS,        ///< strands that were put back to their rest lengths
-    SUITE_NOT_CONVERGED, ///< linear solves that reached their limit
-    SUITE_HALTED,        ///< entities
+    SUITE_PENETRATION,       ///< m, of the deepest vertex below what a collider keeps, after any step
+    SUITE_INTERSECTIONS,     ///< edges through triangles at the end, where the scene counts them
+    SUITE_SOLVER_ITERATIONS, ///< of linear solves in all steps; NaN where nothing is solved so
+    SUITE_RESETS,            ///< strands that were put back to their rest lengths
+    SUITE_NOT_CONVERGED,     ///< linear solves that reached their limit
+    SUITE_HALTED,            ///< entities
     SUITE_MEASURE_COUNT,
 } suite_measure;
 

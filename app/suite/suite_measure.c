@@ -1,6 +1,7 @@
 // A row is run on one worker, so that allocations and instructions repeat. Requests of statistics change no bit.
 #include "suite_measure.h"
 
+#include "implicit_cloth/implicit_cloth.h"
 #include "wisp/explain.h"
 
 #include <math.h>
@@ -43,6 +44,7 @@ static void request_all( wisp_scene* scene )
         wisp_scene_surface* s = &scene->surfaces[i];
         s->request_points = s->request_motion_stats = true;
         s->request_contacts = s->has_collision;
+        s->request_stats = s->request_stats || s->has_implicit;
     }
 }
 
@@ -90,6 +92,22 @@ uint64_t suite_hash_points( const scene_world* world, wisp_vec3* points, uint64_
     return hash;
 }
 
+// Iterations of the linear solves of a step. @return NaN if no surface has any
+static double count_iterations( const scene_world* world )
+{
+    double sum = NAN;
+    for ( int i = 0; i < world->scene->surface_count; ++i )
+    {
+        wisp_implicit_cloth_stats stats;
+        if ( world->scene->surfaces[i].has_implicit &&
+             wisp_read_implicit_cloth_stats( world->world, world->surfaces[i].entity, &stats ) == WISP_OK )
+        {
+            sum = ( isnan( sum ) ? 0.0 : sum ) + stats.iterations;
+        }
+    }
+    return sum;
+}
+
 static void watch_step( const scene_world* world, watch* w, suite_measurement* out )
 {
     double sum = 0.0;
@@ -108,6 +126,7 @@ static void watch_step( const scene_world* world, watch* w, suite_measurement* o
         }
     }
     out->hash = suite_hash_points( world, w->points, out->hash );
+    out->values[SUITE_SOLVER_ITERATIONS] += count_iterations( world );
     w->energy = out->steps == 0 ? sum : w->energy;
     out->values[SUITE_ENERGY] = fmax( out->values[SUITE_ENERGY], sum - w->energy );
 }
@@ -197,7 +216,8 @@ wisp_status suite_run_row( const suite_row* row, const char* isa, const suite_ob
                            suite_measurement* out, wisp_error* error )
 {
     *out = ( suite_measurement ){ .hash = SUITE_HASH_BEGIN };
-    out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_ERROR] = out->values[SUITE_INTERSECTIONS] = NAN;
+    out->values[SUITE_INSTRUCTIONS] = out->values[SUITE_CYCLES] = out->values[SUITE_ERROR] =
+        out->values[SUITE_INTERSECTIONS] = NAN;
     wisp_scene scene;
     wisp_status status = suite_scene( row, &scene, error );
     if ( status != WISP_OK )

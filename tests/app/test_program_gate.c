@@ -170,6 +170,53 @@ static void instructions_repeat( void** state )
     assert_contains( result.out, "instructions is " );
 }
 
+// A base that has cycles is compared with cycles, without being asked.
+static void cycles_repeat( void** state )
+{
+    (void)state;
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
+    run( "gate record suite.yaml --cycles" );
+    if ( result.status != 0 )
+    {
+        assert_contains( result.err, "valgrind" );
+        skip();
+    }
+    run_ok( "gate check suite.yaml" );
+    json_t* base = json_load_file( "suite-base.json", 0, NULL );
+    json_t* values = json_object_get( json_array_get( json_object_get( base, "rows" ), 0 ), "values" );
+    const json_int_t cycles = json_integer_value( json_object_get( values, "cycles" ) );
+    assert_true( cycles > json_integer_value( json_object_get( values, "instructions" ) ) );
+    json_object_set_new( values, "cycles", json_integer( cycles - cycles / 20 ) );
+    json_dump_file( base, "suite-base.json", 0 );
+    json_decref( base );
+    run( "gate check suite.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "cycles is " );
+}
+
+static void iterations_of_linear_solves_are_compared( void** state )
+{
+    (void)state;
+    write_text( "implicit.yaml",
+                "wisp: 1\nsteps: 4\nsurfaces:\n  - name: a\n    generate: { shape: plane, columns: 9, "
+                "rows: 9 }\n    pins: [0]\n    implicit: {}\n" );
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: implicit.yaml }, { file: cloth.yaml, steps: 2 }]\n" );
+    run_ok( "gate record suite.yaml --no-instructions" );
+    json_t* base = json_load_file( "suite-base.json", 0, NULL );
+    json_t* rows = json_object_get( base, "rows" );
+    json_t* values = json_object_get( json_array_get( rows, 0 ), "values" );
+    const json_int_t count = json_integer_value( json_object_get( values, "solver_iterations" ) );
+    assert_true( count >= 4 );
+    assert_true( json_is_null(
+        json_object_get( json_object_get( json_array_get( rows, 1 ), "values" ), "solver_iterations" ) ) );
+    json_object_set_new( values, "solver_iterations", json_integer( count / 2 ) );
+    json_dump_file( base, "suite-base.json", 0 );
+    json_decref( base );
+    run( "gate check suite.yaml" );
+    assert_int_equal( result.status, 1 );
+    assert_contains( result.out, "solver_iterations is " );
+}
+
 typedef struct bad_suite
 {
     const char *text, *named;
@@ -223,7 +270,7 @@ static void bad_bases_are_refused_and_stay( void** state )
     free( good );
     write_text( "other.json", "{ \"wisp_gate\": 99 }" );
     assert_refused( "gate check suite.yaml --base other.json", "version 99" );
-    write_text( "other.json", "{ \"wisp_gate\":3, \"suite\": \"suite\" }" );
+    write_text( "other.json", "{ \"wisp_gate\":4, \"suite\": \"suite\" }" );
     assert_refused( "gate check suite.yaml --base other.json", "the file was edited" );
     write_text( "other.json", "[]" );
     assert_refused( "gate check suite.yaml --base other.json", "expected a base file" );
@@ -231,13 +278,15 @@ static void bad_bases_are_refused_and_stay( void** state )
     assert_refused( "gate check another.yaml --base suite-base.json", "of suite 'suite', not of 'another'" );
 }
 
-// A program that says it needs a fifth less; a fifth is far beyond the noise of any machine. Speed itself is not tested.
+// A program that says it needs half as long; a half is far beyond the noise of any machine. Speed itself is not tested.
 static void times_are_compared_with_another_program( void** state )
 {
     (void)state;
     char script[5000];
     snprintf( script, sizeof script,
-              "#!/bin/sh\n'%s' \"$@\" | awk '{ printf \"%%s %%s %%.0f\\n\", $1, $2, 0.5 * $3 }'\n", program );
+              "#!/bin/sh\n'%s' \"$@\" | while read name version ns steps; do echo $name $version $((ns / 2)) $steps; "
+              "done\n",
+              program );
     write_text( "faster", script );
     assert_int_equal( chmod( "faster", 0755 ), 0 );
     write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
@@ -246,8 +295,29 @@ static void times_are_compared_with_another_program( void** state )
     assert_contains( result.out, "Time against the other program" );
     assert_refused( "gate check suite.yaml --paired /bin/true", "/bin/true: expected a Wisp" );
     assert_refused( "gate check suite.yaml --paired none", "none: expected a Wisp" );
-    run_ok( "gate self-test suite.yaml --trials 1" );
+    run_ok( "gate self-test suite.yaml --trials 1 --pass links.xpbd" );
     assert_contains( result.out, "What the gate finds of itself" );
+    assert_contains( result.out, "links.xpbd is slowed down" );
+    assert_refused( "gate self-test suite.yaml --trials 1 --pass cloth.sew", "no pass 'cloth.sew'" );
+}
+
+static void write_program( const char* name, const char* script )
+{
+    write_text( name, script );
+    assert_int_equal( chmod( name, 0755 ), 0 );
+}
+
+static void programs_that_hang_or_make_other_steps_are_refused( void** state )
+{
+    (void)state;
+    write_text( "suite.yaml", "wisp_suite: 1\nscenes: [{ file: cloth.yaml, steps: 2 }]\n" );
+    write_program( "hangs", "#!/bin/sh\nsleep 600\n" );
+    assert_refused( "gate check suite.yaml --paired ./hangs --patience 0.2", "./hangs: gave no time of row 0" );
+    write_program( "chatters", "#!/bin/sh\nwhile :; do echo yes; done\n" );
+    assert_refused( "gate check suite.yaml --paired ./chatters", "./chatters: expected a Wisp" );
+    write_program( "skips", "#!/bin/sh\nwhile read n; do echo wisp_gate_ns 2 1000000 1; done\n" );
+    assert_refused( "gate check suite.yaml --paired ./skips", "./skips: made 1 steps of row 0" );
+    assert_usage( "gate check suite.yaml --paired ./skips --patience -1", "--patience" );
 }
 
 static void wrong_usage_is_64( void** state )
@@ -270,9 +340,12 @@ int main( int argc, char** argv )
         cmocka_unit_test_setup( errors_are_compared, fresh ),
         cmocka_unit_test_setup( rows_that_only_one_side_has_are_told, fresh ),
         cmocka_unit_test_setup( instructions_repeat, fresh ),
+        cmocka_unit_test_setup( cycles_repeat, fresh ),
+        cmocka_unit_test_setup( iterations_of_linear_solves_are_compared, fresh ),
         cmocka_unit_test_setup( bad_suites_are_refused_in_a_sentence, fresh ),
         cmocka_unit_test_setup( bad_bases_are_refused_and_stay, fresh ),
         cmocka_unit_test_setup( times_are_compared_with_another_program, fresh ),
+        cmocka_unit_test_setup( programs_that_hang_or_make_other_steps_are_refused, fresh ),
         cmocka_unit_test_setup( wrong_usage_is_64, fresh ),
     };
     return find_program( argc, argv ) ? cmocka_run_group_tests( tests, enter_folder, leave_folder ) : 64;
