@@ -99,7 +99,10 @@ static suite_row* add_row( suite_reader* r )
     {
         r->capacity = r->capacity > 0 ? 2 * r->capacity : 16;
         suite_row* rows = text_alloc( (size_t)r->capacity * sizeof *rows );
-        memcpy( rows, s->rows, (size_t)s->row_count * sizeof *rows * ( s->rows != NULL ) );
+        if ( s->rows != NULL )
+        {
+            memcpy( rows, s->rows, (size_t)s->row_count * sizeof *rows );
+        }
         free( s->rows );
         s->rows = rows;
     }
