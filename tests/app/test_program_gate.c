@@ -168,6 +168,9 @@ static void instructions_repeat( void** state )
     run( "gate check suite.yaml" );
     assert_int_equal( result.status, 1 );
     assert_contains( result.out, "instructions is " );
+    run_ok( "gate self-test suite.yaml --trials 1" );
+    assert_contains( result.out, "0 %       +0.00 %" );
+    assert_null( strstr( result.out, "5 %       +0.00 %" ) );
 }
 
 // A base that has cycles is compared with cycles, without being asked.
@@ -295,7 +298,7 @@ static void times_are_compared_with_another_program( void** state )
     assert_contains( result.out, "Time against the other program" );
     assert_refused( "gate check suite.yaml --paired /bin/true", "/bin/true: expected a Wisp" );
     assert_refused( "gate check suite.yaml --paired none", "none: expected a Wisp" );
-    run_ok( "gate self-test suite.yaml --trials 1 --pass links.xpbd" );
+    run_ok( "gate self-test suite.yaml --trials 1 --no-instructions --pass links.xpbd" );
     assert_contains( result.out, "What the gate finds of itself" );
     assert_contains( result.out, "links.xpbd is slowed down" );
     assert_refused( "gate self-test suite.yaml --trials 1 --pass cloth.sew", "no pass 'cloth.sew'" );
