@@ -9,8 +9,8 @@ static void bound_rate( int found, int trials, double* lower, double* upper )
 {
     const double z = 1.96, n = trials, rate = found / n, centre = rate + z * z / ( 2.0 * n );
     const double half = z * sqrt( rate * ( 1.0 - rate ) / n + z * z / ( 4.0 * n * n ) );
-    *lower = ( centre - half ) / ( 1.0 + z * z / n );
-    *upper = ( centre + half ) / ( 1.0 + z * z / n );
+    *lower = fmax( 0.0, ( centre - half ) / ( 1.0 + z * z / n ) );
+    *upper = fmin( 1.0, ( centre + half ) / ( 1.0 + z * z / n ) );
 }
 
 // The pass that processes will slow down, and how much work of each of its calls doubles the time; or why there is none.
