@@ -32,6 +32,9 @@ typedef struct suite_observer
 {
     wisp_status ( *observe )( void* user, const scene_world* world, wisp_error* error );
     void* user;
+    /// Request statistics of contact and intersections from the first step on. Surfaces without contact have their intersections
+    /// counted too, and meet nothing.
+    bool requests_contact;
 } suite_observer;
 
 /// Run a row in this process. Instructions are not counted, and there is no error.

@@ -88,6 +88,11 @@ static wisp_status fill_report( accuracy_report* report, wisp_error* error )
 static void write_report( const accuracy_report* report, results* out )
 {
     accuracy_add_table( report, out );
+    accuracy_add_contact( report, out );
+    if ( report->scene->error_name[0] == '\0' )
+    {
+        accuracy_add_times( report, out );
+    }
     accuracy_add_rows( report, out );
     if ( !report->scene->has_no_rivals )
     {
