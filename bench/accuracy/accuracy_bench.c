@@ -89,7 +89,7 @@ static void write_report( const accuracy_report* report, results* out )
 {
     accuracy_add_table( report, out );
     accuracy_add_contact( report, out );
-    if ( report->scene->error_name[0] == '\0' )
+    if ( report->entry->suite )
     {
         accuracy_add_times( report, out );
     }
@@ -131,7 +131,10 @@ static wisp_status run_scene( accuracy_report* report, double seconds, const ben
     free_report( report );
     for ( int i = 0; i < count; ++i )
     {
-        profile_samples_free( &stats[i].profile );
+        for ( int w = 0; w < ACCURACY_WORKERS_MAX; ++w )
+        {
+            profile_samples_free( &stats[i].profile[w] );
+        }
     }
     free( stats );
     return status;

@@ -7,9 +7,9 @@
 /// Results of a setting.
 typedef struct accuracy_stats
 {
-    accuracy_run seen;                      ///< the sampled run, whose times are not used
-    stats_summary ms[ACCURACY_WORKERS_MAX]; ///< of the runs that are not sampled; NaN if it was halted
-    profile_samples profile;                ///< of the first one, with one worker; empty: not gathered
+    accuracy_run seen;                             ///< the sampled run, whose times are not used
+    stats_summary ms[ACCURACY_WORKERS_MAX];        ///< of the runs that are not sampled; NaN if it was halted
+    profile_samples profile[ACCURACY_WORKERS_MAX]; ///< of the first one with each; empty: not gathered
 } accuracy_stats;
 
 /// A scene with the results of all its settings.

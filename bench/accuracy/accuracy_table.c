@@ -227,9 +227,9 @@ static void add_row( const accuracy_report* report, int setting, int worker, res
     row->has_hash = true;
     put_finite( &row->stages, "mean", f->ms[worker].mean );
     put_finite( &row->stages, "longest", f->ms[worker].maximum );
-    for ( int i = 0; worker == 0 && i < f->profile.pass_count && i + 2 < RESULTS_MAX_VALUES; ++i )
+    profile_samples profile = f->profile[worker];
+    for ( int i = 0; i < profile.pass_count && i + 2 < RESULTS_MAX_VALUES; ++i )
     {
-        profile_samples profile = f->profile; // its samples are sorted in place
         results_put( &row->stages, profile.passes[i].name, 1e3 * profile_samples_median( &profile, i ) );
     }
 }
@@ -258,7 +258,7 @@ static double weight_of( const accuracy_report* report, const char* name )
     double sum = 0.0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        profile_samples profile = report->stats[i].profile;
+        profile_samples profile = report->stats[i].profile[0];
         for ( int p = 0; p < profile.pass_count; ++p )
         {
             sum += strcmp( profile.passes[p].name, name ) == 0 ? 1e3 * profile_samples_median( &profile, p ) : 0.0;
@@ -274,7 +274,7 @@ static int choose_passes( const accuracy_report* report, const char* names[PASSE
     int count = 0;
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        const profile_samples* profile = &report->stats[i].profile;
+        const profile_samples* profile = &report->stats[i].profile[0];
         for ( int p = 0; p < profile->pass_count; ++p )
         {
             const char* name = profile->passes[p].name;
@@ -306,10 +306,10 @@ static int choose_passes( const accuracy_report* report, const char* names[PASSE
     return count;
 }
 
-static void add_passes_of( const accuracy_report* report, int setting, const char* const* names, int count, int table,
-                           results* out )
+static void add_passes_of( const accuracy_report* report, int setting, int worker, const char* const* names,
+                           int count, int table, results* out )
 {
-    profile_samples profile = report->stats[setting].profile;
+    profile_samples profile = report->stats[setting].profile[worker];
     double all = 0.0, shown = 0.0;
     cells row = { .count = 0 };
     cells_put( &row, "%s", report->scene->settings[setting].name );
@@ -331,14 +331,9 @@ static void add_passes_of( const accuracy_report* report, int setting, const cha
     cells_end_row( &row, table, out );
 }
 
-void accuracy_add_passes( const accuracy_report* report, results* out )
+static void add_pass_table( const accuracy_report* report, const char* const* names, int count, int worker,
+                            results* out )
 {
-    const char* names[PASSES_SHOWN];
-    const int count = choose_passes( report, names );
-    if ( count == 0 )
-    {
-        return;
-    }
     cells header = { .count = 0 };
     cells_put( &header, "setting" );
     for ( int k = 0; k < count; ++k )
@@ -346,12 +341,23 @@ void accuracy_add_passes( const accuracy_report* report, results* out )
         cells_put( &header, "%s", names[k] );
     }
     cells_put( &header, "all others" );
-    char title[160];
-    snprintf( title, sizeof title, "%s `%s`: ms of a step by pass, one worker", accuracy_kind( report->scene ),
-              report->entry->name );
+    char title[160], workers[24];
+    accuracy_workers_label( report->workers[worker], workers, sizeof workers );
+    snprintf( title, sizeof title, "%s `%s`: ms of a step by pass, %s", accuracy_kind( report->scene ),
+              report->entry->name, worker == 0 ? "one worker" : workers );
     const int table = cells_begin_table( &header, title, out );
     for ( int i = 0; i < report->scene->setting_count; ++i )
     {
-        add_passes_of( report, i, names, count, table, out );
+        add_passes_of( report, i, worker, names, count, table, out );
+    }
+}
+
+void accuracy_add_passes( const accuracy_report* report, results* out )
+{
+    const char* names[PASSES_SHOWN];
+    const int count = choose_passes( report, names );
+    for ( int w = 0; w < report->worker_count && count > 0; ++w )
+    {
+        add_pass_table( report, names, count, w, out );
     }
 }

@@ -11,6 +11,8 @@ const char* const suite_sample_names[SAMPLE_COUNT] = {
     [SAMPLE_STRETCH_MAX] = "stretch max, %",
     [SAMPLE_STRETCH_MEAN] = "stretch mean, %",
     [SAMPLE_ENERGY] = "energy gained, mJ",
+    [SAMPLE_ENERGY_RISEN] = "energy risen, mJ",
+    [SAMPLE_ENERGY_LOST] = "energy lost, % of released",
     [SAMPLE_SPEED] = "speed, m/s",
     [SAMPLE_PENETRATION] = "penetration, mm",
     [SAMPLE_RESETS] = "strand resets",
@@ -50,7 +52,8 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
         has[SAMPLE_RESETS] = has[SAMPLE_RESETS] || scene->strands[i].has_dynamics;
         has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || scene->strands[i].has_contact;
     }
-    has[SAMPLE_STRETCH_MEAN] = has[SAMPLE_ENERGY] = has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
+    has[SAMPLE_STRETCH_MEAN] = has[SAMPLE_ENERGY] = has[SAMPLE_ENERGY_RISEN] = has[SAMPLE_ENERGY_LOST] =
+        has[SAMPLE_SPEED] = has[SAMPLE_STRETCH_MAX];
     has[SAMPLE_MEMORY] = true;
     has[SAMPLE_CANDIDATES] = has[SAMPLE_CANDIDATES] || has[SAMPLE_INTERSECTIONS];
     for ( int i = SAMPLE_CANDIDATES; i <= SAMPLE_FORCE; ++i )
@@ -63,7 +66,7 @@ void suite_samples_of( const wisp_scene* scene, bool has[SAMPLE_COUNT] )
 
 static void sample_motion( suite_sampler* s, const scene_world* world )
 {
-    double energy = 0.0, stretch = 0.0;
+    double energy = 0.0, potential = 0.0, stretch = 0.0;
     s->speed = 0.0;
     for ( int body = 0; body < scene_world_moving_count( world ); ++body )
     {
@@ -71,13 +74,17 @@ static void sample_motion( suite_sampler* s, const scene_world* world )
         if ( scene_world_motion_stats( world, body, &m, NULL ) == WISP_OK )
         {
             energy += m.kinetic_energy + m.potential_energy;
+            potential += m.potential_energy;
             stretch = fmax( stretch, m.strain_mean );
             s->stretch_max = fmax( s->stretch_max, m.strain_max );
             s->speed = fmax( s->speed, m.speed_max );
         }
     }
     s->energy = energy;
+    s->potential = potential;
+    s->energy_most = s->steps == 0 ? energy : fmax( s->energy_most, energy );
     s->energy_first = s->steps == 0 ? energy : s->energy_first;
+    s->potential_first = s->steps == 0 ? potential : s->potential_first;
     s->stretch_mean += ( stretch - s->stretch_mean ) / ++s->steps;
 }
 
@@ -144,11 +151,14 @@ wisp_status suite_sampler_observe( void* user, const scene_world* world, wisp_er
 void suite_sampler_values( const suite_sampler* s, const suite_measurement* measured, double* out )
 {
     const bool meets = s->contact_steps > 0 && s->candidates > 0.0;
+    const double released = s->potential_first - s->potential;
     const double per_step = meets ? 1.0 / s->contact_steps : NAN;
     const double all[SAMPLE_COUNT] = {
         [SAMPLE_STRETCH_MAX] = 100.0 * s->stretch_max,
         [SAMPLE_STRETCH_MEAN] = 100.0 * s->stretch_mean,
         [SAMPLE_ENERGY] = 1e3 * ( s->energy - s->energy_first ),
+        [SAMPLE_ENERGY_RISEN] = 1e3 * ( s->energy_most - s->energy_first ),
+        [SAMPLE_ENERGY_LOST] = released > 0.0 ? 100.0 * ( s->energy_first - s->energy ) / released : NAN,
         [SAMPLE_SPEED] = s->speed,
         [SAMPLE_PENETRATION] = 1e3 * measured->values[SUITE_PENETRATION],
         [SAMPLE_RESETS] = measured->values[SUITE_RESETS],

@@ -10,6 +10,8 @@ typedef enum suite_sample
     SAMPLE_STRETCH_MAX,
     SAMPLE_STRETCH_MEAN,
     SAMPLE_ENERGY,
+    SAMPLE_ENERGY_RISEN,
+    SAMPLE_ENERGY_LOST,
     SAMPLE_SPEED,
     SAMPLE_PENETRATION,
     SAMPLE_RESETS,
@@ -45,7 +47,9 @@ typedef struct suite_sampler
     bool has_contact, has_overlap;
     double stretch_max, stretch_mean; // the largest, and the mean of steps
     double energy_first, energy;      // J, after the first and the last step
-    double speed;                     // m/s, of the fastest vertex after the last step
+    double energy_most;               // J, after any step
+    double potential_first, potential;
+    double speed; // m/s, of the fastest vertex after the last step
     double candidates, contacts, searches, limited, impulse, net_impulse, force, min_gap;
     int intersections_max, intersected_steps, contact_steps;
     suite_overlap overlap;
